@@ -1,5 +1,5 @@
-/* This fuzz target exposes the device to arbitrary hosts and buses. The input is a list of operations on the
- * token mailbox, so that the fuzzer reaches every state:
+/* This fuzz target confronts the device with hosts and USB buses that behave arbitrarily. The input is a list
+ * of operations on the token mailbox, so that the fuzzer reaches every state:
  *
  *   op u8 modulo 12:
  *    0 a setup packet as it is: 8 bytes            6 a millisecond passes, times u8 modulo 64
@@ -11,8 +11,9 @@
  *    4 a change of the bus: u8 modulo 6              low, index, to whom
  *    5 the device polls, times u8 modulo 32
  *
- * After every operation, the records of the USB stack must be consistent. At the end, a host must be able to
- * start from the beginning. An input has at most 128 operations, so that it ends in time. */
+ * After every operation, the internal data of the device's USB stack must be consistent. At the end, a host
+ * must be able to enumerate the device again and use it. The fuzz target reads at most 128 operations from an
+ * input, so that a run ends in time. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,10 +1,10 @@
-// These tests check claims about balloon and stent in whole sessions, from the script to the recording. A
-// stent is opened and deployed, and it holds the lumen that its balloon has opened. The core receives the
-// stent by recorded inputs, so a replay agrees bit for bit, with pictures and without. After a failure the
-// outcome is reported, and no record is lost. The tests cause these failures: a balloon that is pulled under
-// pressure, bursts, is released without a wall, or is inflated in a guiding catheter, and a loss of power.
-// The scene is an artery of 3 mm behind a wide vessel of 10 mm, with a stenosis of 50 % that gives way; the
-// tests bake it themselves.
+// These tests check balloon and stent in whole sessions, from the script to the recording. The stent must be
+// opened and deployed, and must keep the lumen as wide as the balloon has opened it. The core receives the
+// stent as part of the recorded inputs, so a replay with or without pictures is equal bit for bit. After a
+// failure the session must report the outcome, and no record may be lost. The tests cause these failures: a
+// balloon that is pulled under pressure, that bursts, that is released without a wall, or that is inflated in
+// a guiding catheter; and a loss of power. The scene is an artery of 3 mm behind a wide vessel of 10 mm, with
+// a stenosis of 50 % that a balloon can open; the tests bake this scene.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -54,7 +54,7 @@ void write_tube()
     std::ofstream mesh(folder / "tube.obj"), line(folder / "artery.csv");
     line << "branch,x_mm,y_mm,z_mm,radius_mm\n";
     for (int i = 0; i <= length_mm; ++i) {
-        // The stated radius is that of the polygon's inscribed circle.
+        // The radius in the scene file is that of the circle inside the polygon.
         const double r = radius_mm(i) / std::cos(std::numbers::pi / around);
         for (int k = 0; k < around; ++k) {
             const double angle = 2 * std::numbers::pi * k / around;
@@ -97,7 +97,7 @@ int remove_scene(void **)
     return 0;
 }
 
-// Runs a session and holds all its results.
+// Describes a session, runs it, and holds all its results.
 struct Case {
     std::string script;
     std::vector<std::string> tools = {wire, balloon};
@@ -148,14 +148,15 @@ struct Case {
         nodes = session_frame(device, {}, {}).wire.nodes;
     }
 
-    // Returns the smallest opening in the middle third of the lesion. Near its ends the lesion does not
-    // narrow the vessel, so nothing opens it there.
+    // Returns the smallest opening (0 to 1) of the lesion in its middle third. Near its ends the lesion does
+    // not narrow the vessel, so nothing opens it there.
     double least_open() const
     {
         const auto third = static_cast<std::ptrdiff_t>(open.size() / 3);
         return *std::min_element(open.begin() + third, open.end() - third);
     }
-    // Replays without comparing hashes; `at_end` receives the shape of the line at the end.
+    // Replays the recording without comparing hashes; `at_end` receives the shape of the set of nested tools
+    // at the end.
     ReplayResult replay(const Recording &recording, std::vector<WireNode> *at_end = nullptr,
                         double from_s = 0.0) const
     {
@@ -225,9 +226,9 @@ std::size_t rings_of(const Recording &recording)
     return count_of(recording, CRN_WIRE_KIND_strut);
 }
 
-// Without a stent about a third of the gained lumen recoils (recoil 0.35), whereas the stent holds it. The
-// balloon has a diameter of 3 mm in an artery of 3 mm: the stent's outside lies on the wall, and its inside
-// is narrower by two struts of 0.081 mm.
+// Without a stent the lumen loses about a third of its gain by recoil (0.35); with a stent the lumen keeps
+// the gain. The balloon has a diameter of 3 mm in an artery of 3 mm. The outside of the stent therefore lies
+// on the wall, and its inner diameter is less by twice the strut thickness of 0.081 mm.
 void a_stent_holds_what_its_balloon_has_opened(void **)
 {
     Case &stented = usual_case(), bare{begin_at(lesion_mm) + up_and_down};
@@ -252,15 +253,15 @@ void a_stent_holds_what_its_balloon_has_opened(void **)
     assert_replays(bare);
 }
 
-// The same session with pictures, whose X-ray pulses come between the stent's updates, has the same inputs,
-// tick by tick.
+// The test repeats the session with pictures, whose X-ray pulses lie between the stent's updates; the core
+// must get equal inputs in every tick.
 void pictures_change_nothing(void **)
 {
     Case &unseen = usual_case(), seen{begin_at(lesion_mm) + "fluoro on rate 15 p/s\n" + up_and_down};
     seen.has_pictures = true;
     seen.record = "seen.rec";
     seen.run();
-    // The pedal is a button of the rig, which the core ignores.
+    // The X-ray pedal is a button of the rig, which the core ignores.
     assert_true(seen.result.hash == unseen.result.hash);
     const Recording a = unseen.recorded(), b = seen.recorded();
     assert_int_equal(a.ticks.size(), b.ticks.size());
@@ -276,8 +277,9 @@ void pictures_change_nothing(void **)
     assert_replays(seen);
 }
 
-// There are two stents, one behind the other; the second one is loaded outside of the patient. A load inside
-// the patient, and a load of more stents than there are, are refused.
+// The session has two stents, which are placed one behind the other; the second stent is loaded outside of
+// the patient. The commands to load a stent while the balloon is in the patient, and to load more stents than
+// there are, must be refused.
 void a_second_stent_is_loaded_outside_of_the_patient(void **)
 {
     Case two{begin_at(-10.0) + "load stent\nadvance catheter until inserted 83 mm at 200 mm/s\n" +
@@ -309,7 +311,8 @@ void released_where_the_vessel_is_wide_it_is_lost(void **)
     assert_replays(lost);
 }
 
-// A stent does not unfold in a catheter: it stays crimped on its balloon, and comes out with it.
+// Inside a guiding catheter a stent does not open; it stays crimped on its balloon and is withdrawn with the
+// balloon.
 void inflated_in_the_guide_it_stays_on_its_balloon(void **)
 {
     Case guided{"begin guide inserted 40 mm\nbegin catheter inserted 32 mm\nbegin wire inserted 60 mm\n" +
@@ -322,11 +325,12 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
     assert_replays(guided);
 }
 
-// At 8 bar, a friction of 0.1 times the wall force resists the hand with 5.3 newtons. The balloon moves with
-// the hand, and the stent moves with the balloon. The stent is deployed at its new place when the pressure is
-// released. The line of tools is stretched by 0.77 % in this session. A balloon that was inflated to 10 bar
-// would be held by 6.2 N, and would come loose suddenly when 9 bar are left. This would stretch the line by
-// 1.30 % under 10 N, beyond the limit of 1 % at which a run ends as out of range (range_watch.hpp).
+// At a balloon pressure of 8 bar, friction (0.1 times the wall force) resists the hand with 5.3 N. The
+// balloon moves with the hand, and the stent moves with the balloon. The stent is deployed at its new
+// position when the pressure is released. The set of nested tools is stretched by 0.77 % in this session. If
+// the balloon were inflated to 10 bar, 6.2 N would hold it, and it would come loose suddenly when the
+// pressure has fallen to 9 bar. The tools would then be stretched by 1.30 % under 10 N, beyond the limit of 1
+// % at which a run ends as out of range (range_watch.hpp).
 void pulled_without_deflation_the_balloon_holds_its_stent(void **)
 {
     Case pulled{begin_at(lesion_mm) +
@@ -348,7 +352,7 @@ void pulled_without_deflation_the_balloon_holds_its_stent(void **)
     assert_replays(pulled);
 }
 
-// Returns the distance from the vessel's centreline, which is the y axis.
+// Returns a point's distance from the centreline of the vessel, which is the y axis.
 double off_axis_mm(const WireNode &node)
 {
     return std::hypot(node.position_m.x(), node.position_m.z()) * 1e3;
@@ -365,10 +369,11 @@ Recording without_struts(Recording recording)
     return recording;
 }
 
-// The stent's middle is at 42 mm. Half of the stent is in the artery; the other half, from 33 to 40 mm, is
-// malapposed, because the vessel widens there. The wire is drawn back out of the stent and advanced again
-// along the wall. The wire then passes beside the struts and stays outside the stent. In a replay without the
-// struts, and with everything else equal, the wire advances into the artery.
+// The stent's middle is at 42 mm. Half of the stent lies on the wall of the artery. The second half of the
+// stent, from 33 to 40 mm, is malapposed, because the vessel widens there. The wire is drawn back out of the
+// stent and advanced again along the wall. The wire then passes beside the struts and stays outside the
+// stent. A replay without the stent's struts, but with everything else equal, lets the wire advance into the
+// artery.
 void a_wire_beside_a_stent_meets_its_struts(void **)
 {
     Case beside{
@@ -398,14 +403,14 @@ void a_wire_beside_a_stent_meets_its_struts(void **)
     assert_true(held > 0);
     assert_true(through.front().position_m.y() > tip.position_m.y() + 3e-3);
     assert_replays(beside);
-    // This replay begins at the snapshot at 5 s, which contains the rings of struts.
+    // The replay begins at the snapshot at 5 s, which contains the rings of struts.
     const ReplayResult late = beside.replay(recording, nullptr, 5.1);
     assert_false(late.first_difference_tick.has_value());
     assert_true(late.hash == beside.result.hash && late.ticks_compared < beside.result.figures.ticks);
 }
 
-// The balloon bursts at 22 bar when the inflator rises to 30 bar. From then on there is no pressure in it.
-// The stent was already expanded, and is deployed.
+// The balloon bursts at 22 bar when the inflator rises to 30 bar. After the burst the balloon has no
+// pressure. The stent was already expanded, so it is deployed.
 void burst_balloon_leaves_its_stent_open(void **)
 {
     Case burst{begin_at(lesion_mm) + "inflate to 30 bar at 40 bar/s\nwait 0.8 s\n"};
@@ -419,8 +424,9 @@ void burst_balloon_leaves_its_stent_open(void **)
     assert_replays(burst);
 }
 
-// The recording's file ends in the middle of a chunk, while the balloon is under pressure. The file still has
-// all complete ticks, and they replay together with the orders to the core about the stent.
+// The file of the recording is cut off in the middle of a chunk, while the balloon is under pressure. The
+// file still has all ticks of its complete chunks. These ticks replay together with the stent's commands to
+// the core.
 void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
 {
     const Case &whole = usual_case();
@@ -445,7 +451,7 @@ void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
     assert_true(read.ticks.back().hash_lane[0] == all.ticks[499].hash_lane[0]);
 }
 
-// This is a device with a rig whose inflator rises to 10 bar, stays there and falls again while time passes.
+// Simulates a device with a rig whose inflator rises to 10 bar, stays at this pressure and falls again.
 class PumpedRig final : public Transport
 {
   public:
@@ -474,8 +480,8 @@ class PumpedRig final : public Transport
     std::int32_t passed_ms_ = 0;
 };
 
-// In a session that the device leads, the core receives the stent by requests, and each request is part of
-// the tick that applied it.
+// In FREE_RUN sessions the host sends the commands about the stent as requests, and each request is recorded
+// in the tick in which the device's core carried it out.
 void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
 {
     const Case &like = usual_case(); // the same tools and stent

@@ -1,9 +1,10 @@
-// These tests check claims about the short forms of the two angioplasty sessions. The wire ends beyond the
-// lesion in its artery, and the balloon's middle lies within 2 mm of the minimal lumen diameter when the
-// balloon is filled. The lesion opens under the balloon and keeps the part that does not recoil. No tool goes
-// deeper than 0.5 mm into a wall, no hand feels more than 4 N, and the core reports nothing but snaps. Scenes
-// are made like those of `make demo-pci`. The renal scene is made from the phantom, and the coronary scene
-// from the left coronary artery of the heart at rest, because the whole aorta and the beat take minutes.
+// These tests check the short forms of the two angioplasty sessions. The wire ends beyond the lesion in its
+// artery, and the balloon's middle lies within 2 mm of the minimal lumen diameter when the balloon is filled.
+// The balloon opens the lesion, and the lesion keeps the part of the gain that does not recoil. No tool goes
+// deeper than 0.5 mm into a wall, no hand feels more than 4 N, and the core reports nothing but snaps. The
+// scenes are made like those of `make demo-pci`. The renal scene is made from the phantom, and the coronary
+// scene from the left coronary artery of the heart at rest. The whole aorta and a beating heart would take
+// minutes.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -64,7 +65,7 @@ std::string in_folder(const char *name)
     return "'" + (folder / name).string() + "'";
 }
 
-// Returns the place on the line of tools at this arc length behind the line's leading tip.
+// Returns the point of the set of nested tools at this arc length behind its leading tip.
 Vector3d place_m(const crn::WireFrame &wire, double arc_m)
 {
     const auto &nodes = wire.nodes;
@@ -74,7 +75,7 @@ Vector3d place_m(const crn::WireFrame &wire, double arc_m)
     return nodes[i].position_m + share * (nodes[i + 1].position_m - nodes[i].position_m);
 }
 
-// This sink checks the session ten times a second.
+// Observes the session and checks it ten times a second.
 class Watch : public crn::SteadySink
 {
   public:
@@ -105,8 +106,8 @@ class Watch : public crn::SteadySink
     bool burst = false;
 
   private:
-    // Returns the position along the lesion's branch, positive towards the branch's end; fails outside that
-    // branch.
+    // Returns the position along the branch with the lesion, which increases towards the branch's end; fails
+    // if the point is not in this branch.
     double arc_behind_throat_mm(const Vector3d &p_m) const
     {
         const crn::VesselLesion &lesion = tree_.lesions.at(0);
@@ -181,8 +182,8 @@ void the_ostium_of_a_renal_artery_is_opened(void **)
     treat("renal.scene", "pci_renal_short.session", {"terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"});
 }
 
-// `anatomy heart --heart-only` writes the centrelines of all arteries into one file, LM, LAD and D1 first. A
-// tree is made from one file for each artery.
+// `anatomy heart --heart-only` writes the centrelines of all arteries into one file, LM, LAD and D1 first.
+// The function builds the vessel tree from one file for each artery.
 void split_centrelines()
 {
     const std::string script =
@@ -211,8 +212,8 @@ void the_middle_of_the_anterior_descending_artery_is_opened(void **)
     treat("lad.scene", "pci_lad_short.session", {"coronary_014", "balloon_3x20"});
 }
 
-// Copies a file. The lines `key = ...` are changed: `answer` receives the key and returns the new line. Other
-// lines stay.
+// Copies a file. The function changes the lines `key = ...`: `answer` receives the key and returns the new
+// line. Other lines stay.
 template <typename Answer> void copy_changed(const std::string &from, const std::string &to, Answer answer)
 {
     std::ifstream in(from);
@@ -221,10 +222,10 @@ template <typename Answer> void copy_changed(const std::string &from, const std:
         if (line.rfind("expect", 0) != 0) out << answer(line) << "\n"; // another course has another end
 }
 
-// A guiding catheter that snaps over the ostium of a branch does so once. Neither hand feels the shaking of a
-// line that is held back. Core 14 scaled the step down in each of 60 ticks; the hands then felt 6.3 and 5.4 N
-// here, with a false CORE_FEED_LIMIT. When more ticks than the first are scaled down, the forces are 5.8 and
-// 5.7 N. The tolerance is 4.5 N; the largest felt force is 3.8 N.
+// The test lets a guiding catheter snap over the ostium of a branch; this must happen only once. No hand may
+// feel a shaking force when the set of nested tools is held back. Core 14 scaled the step down in each of 60
+// ticks; the hands then felt 6.3 and 5.4 N here, with a false CORE_FEED_LIMIT. When more ticks than the first
+// are scaled down, the forces are 5.8 and 5.7 N. The tolerance is 4.5 N; the largest felt force is 3.8 N.
 void the_snap_of_a_guide_does_not_shake_the_hands(void **)
 {
     for (const std::string speed : {"40", "80"}) {
@@ -247,7 +248,7 @@ void the_snap_of_a_guide_does_not_shake_the_hands(void **)
     }
 }
 
-// Returns the score of the short session with a stent, as metrics by name.
+// Returns the score of the short session with a stent: the metrics, found by their names.
 nlohmann::json score_of_session(const std::string &session, const std::string &balloon,
                                 const std::string &stent)
 {
@@ -280,7 +281,7 @@ void a_stent_of_the_right_size_in_the_right_place_leaves_no_stenosis(void **)
     check("score", score["percent"], 90, 100);
 }
 
-// The balloon is not filled enough: at 4 bar it has 2.84 mm in an artery of 3.02 mm.
+// In this session the balloon is not filled enough: at 4 bar its diameter is 2.84 mm in an artery of 3.02 mm.
 void a_stent_opened_too_little_stands_off_the_wall(void **)
 {
     copy_changed(stent_session, "small.session", [](const std::string &line) {
@@ -292,8 +293,8 @@ void a_stent_opened_too_little_stands_off_the_wall(void **)
     check("score", score["percent"], 0, 95);
 }
 
-// Balloon and stent are of size 2.5 mm: at 16 bar they have 2.68 mm in an artery of 3.02 mm. The lesion opens
-// no farther than the balloon.
+// In this session the balloon and the stent are of size 2.5 mm: at 16 bar their diameter is 2.68 mm in an
+// artery of 3.02 mm. The lesion opens only as far as the balloon.
 void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
 {
     const auto smaller = [](const std::string &line) {
@@ -316,7 +317,7 @@ void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
     check("score", score["percent"], 0, 90);
 }
 
-// The stent is 7 mm too far distal, so the beginning of the lesion remains without a stent.
+// In this session the stent is 7 mm too far distal, so the beginning of the lesion has no stent.
 void a_stent_beyond_the_lesion_misses_it(void **)
 {
     int pushes = 0;

@@ -1,9 +1,10 @@
 // This test checks that tools in a real aorta (stEVE_bench centrelines, which are not part of the project)
-// stay inside the vessel and keep their length. The shipped session drives two wires from the right common
-// iliac artery to the arch, and a catheter follows a wire. The reference is the exact distance to the
-// triangles of the surface. It is sampled every 0.5 mm along the line, also between the nodes, 50 times per
-// second of the whole session. The distance field that the core reads does not influence this reference. The
-// test is skipped, with a message, where the anatomy is missing.
+// stay inside the vessel and keep their length. The tests drive two kinds of guidewire with the shipped
+// session from the right common iliac artery to the arch, and let a catheter follow a wire. The test's
+// reference is the exact distance of the tools from the triangles of the vessel surface. The distance is
+// sampled every 0.5 mm along the tools, also between the nodes, 50 times per second of the whole session. The
+// distance field that the core reads does not influence this reference. The test is skipped, with a message,
+// where the anatomy is missing.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -40,7 +41,7 @@ fs::path anatomy_folder()
     return given ? fs::path(given) : fs::path("../shared/anatomy");
 }
 
-// Holds the scene, baked once for all tests of this program, with its surface.
+// Holds the scene and its surface; the scene is baked once for all tests of this program.
 struct Baked {
     fs::path folder, scene;
     crn::bake::Mesh surface;
@@ -86,7 +87,7 @@ int remove_scene(void **)
     return 0;
 }
 
-// This sink measures every frame against the surface.
+// Observes the session and measures the distance of the tools from the surface in every frame.
 class Referee : public crn::SteadySink
 {
   public:
@@ -129,9 +130,9 @@ void check(const char *what, double value, double most)
     if (!(value <= most)) fail_msg("%s = %g, allowed %g", what, value, most);
 }
 
-// The bars are: at most 0.1 % of samples deeper than 0.3 mm, none deeper than 1 mm, a length error of at most
-// 0.1 % (no tool is pushed against anything here), and at least `inserted_mm` of every tool inserted. The
-// reference distance uses the radius of the outermost tool.
+// The limits are: at most 0.1 % of the samples deeper in the wall than 0.3 mm, no sample deeper than 1 mm,
+// and a length error of at most 0.1 % (no tool is pushed against anything here). Every tool must be inserted
+// by at least `inserted_mm`. The reference distance takes the radius of the outermost tool into account.
 void drive(const std::vector<std::string> &instrument_files, const crn::Session &session, double inserted_mm)
 {
     if (!baked.is_there) skip();
@@ -164,8 +165,8 @@ void drive(const std::vector<std::string> &instrument_files, const crn::Session 
     check("length error in %", referee.length_error_max_pct, 0.1);
 }
 
-// The tool is pushed in strokes and turned a little, as by a hand. The script is not iliac_to_arch.session,
-// because that one steers by the names of the shipped vessels.
+// The tool is pushed in strokes and turned a little, as by a hand. The script differs from
+// iliac_to_arch.session, which steers by the names of the shipped vessels.
 crn::Session iliac_to_arch()
 {
     return crn::parse_session(

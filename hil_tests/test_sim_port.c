@@ -1,6 +1,6 @@
-/* These tests check the claims about a device through bytes only, so that the same cases can later run
- * against QEMU and a rig. The pipe may be cut into any pieces, lost bytes cost one frame, and a session gives
- * the same hashes every time. */
+/* These tests exchange only bytes with a device, so that the same test cases can later run with QEMU and with
+ * a rig. The tests cut the byte stream into arbitrary pieces, and lose bytes, which may cost only one frame.
+ * A session must give equal state hashes every time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -75,7 +75,8 @@ static void bytes_may_come_one_by_one(void **state)
     assert_int_equal(host.decoder.header.answers, 500);
 }
 
-/* A frame is cut at every place. The next frame is answered, and the status reports the loss. */
+/* The test cuts a frame after every possible number of bytes. The device must answer the next frame, and its
+ * status must report the lost bytes. */
 static void a_frame_cut_anywhere_costs_only_itself(void **state)
 {
     (void)state;
@@ -95,8 +96,8 @@ static void a_frame_cut_anywhere_costs_only_itself(void **state)
     }
 }
 
-/* A host that never reads fills the pipe; the device counts the messages that it could not send, and still
- * obeys. */
+/* When a host never reads, the pipe becomes full. The device then counts the messages that it could not send,
+ * and still carries out commands. */
 static void a_host_that_does_not_read_loses_frames_and_nothing_else(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* These tests check claims about the whole device on USB. Over the bulk pair
- * the device has the same conversation, with the same hashes, as over any other pipe. The HID interface shows
- * the state and removes power, and sets nothing that the wire protocol would refuse. */
+/* These tests check the complete device on USB. Over the pair of bulk endpoints, the device gives the same
+ * answers and the same state hashes as over any other pipe. The HID interface reports the device's state and
+ * can remove motor power. The HID interface refuses every setting that the wire protocol would refuse. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -65,7 +65,8 @@ static void run_session(client *c, crn_wire_ticks *last)
     }
 }
 
-/* The same session runs over USB tokens and over the sim's pipe: the hashes are equal, bit for bit. */
+/* A session over USB tokens and an equal session over the simulator's pipe must give equal state hashes, bit
+ * for bit. */
 static void a_session_over_usb_gives_the_hashes_of_any_other_pipe(void **state)
 {
     (void)state;
@@ -96,8 +97,8 @@ static void the_serial_number_is_that_of_the_port(void **state)
     assert_memory_equal(reply.serial, "USB-0001", strlen("USB-0001"));
 }
 
-/* The longest answer is a snapshot. A host that requests three snapshots and reads later gets all three,
- * complete. */
+/* The longest answer of a device is a snapshot. If a host requests three snapshots and reads later, it must
+ * receive all three completely. */
 static void no_answer_is_lost_when_the_host_reads_late(void **state)
 {
     (void)state;
@@ -114,8 +115,8 @@ static void no_answer_is_lost_when_the_host_reads_late(void **state)
     assert_int_equal(status.frames_bad, 0);
 }
 
-/* HID follows the app's state. STOP and RESET work by HID, while a command that could power a motor does
- * not. */
+/* HID follows the app's state. The commands STOP and RESET must work over HID, whereas a command that could
+ * give power to a motor must not. */
 static void hid_shows_the_state_and_takes_power_away(void **state)
 {
     (void)state;
@@ -152,8 +153,9 @@ static void hid_shows_the_state_and_takes_power_away(void **state)
     assert_int_equal(report.state, CRN_WIRE_STATE_READY);
 }
 
-/* STOP by HID does not wait for the rest of a frame, and disturbs nothing in the stream. The frame is
- * complete when its rest arrives, and no sequence number is missing. */
+/* A STOP over HID takes effect at once, even if the wire protocol has received only part of a frame, and does
+ * not disturb the byte stream. When the rest of the frame arrives, the device answers it, and no sequence
+ * number is missing. */
 static void stop_by_hid_passes_a_frame_that_is_half_there(void **state)
 {
     (void)state;
@@ -188,8 +190,8 @@ static usb_result set_limit(uint32_t force_limit_mN)
     return hid(0x21, 9, value, 1 + CRN_HID_BYTES_limits);
 }
 
-/* Settings by HID follow the rules of the wire protocol's `rig`: they are accepted only after HELLO and only
- * in READY, and limits only downwards. */
+/* Settings over HID must follow the rules of the message `rig` of the wire protocol: the device accepts them
+ * only after HELLO and only in the state READY, and limits can only be lowered. */
 static void settings_by_hid_obey_the_rules_of_the_wire(void **state)
 {
     (void)state;
@@ -237,8 +239,9 @@ static usb_result set_gain(uint32_t gain_milli)
     return hid(0x21, 9, value, 1 + CRN_HID_BYTES_calibration);
 }
 
-/* A damping of 1 N s/m supports 800 N/m at 0.5 ms of lag. The report that doubles the felt stiffness is
- * refused, like the same message `rig` of the wire protocol. */
+/* A damping of 1 N s/m permits a coupling of 800 N/m if the motor's lag is 0.5 ms. The device must refuse a
+ * HID report that doubles the stiffness that the hand feels, just as it refuses the same change in the
+ * message `rig` of the wire protocol. */
 static void a_gain_that_is_not_passive_is_refused_by_hid(void **state)
 {
     (void)state;
@@ -257,7 +260,7 @@ static void a_gain_that_is_not_passive_is_refused_by_hid(void **state)
     assert_int_equal(device.app.setup.tracks[0].wire.force_gain_milli, 500);
 }
 
-/* The state reports of a FREE_RUN session come for every tick, in order. */
+/* In a FREE_RUN session a state report must come for every tick, in order. */
 static void free_run_ticks_come_by_hid_one_by_one(void **state)
 {
     (void)state;

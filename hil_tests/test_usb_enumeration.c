@@ -1,7 +1,7 @@
-/* These tests check claims about the first contact of host and device. Enumeration as by Linux and Windows
- * succeeds at both speeds, descriptors satisfy the standards, and reports have the lengths that their
- * descriptor states. The descriptors are read from the mailbox only, and are judged without the table from
- * which they are made. */
+/* These tests check the first contact of a USB host with the device. The device must enumerate at both speeds
+ * in the sequences that Linux and Windows use. Its descriptors must satisfy the standards, and its reports
+ * must have the lengths that their descriptor states. The tests read the descriptors through the mailbox
+ * only, and check them without the table from which the firmware makes them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -88,9 +88,9 @@ static void linux_enumerates_at_full_speed(void **state)
     linux_way(false);
 }
 
-/* Windows requests 255 bytes of everything, so that 64 bytes of configuration need an empty packet behind
- * them. Windows also requests the Microsoft string 0xee, which is refused, the descriptor set by the vendor
- * code of the BOS, and the qualifier. */
+/* Windows requests 255 bytes of every descriptor, so the device must send an empty packet after the 64 bytes
+ * of its configuration. Windows also requests the Microsoft string 0xee (which the device refuses), the
+ * descriptor set by the vendor code of the BOS, and the qualifier. */
 static void windows_enumerates_and_learns_about_winusb(void **state)
 {
     (void)state;
@@ -119,7 +119,8 @@ static void windows_enumerates_and_learns_about_winusb(void **state)
     assert_int_equal(usb_rig_control(&rig, 0x00, 9, 1, 0, 0, NULL, NULL), USB_OK);
 }
 
-/* A descriptor is cut at the length that the host requests, for every length, and the bytes are the same. */
+/* The device must shorten a descriptor to the length that the host requests, for every length, without
+ * changing the remaining bytes. */
 static void a_short_read_gets_the_beginning(void **state)
 {
     (void)state;
@@ -140,8 +141,8 @@ static void a_short_read_gets_the_beginning(void **state)
     }
 }
 
-/* The other-speed configuration at one speed equals the configuration at the other speed, except for its
- * type. */
+/* The descriptor "other-speed configuration" at one speed must equal the configuration at the other speed,
+ * except for its type. */
 static void the_other_speed_is_what_it_says(void **state)
 {
     (void)state;
@@ -204,8 +205,8 @@ static void reports_have_the_lengths_of_their_descriptor(void **state)
     assert_int_equal(count, 64);
 }
 
-/* Strings are UTF-16 of the right length, the serial number is that of the port, and a language that is not
- * offered is refused. */
+/* The device's strings must be UTF-16 of the right length, and the serial number must be that of the port. A
+ * request for a language that the device does not offer must be refused. */
 static void strings_are_utf16_in_english(void **state)
 {
     (void)state;
@@ -237,7 +238,7 @@ static void the_identity_tells_both_hashes(void **state)
     assert_int_equal(identity.core_version, 7);
 }
 
-/* A stack that could not serve a host reports it at power-up. */
+/* If the USB stack cannot serve a host, it must report this at power-up. */
 static void a_bad_configuration_is_refused_at_power_up(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* These tests check claims about endpoint 0. Every standard request is answered as USB 2.0 chapter 9
- * requires, a forbidden request is refused with STALL and changes nothing, and no sequence of stages leaves
- * endpoint 0 unusable. */
+/* These tests check endpoint 0 of the device. The device must answer every standard request as USB 2.0
+ * chapter 9 requires, and refuse a forbidden request with STALL without any other change. No sequence of
+ * transfer stages may leave endpoint 0 unusable. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -122,7 +122,7 @@ static const request refused[] = {
     {0xff, 0xff, 0xffff, 0xffff, 64}, /* nothing of it */
 };
 
-/* Every refusal is a STALL, the next request is answered, and nothing has changed. */
+/* The device must refuse with STALL, must answer the next request, and must not have changed anything. */
 static void what_is_not_allowed_is_refused_and_changes_nothing(void **state)
 {
     (void)state;
@@ -143,7 +143,7 @@ static void what_is_not_allowed_is_refused_and_changes_nothing(void **state)
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
-/* Before SET_CONFIGURATION, requests to interfaces and endpoints are refused. */
+/* Before SET_CONFIGURATION, the device must refuse requests to interfaces and endpoints. */
 static void an_address_alone_allows_little(void **state)
 {
     (void)state;
@@ -164,8 +164,8 @@ static void an_address_alone_allows_little(void **state)
     assert_int_equal(ask(0x00, 9, 1, 0, 0), USB_STALLED); /* address 0 may not be configured */
 }
 
-/* The address changes after the status stage, not before: the transfer ends at the old address, and the next
- * one begins at the new address. */
+/* The device's address must change only after the status stage: the transfer ends at the old address, and the
+ * next transfer begins at the new address. */
 static void the_address_changes_after_the_status_stage(void **state)
 {
     (void)state;
@@ -176,7 +176,7 @@ static void the_address_changes_after_the_status_stage(void **state)
         rig.host.address = address;
         assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
     }
-    /* When a host never reaches the status stage, the address does not change. */
+    /* If the host never reaches the status stage, the device's address must not change. */
     static const uint8_t setup[8] = {0x00, 5, 3, 0, 0, 0, 0, 0};
     crn_mailbox_reply reply;
     usb_host_token(&rig.host, CRN_MAILBOX_SETUP, 0, 0, setup, 8, &reply, NULL, 0, &count);
@@ -184,7 +184,8 @@ static void the_address_changes_after_the_status_stage(void **state)
     assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
 }
 
-/* A halted endpoint stalls, reports the halt, and comes back with DATA0, while the others continue. */
+/* A halted endpoint must answer STALL and report its halt. After the halt is cleared, the endpoint begins
+ * with DATA0; the other endpoints continue meanwhile. */
 static void a_halt_is_set_seen_and_cleared(void **state)
 {
     (void)state;
@@ -204,8 +205,8 @@ static void a_halt_is_set_seen_and_cleared(void **state)
         assert_int_equal(usb_host_clear_halt(&rig.host, address), USB_OK);
         assert_int_equal(endpoint_status(address), 0);
     }
-    /* All four endpoints work again; their toggles agree, because otherwise the packets below would be
-     * dropped or refused. */
+    /* All four endpoints must work again. If their data toggles disagreed with the host's, the packets below
+     * would be dropped or refused. */
     static const uint8_t command[12] = {CRN_HID_ID_command, 1, 6, 0};
     usb_rig_tick(&rig);
     assert_int_equal(usb_host_in(&rig.host, 1, 64, bytes, 64, &count), USB_OK);
@@ -219,7 +220,7 @@ static void a_halt_is_set_seen_and_cleared(void **state)
     assert_int_equal(count, 3);
 }
 
-/* CLEAR_FEATURE also restarts an endpoint that is not halted, with DATA0 (USB 2.0, 9.4.5). */
+/* The request CLEAR_FEATURE must also restart an endpoint that is not halted, with DATA0 (USB 2.0, 9.4.5). */
 static void clearing_what_is_not_halted_resets_the_toggle(void **state)
 {
     (void)state;
@@ -235,8 +236,8 @@ static void clearing_what_is_not_halted_resets_the_toggle(void **state)
     }
 }
 
-/* A setup packet that comes in place of any stage of any transfer ends this transfer, and the new request is
- * answered. */
+/* If a setup packet comes instead of any stage of any transfer, the device must end this transfer and answer
+ * the new request. */
 static void a_setup_packet_ends_what_was_under_way(void **state)
 {
     (void)state;
@@ -273,7 +274,8 @@ static void a_data_stage_may_end_early(void **state)
     assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
 }
 
-/* A host that sends more data than it announced, or less, is refused, and the settings stay. */
+/* If a host sends more or less data than it announced, the device must refuse the request and keep its
+ * settings. */
 static void a_data_stage_of_the_wrong_length_is_refused(void **state)
 {
     (void)state;
@@ -304,8 +306,8 @@ static void test_modes_are_handed_to_the_controller(void **state)
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
-/* After a lost acknowledgement the packet is repeated, but no byte is lost and no request is executed
- * twice. */
+/* After a lost acknowledgement the packet is repeated. No byte may be lost, and the device must not execute a
+ * request twice. */
 static void lost_acknowledgements_change_nothing(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* These tests check claims about the data in the pipes. Bytes of the stream arrive complete and in order,
- * whatever the sizes of the packets and whatever is lost. The device waits for a host that does not read.
- * Resets, halts, suspend and unplug in the middle of a transfer lose the frames that are being transferred,
- * and nothing else. */
+/* These tests check the data in the USB pipes of the device. The bytes of the stream must arrive complete and
+ * in order, whatever the sizes of the packets and whichever packets are lost. When a host does not read, the
+ * device must wait. If a transfer is interrupted by a reset, a halt, a suspend or an unplugged cable, only
+ * the frames in that transfer may be lost. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +35,7 @@ static int set_up(void **state)
     return 0;
 }
 
-/* Makes `length` bytes without a zero, except for the last one, which is zero: the outer form of a frame. */
+/* Makes `length` bytes, of which only the last one is zero, as a frame of the wire protocol has. */
 static void make_frame(reference_random *random, uint8_t *frame, uint32_t length)
 {
     for (uint32_t i = 0; i + 1 < length; i++) frame[i] = (uint8_t)(1 + reference_random_below(random, 255));
@@ -56,8 +56,8 @@ static void echo(const uint8_t *frame, uint32_t length)
     assert_memory_equal(back, frame, length);
 }
 
-/* The lengths lie around every multiple of a packet. A full last packet is followed by an empty one, because
- * otherwise the host's read would not end. */
+/* The test uses lengths around every multiple of the packet size. An empty packet must follow if the last
+ * packet is full, because otherwise the host's read would not end. */
 static void frames_of_any_length_come_back(void **state)
 {
     (void)state;
@@ -135,8 +135,8 @@ static void random_packets_arrive_whole_and_in_order(void **state)
     }
 }
 
-/* A host writes and never reads: the device holds back its packets when a reply might not fit, and loses
- * none. */
+/* The host writes and never reads. The device must then hold back the host's packets whenever a reply might
+ * not fit, and must not lose any packet. */
 static void a_host_that_does_not_read_is_held(void **state)
 {
     (void)state;
@@ -152,7 +152,8 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(result, USB_NAKED);
     assert_int_equal(rig.frames_lost, 0);
     assert_in_range(written, 2, 5);
-    /* Every accepted frame comes back; the frame that the NAK interrupted stays incomplete. */
+    /* Every frame that the device accepted must come back; the frame that a NAK interrupted stays incomplete.
+     * */
     uint32_t got = 0;
     while (got < written * sizeof frame) {
         assert_int_equal(usb_host_packet_in(&rig.host, STREAM, bytes + got, PACKET, &count), USB_OK);
@@ -163,7 +164,8 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(rig.frames_lost, 0);
 }
 
-/* A refused frame leaves nothing in the queue, and the device reports beforehand how much space is free. */
+/* If the device refuses a frame, no part of it may stay in the queue, and the device must report beforehand
+ * how much space is free. */
 static void a_full_queue_refuses_whole_frames(void **state)
 {
     (void)state;
@@ -192,8 +194,8 @@ static void nobody_is_configured_so_nothing_is_queued(void **state)
     assert_false(crn_usb_transmit(&rig.usb, (const uint8_t *)"\1", 2));
 }
 
-/* Lists interruptions of a conversation. Each interruption leaves the device in a state from which a host can
- * begin again. */
+/* Lists interruptions of a conversation. After every kind of interruption the host must be able to begin
+ * again. */
 typedef enum interruption {
     RESET,
     HALT_IN,
@@ -254,8 +256,8 @@ static void drain_new_stream(void)
     assert_int_equal(bytes[0], 0);
 }
 
-/* After this many packets in each direction, the conversation is interrupted. Then a new stream begins, and
- * the next frame comes back. */
+/* The exchange of data is interrupted after this number of packets in each direction. After the interruption
+ * a new stream begins, and the next frame must come back. */
 static void interruptions_cost_only_what_was_under_way(void **state)
 {
     (void)state;
@@ -295,8 +297,8 @@ static uint32_t next_report_tick(void)
     return report.tick;
 }
 
-/* There is one state report a tick, and none comes twice. A late host gets the waiting reports, up to 64 ms
- * of them and one that is being transferred. */
+/* The device must send exactly one state report for every tick. If a host reads late, it must get the waiting
+ * reports: up to 64 ms of them, and one that is being transferred. */
 static void state_reports_follow_the_ticks(void **state)
 {
     (void)state;
@@ -318,7 +320,8 @@ static void state_reports_follow_the_ticks(void **state)
     assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_NAKED);
 }
 
-/* Every field of the state is decoded from the bytes as it was encoded, at both ends of its range. */
+/* Every field of a state report must have the same value after encoding and decoding, at both ends of its
+ * range. */
 static void state_reports_carry_every_field(void **state)
 {
     (void)state;
@@ -376,7 +379,7 @@ static void commands_come_by_pipe_and_by_control(void **state)
     assert_int_equal(rig.command.number, 6);
 }
 
-/* Invalid reports are counted, and the pipe stays open for the next report. A padded report is accepted. */
+/* The device must count invalid reports and still accept the next report. A padded report is accepted. */
 static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
 {
     (void)state;
@@ -394,7 +397,7 @@ static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
     assert_int_equal(rig.commands, 1);
 }
 
-/* Limits can be lowered but not raised, and a refused report is not even applied in part. */
+/* Limits can be lowered but not raised; if the device refuses a report, it must not apply any part of it. */
 static void settings_are_read_back_and_refused(void **state)
 {
     (void)state;
@@ -418,8 +421,8 @@ static void settings_are_read_back_and_refused(void **state)
 }
 
 /* --- the bus -------------------------------------------------------------------------------------------- */
-/* While suspended, the device sends no new report. After resume it continues where it stopped, with frames
- * and toggles intact. */
+/* While the bus is suspended, the device must send no new report. After the bus resumes, the device must
+ * continue where it stopped, with complete frames and correct data toggles. */
 static void suspend_keeps_everything(void **state)
 {
     (void)state;
@@ -448,7 +451,8 @@ static void suspend_keeps_everything(void **state)
     assert_int_equal(rig.link, CRN_USB_CONFIGURED);
 }
 
-/* The device unplugs itself on request, and comes back after the given number of milliseconds. */
+/* The device must disconnect itself when the host requests it, and come back after the requested number of
+ * milliseconds. */
 static void the_device_unplugs_itself_on_request(void **state)
 {
     (void)state;
@@ -467,8 +471,8 @@ static void the_device_unplugs_itself_on_request(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* The device unplugs itself with the third packet of a transfer of five. For the host, the transfer ends in
- * the middle, and the app never receives the third packet. */
+/* The device disconnects itself at the third packet of a transfer of five packets. For the host, the transfer
+ * ends in the middle, and the app never receives the third packet. */
 static void the_device_unplugs_itself_within_a_transfer(void **state)
 {
     (void)state;
@@ -488,8 +492,8 @@ static void the_device_unplugs_itself_within_a_transfer(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* The test suspends and resumes an unplugged device, and sends tokens without a reset: nothing answers, and
- * nothing breaks. */
+/* The test suspends and resumes a disconnected device, and sends tokens without a bus reset; the device must
+ * not answer, and must work afterwards. */
 static void a_bus_out_of_order_is_survived(void **state)
 {
     (void)state;
@@ -504,8 +508,8 @@ static void a_bus_out_of_order_is_survived(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* The test sends tokens that no host sends: too long, to endpoints that do not exist, or of an unknown kind.
- * These tokens get no answer, and the device continues. */
+/* The test sends tokens that no real host sends: too long, to endpoints that do not exist, or of an unknown
+ * kind. The device must not answer these tokens, and must continue to work. */
 static void malformed_tokens_are_not_answered(void **state)
 {
     (void)state;

@@ -104,7 +104,7 @@ class Catalogue
     std::vector<Fault> faults;
 };
 
-// Adds a fault for each frame of a conversation of requests and answers.
+// Adds one fault for each frame of a session in which the device sends frames only as answers to requests.
 void add_frames(Catalogue &c, Session session, std::uint32_t count)
 {
     for (bool to_host : {false, true}) {
@@ -251,8 +251,8 @@ std::vector<Fault> spread_of(const std::vector<Fault> &faults, std::size_t count
     std::vector<Fault> chosen;
     for (std::size_t round = 0; chosen.size() < std::min(count, faults.size()); round++) {
         for (const auto &[name, group] : by_kind) {
-            // The step of 7919 has no common divisor with most group sizes, so that the rounds reach all
-            // ticks and directions.
+            // The step width of 7919 has no common divisor with most group sizes, so the selected faults
+            // cover all ticks and both directions of the frames.
             if (round < group.size() && chosen.size() < count)
                 chosen.push_back(group[(round * 7919 + 13) % group.size()]);
         }

@@ -3,9 +3,9 @@
 //   link.flip session=lockstep way=to_host frame=12 bit=37 seed=1
 //   rig.encoder_jump session=free_run tick=33 um=7000 seed=1
 //
-// A kind of fault belongs to a group (link, host, device, rig). A fault happens at one moment: at the n-th
-// frame of its direction, or at a tick, counted from START (in session=setup from the first HELLO). It may
-// have one value.
+// Every kind of fault belongs to one of the groups link, host, device and rig. A fault happens either at the
+// n-th frame of its direction, or at a numbered tick. Both numbers count from the START message; in
+// session=setup they count from the first HELLO message. It may have one value.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -36,15 +36,17 @@ struct Fault {
 
 std::span<const FaultKind> fault_kinds();
 std::string line_of(const Fault &fault);
-// Throws std::invalid_argument with the word that the function does not recognise.
+// Converts a line of text to a fault. Throws std::invalid_argument if a word of the line is unknown; the
+// message contains that word.
 Fault fault_of(const std::string &line);
 
-// Returns all faults of the campaign, each once, in a fixed order.
+// Returns a list of all faults of the campaign without repetitions, in a fixed order.
 std::vector<Fault> all_faults();
-// Returns `count` faults, spread over all kinds.
+// Selects `count` of these faults such that every kind of fault is represented.
 std::vector<Fault> spread_of(const std::vector<Fault> &faults, std::size_t count);
 
-// These are lies that fit any frame, and lies about `set_up`, the third frame in a set-up.
+// Numbers the lies (false messages of a device): lies that fit any frame, and lies about the message
+// `set_up`, which is the third frame of a set-up.
 inline constexpr std::uint32_t lies = 9, lie_scene_is_there = 9, lie_scene_is_another = 10,
                                lie_upload_is_there = 11, set_up_frame = 3;
 inline constexpr std::uint32_t second_actions = 7, hostile_types = 14;

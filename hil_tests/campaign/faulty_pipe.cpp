@@ -18,8 +18,8 @@ namespace
     throw crn::LinkError("the device is gone: its cable was cut. Remedy: plug it in, then begin with HELLO");
 }
 
-// Makes the device claim a scene that it does not have: our whole scene, another scene of this size, or our
-// completed upload.
+// Changes the device's message so that the device claims to have a scene: our whole scene, another scene of
+// the same size, or the completed upload of ours.
 void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
 {
     crn_wire_set_up there;
@@ -38,8 +38,8 @@ void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
     crn_wire_put_set_up(&writer, &there);
 }
 
-// Changes one thing in a message. The changed numbers are values that no device sends: far too large,
-// negative, or all ones.
+// Falsifies one property of a message: its length, its type, the request that it answers, or some bytes of
+// its contents. The changed numbers are values that no device sends: far too large, negative, or all ones.
 void change(std::uint32_t lie, Random &random, crn_wire_header &header, std::vector<std::uint8_t> &payload)
 {
     const std::size_t size = payload.size(),
@@ -182,7 +182,7 @@ void FaultyPipe::write(std::span<const std::uint8_t> bytes)
     if (!late.empty()) inner_.write(late);
 }
 
-// Splits the device's bytes into frames, and applies the fault to the frame for which it is meant.
+// Splits the device's bytes into frames, and applies the fault to the frame that the fault names.
 void FaultyPipe::take_from_device()
 {
     std::uint8_t bytes[4096];

@@ -1,6 +1,6 @@
-// This is a pipe to a device with one fault in it. It counts frames in each direction and applies the fault
-// to one of them. A lying device is also modelled by the pipe: the frame is taken apart, changed, and put
-// together again with a good CRC.
+// This class passes bytes between the host and a device, and injects one fault into them. The class counts
+// the frames of each direction and applies the fault to one frame. A lying device is also modelled by the
+// pipe: the frame is taken apart, changed, and put together again with a good CRC.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "host/link/transport.hpp"

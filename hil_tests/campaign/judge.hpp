@@ -1,7 +1,9 @@
-// This header judges one fault in one session at any level. Afterwards these conditions must hold: the force
-// stayed within its limit and ended in time, and the host was informed. Every tick up to the fault is
-// recorded, and the session was resumed to the same hash or ended as documented (docs/hil.md). The reference
-// sessions without a fault always run at level 0, so the levels are compared with each other, too.
+// Runs one session with one fault, at any test level (L0 to L3), and judges whether the device stayed safe.
+// After the fault, the force at the motor must have stayed within its limit and must have ended in time, and
+// the host must have been informed. The recording must contain every tick up to the fault. The session must
+// either have been resumed and have given the same state hash, or have ended as docs/hil.md describes. The
+// reference sessions without a fault always run at test level 0, so the test also compares the other levels
+// with level 0.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "hil_tests/campaign/faulty_pipe.hpp"
@@ -16,7 +18,7 @@ inline constexpr double torque_limit_N_m = 0.02; // likewise
 inline constexpr double force_none_N = 0.02,
                         torque_none_N_m = 0.0002; // less than the friction of the bearings
 
-// Holds the results of the same sessions without a fault.
+// Holds the results of the sessions when no fault is injected.
 struct Undisturbed {
     std::vector<crn_wire_tick_state> lockstep, free_run;
     std::uint64_t lockstep_hash = 0;
@@ -37,7 +39,8 @@ struct Outcome {
     double peak_N = 0.0, peak_N_m = 0.0;
 };
 
-// This is the set-up of the campaign: a short wire in the tube, a seal that holds it, and one driven track.
+// Sets up the device for the campaign: a short wire in the tube, a seal that holds the wire, and one track
+// with motors.
 void campaign_set_up(crn::Link &link);
 PlantSettings campaign_plant(bool has_stuck_motor = false);
 bool same_state(const crn_wire_tick_state &a, const crn_wire_tick_state &b);
@@ -45,13 +48,14 @@ bool same_state(const crn_wire_tick_state &a, const crn_wire_tick_state &b);
 Undisturbed run_undisturbed(Level &level);
 Outcome run_fault(Level &level, const Fault &fault, const Undisturbed &undisturbed);
 
-// These functions run the two kinds of session; both throw Failure.
+// These two functions run the two kinds of session (LOCKSTEP or its set-up, and FREE_RUN), and throw Failure
+// if a condition does not hold.
 void run_asked(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
 void run_free(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
 void free_run_undisturbed(Level &level, Undisturbed &undisturbed);
 
-// Sends messages of another host to the same device in the middle of a session; the answers take the usual
-// path.
+// Sends messages as if from another host to the device in the middle of a session; the device's answers reach
+// the first host as usual.
 void strange_host(const Fault &fault, crn::Transport &pipe);
 
 } // namespace hil

@@ -1,5 +1,5 @@
-// This file judges sessions in which the device sends frames only as answers: set-up and LOCKSTEP, where a
-// disturbed session must come to the same hash.
+// Judges sessions in which the device sends frames only as answers: set-ups and LOCKSTEP sessions. A
+// disturbed LOCKSTEP session must end with the same state hash as an undisturbed session.
 #include "hil_tests/campaign/judge.hpp"
 
 namespace hil
@@ -10,7 +10,8 @@ namespace
 
 constexpr int attempts_max = 6;
 
-// A host that records. After an error this host begins with HELLO and continues at the device's tick.
+// A host that records. After an error the host in this test begins again with the message HELLO, and
+// continues at the tick that the device has reached.
 class Host
 {
   public:
@@ -47,7 +48,8 @@ class Host
     }
 
   private:
-    // Returns whether the device still runs this session, at the tick that was recorded last.
+    // Returns true if the device still runs this session and has reached exactly the tick that was recorded
+    // last.
     bool goes_on()
     {
         link_.emplace(pipe_);
@@ -106,7 +108,7 @@ class Host
     }
 
     // The recording must equal that of the undisturbed session, except for the false content of the one
-    // frame.
+    // changed frame.
     void take(const crn_wire_tick_state &state)
     {
         const std::size_t i = state.tick - 1;
@@ -118,7 +120,7 @@ class Host
         check(fault_.is("device.lies") && lied_ticks_ == 1, "tick %u has another hash", unsigned{state.tick});
     }
 
-    // In LOCKSTEP no motor ever has power.
+    // In LOCKSTEP sessions the motors never have power.
     void check_motors()
     {
         bench_->advance(5);

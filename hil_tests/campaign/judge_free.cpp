@@ -15,7 +15,7 @@ constexpr double hand_m_per_s = 0.1, hand_rad_per_s = 3.0, harm_N = 1.0;
 constexpr double reversed_growth_N = 12 * 0.050; // the lag that is assumed, 4 ms of judging, 50 mN per ms
 
 // Lists the reports that the device may send after a fault of the rig. A 0 in the list means that the device
-// may also send no report, if the fault had no effect.
+// may also stay silent, if the fault had no effect.
 struct Answer {
     const char *kind;
     std::vector<int> codes;
@@ -141,7 +141,7 @@ void Loop::talk()
     is_cut_ = fault_ != nullptr && is("link.cut") && pipe_.has_struck();
 }
 
-// From now on the force must end within the time of this class of faults.
+// From this moment on, the motor's force must end within the time limit that applies to this class of faults.
 void Loop::expect_off(SafeClass which)
 {
     if (onset_ms_ >= 0) return;
@@ -158,8 +158,8 @@ void Loop::observe()
     if (fault_ == nullptr) return;
     if (fault_->is_group("link.")) watch_silence();
     if (is_wrong_way()) {
-        // Checks for a motor force of 1 N that lasts although no hand holds the carriage, as docs/faults.md
-        // defines it.
+        // Checks whether a motor force of 1 N lasts although no hand holds the carriage (a lasting force as
+        // docs/faults.md defines it).
         const double held = plant.track(0).translation.force_on_hand();
         double least = harm_N;
         for (std::size_t i = motor_N_.size(); i > 0 && i + lasting_ms > motor_N_.size(); i--)
@@ -179,7 +179,7 @@ void Loop::observe()
               plant.motor_torque_peak_N_m() * 1e3, since, bar_ms(outcome_.safe_class));
 }
 
-// The host's silence counts from the last frame that arrived complete.
+// The time of the host's silence counts from the last frame that arrived complete.
 void Loop::watch_silence()
 {
     const std::uint32_t gap = ms_ - last_frame_ms_;
@@ -352,8 +352,9 @@ void Loop::judge()
           "the actuator gave %.3f N and %.2f mN m, limits %.3f and %.2f", outcome_.peak_N,
           outcome_.peak_N_m * 1e3, force_limit_N, torque_limit_N_m * 1e3);
     if (is("rig.encoder_reversed") && fault_->value == 0) {
-        // No hand holds the carriage. The allowed force is the one that was present, or the one that frees
-        // the carriage, plus 12 ms of the slew limit until the fault is detected.
+        // No hand holds the carriage. The allowed force is the larger of the force before the fault and the
+        // force that moves the carriage, plus the increase that the slew limit permits in the 12 ms until the
+        // fault is detected.
         const double there_N = std::max(harm_N, std::abs(undisturbed_.motor_N[fault_->at - 1]));
         check(outcome_.peak_N <= there_N + reversed_growth_N, "the reversed track rose to %.3f N from %.3f N",
               outcome_.peak_N, there_N);

@@ -30,7 +30,7 @@ const std::vector<std::uint8_t> &end_wall()
     return scene;
 }
 
-// Returns false when the rule of passivity refused the settings.
+// Returns false when the device refused the settings because they break its passivity rule (docs/haptics.md).
 bool set_up(Bench &bench, crn::Link &link, const PassivityTrial &trial)
 {
     link.hello();
@@ -214,8 +214,8 @@ std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string 
         fastest_m_per_s = std::max(fastest_m_per_s, outcome.fastest_m_per_s);
         if (!outcome.failure.empty()) std::printf("BROKEN %s", line.c_str());
     }
-    // Prints each name with its value on a line of its own, also at the end of the table. `make bars` reads
-    // these lines.
+    // Prints each total with its name on a line of its own, and repeats these lines at the end of the table.
+    // `make bars` reads these lines.
     char totals[256];
     std::snprintf(totals, sizeof totals,
                   "passivity.combinations\t%zu\npassivity.accepted\t%zu\npassivity.stopped\t%zu\n"

@@ -1,12 +1,15 @@
-// This header tests passivity on a grid of gain, coupling, stated damping and lag, and hand, with the rig's
-// model at an end wall. The device refuses the settings that its rule forbids, and every setting that it
-// accepts must be quiet. There is no person at the rig who could state a false damping or lag. The local
-// unlock is closed, so only the rule of passivity refuses settings.
+// Tests whether the force feedback is passive, with a simulated rig whose wire meets an end wall. The tests
+// cover a grid of force gain, coupling stiffness, declared damping and motor lag, and grip of the hand. The
+// device refuses the settings that its passivity rule forbids. With every setting that the device accepts,
+// the motors must not oscillate. In these tests nobody is present at the rig who could permit false values of
+// damping or lag. The local unlock (a switch inside the rig that permits values beyond the free limits) is
+// closed, so only the passivity rule can refuse settings.
 //
-// A trial pushes a stiff wire by 30 mm against the end of its tube, holds it for 0.6 s, and releases it for
-// 0.6 s. A trial fails when the carriage got faster than 0.25 m/s, or the motor's force oscillated by more
-// than 50 mN for more than 100 ms. These limits apply from the moment of the release on. Before the release
-// they apply in the second half of the hold, when the impact on the wall is over.
+// In a trial, the hand pushes a stiff wire by 30 mm against the end of its tube, holds the wire for 0.6 s,
+// and releases it for 0.6 s. A trial fails when the carriage got faster than 0.25 m/s, or the motor's force
+// oscillated by more than 50 mN for more than 100 ms. These limits apply from the moment at which the hand
+// releases the wire. Before the release, these limits also apply in the second half of the hold, when the
+// impact on the wall is over.
 #pragma once
 #include "hil_tests/cases/conversation.hpp"
 #include <vector>
@@ -26,8 +29,8 @@ struct PassivityOutcome {
     std::string failure;    // empty: all held
 };
 
-// Measures for how long a force has oscillated by more than `span_N`, where each reversal follows the last
-// within 150 ms.
+// Measures for how long a force has oscillated by more than `span_N`. An oscillation lasts as long as each
+// reversal of the force comes within 150 ms after the previous reversal.
 class CycleMeter
 {
   public:
@@ -44,8 +47,8 @@ class CycleMeter
 std::vector<PassivityTrial> passivity_grid();
 PassivityOutcome run_passivity(Level &level, const PassivityTrial &trial);
 
-// Runs every `nth` trial of the grid and prints the four rows. Writes one line for each trial to `file`,
-// unless `file` is empty. Returns the number of failed trials.
+// Runs every `nth` trial of the grid and prints four rows of results. Writes one line for each trial to
+// `file`, unless `file` is empty. Returns the number of failed trials.
 std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string &file);
 
 } // namespace hil

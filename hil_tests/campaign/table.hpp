@@ -1,5 +1,5 @@
-// This header prints the counts of a campaign as a table, and writes them as a file of tab-separated values:
-// one line per kind, and the worst times to safety per class.
+// Prints the results of a campaign as a table and writes them to a file of tab-separated values. The table
+// has one line per kind of fault, and the longest time until the rig was safe for each class of faults.
 #pragma once
 #include "hil_tests/campaign/judge.hpp"
 #include <map>

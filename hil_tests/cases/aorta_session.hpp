@@ -1,5 +1,5 @@
-// This header runs the aorta session of `make run` on a device at the other end of any pipe, tick by tick,
-// and reports hashes and the cost of a tick.
+// Runs the aorta session of `make run` on a device that is connected by any kind of pipe. The functions
+// report the state hash and the cost of every tick.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/script/session.hpp"
@@ -32,22 +32,26 @@ struct AortaRun {
 void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
                   const crn_wire_rig &rig);
 
-// Returns the vessels whose names the session uses for steering. They are read from the file of bodies that
-// lies beside the scene file.
+// Returns the vessels whose names the session uses for steering. The vessels are read from the file of bodies
+// that lies beside the scene file.
 std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
-// Reads from the device the state by which the session decides when it checks the tip.
+// Reads the wire's shape from the device if the session script needs it at this tick, and passes it to the
+// script's player.
 void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,
                    crn::SessionPlayer &player, double inserted_m);
 
-// Runs the session. When `counts` is given, which returns the instructions spent so far, each step is one
-// tick; otherwise steps are as long as possible.
+// Runs the session. If `instructions` is given, it returns the number of processor instructions executed so
+// far, and every request to the device steps one tick. Otherwise every request steps as many ticks as
+// possible.
 AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions = {});
 
-// Returns the shaft's element length in um that gives the wire at most this many elements.
+// Returns an element length for the wire's shaft, in um; with this length the wire has at most `elements`
+// elements.
 std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements);
 
-// Returns the value that a share `quantile` of the values does not exceed.
+// Returns the quantile of `values`: the fraction `quantile` (0 to 1) of them do not exceed the returned
+// number.
 double quantile_of(std::vector<double> values, double quantile);
 
 } // namespace hil

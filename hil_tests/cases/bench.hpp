@@ -1,12 +1,12 @@
 // This header describes a device on a test bench: the pipe to the device, the rig around it, and time. The
-// interface is the same at every level, and the cases use nothing else.
+// interface is equal at every test level (L0 to L3), and the test cases use only this interface.
 //
 //   L0  SimBench        the app as a library in this process            (hil_tests/l0)
 //   L1  EmulatedBench   the image on an emulated Cortex-M7              (hil_tests/l1)
 //   L2, L3  RemoteBench the image beside a program hil_rig, by USB      (remote_bench.hpp)
 //
-// The bench controls time: advance() runs the device and the plant in turn, millisecond by millisecond. While
-// advance() does not run, the device does nothing.
+// The bench controls time: the function advance() runs the device and the simulated rig (plant) in turn,
+// millisecond by millisecond. While advance() does not run, the device does nothing.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "host/link/transport.hpp"
@@ -36,8 +36,8 @@ class Bench
         }
     }
 
-    // Halts the processor, as under a debugger, while the rig runs on. `wall_s` makes the halt last that long
-    // in wall-clock time, too.
+    // Halts the processor, as under a debugger, while the rig runs on. The halt also lasts `wall_s` seconds
+    // of wall-clock time.
     void freeze(std::uint32_t milliseconds, double wall_s = 0.0)
     {
         hold(true);
@@ -49,17 +49,17 @@ class Bench
         hold(false);
     }
 
-    // Pulls the device's cable once this many more bytes have been sent to the device, in the middle of a
-    // transfer. The cable is plugged in again after `away_ms` of the rig's time. Returns false when the
-    // device has no cable at this level.
+    // Arranges that the device's cable is pulled in the middle of a transfer, after `bytes` more bytes have
+    // been sent to the device. The cable is plugged in again after `away_ms` of the rig's time. Returns false
+    // when the device has no cable at this level.
     virtual bool pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
     {
         static_cast<void>(bytes), static_cast<void>(away_ms);
         return false;
     }
 
-    // Lets the supply fail and return: the device restarts, whatever it was doing. The rig is without supply
-    // for `milliseconds`.
+    // Makes the rig's power supply fail for a time and then return; the device restarts. The rig has no power
+    // supply for `milliseconds`.
     void brown_out(std::uint32_t milliseconds)
     {
         plant_.supply_good = false;
@@ -70,7 +70,8 @@ class Bench
     }
 
   protected:
-    // Runs one edge of the device's timer with this sample; returns the outputs for the rig.
+    // Passes the sensor values `inputs` to the device, lets the device do the work of one millisecond, and
+    // returns the device's outputs to the rig.
     virtual crn_port_outputs edge(const crn_port_inputs &inputs) = 0;
     virtual void hold(bool held) = 0;
     virtual void pass_frozen_ms() {} // for levels where the device's clock is not its own
@@ -83,7 +84,7 @@ class Bench
     crn_port_outputs outputs_{};
 };
 
-// Makes benches of one level, each with a device that has just been powered up.
+// Makes test benches of one level (L0 to L3); every new bench has a device that has just been powered up.
 class Level
 {
   public:

@@ -8,8 +8,9 @@
 namespace hil
 {
 
-// Runs the aorta session in LOCKSTEP, one step per transfer. Every instruction is counted, from the first
-// byte of a step to the end of its answer (shift 7).
+// Runs the aorta session in LOCKSTEP mode, with one tick per transfer. Counts every processor instruction,
+// from the first byte of the request for a tick to the end of the device's answer (the emulator's icount
+// shift is 7).
 AortaRun count_aorta(const AortaFiles &files, std::uint32_t ticks_max);
 
 struct Overruns {
@@ -18,8 +19,8 @@ struct Overruns {
     double worst_us() const;
 };
 
-// Runs the aorta session in FREE_RUN with the hands moved by the plant, at 1,000 / 2^shift instructions per
-// us.
+// Runs the aorta session in FREE_RUN, in which the simulated rig moves the hands; the emulated processor
+// executes 1,000 / 2^icount_shift instructions per us.
 Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint32_t ticks_max);
 
 } // namespace hil

@@ -1,6 +1,7 @@
-// A case is a claim about a device with its rig, and is the same at every level. A case makes its own bench,
-// talks to the device through host/link and to the rig through the plant. A case fails by an exception whose
-// text contains the measured value and the bar. The measurements of a case go into the report.
+// A test case checks one property of a device with its rig, by equal code at every test level (L0 to L3). A
+// test case makes its own test bench. The case communicates with the device through host/link, and with the
+// simulated rig through the class Plant. A test case fails by an exception whose text contains the measured
+// value and the limit. The report contains the measurements of every test case.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include <span>
@@ -17,7 +18,7 @@ class Failure : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Holds the results of a case for the table, such as "power off after 5 ms".
+// Holds the results of a test case that the final table shows, such as "power off after 5 ms".
 struct Report {
     std::string text;
     std::string hash;              // of the aorta session

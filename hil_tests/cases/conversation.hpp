@@ -1,5 +1,5 @@
-// This header has the conversations of cases with a device: set-up, sessions in LOCKSTEP and FREE_RUN, and
-// checks with numbers in their texts.
+// Provides what the test cases have in common: set-up of a device, sessions in LOCKSTEP and FREE_RUN, and
+// checks whose failure texts contain numbers.
 #pragma once
 #include "hil_tests/cases/cases.hpp"
 #include "host/link/link.hpp"
@@ -23,7 +23,7 @@ struct Ending {
 };
 void check_same(const Ending &a, const Ending &b, const char *what);
 
-// Returns the settings of the plant's rig, with a virtual coupling that the plant's damping allows.
+// Returns the settings of the simulated rig, with a virtual coupling that the rig's damping allows.
 crn_wire_rig plant_rig();
 
 // HELLO, the tube scene, a J wire with 30 mm inserted, the rig as the plant has it; READY.
@@ -32,21 +32,22 @@ void set_up(crn::Link &link);
 // Returns the input of tick `i` of the sample session: the tool is pushed in, turned, and pulled back out.
 crn_wire_tick_input sample_input(std::uint32_t tick);
 
-// Runs `ticks` ticks in LOCKSTEP in batches, from ARM on; `between` runs after every batch.
+// Arms the device, runs `ticks` ticks in LOCKSTEP in batches, and calls `between` after every batch.
 Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
                         const std::function<void(std::uint32_t tick)> &between = {});
 
-// Runs the same session without a bench, with the host's own device in this process.
+// Runs the session of lockstep_session() without a test bench, with the host's own device in this process.
 Ending host_only_session(std::uint32_t ticks, std::uint32_t batch);
 
-// Leads the device from READY to RUNNING in FREE_RUN, with power on the motors.
+// Brings the device from the state READY to RUNNING in FREE_RUN, with power on the motors.
 void start_free_run(Bench &bench, crn::Link &link);
 
-// Sends a frame as a sign of life of the host; returns the ticks that the device sent in the meantime.
+// Sends a frame, so that the device knows that the host is alive, and returns the ticks that the device sent
+// in the meantime.
 std::vector<crn_wire_tick_state> keep_talking(crn::Link &link);
 
-// Runs milliseconds of a session in FREE_RUN: the host sends a sign of life every 8 ms and receives the
-// device's messages.
+// Continues a session in FREE_RUN for `milliseconds`: the host sends a sign of life every 8 ms and receives
+// the device's messages.
 void keep_running(crn::Link &link, std::uint32_t milliseconds, Ending *ending = nullptr);
 
 // Makes a hand on track 0 push at 60 mm/s, turn, and yield to the force that it feels; the wire bends in the

@@ -1,8 +1,9 @@
-// These cases test the closed loop of hand, rig, coupling and rod in the five contact situations of
-// docs/haptics.md. A hand approaches, holds, goes half of the distance back and holds again, once loosely and
-// once firmly. There must be no limit cycle above 0.05 N, and the passivity observer must see nothing beyond
-// its bound. The program firmware/tests/test_haptics.c does the same with a plant of its own; here the actual
-// image of a device is in the loop.
+// Tests the closed control loop of hand, rig, virtual coupling and simulated wire in the five contact
+// situations of docs/haptics.md. The hand advances the wire, holds it, retracts it by half of the distance
+// and holds it again, once with a loose and once with a firm grip. The force must not oscillate permanently
+// (limit cycle) by more than 0.05 N, and the energy that the passivity observer computes must stay within its
+// bound. The program firmware/tests/test_haptics.c runs equal tests with a simulated rig of its own, whereas
+// these cases test a complete device.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/cases/haptic_bench.hpp"
 #include "hil_tests/cases/tube_scene.h"
@@ -42,8 +43,8 @@ struct Grip {
 };
 constexpr Grip grips[] = {{200, 1}, {800, 5}}; // loose, firm
 
-// Returns the stiffest coupling along the line that the device accepts for this rig, without a coupling about
-// the line.
+// Returns rig settings with the stiffest axial coupling that the device accepts, and without a coupling for
+// rotation.
 crn_wire_rig rig_of(std::uint32_t seal_mN)
 {
     crn_wire_rig rig = crn::host_rig();
@@ -91,7 +92,8 @@ class Trial
         axis().move_hand(0.0);
     }
 
-    // Holds still; returns half the span of the hand's force in the second half of the time.
+    // Keeps the hand still, and returns half of the peak-to-peak force on the hand in the second half of that
+    // time.
     double hold()
     {
         pass(hold_ms / 2);

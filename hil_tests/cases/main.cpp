@@ -1,5 +1,5 @@
-// This is the program hil. It runs the cases and the aorta session at every level, measures the cost of the
-// session, and prints one table at the end.
+// This is the program hil. The program runs the test cases and the aorta session at every test level,
+// measures the processor time of the session, and prints one table at the end.
 #include "hil_tests/cases/budget.hpp"
 #include "hil_tests/cases/cases.hpp"
 #include "hil_tests/cases/conversation.hpp"
@@ -51,7 +51,7 @@ struct Sum {
 class Table
 {
   public:
-    // Runs one piece of work; an exception counts as its failure.
+    // Runs the function `work` and counts an exception as its failure.
     template <class Work> void run(const std::string &level, const std::string &name, Work work)
     {
         if (crn::is_interrupted()) return;
@@ -70,7 +70,7 @@ class Table
         if (!failure.empty()) std::fprintf(stderr, "     FAILED: %s\n", failure.c_str());
     }
 
-    // Prints the table; returns the number of failures.
+    // Prints the table of results and returns the number of failures.
     int print() const
     {
         int failed = 0;
@@ -135,8 +135,8 @@ void check_hash(const hil::AortaRun &expected, const hil::AortaRun &run, hil::Re
                hex(expected.hash).c_str(), unsigned{expected.ticks});
 }
 
-// The bars for instructions per tick are 500,000 for the median, 600,000 for 99.9 %, and 900,000 for the
-// maximum.
+// The limits for processor instructions per tick are 500,000 for the median, 600,000 for 99.9 % of the ticks,
+// and 900,000 for the maximum.
 void judge_instructions(const hil::AortaRun &run, hil::Report &report)
 {
     const double median = hil::quantile_of(run.tick_instructions, 0.5),
@@ -152,8 +152,8 @@ void judge_instructions(const hil::AortaRun &run, hil::Report &report)
                "%s; allowed: median 500,000, p99.9 600,000, max 900,000", report.text.c_str());
 }
 
-// Writes every tick of the counted session, one line each, with instructions and solves, so that expensive
-// ticks can be found.
+// Writes one line for each tick of the counted session, with the number of instructions and of solver runs,
+// so that expensive ticks can be found.
 void write_counts(const hil::AortaRun &run, crn::PendingFile &file)
 {
     for (std::size_t i = 0; i < run.tick_instructions.size(); i++)
@@ -161,7 +161,8 @@ void write_counts(const hil::AortaRun &run, crn::PendingFile &file)
     file.commit();
 }
 
-// Writes the work on every edge of the session in FREE_RUN: the edge's number and microseconds.
+// Writes one line for each millisecond of the session in FREE_RUN: its number, and the processor time in
+// microseconds that the device needed.
 void write_overruns(const hil::Overruns &run, crn::PendingFile &file)
 {
     for (std::size_t i = 0; i < run.edge_us.size(); i++)
@@ -177,8 +178,8 @@ void judge_overruns(const hil::Overruns &run, hil::Report &report)
     hil::check(run.count() == 0, "%s; allowed: none", report.text.c_str());
 }
 
-// Runs only the counted sessions, which measure the cost of a tick on the emulated processor. This cost is
-// the same on every machine.
+// Runs only the counted sessions, which measure the cost of a tick on the emulated processor. The counted
+// number of instructions is equal on every machine.
 void count_only(const Options &options, Table &table)
 {
     hil::AortaFiles files = options.files;
@@ -233,8 +234,8 @@ void run_aorta(const Options &options, Table &table)
         crn::EmulatedTransport pipe(emulator);
         check_hash(expected, hil::run_aorta(pipe, options.files, options.ticks_max), report);
     });
-    // Each run takes minutes on an emulated processor whose time is counted in instructions. Other load
-    // therefore does not matter, and the runs may share the machine.
+    // A run takes minutes on an emulated processor whose time is counted in instructions. Other programs on
+    // the machine therefore do not change the measured cost, and several runs may use one machine.
     std::array<std::future<hil::Overruns>, 2> overruns;
     for (std::size_t shift : {0, 1})
         overruns[shift] = std::async(std::launch::async, hil::overruns_of_aorta, budget,
@@ -254,8 +255,9 @@ void run_aorta(const Options &options, Table &table)
     }
 }
 
-// Passes a command's output on to the user while it runs. The command's cases are counted, and its figures
-// are the lines with a dash behind the number sign ("#- 3,000 round trips/s").
+// Shows a command's output to the user while the command runs. The function counts the test cases in the
+// output, and collects the measured figures, which are the lines that begin with "#-" ("#- 3,000 round
+// trips/s").
 void follow(const std::string &command, hil::Report &report)
 {
     std::FILE *pipe = popen((command + " 2>&1").c_str(), "r");
@@ -266,7 +268,7 @@ void follow(const std::string &command, hil::Report &report)
         std::fputs(buffer, stderr);
         std::string line(buffer);
         line.erase(line.find_last_not_of("\r\n") + 1);
-        // A line of results is in TAP format, or is a row of a table like this program's.
+        // A line of results is either in TAP format, or a row of a table such as this program prints.
         const bool is_row = line.size() > 12 && line[0] == 'L' && line[2] == ' ';
         const bool is_ok = line.starts_with("ok ") || (is_row && line.compare(6, 6, "ok    ") == 0);
         const bool is_not_ok = line.starts_with("not ok ") || (is_row && line.compare(6, 6, "FAILED") == 0);

@@ -1,6 +1,6 @@
-// These cases test the pedals. When a pedal at the rig is pressed, the host's X-ray room receives this in the
-// same tick, and makes fluoroscopy, a roadmap or a cine run. Pictures are blank here; the tests in
-// host/xray/tests show that X-rays are drawn in them.
+// These cases test the pedals. Every case checks that a press of a pedal at the rig reaches the host's X-ray
+// room in the same tick and starts fluoroscopy, a roadmap or a cine run. The pictures in these cases are
+// blank; host/xray/tests has the tests of real X-ray pictures.
 #include "hil_tests/cases/conversation.hpp"
 #include "host/rig/pedals.hpp"
 #include "host/room/room_screen.hpp"
@@ -24,13 +24,15 @@ crn::XrayPicture blank_picture(std::uint32_t tick)
     return picture;
 }
 
-// Describes the press of a pedal by the plant's clock, and the ticks in which the room received it.
+// Holds the time at which a pedal was pressed, on the clock of the simulated rig, and the ticks in which the
+// X-ray room received the press.
 struct Press {
     std::uint64_t down_ms = 0, up_ms = 0;
     std::uint32_t down_tick = 0, up_tick = 0, pulses = 0;
 };
 
-// Runs a session that the rig leads, with an X-ray room behind its pedals, as in run_free.cpp.
+// Runs a session in which the rig sets the pace, with an X-ray room that obeys the rig's pedals, as in
+// run_free.cpp.
 class Suite
 {
   public:
@@ -104,7 +106,7 @@ void check_press(const Press &press, const char *what, std::uint32_t pulses_per_
     const std::uint64_t asked = press.up_ms - press.down_ms, heard = press.up_tick - press.down_tick;
     check(press.down_tick > 0 && heard == asked, "%s: the pedal was down for %llu ms, the room heard of %llu",
           what, static_cast<unsigned long long>(asked), static_cast<unsigned long long>(heard));
-    // Pulse k of a press begins at ceil(k / rate): docs/room.md.
+    // X-ray pulse k of a press begins ceil(k / pulse rate) after the press (docs/room.md).
     const auto pulses = static_cast<std::uint32_t>((asked * pulses_per_s + 999) / 1000);
     check(press.pulses == pulses, "%s: %u pulses in %llu ms, %u expected", what, unsigned{press.pulses},
           static_cast<unsigned long long>(asked), unsigned{pulses});

@@ -93,7 +93,7 @@ crn_port_outputs RemoteBench::restart()
     return channel_.ask(BenchOrder::power_cycle).outputs;
 }
 
-// The device disconnects itself, by the vendor request 0x21 of docs/usb.md.
+// The vendor request 0x21 of docs/usb.md makes the device disconnect itself.
 bool RemoteBench::pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
 {
     constexpr std::uint8_t to_device = 0x40, unplug = 0x21;
@@ -107,7 +107,8 @@ bool RemoteBench::pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
     return true;
 }
 
-// When a device disappeared, the last caller has already been informed, and the device is searched for again.
+// When a device has disappeared, an earlier call has already reported this, so this call searches for the
+// device again.
 crn::UsbTransport &RemoteBench::usb()
 {
     if (usb_) return *usb_;
@@ -118,8 +119,8 @@ crn::UsbTransport &RemoteBench::usb()
     return *usb_;
 }
 
-// The bus may still list a device that has just been switched off. A device that has not answered yet is
-// therefore searched for again.
+// The bus may still list a device that has just been switched off. If a device has not answered yet, the host
+// therefore searches for it again.
 void RemoteBench::write(std::span<const std::uint8_t> bytes)
 {
     for (int attempt = 0;; attempt++) {
@@ -175,7 +176,7 @@ class MetalBench final : public Bench
 
 } // namespace
 
-// Clears everything that the previous session left behind.
+// Clears all state and messages that the previous session left behind.
 std::unique_ptr<Bench> MetalLevel::make(const PlantSettings &settings)
 {
     auto bench = std::make_unique<MetalBench>(settings, serial_);

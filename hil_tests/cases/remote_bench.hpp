@@ -1,8 +1,8 @@
 // At levels 2 and 3 the device is in an emulator of another process (hil_rig), and the host's real USB code
-// accesses it. The plant is in this process.
+// accesses it. The simulated rig (class Plant) runs in this process.
 //
 // The plant makes time. The device has received all written bytes before the next millisecond begins. The
-// device's messages arrive a little later, in order and complete.
+// messages of the device arrive complete and in order, but a little later.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include "hil_tests/l1/bench_server.hpp"
@@ -11,8 +11,8 @@
 namespace hil
 {
 
-// This class is the pipe to a hil_rig: its bench socket, or in a guest system the port of a virtual serial
-// line.
+// Connects to the program hil_rig, either through the program's bench socket or, in a guest system, through
+// the port of a virtual serial line.
 class BenchChannel
 {
   public:
@@ -20,8 +20,8 @@ class BenchChannel
     ~BenchChannel();
     BenchChannel(const BenchChannel &) = delete;
     BenchChannel &operator=(const BenchChannel &) = delete;
-    // Throws std::runtime_error when the other end of the pipe is gone, or with the error that occurred
-    // there.
+    // Throws std::runtime_error when the other end of the pipe no longer exists, or with the message of an
+    // error that occurred at the other end.
     BenchAnswer ask(BenchOrder order, const crn_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
 
   private:
@@ -52,8 +52,8 @@ class RemoteBench final : public Bench, private crn::Transport
     bool has_answered_ = false;
 };
 
-// This level is a real rig, or a replacement of one. It has no simulated plant, so only cases that need none
-// run on it.
+// This test level uses a real rig, or a program that replaces the real rig. This level has no simulated rig
+// (class Plant), so only test cases that work without a simulated rig can run.
 class MetalLevel final : public Level
 {
   public:

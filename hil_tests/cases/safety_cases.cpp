@@ -1,6 +1,6 @@
-// These cases test safety: whatever fails while the motors drive against a hand, they lose power in time, and
-// the device reports why. The meter of these cases is clamped to the emulated actuator, behind the power
-// stage, and shows the largest force within each millisecond.
+// Tests safety: whatever fails while the motors push against a hand, the motors lose power in time, and the
+// device reports the cause. These cases measure the force at the emulated actuator, behind the power stage;
+// the meter shows the largest force within each millisecond.
 #include "hil_tests/cases/conversation.hpp"
 
 namespace hil
@@ -14,7 +14,8 @@ constexpr double torque_safe_N_m = 0.0002; // likewise
 constexpr int safe_ms = 5, silent_safe_ms = 50;
 constexpr std::uint32_t warm_up_ms = 400;
 
-// Runs a session in FREE_RUN with force on the hand, in which one thing then fails.
+// Runs a session in FREE_RUN in which the hand feels a force, so that a case can then make one part of the
+// rig fail.
 struct Running {
     explicit Running(Level &level) : bench(level.make({})), link(bench->pipe())
     {
@@ -31,7 +32,7 @@ struct Running {
         Plant &plant = bench->plant();
         return plant.motor_peak_N() <= force_safe_N && plant.motor_torque_peak_N_m() <= torque_safe_N_m;
     }
-    // Returns the number of milliseconds until the motors give no force any more.
+    // Returns the number of milliseconds until the motors no longer exert a force.
     int time_to_safe_ms(int limit_ms)
     {
         for (int ms = 1; ms <= limit_ms; ms++) {
@@ -41,7 +42,7 @@ struct Running {
         }
         return limit_ms + 1;
     }
-    // Returns the cause of the state FAULT that the device has latched.
+    // Returns the cause that the device has stored for its state FAULT.
     std::uint16_t fault_code()
     {
         link.free_run(0);
@@ -50,7 +51,7 @@ struct Running {
               crn_wire_state_name(status.state));
         return status.fault_code;
     }
-    // Checks that power stays off until RESET, whatever the rig does afterwards.
+    // Checks that the motor power stays off until RESET, whatever the rig does afterwards.
     void check_latched()
     {
         for (int ms = 0; ms < 50; ms++) {
@@ -112,8 +113,8 @@ void every_fault_of_the_rig_is_safe_in_5_ms_and_latched(Level &level, const Case
     report.add(text("%d faults, safe after %d ms at most", faults, worst_ms));
 }
 
-// A debugger stops the processor. The power stage monitors the drive line by itself, and the device detects
-// the halt afterwards.
+// A debugger stops the processor. The power stage monitors the drive line without the processor, and the
+// device detects the halt afterwards.
 void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, const CaseOptions &options,
                                                                 Report &report)
 {
@@ -133,8 +134,9 @@ void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, co
     report.add(text("power off after %d ms, then %s", off_ms, crn_wire_fault_name(code)));
 }
 
-// The supply dips and the processor restarts, at an arbitrary moment of a session. Afterwards there is no
-// power and no memory of the session, and a new session gives the usual hashes.
+// The supply voltage drops at an arbitrary moment of a session, and the processor restarts. Afterwards the
+// motors have no power and the device knows nothing of the old session; a new session gives the usual state
+// hashes.
 void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const CaseOptions &, Report &report)
 {
     Running session(level);
@@ -160,8 +162,8 @@ void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const Case
     report.add("power off, INIT, same hashes again");
 }
 
-// When the host no longer sends anything, the forces fade. The limit of 50 ms counts from the last frame to
-// zero force.
+// When the host no longer sends anything, the motor forces must fade. The limit of 50 ms is the time from the
+// host's last frame until the motor force is zero.
 void a_silent_host_ends_the_forces_in_50_ms(Level &level, const CaseOptions &, Report &report)
 {
     Running session(level);

@@ -1,4 +1,5 @@
-// These cases test sessions: they have the same hashes wherever the device runs, and pauses change nothing.
+// Tests that a session gives equal state hashes wherever the device runs, and that pauses do not change the
+// hashes.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <chrono>
@@ -10,8 +11,8 @@ namespace hil
 namespace
 {
 
-// Compares LOCKSTEP through this level's pipe with the host's own device: every tick's hash and the final
-// one.
+// Runs a LOCKSTEP session on the device of this test level and on the host's own device, and compares the
+// state hashes of every tick and the final hash.
 void lockstep_gives_the_hash_of_the_host_alone(Level &level, const CaseOptions &options, Report &report)
 {
     const auto bench = level.make({});
@@ -40,8 +41,8 @@ void a_pause_in_lockstep_changes_nothing(Level &level, const CaseOptions &option
     report.add(text("%d pauses of 10 s of the rig, the first %.1f s of ours", pauses, options.pause_s));
 }
 
-// Compares the closed loop of hand, rig, device and motors with level 0: force of the motors, motion of the
-// tool, hashes.
+// Runs the closed loop of hand, rig, device and motors on this test level and on level 0, and compares the
+// motor forces, the motion of the tool and the state hashes.
 void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &options, Report &report)
 {
     Ending endings[2];
@@ -72,8 +73,8 @@ void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &o
                     places_m[1] * 1e3, peaks_N[1]));
 }
 
-// Each signal level of the rig's pedals, syringe and inflator arrives with the next ticks, in the recorded
-// input.
+// Every change at the rig's pedals, syringe and inflator must appear in the recorded inputs of the next
+// ticks.
 void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions &, Report &report)
 {
     const auto bench = level.make({});
@@ -99,8 +100,8 @@ void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions 
     report.add(text("%d levels of two pedals, syringe and inflator", changes));
 }
 
-// A tool slips on its roller: the encoder measures the roller, the session continues, and the hand feels at
-// most the force of the grip.
+// When a tool slips on its roller, the encoder measures the motion of the roller, the session continues, and
+// the hand feels at most the friction force between roller and tool.
 void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &report)
 {
     PlantSettings settings;
@@ -125,8 +126,8 @@ void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &
     report.add(text("slipped by %.1f mm, %.2f N at most", slipped_m * 1e3, most_N));
 }
 
-// Requests and answers alternate for a second of wall-clock time: every request is answered, and none is
-// lost.
+// Requests and answers alternate for a second of wall-clock time: the device must answer every request, and
+// no answer may be lost.
 void every_question_is_answered(Level &level, const CaseOptions &, Report &report)
 {
     using Clock = std::chrono::steady_clock;

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The LUMEN section of docs/scene.md. The lattice is refined at most once, so every child row refines a
- * coarse brick. */
+/* The LUMEN section of docs/scene.md. The lattice is refined at most once, so every refined row (child)
+ * belongs to a coarse brick. */
 static uint8_t *lumen_section(const crn_lumen *lumen, size_t *bytes)
 {
     const uint32_t *n = lumen->brick_count_xyz;

@@ -1,5 +1,5 @@
-/* This header makes scenes from a closed form for cases that need a wall: tubes around a path of straight
- * pieces and bends. */
+/* Makes scenes for test cases that need a vessel wall: tubes around a path of straight pieces and bends. The
+ * distance to the wall follows from a formula. */
 #ifndef CRN_HIL_TUBE_SCENE_H
 #define CRN_HIL_TUBE_SCENE_H
 
@@ -17,7 +17,8 @@ typedef struct hil_piece {
 } hil_piece;
 
 /* Writes the scene file of a closed tube; returns the size of the file, or 0 when `capacity` is too small.
- * The entry of the tools is at the origin, along +x. `level` 0 or 1 is the refinement of the field. */
+ * The tools enter at the origin, in the direction +x. `level` (0 or 1) states how often the distance field is
+ * refined. */
 size_t hil_scene_of(const hil_piece *pieces, uint32_t count, double radius_m, uint32_t level, uint8_t *file,
                     size_t capacity);
 

@@ -1,6 +1,7 @@
-// In these cases the cable is pulled in the middle of a transfer. A device on USB disconnects itself from the
-// bus with a packet of the transfer (docs/usb.md); with other pipes, the pipe ends within a frame. Bytes that
-// are being transferred are lost in both directions.
+// In these test cases the cable is pulled in the middle of a transfer. A device on USB disconnects itself
+// from the bus during one packet of the transfer (docs/usb.md). With any other kind of pipe, the test closes
+// the pipe in the middle of a frame. The bytes that are under way when the cable is pulled are lost in both
+// directions.
 #include "hil_tests/cases/conversation.hpp"
 #include <algorithm>
 #include <optional>
@@ -14,7 +15,7 @@ namespace
 constexpr std::uint32_t away_ms = 60, batch = 64, pulls_per_session = 2;
 constexpr int attempts_max = 6;
 
-// This class is the cable of a bench that has no cable of its own.
+// Simulates a cable for test benches that have no real cable.
 class Cable final : public crn::Transport
 {
   public:
@@ -25,8 +26,8 @@ class Cable final : public crn::Transport
         if (!bench_.pull_cable(bytes, away_ms)) left_ = bytes;
     }
 
-    // Plugs the cable in again after the device was unplugged for `away_ms`. After that, the device or a
-    // replacement can be reached again.
+    // Plugs the cable in again after the device has been unplugged for `away_ms`. Afterwards the host can
+    // reach the device, or a device that replaces it.
     void plug()
     {
         bench_.advance(away_ms + 1);
@@ -72,8 +73,8 @@ class Cable final : public crn::Transport
     bool is_out_ = false;
 };
 
-// This is a host whose cable is pulled once in the upload of the scene and once in the session, and which
-// continues each time.
+// Simulates a host whose cable is pulled once during the upload of the scene and once during the session, and
+// which continues after both interruptions.
 class Traveller
 {
   public:
@@ -110,7 +111,8 @@ class Traveller
         cable_.pull(bytes_[which]);
     }
 
-    // Returns whether the device has executed the last request and is at the point where the answers ended.
+    // Returns true if the device has executed the host's last request and has reached the point at which its
+    // answers ended.
     bool goes_on()
     {
         const crn_wire_status status = link_->read_status();
@@ -163,8 +165,8 @@ void a_cable_pulled_in_mid_transfer_costs_no_bit(Level &level, const CaseOptions
         std::max<std::uint32_t>(4 * batch, std::min<std::uint32_t>(options.ticks, 400));
     const Ending alone = host_only_session(ticks, batch);
     std::uint32_t pulls = 0, resumed = 0;
-    // The cable is pulled at these places: within a frame of the upload and of the session, and between two
-    // frames.
+    // The test pulls the cable in the middle of a frame of the upload, in the middle of a frame of the
+    // session, and between two frames.
     static constexpr std::uint32_t places[][2] = {{9000, 1}, {700, 700}, {30000, 1300}};
     for (std::size_t i = 0; i < std::size(places); i += options.spread) {
         const auto bench = level.make({});
@@ -179,8 +181,8 @@ void a_cable_pulled_in_mid_transfer_costs_no_bit(Level &level, const CaseOptions
                     unsigned{pulls - resumed}));
 }
 
-// The forces are zero 50 ms after the last byte. The session continues without a host, and when the host
-// returns, the forces return.
+// The motor forces are zero 50 ms after the host's last byte. The device continues the session without a
+// host, and when the host returns, the motor forces return.
 void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions &, Report &report)
 {
     constexpr std::uint32_t push_ms = 200, silent_ms = 50;

@@ -1,4 +1,5 @@
-// At level 0 the app is a library in this process and runs in turn with the plant.
+// At test level 0 the device's application is a library in this process, which runs in turn with the
+// simulated rig.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include "hil_tests/cases/bench.hpp"

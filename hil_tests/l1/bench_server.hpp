@@ -1,11 +1,13 @@
-// This header has a bench whose device is in another process, or on another machine. RemoteBench sends
-// requests and EmulatedBench executes them, over a pipe of bytes. The plant stays in the process of the case;
-// only samples, outputs and power orders pass through the pipe.
+// Provides a test bench whose device runs in another process or on another machine. The class RemoteBench
+// sends requests over a pipe of bytes, and an EmulatedBench at the other end executes the requests. The
+// simulated rig (class Plant) stays in the process of the test case; only sensor values, outputs, and
+// commands for the power supply pass through the pipe.
 //
 //   case, plant, host/link  <--- requests, answers ---> server, emulator, image
 //        +------------------- USB ----------------------------+
 //
-// Both ends are built from this source tree for the same kind of machine, so structs are sent unchanged.
+// Both ends are built from this source tree for the same type of machine, so the bytes of C++ structs are
+// sent unchanged.
 #pragma once
 #include "firmware/port/port.h"
 #include "host/link/emulator.hpp"
@@ -28,10 +30,12 @@ struct BenchAnswer {
     char trouble[200]; // empty: done
 };
 
-// This class gives access to samples and outputs of an emulated device's rig page.
+// Gives access to the memory page through which an emulated device exchanges sensor values and outputs with
+// its rig.
 void put_rig_inputs(const crn_port_inputs &from, rig_inputs &to);
 crn_port_outputs take_rig_outputs(rig_page &page);
-// Runs one edge of the device's timer with this sample; returns when the device has completed it.
+// Passes the sensor values to the device, and returns when the device has completed the work of this
+// millisecond.
 void make_rig_edge(crn::Emulator &emulator, const crn_port_inputs &inputs, std::uint32_t milliseconds);
 
 // Answers requests from `connection` until it is closed. Returns false when the connection broke in the

@@ -1,4 +1,5 @@
-// At level 1 the image runs on an emulated Cortex-M7, in turn with the plant over shared memory.
+// At test level 1 the firmware image runs on an emulated Cortex-M7, in turn with the simulated rig, and both
+// use shared memory.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include "host/link/emulated_transport.hpp"
@@ -27,8 +28,8 @@ class EmulatedBench final : public Bench
 class EmulatedLevel final : public Level
 {
   public:
-    // A session needs a processor that can finish the work of each millisecond in time. An `icount_shift` of
-    // 0 gives 1,000 instructions per us.
+    // A session needs a processor that can finish the work of each millisecond in time. If `icount_shift` is
+    // 0, the emulated processor executes 1,000 instructions per us.
     explicit EmulatedLevel(int icount_shift = 0, const std::string &debugger = "")
         : options_{{}, icount_shift, {}, debugger}
     {

@@ -1,11 +1,11 @@
-/* This header has the declarations that the files of level L2 share: a device, its transfers, and the nodes
- * under which programs see the device. One lock guards each device, because umockdev's thread answers the
- * programs' calls while the bus moves in another thread.
+/* Declares what the source files of test level L2 share: a device, its transfers, and the device nodes
+ * through which programs access it. Every device has a lock, because umockdev's thread answers the programs'
+ * calls while another thread advances the bus.
  *
- * Programs poll their nodes. If a node were a plain file, it would always be ready, which would make libusb
- * spin. A node is therefore a FIFO. The node /dev/bus/usb/... is ready for writing, as with the real usbfs,
- * while a transfer is done and not reaped, and full otherwise. The node /dev/hidraw0 holds one byte per
- * report that waits. */
+ * Programs poll their nodes. If a node were a plain file, it would always be ready, so that libusb would poll
+ * it in an endless loop. Every node is therefore a FIFO. The FIFO /dev/bus/usb/... is ready for writing while
+ * a transfer is complete but not yet fetched (as with the real usbfs), and full otherwise. The FIFO
+ * /dev/hidraw0 contains one byte for each report that no program has read yet. */
 #ifndef CRN_MOCK_H
 #define CRN_MOCK_H
 

@@ -1,14 +1,16 @@
-/* Level L2 runs a program that sees rigs on USB, on a machine without USB. The library umockdev, loaded into
- * the program, redirects its calls to /dev/bus/usb and /dev/hidraw* to this file, where they become tokens
- * for the device on the mailbox. The program and its libraries are those that users run, without changes.
+/* At test level L2, this file makes simulated devices visible as USB devices to a program, on a machine
+ * without USB. The library umockdev, loaded into the program, redirects the program's calls for /dev/bus/usb
+ * and /dev/hidraw* to this file, which converts them to USB tokens for the device. The tested program and its
+ * libraries are the unchanged ones that users run.
  *
  *   umockdev-wrapper mock_bus --here -- PROGRAM ARGUMENT...     the loop-back rig
  *   umockdev-wrapper mock_bus --app -- PROGRAM ARGUMENT...      the whole app
  *   umockdev-wrapper mock_bus --mailbox FILE:OFFSET -- PROGRAM ARGUMENT...
  *
- * The command line may name several devices; --here and --app are allowed once each.
+ * The command line may name several devices, but --here and --app may each occur only once.
  *
- * The exit code is the program's, 1 when the device does not start, or 2 for bad arguments. */
+ * The exit code is that of the program. The exit code is 1 when the device does not start, or 2 when the
+ * arguments are wrong. */
 #define _GNU_SOURCE
 #include "hil_tests/l2/mock.h"
 
@@ -77,8 +79,8 @@ static char *describe(mock *m, const uint8_t *descriptors, uint32_t count)
     return g_string_free(text, FALSE);
 }
 
-/* Makes a node that can be polled; it is made here, because umockdev makes a node only once. The file
- * descriptor stays open, so that neither end ever sees the other as gone. */
+/* Makes a device node that programs can poll; the node is made here, because umockdev makes a node only once.
+ * This process keeps the FIFO open, so that no program ever finds the other end closed. */
 static int make_fifo(const mock *m, const char *node)
 {
     char *path = g_build_filename(m->root, node, NULL);
@@ -128,9 +130,9 @@ static void tell(mock *m, const char *what)
     g_free(path);
 }
 
-/* umockdev would end a program that is in the middle of a call when its node is removed. The nodes of an
- * unplugged device therefore answer ENODEV until the device returns. The device does not return before
- * programs had time to release it. */
+/* umockdev would end a program that is in the middle of a call when its node is removed. Therefore the nodes
+ * of an unplugged device stay, and answer ENODEV until the device returns. The device returns only after
+ * programs have had time to close its nodes. */
 static void detach(mock *m)
 {
     if (!m->is_attached) return;
@@ -198,8 +200,8 @@ static void on_complete(void *context, const usb_urb *urb)
         mock_usbfs_complete(m, urb);
 }
 
-/* A device in this process acts when its millisecond comes or a transfer is submitted; a device in another
- * process is polled. */
+/* A device in this process does its work every millisecond and whenever a transfer is submitted; a device in
+ * another process is polled. */
 static void wait_for_work(mock *m)
 {
     const int64_t until = m->peer.kind == USB_PEER_FILE ? usb_peer_now_ns() + STEP_ns : m->peer.next_tick_ns;
@@ -258,7 +260,7 @@ static void name_nodes(mock *m, unsigned number)
     snprintf(m->hid_node, sizeof m->hid_node, "/dev/hidraw%u", number);
 }
 
-/* Returns NULL, or an error message. The first `used` words of the command line name devices. */
+/* Returns NULL, or an error message. The first `used` words of the command line select the devices. */
 static const char *open_devices(int count, char **words, int *used)
 {
     const char *wrong = NULL;
@@ -298,7 +300,7 @@ static void make_nodes(mock *m, UMockdevTestbed *testbed)
     m->urbs = (usb_urbs){.host = m->peer.host, .complete = on_complete, .context = m};
 }
 
-/* For umockdev, an ioctl is an exchange of half a dozen messages between two threads. Waking a thread on
+/* With umockdev, every ioctl call exchanges half a dozen messages between two threads. Waking a thread on
  * another processor costs more than the message itself. On one processor, the loop-back rig's round trips are
  * fast enough to finish each millisecond of work in time. */
 static void stay_on_one_processor(void)
@@ -322,8 +324,8 @@ int main(int argc, char **argv)
         return 2;
     }
     /* Threads and the program inherit this setting of the timer slack. After every ioctl, umockdev sleeps for
-     * a duration of zero, which takes 50 us by Linux's usual slack. The six ioctls of an interrupt transfer
-     * in each direction would then not fit into a frame. */
+     * a duration of zero, which takes 50 us by Linux's usual slack. An interrupt transfer in each direction
+     * takes six ioctl calls, which would then last longer than a USB frame of 1 ms. */
     prctl(PR_SET_TIMERSLACK, SLACK_ns);
     if (mocks[0].peer.kind == USB_PEER_RIG) stay_on_one_processor();
     UMockdevTestbed *testbed = umockdev_testbed_new();

@@ -1,6 +1,6 @@
-/* This file does the work of the kernel's usbfs for libusb: transfers are submitted, reaped and discarded by
- * ioctl. An ioctl's argument is the pointer that the program passed; resolving the pointer fetches the data
- * behind it. */
+/* For the library libusb, this file does the work of the Linux driver usbfs: programs submit, fetch and
+ * cancel transfers by ioctl calls. The argument of an ioctl call is a pointer in the memory of the program;
+ * umockdev_ioctl_data_resolve() copies the data to which it points. */
 #include "hil_tests/l2/mock.h"
 
 #include <errno.h>
@@ -64,7 +64,8 @@ void mock_usbfs_complete(mock *m, const usb_urb *urb)
         if ((uint64_t)(uintptr_t)one == urb->id) finish(m, one, mock_errno(urb->result), urb->done);
 }
 
-/* Ends transfers that are in progress as the kernel does, and makes the node ready for its readers. */
+/* Ends the transfers in progress as the kernel would, and makes the node ready for the programs that poll it.
+ * */
 void mock_usbfs_unplugged(mock *m)
 {
     usb_urb urb;
@@ -179,8 +180,8 @@ static int clear_halt(mock *m, UMockdevIoctlData *argument)
     return m->is_plugged ? mock_errno(usb_host_clear_halt(m->peer.host, (uint8_t)endpoint)) : ENODEV;
 }
 
-/* Interface 0 is the HID interface: libusb takes it from usbhid when a program claims it. In both calls, the
- * interface is the first number at the argument's address. */
+/* Interface 0 is the HID interface: libusb takes it from usbhid when a program claims it. In both ioctl
+ * calls, the number of the interface comes first in the data of the argument. */
 static int claim(mock *m, UMockdevIoctlData *argument, bool is_taken)
 {
     unsigned interface;

@@ -1,13 +1,13 @@
-/* This program makes a device on the token mailbox visible to a machine in QEMU, by usbredir over a unix
- * socket.
+/* This program makes a device visible to a guest machine in QEMU: it translates between the device's USB
+ * tokens and the protocol usbredir on a unix socket.
  *
  *   bridge SOCKET --here                     the loop-back rig, in this process
  *   bridge SOCKET --app                      the whole app, in this process
  *   bridge SOCKET --mailbox FILE[:OFFSET]    whatever serves the mailbox in FILE
  *
  * The program waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), and ends when QEMU
- * disconnects. The device may unplug itself, restart, and come back at any time. The exit code is 0; it is 1
- * when the device hangs, and 2 for bad arguments. */
+ * disconnects. The device may disconnect itself, restart, and connect again at any time. The exit code is
+ * normally 0. The exit code is 1 when the device hangs, and 2 when the arguments are wrong. */
 #define _GNU_SOURCE /* ppoll */
 #include <errno.h>
 #include <poll.h>
@@ -80,10 +80,11 @@ static bool address_device(bridge *b)
     return true;
 }
 
-/* Enters interfaces and endpoints of the configuration into usbredir's two tables. Interrupt endpoints are
- * reported as bulk endpoints. Otherwise usbredir would read them at the bridge's pace and pile up what the
- * guest does not fetch. With bulk endpoints, every read of the guest is one read of the device, at the pace
- * of the guest's own xHCI, as on a cable. The guest takes the true type from the descriptors. */
+/* Fills usbredir's two tables with the interfaces and endpoints of the device's configuration. The bridge
+ * reports interrupt endpoints to QEMU as bulk endpoints. Otherwise usbredir would read the endpoints as fast
+ * as this bridge can, and would collect data that the guest does not fetch. With bulk endpoints, every read
+ * of the guest causes one read of the device, at the pace of the guest's own USB controller (xHCI), as on a
+ * real cable. The guest reads the true type of the endpoints from the device's descriptors. */
 static void describe(bridge *b, const uint8_t *bytes, uint32_t count)
 {
     struct usb_redir_interface_info_header interfaces;
@@ -141,7 +142,7 @@ static bool show(bridge *b)
     return true;
 }
 
-/* Handles a device that was plugged, unplugged, or restarted unnoticed. */
+/* Handles the case that the device was connected, was disconnected, or restarted unnoticed. */
 static void watch_plug(bridge *b)
 {
     const usb_host *host = b->peer.host;
@@ -243,7 +244,7 @@ static void on_control(void *context, uint64_t id, struct usb_redir_control_pack
     usbredirparser_send_control_packet(b->parser, id, header, count > 0 ? bytes : NULL, (int)count);
 }
 
-/* Holds a transfer of the guest; the bridge owns its buffer until the answer is sent. */
+/* Holds one transfer of the guest; this program owns the transfer's buffer until the answer is sent. */
 static bool submit(bridge *b, uint64_t id, uint8_t endpoint, uint32_t length, const uint8_t *data,
                    int data_bytes)
 {
@@ -338,7 +339,7 @@ static void make_parser(bridge *b)
     usbredirparser_init(b->parser, "cournand bridge", caps, USB_REDIR_CAPS_SIZE, usbredirparser_fl_usb_host);
 }
 
-/* Runs until QEMU disconnects, or the device hangs. */
+/* Runs until QEMU disconnects or the device hangs. */
 static int serve(bridge *b)
 {
     for (;;) {

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Provides Debian's own kernel for the guest of level L3: fetches the packages and extracts what the guest needs.
+"""Provides Debian's own kernel for the guest machine of test level L3: downloads the packages and extracts the needed
+files.
 
   kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when this program has made them
 
-The kernel is the one that the package linux-image-amd64 depends on today. The package is unpacked, never installed.
-The file vmlinux is the payload of vmlinuz: without the real-mode stub and the unpacking by the kernel itself, the
-guest boots three seconds sooner. The initrd holds busybox, the modules for 9p, xHCI, HID and a virtual serial port
-with all modules on which these depend, and an init program. The init program runs one script in the host's own file
-tree, which is read-only; a folder of the host at /mnt is writable."""
+The kernel is that of the package on which linux-image-amd64 depends at the time of the download. The package is only
+unpacked and never installed. The file vmlinux is the kernel inside vmlinuz, without the real-mode code and without
+compression; with it, the guest boots three seconds sooner. The initrd holds busybox, an init program, and kernel
+modules: those for 9p, xHCI, HID and a virtual serial port, and all modules on which these depend. The init program runs
+one script in the host's file tree, which the guest sees read-only. One folder of the host is writable in the guest at
+/mnt."""
 
 import hashlib
 import io
@@ -76,7 +78,7 @@ def extract_vmlinux(vmlinuz):
 
 
 def module_paths(root):
-    """Maps names of kernel modules to files; - and _ are treated as equal."""
+    """Returns a map from the names of kernel modules to their files; it treats - and _ as equal."""
     paths = {}
     for folder, _, names in os.walk(root):
         for name in names:
@@ -92,7 +94,8 @@ def dependencies(path):
 
 
 def module_order(paths, wanted):
-    """Lists the modules' files in the order of loading. A module without a file is built into the kernel."""
+    """Returns the files of the modules, in the order in which the kernel must load them. If a module has no file, it is
+    built into the kernel."""
     order, seen = [], set()
 
     def add(name):
@@ -111,7 +114,8 @@ def module_order(paths, wanted):
 
 
 def cpio_entry(out, number, name, mode, data=b""):
-    """Encodes one file of a `newc` archive: a header of hexadecimal numbers, name and bytes, each padded to 4."""
+    """Encodes one file of a `newc` archive as a header of hexadecimal numbers, the name and the contents; all three are
+    padded to multiples of 4 bytes."""
     path = name.encode() + b"\x00"
     fields = [number, mode, 0, 0, 1, 0, len(data), 0, 0, 0, 0, len(path), 0]
     head = b"070701" + b"".join(b"%08x" % field for field in fields) + path

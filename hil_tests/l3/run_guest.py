@@ -3,10 +3,11 @@
 
   run_guest.py [options] (--here | --app | --mailbox FILE[:OFFSET])... -- COMMAND ARGUMENT...
 
-QEMU emulates an x86-64 PC with an xHCI controller; a bridge connects each device by usbredir. COMMAND runs in the
-guest in the current folder. The host's file tree is mounted read-only, so COMMAND can run the programs of the build
-tree. The folder of --out is /mnt in the guest and is writable. The output is printed as it comes; the exit code is
-that of COMMAND, or 1 when something did not start or took too long. No process outlives the deadline."""
+QEMU emulates an x86-64 PC with a USB controller (xHCI); for each device, a bridge connects the device to the PC by
+usbredir. COMMAND runs in the guest in the current folder. The host's file tree is mounted read-only, so COMMAND can run
+the programs of the build tree. The folder of --out is /mnt in the guest and is writable. This script prints the output
+of COMMAND at once. Its exit code is that of COMMAND, or 1 when a part of the test did not start or took too long. No
+process outlives the deadline."""
 
 import argparse
 import os

@@ -1,6 +1,7 @@
 /* This program runs a LOCKSTEP session with three tools through the whole app and its wire protocol, in this
- * process. The program prints the state's hashes after every batch, as they came over the wire protocol, and
- * the protocol's schema hash. The printed lines are the same on every machine, whatever its byte order. */
+ * process. The program prints the state hashes that arrive over the wire protocol after every batch of ticks,
+ * and the hash of the protocol's schema. The printed lines are equal on every machine, whatever its byte
+ * order. */
 #include <stdio.h>
 
 #include "firmware/tests/reference/client.h"

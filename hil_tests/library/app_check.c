@@ -1,5 +1,6 @@
-/* This program checks that a LOCKSTEP session with three tools over libusb, against the whole app on USB,
- * gives the same state hashes as the same session over the sim's pipe in this process. Prints TAP. */
+/* This program runs a LOCKSTEP session with three tools over libusb on the complete device application. The
+ * program compares the state hashes with those of an equal session over the simulator's pipe in this process.
+ * Prints TAP. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,7 +37,7 @@ static void bulk_write(void *context, const uint8_t *bytes, size_t count)
         b->is_broken = true;
 }
 
-/* Waits for bytes from the device; a time-out without bytes is a valid answer, too. */
+/* Waits for bytes from the device; the wait may also end by a time-out without bytes. */
 static size_t bulk_read(void *context, uint8_t *bytes, size_t capacity)
 {
     bulk *b = context;
@@ -60,7 +61,7 @@ static bool bulk_open(bulk *b)
     return libusb_clear_halt(b->device, STREAM_OUT) == 0 && libusb_clear_halt(b->device, STREAM_IN) == 0;
 }
 
-/* The tools move back and forth, so that the line moves in both directions. */
+/* The tools move back and forth, so that the set of nested tools moves in both directions. */
 static bool run_session(client *c, crn_wire_tick_state *last)
 {
     static crn_wire_ticks ticks;

@@ -12,19 +12,19 @@
 #endif
 enum { CHECK_VENDOR_ID = CRN_USB_VENDOR_ID, CHECK_PRODUCT_ID = CRN_USB_PRODUCT_ID };
 
-/* Prints "ok N - name" or "not ok N - name"; returns `good`. */
+/* Prints "ok N - name" or "not ok N - name", and returns its argument `good`. */
 bool check(bool good, const char *name);
 
-/* Prints a line "# ...", with printf's format. */
+/* Prints a line that begins with "# "; the arguments are those of printf. */
 void check_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Prints the TAP plan; returns the program's exit code. */
+/* Prints the TAP plan (the number of tests), and returns the program's exit code. */
 int check_end(void);
 
 int64_t check_now_us(void);
 
-/* Returns the serial number in `--serial NUMBER`, or NULL without this option; other arguments end the
- * program with exit code 2. */
+/* Returns the serial number that follows `--serial` on the command line, or NULL without this option. Other
+ * arguments end the program with exit code 2. */
 const char *check_serial(int argc, char **argv);
 
 #endif

@@ -1,6 +1,6 @@
-/* This program tests hidapi, as shipped by Debian, against a loop-back device (hil_tests/usb/usb_peer.h):
- * feature reports, state reports tick by tick, and commands with their answer. The program is built twice:
- * for hidraw and for libusb. Prints TAP. */
+/* This program tests the library hidapi, as Debian ships it, with a loop-back device
+ * (hil_tests/usb/usb_peer.h): feature reports, state reports for every tick, and commands with their answers.
+ * The program is built once for hidapi's hidraw back end and once for its libusb back end. Prints TAP. */
 #include <stdlib.h>
 #include <string.h>
 #include <wchar.h>
@@ -47,7 +47,7 @@ static bool write_limits(const crn_hid_limits *limits)
            hid_send_feature_report(device, bytes, sizeof bytes) == (int)sizeof bytes;
 }
 
-/* Limits are lowered and read back; raising them is refused. */
+/* The program lowers limits and reads them back; the device must refuse to raise them. */
 static bool settings_work(void)
 {
     crn_hid_limits limits, read;
@@ -66,7 +66,7 @@ static bool read_state(crn_hid_state *state)
     return count == 64 && bytes[0] == CRN_HID_ID_state && crn_hid_decode_state(bytes + 1, 63, state);
 }
 
-/* Reports from before the test are skipped; after that every tick counts. */
+/* The program skips reports from before the test; after that, it checks the report of every tick. */
 static bool states_follow(void)
 {
     crn_hid_state state;
@@ -84,13 +84,13 @@ static bool states_follow(void)
     const int64_t us = check_now_us() - begin;
     check_note("link.hid_reports_per_s %lld", (long long)REPORTS * 1000000 / us);
     check_note("link.hid_ticks_lost %u of %u", (unsigned)lost, (unsigned)(REPORTS + lost));
-    /* A busy machine loses a few reports; a program that shares the reports with another one loses every
-     * second report. A machine that is too slow for 1 kHz loses as many reports, so `make test` only prints
-     * the figure, and `make hil-mock` judges it. */
+    /* On a busy machine a few reports are lost. A program that shares the reports with another program loses
+     * every second report. If a machine is too slow for 1,000 reports per second, it also loses reports.
+     * Therefore `make test` only prints the fraction of lost reports, and `make hil-mock` judges it. */
     return getenv("UNPACED") != NULL || lost < REPORTS / 2;
 }
 
-/* Each command's number comes back in a state report. */
+/* After each command, its number must come back in a state report. */
 static bool commands_are_answered(void)
 {
     const int64_t begin = check_now_us();

@@ -1,6 +1,6 @@
-/* This program tests libusb, as shipped by Debian, against a loop-back device (hil_tests/usb/usb_peer.h). It
- * tests descriptors, refusals, the stream in both directions, time-outs, cancelling, halts, and a device that
- * unplugs itself. Prints TAP. */
+/* This program tests the library libusb, as Debian ships it, with a loop-back device
+ * (hil_tests/usb/usb_peer.h). The tests cover descriptors, refusals, the stream in both directions,
+ * time-outs, cancelling, halts, and a device that disconnects itself. Prints TAP. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>
 #include <string.h>
@@ -68,7 +68,7 @@ static void make_frame(int length)
     frame[length - 1] = 0;
 }
 
-/* Reads all bytes up to `length`, and joins short reads. */
+/* Reads bytes until `length` of them have arrived, and joins short reads. */
 static bool read_bytes(int length)
 {
     int got = 0;
@@ -159,7 +159,8 @@ static enum libusb_transfer_status finish(flight *one)
     return status;
 }
 
-/* Sixteen writes and sixteen reads wait at the same time; the bytes come back in order. */
+/* The test keeps sixteen writes and sixteen reads pending at the same time; the bytes must come back in
+ * order. */
 static bool fly(void)
 {
     static flight out[FLIGHT], in[FLIGHT];
@@ -237,15 +238,16 @@ static bool recovers_from_a_halt(void)
     return begin_stream() && echo(700);
 }
 
-/* A device that has returned is listed before it can be accessed. First the bus's table lists it; the access
- * rights of its node (and at L2 the program that answers for it) follow later. A program that finds the
- * device but gets no answer therefore searches again. */
+/* After a device has returned to the bus, programs can list it before they can open it. The bus's table lists
+ * the device first. The access rights of its node (and at test level L2 the program that answers for it)
+ * follow later. A program that finds the device but gets no answer therefore searches for the device again.
+ * */
 static bool answers(void)
 {
     return libusb_claim_interface(device, STREAM_INTERFACE) == 0 && begin_stream() && echo(64);
 }
 
-/* The device takes itself off the bus for 300 ms; a new search finds it within 10 s. */
+/* The device disconnects itself from the bus for 300 ms; a new search must find it within 10 s. */
 static bool comes_back(const char *serial)
 {
     int count = 0;

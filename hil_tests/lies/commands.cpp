@@ -35,7 +35,7 @@ std::vector<std::string> arguments(const std::string &name, const std::string &f
     return run;
 }
 
-// This is the rig's own clock, which makes a tick every millisecond as long as the process lives.
+// Implements the clock of the rig, which makes a tick every millisecond as long as the process lives.
 [[noreturn]] void keep_time(crn_sim *sim)
 {
     auto next = std::chrono::steady_clock::now();
@@ -117,7 +117,7 @@ int run_command(const LiedTo &command, const Lie &lie, const std::string &folder
 namespace
 {
 
-// Replays a recording, tick by tick, on a device of this process.
+// Replays a recording tick by tick on a device in this process.
 class Referee
 {
   public:
@@ -163,8 +163,8 @@ class Referee
         }
         return "";
     }
-    // Compares the states in the snapshots by their hashes, because the replaying device does not have the
-    // rig's hands and motors.
+    // Compares the states in the snapshots by their hashes only, because the replaying device has no rig, and
+    // therefore no hands and motors.
     std::string check_snapshots(std::uint32_t tick)
     {
         for (const crn::RecordedSnapshot &recorded : recording_.snapshots) {

@@ -1,4 +1,4 @@
-// This is the HID interface of a lying rig, in the form of hidapi.
+// Simulates the HID interface of a rig that sends false reports, with the functions of hidapi.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include "host/link/hid_rig.hpp"
@@ -7,7 +7,8 @@
 namespace hil
 {
 
-// Only one such interface can exist at a time, because the functions have no user data.
+// Only one such interface can exist at a time, because hidapi's functions pass no user data to the
+// simulation.
 crn::HidApi lying_hid(const Lie &lie, std::function<void()> struck);
 
 } // namespace hil

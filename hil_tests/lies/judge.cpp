@@ -32,8 +32,8 @@ double since(Clock::time_point begin)
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// This class is a child process that runs `work` and exits with its result; the output of `work` goes to a
-// file. The process sends a byte through the pipe when the lie is applied.
+// Runs `work` in a child process, which exits with the result of `work` and writes its output to a file. The
+// child process sends a byte through the pipe when the first false message is sent.
 class Child
 {
   public:
@@ -71,8 +71,8 @@ class Child
     Child(const Child &) = delete;
     Child &operator=(const Child &) = delete;
 
-    // Waits until the process has ended, `may_stop` returns true, or time is up. Returns true when the
-    // process has ended.
+    // Waits until the process has ended, `may_stop` returns true, or `seconds` have passed. Returns true when
+    // the process has ended.
     bool wait(double seconds, const std::function<bool()> &may_stop = {})
     {
         const Clock::time_point begin = Clock::now();
@@ -117,7 +117,8 @@ bool has_control_characters(const std::string &path)
     return text.find("\x1b[2J") != std::string::npos;
 }
 
-// Measures how soon the process ends after the first Ctrl-C; if the first does not end it, a second one must.
+// Measures how soon the process ends after the first Ctrl-C. If the process does not end, it gets a second
+// Ctrl-C, after which it must end.
 void interrupt(const LieCase &one, const std::string &folder, const std::string &output, Verdict &verdict)
 {
     Child child(output, [&](const std::function<void()> &struck) {
@@ -143,8 +144,8 @@ void interrupt(const LieCase &one, const std::string &folder, const std::string 
     }
 }
 
-// Checks in a separate process whether the recording is true, because the recording may contain anything, and
-// reading it may fail in any way.
+// Checks in a separate process whether the recording is true, because the recording may contain anything and
+// the check may crash or hang.
 std::string check_recording(const std::string &recording, const std::string &output, bool has_to_be_complete)
 {
     Child child(output, [&](const std::function<void()> &) {
@@ -189,8 +190,7 @@ Verdict judge_one(const LieCase &one, const std::string &folder)
         const std::string wrong = check_recording(recording, folder + "/check", verdict.code == 0);
         verdict.is_false = !wrong.empty();
         if (verdict.is_false) verdict.failure = "recorded falsely: " + wrong;
-        // A run that ends before the lie was applied leaves a file under a temporary name when its process
-        // ends.
+        // A run that ends before the false message was sent leaves a file under a temporary name.
         for (const fs::directory_entry &entry : fs::directory_iterator(folder))
             if (entry.path().string().find(".part") != std::string::npos) fs::remove(entry.path());
     }
@@ -200,7 +200,7 @@ Verdict judge_one(const LieCase &one, const std::string &folder)
 
 // --- several at a time ---
 
-// Each case is one line: its index, then the verdict's fields, separated by tabs.
+// Every test case becomes one line: its index and the fields of its verdict, separated by tabs.
 void work(const std::vector<LieCase> &cases, std::size_t first, std::size_t step, unsigned ticks, int end)
 {
     char name[] = "/tmp/cournand_lies_XXXXXX";
@@ -284,7 +284,7 @@ std::vector<Verdict> judge_once(const std::vector<LieCase> &cases, unsigned jobs
     return verdicts;
 }
 
-// Lists the failures that other load on the machine may have caused.
+// Lists the failed test cases that may have failed only because the machine was busy.
 bool is_about_time(const std::string &failure)
 {
     for (const char *words : {"did not end", "too late", "too long"})
@@ -300,8 +300,8 @@ std::vector<Verdict> judge(const std::vector<LieCase> &cases, unsigned jobs, uns
     constexpr int more_rounds = 2;
     constexpr std::size_t again_max = 40;
     std::vector<Verdict> verdicts = judge_once(cases, jobs, ticks, tell);
-    // A command that was too slow is judged again with nothing else running; a command that hangs does so
-    // each time.
+    // A command that was too slow is run and judged again while nothing else runs; a command that hangs will
+    // hang again.
     for (int round = 0; round < more_rounds; round++) {
         std::vector<LieCase> late;
         std::vector<std::size_t> places;

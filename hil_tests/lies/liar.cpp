@@ -23,7 +23,7 @@ Frame notice_frame()
     return {{1, 0, CRN_WIRE_TYPE_notice}, empty_message(CRN_WIRE_TYPE_notice).payload};
 }
 
-// The fault campaign defines the lies about whole messages.
+// The code of the fault campaign makes the false messages that replace a whole message.
 std::uint32_t campaign_lie(const Lie &lie)
 {
     static const char *const words[] = {"half",     "longer", "type",  "",      "ones",
@@ -158,8 +158,8 @@ bool Liar::lie_about_frame(const Frame &frame, const Bytes &raw)
 
 // --- messages ---
 
-// A snapshot's begin, chunks and end belong together: a change in the middle needs another checksum at the
-// beginning.
+// A snapshot consists of a begin message, chunks and an end message. A change in the middle needs another
+// checksum in the begin message.
 bool Liar::lie_about_snapshot(const Frame &frame, const Bytes &raw)
 {
     if (!lie_.is_group("snapshot.")) return false;
@@ -226,7 +226,7 @@ bool Liar::lie_about_message(Frame &frame)
     return change_field(lie_, frame, last_ticks_);
 }
 
-// Sends an unsolicited message as an answer to the present request.
+// Sends a message that the host did not request, as if it answered the present request.
 void Liar::forge()
 {
     Frame frame = empty_message(type_of(lie_));
@@ -286,7 +286,7 @@ std::size_t Liar::stream(std::span<std::uint8_t> bytes)
 std::size_t Liar::give(std::span<std::uint8_t> bytes)
 {
     pull();
-    // Messages from before the lie are delivered complete.
+    // Messages that the device sent before the false message are delivered complete.
     if (is_streaming_ && out_.empty() && !is_only_slow()) return stream(bytes);
     if (is_streaming_ && lie_.is("stream.drip_frames")) return drip(bytes);
     while (!late_.empty() && late_.front().first <= Clock::now()) {

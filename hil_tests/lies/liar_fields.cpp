@@ -1,4 +1,4 @@
-// This file tells lies about one field of one message.
+// Falsifies one field of one message of a device.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/lies/liar.hpp"
 #include <algorithm>
@@ -11,8 +11,8 @@ namespace hil
 namespace
 {
 
-// Applies `change` to the message in the frame. A message that cannot be decoded, or that no longer fits its
-// frame after the change, stays unchanged.
+// Applies the function `change` to the message in the frame. If the message cannot be decoded, or no longer
+// fits into its frame after the change, it stays unchanged.
 template <class Message>
 bool alter(Frame &frame, bool (*decode)(const std::uint8_t *, std::size_t, Message *),
            bool (*put)(crn_wire_writer *, const Message *), const std::function<void(Message &)> &change)

@@ -1,4 +1,5 @@
-// This header describes the lies of a device. One line names each lie completely: "ticks.lane0 at=3 value=0".
+// Lists the lies (false messages) that a simulated device can send. One line of text names each lie
+// completely, for example "ticks.lane0 at=3 value=0".
 //
 //   stream.*   from the n-th frame on the device only does this, for ever: zeros, garbage, silence, drips
 //   frame.*    the n-th frame is damaged, lost, repeated, or answers something else
@@ -23,7 +24,8 @@ struct Lie {
 };
 
 std::string line_of(const Lie &lie);
-// Throws std::invalid_argument with the word that the function does not recognise.
+// Converts a line of text to a lie. Throws std::invalid_argument if a word of the line is unknown; the
+// message contains that word.
 Lie lie_of_line(const std::string &line);
 
 std::vector<Lie> stream_lies(); // of the wire

@@ -62,9 +62,9 @@ void Axis::advance(double command, bool powered)
     if (hand_ == Hand::none) hand_force_ = 0.0;
 }
 
-// Holds the impulses of grip (tool -> roller) and bearing, each within its bound. For each friction, either
-// the sliding speed is zero or the impulse is at its bound. The two unknowns follow by projected Gauss-Seidel
-// iteration.
+// Holds the impulses of the two frictions, between tool and roller (grip) and in the roller's bearing; both
+// are limited. For both frictions, either the sliding speed is zero or the impulse is at its limit. The two
+// unknown impulses are found by projected Gauss-Seidel iteration.
 void Axis::solve(double tool_free, double tool_mobility, double roller_free)
 {
     const double roller_mobility = 1.0 / settings_.roller_inertia;

@@ -1,14 +1,15 @@
 // This header simulates a rig: three tracks with two axes each, syringe, inflator, switches and the power
-// stage, advanced by one millisecond at a time. The plant reads the outputs of a port (crn_port_outputs) and
-// makes the samples of a port (crn_port_inputs).
+// stage, advanced by one millisecond at a time. The class Plant reads the outputs of a device's port
+// (crn_port_outputs), and makes the sensor values of that port (crn_port_inputs).
 //
 //   outputs of the device --> power stage --> motors --> axes --> encoders, force sensors --> inputs of the
 //   device
 //
-// The power stage is on while the supply is good, the stop released, `enable` set, and the last flip of the
-// drive line at most CRN_PORT_DRIVE_HOLD_ms ago. The power stage monitors these conditions by itself: a
-// halted device loses power, whatever halted it. The plant is deterministic: the same seed and the same
-// outputs give the same inputs.
+// The power stage is on while four conditions hold: the supply is good, the emergency stop is released,
+// `enable` is set, and the device has changed the drive line within the last CRN_PORT_DRIVE_HOLD_ms
+// milliseconds. The power stage monitors these conditions without the device, so a halted device loses motor
+// power whatever the cause. The simulated rig is deterministic: with equal seeds and equal outputs of the
+// device it gives equal sensor values.
 #pragma once
 #include "firmware/port/port.h"
 #include "hil_tests/plant/axis.hpp"
@@ -33,7 +34,7 @@ enum class SensorFault {
     silent,   // no new sample, which the electronics report
 };
 
-// This is the counter behind an encoder, with its faults.
+// Simulates the counter of an encoder and the encoder's faults.
 class Encoder
 {
   public:
@@ -79,7 +80,8 @@ class Plant
 
     explicit Plant(const PlantSettings &settings);
 
-    // Runs one millisecond with these outputs; `inputs()` is the sample at the millisecond's end.
+    // Simulates one millisecond with these outputs of the device; afterwards `inputs()` returns the sensor
+    // values at the end of that millisecond.
     void step(const crn_port_outputs &outputs);
     const crn_port_inputs &inputs() const { return inputs_; }
 
@@ -91,7 +93,7 @@ class Plant
     double motor_peak_N() const;
     double motor_torque_peak_N_m() const;
 
-    // The caller sets these; they are visible in the next sample.
+    // The caller may set these fields; their values appear in the next sensor values.
     bool emergency_stop = false, supply_good = true, local_unlock = false;
     std::uint32_t buttons = 0;
     std::int32_t syringe_counts = 0, inflator_raw = 0;

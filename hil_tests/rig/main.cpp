@@ -1,13 +1,14 @@
-// This is the program hil_rig. It starts a simulated rig with an emulated device, runs a command, and ends
-// when this command ends.
+// This is the program hil_rig. The program starts a simulated rig with an emulated device, runs a command,
+// and ends when this command ends.
 //
 //   hil_rig [--serial S] [--live] -- COMMAND ARGUMENT...
 //
-// The device's image runs in an emulator. Its milliseconds and its sensor values come from a plant in this
-// process, in real time (--live: a hand that pushes, turns and pulls back against the motors), or from the
-// client of the bench socket. In COMMAND, {mailbox} is replaced by the place of the device's USB tokens, for
-// bridge and mock_bus, and {bench} by the path of the socket. The exit code is that of the command, or 1 when
-// something did not start.
+// The device's image runs in an emulator. The device gets its clock and its sensor values from one of two
+// sources. Either a simulated rig in this process makes them in real time (--live: a hand pushes, turns and
+// pulls back against the motors), or the client of the bench socket sends them. In COMMAND, {mailbox} is
+// replaced by the memory address of the device's USB tokens, as bridge and mock_bus expect it, and {bench} by
+// the path of the socket. The exit code is that of COMMAND, or 1 when COMMAND, the rig or the device did not
+// start.
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
@@ -39,7 +40,7 @@ struct Options {
 
 // --- the rig by itself ---
 
-// Holds the readings of the meters of a live rig.
+// Holds the measured values of a rig that runs in real time.
 struct Meters {
     double motor_N = 0.0, torque_N_m = 0.0, way_m = 0.0;
     std::uint64_t milliseconds = 0, powered_ms = 0, stalls = 0;
@@ -67,8 +68,8 @@ class LiveRig
 
     std::string mailbox() { return bench_.emulator().memory_path() + ":0"; }
 
-    // Runs in real time until `is_over`. Time in which the machine was suspended is not made up for, because
-    // neither rig nor device noticed it.
+    // Runs in real time until `is_over`. After the machine was suspended, the lost time is not made up for,
+    // because neither the rig nor the device noticed it.
     void run(const std::atomic<bool> &is_over)
     {
         Clock::time_point due = Clock::now();
@@ -138,7 +139,7 @@ pid_t start(const std::vector<std::string> &command)
     _exit(127);
 }
 
-// Returns the exit code once the command has ended, and nothing while it runs.
+// Returns the exit code after the command has ended, and no value while the command runs.
 std::optional<int> ended(pid_t child)
 {
     int status = 0;

@@ -44,7 +44,7 @@ void write_script(const std::string &path, const Shrunk &shrunk, const Verdict &
     crn::write_whole_file(path, text + script_of(shrunk.session));
 }
 
-// Holds the worker processes, and their output so far.
+// Holds the worker processes and the output that they have written so far.
 class Pool
 {
   public:
@@ -75,7 +75,7 @@ class Pool
         std::string text;
     };
 
-    // Sessions in progress count as sessions, but their ticks do not count yet.
+    // A session in progress counts as a session, but its ticks are not counted before it ends.
     bool is_done() const
     {
         if (settings_.hours > 0) return seconds_since(begin_) >= settings_.hours * 3600;
@@ -90,7 +90,8 @@ class Pool
         workers_.push_back({process, session, ""});
     }
 
-    // Returns the session's row as a line, or nothing when the session could not be judged.
+    // Returns the results of the session as one line of the file, or nothing when the session could not be
+    // judged.
     std::optional<std::string> work(const DrawnSession &session) const
     {
         try {

@@ -1,6 +1,6 @@
-// This header runs many sessions of one seed in separate processes, `jobs` of them at a time. Sessions are
-// drawn, judged, shrunk when a bar breaks, and written to a file row by row. Ctrl-C ends the campaign; a
-// later call continues it.
+// Runs many random sessions of one seed in separate processes, `jobs` of them at a time. Every session is
+// made at random and judged by limits (bars). If a limit is exceeded, the session is shortened; the result of
+// every session becomes one row of a file. Ctrl-C ends the campaign; a later call continues it.
 #pragma once
 #include "hil_tests/soak/draw.hpp"
 #include "hil_tests/soak/rows.hpp"
@@ -11,11 +11,12 @@ namespace soak
 
 struct CampaignSettings {
     std::uint64_t seed = 1;
-    // The campaign ends when both limits are reached, where rows of former calls count; a limit of 0 does not
-    // apply.
+    // The campaign ends when the file has at least this many sessions and this many ticks, including those of
+    // earlier calls. If one of these limits is 0, only the other limit applies.
     std::uint64_t sessions = 500, ticks = 20'000'000;
-    // This is the limit of this call by the clock; 0 means no limit. With such a limit, the numbers of
-    // sessions and ticks do not end the campaign.
+    // `hours` is the wall-clock time after which this call ends; 0 means no limit. If this time is limited,
+    // the numbers of sessions and ticks do not end the campaign. With such a limit, the numbers of sessions
+    // and ticks do not end the campaign.
     double hours = 0;
     int jobs = 1;
     std::string folder = "out/soak";
@@ -26,8 +27,8 @@ struct CampaignSettings {
     bool shows_progress = true;
 };
 
-// Judges one session in a separate process, and writes its shrunk form into the folder when a bar broke.
-// Returns nothing when the call was interrupted.
+// Judges one session in a separate process. If a limit is exceeded, the function also shortens the session
+// and writes its short form into the folder. Returns nothing when the call was interrupted.
 std::optional<Row> judge_session(const Catalogue &catalogue, const CampaignSettings &settings,
                                  const DrawnSession &session);
 

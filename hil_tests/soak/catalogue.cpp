@@ -25,8 +25,8 @@ double length_mm(const crn::VesselBranch &branch, std::size_t last_point)
     return sum_m * 1e3;
 }
 
-// Returns the distance from the sheath, against the blood flow, to the place where the sheath's vessel enters
-// the tree.
+// Returns the distance from the introducer sheath, measured against the blood flow, to the point at which the
+// vessel with the sheath joins its parent vessel.
 int depth_of(const SoakScene &scene)
 {
     const crn::VesselTree &tree = scene.vessels;
@@ -97,8 +97,8 @@ SoakTool read_soak_tool(const std::string &path)
     return tool;
 }
 
-// Adds every set of instruments that begins with `set`, by the same rule as that of the core
-// (crn_check_tools).
+// Adds every valid set of nested instruments that begins with `set`; which sets are valid follows the core's
+// own rule (crn_check_tools).
 void add_sets(const std::vector<SoakTool> &tools, const std::vector<std::size_t> &set,
               std::vector<std::vector<std::size_t>> &sets)
 {

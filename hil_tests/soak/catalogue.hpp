@@ -1,6 +1,6 @@
-// The catalogue is the material from which sessions are drawn: baked scenes with their vessels, every
-// instrument and stent that ships, and the sets of instruments that fit into each other. The catalogue is
-// read once; the device and the sinks of a session take their data from it.
+// The catalogue contains everything from which random sessions are made: baked scenes with their vessels, all
+// shipped instruments and stents, and the sets of instruments that fit into each other. The catalogue is read
+// only once; the simulated device and the observers of a session take their data from it.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -44,8 +44,8 @@ struct Catalogue {
     std::vector<SoakScene> scenes;
     std::vector<SoakTool> tools;
     std::vector<SoakStent> stents;
-    // Each set has 1 to 3 indices into `tools`, from the innermost tool outwards. Each tool of a set passes
-    // through the lumen of the next, and at most one has a balloon.
+    // Every set holds 1 to 3 indices into `tools`, from the innermost tool outwards. In a set, every tool
+    // passes through the lumen of the next tool, and at most one tool has a balloon.
     std::vector<std::vector<std::size_t>> sets;
 
     const SoakScene &scene(const std::string &path) const; // throws std::runtime_error
@@ -53,7 +53,8 @@ struct Catalogue {
     const SoakStent &stent(const std::string &path) const;
 };
 
-// Reads every .toml file of each folder, in the order of names. Throws FileError, std::runtime_error.
+// Reads all .toml files of all the folders, in the order of the file names. Throws FileError,
+// std::runtime_error.
 Catalogue read_catalogue(const std::vector<std::string> &scene_paths, const std::string &tool_folder,
                          const std::string &stent_folder);
 

@@ -1,5 +1,5 @@
-// This header has random numbers that are the same with every library: std::mt19937_64 is defined to the bit,
-// while the library's distributions are not.
+// Provides random numbers that are equal with every C++ library. The generator std::mt19937_64 is defined to
+// the bit, whereas the distributions of the C++ library are not.
 #pragma once
 #include <cstdint>
 #include <random>
@@ -15,7 +15,8 @@ class Dice
     {
         engine_.discard(16);
     }
-    // Returns a number 0 .. count - 1; the bias of the remainder is below 1e-12 here.
+    // Returns a random number 0 .. count - 1. Taking the remainder makes some numbers more frequent than
+    // others, but by less than 1e-12 here.
     std::size_t below(std::size_t count) { return static_cast<std::size_t>(engine_() % count); }
     int between(int low, int high)
     {
@@ -23,7 +24,8 @@ class Dice
     }
     bool chance(int percent) { return below(100) < static_cast<std::size_t>(percent); }
     template <typename T> const T &of(const std::vector<T> &all) { return all[below(all.size())]; }
-    // Returns an index into `weights`; each index comes as often as its weight's share of the sum.
+    // Returns a random index into `weights`; the probability of an index is its weight divided by the sum of
+    // all weights.
     std::size_t weighted(const std::vector<int> &weights)
     {
         int sum = 0;

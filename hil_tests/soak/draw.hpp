@@ -1,6 +1,6 @@
-// This header draws random sessions that `cournand run` would accept: tools that fit into each other, a route
-// into the vessels, and the possible actions of hands, inflator, syringe, heart and X-ray room. The same seed
-// and index give the same session on every machine (docs/soak.md).
+// Makes random sessions that `cournand run` would accept: tools that fit into each other, a route into the
+// vessels, and actions of hands, inflator, syringe, heart and X-ray room. With equal seed and index, the
+// session is equal on every machine (docs/soak.md).
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/drawn.hpp"
@@ -8,7 +8,7 @@
 namespace soak
 {
 
-// These are the largest speeds that are drawn for a hand.
+// A hand in a random session never moves faster than these speeds.
 inline constexpr int speed_max_mm_s = 250, turn_max_deg_s = 687; // 12 rad/s
 
 struct DrawSettings {

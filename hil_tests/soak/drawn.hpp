@@ -1,5 +1,6 @@
-// A drawn session consists of its scene, its tools, its stents, and an ordinary session script
-// (docs/session.md) as lines. A drawn session can therefore be printed, and repeated by `cournand run`.
+// A drawn session is a session made at random: its scene, its tools, its stents, and an ordinary session
+// script (docs/session.md) as lines. A drawn session can therefore be printed, and repeated by `cournand
+// run`.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -20,7 +21,8 @@ struct DrawnSession {
 // "seed 1 session 17"
 std::string name_of(const DrawnSession &session);
 std::string script_of(const DrawnSession &session);
-// Returns the command that repeats the session, with the script in a file of that name.
+// Returns the `cournand run` command that repeats the session; `script_path` names the file with the
+// session's script.
 std::string command_of(const DrawnSession &session, const std::string &script_path);
 // Returns the names of the tools without the scene, such as "j_wire + beacon_5f".
 std::string tools_of(const DrawnSession &session);

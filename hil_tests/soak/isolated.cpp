@@ -1,4 +1,4 @@
-// This file runs a trial in a separate process, and writes verdicts as lines.
+// Runs and judges one session in a separate process, and converts verdicts to lines of text.
 #include "hil_tests/soak/process.hpp"
 #include "hil_tests/soak/trial.hpp"
 #include "host/base/interrupt.hpp"
@@ -31,7 +31,8 @@ std::string without_tabs(std::string text)
     return text.empty() ? "-" : text;
 }
 
-// Reads the process's output until the pipe is closed. Returns false when the process took too long.
+// Reads the output of the process until the process closes the pipe. Returns false when the process did not
+// end within its time.
 bool read_all(int pipe, pid_t who, double seconds_max, std::string &text)
 {
     const Clock::time_point begin = Clock::now();

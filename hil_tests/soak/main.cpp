@@ -1,6 +1,6 @@
-// This is the program soak, which runs random legal sessions for hours and judges them by the bars of
-// docs/soak.md. The exit code is 0 when every bar held, 1 when one broke or the program failed, and 2 for
-// wrong usage.
+// The program soak runs random valid sessions for hours and judges them by the limits (bars) of docs/soak.md.
+// The exit code is 0 when no session exceeded a limit, 1 when a session exceeded a limit or the program
+// failed, and 2 for wrong usage.
 #include "hil_tests/soak/campaign.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
@@ -111,8 +111,8 @@ void check(Options &options)
         };
 }
 
-// Returns the inputs on which the rows depend: with another program, scene, instrument or bar, the rows start
-// from the beginning.
+// Returns a text that identifies everything on which the results depend. If the program, a scene, an
+// instrument or a limit changes, the file of results starts from the beginning.
 std::string key_of(const Options &options, const soak::Catalogue &catalogue)
 {
     std::uint32_t crc = 0;

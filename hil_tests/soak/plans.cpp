@@ -10,7 +10,8 @@ namespace
 
 constexpr int bar_kPa = 100;
 
-// In a step of a plan, the tools move to these depths at the same time; -1 means that a tool stays.
+// Holds one step of a route (plan): the tools move to these depths at the same time; -1 means that a tool
+// does not move.
 struct Step {
     int wire_mm, catheter_mm, guide_mm;
     int mm_s;
@@ -31,7 +32,7 @@ void walk(Scribe &scribe, const Step &step, double hurry)
     if (moves) scribe.end();
 }
 
-// In these plans hands are up to three times as fast as those of the shipped session.
+// Returns a random factor between 1 and 3 by which the hands are faster than in the shipped session.
 double some_hurry(Scribe &scribe)
 {
     return scribe.dice().between(10, 30) * 0.1;
@@ -43,7 +44,7 @@ void turn_by_about(Scribe &scribe, std::size_t k, int deg)
     scribe.end();
 }
 
-// Returns the burst pressure and the labelled pressure of a balloon, both rounded down to whole bar.
+// Returns the burst pressure and the pressure on the label of a balloon; both are rounded down to whole bar.
 int burst_bar(const SoakTool &tool)
 {
     return tool.instrument.balloon ? static_cast<int>(tool.instrument.balloon->rated_burst_kPa / bar_kPa)

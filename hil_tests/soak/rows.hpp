@@ -1,5 +1,5 @@
-// This header keeps the results of one seed as a file of tab-separated rows, one per session, which a later
-// call continues.
+// Keeps the results of all sessions of one seed in a file of tab-separated rows, one row per session. A later
+// call continues the file.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include <map>
@@ -21,8 +21,8 @@ Row row_of(const std::string &line); // throws std::runtime_error
 class RowsFile
 {
   public:
-    // `key` states how the rows were made; rows with another key are put aside as "path.old". An incomplete
-    // last line is dropped. Throws std::runtime_error.
+    // `key` identifies the program and inputs that made the rows; a file with another key is renamed to
+    // "path.old". If the last line of the file is incomplete, it is deleted. Throws std::runtime_error.
     RowsFile(const std::string &path, const std::string &key);
 
     void add(const Row &row); // written to the file at once
@@ -45,7 +45,7 @@ struct Summary {
     std::map<std::string, std::uint64_t> by_bar;                   // broken ones
 };
 Summary sum_of(const RowsFile &rows);
-// Returns lines in the format of out/bench.tsv: name, value, unit, context (docs/bench.md).
+// Returns the totals as lines in the format of out/bench.tsv: name, value, unit, context (docs/bench.md).
 std::string bench_rows(const Summary &summary, std::uint64_t seed);
 
 } // namespace soak

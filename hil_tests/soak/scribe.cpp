@@ -102,7 +102,8 @@ void Scribe::inflate(int bar, int bar_s)
     bar_ = bar;
 }
 
-// Draws the speed of a hand: most hands are steady, some hurry, and one in eight is as fast as possible.
+// Returns a random speed of a hand: most hands are steady, some hurry, and one in eight moves as fast as
+// possible.
 int Scribe::some_speed_mm_s()
 {
     switch (dice_.weighted({25, 45, 18, 12})) {

@@ -1,5 +1,5 @@
-// This header writes the statements of a session and tracks where they leave the tools, as far as a script
-// can predict.
+// Writes the statements of a session script and tracks how far the tools are inserted, as far as this can be
+// predicted without simulation.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/dice.hpp"
@@ -26,8 +26,8 @@ class Scribe
     void say(const std::string &line) { lines_.push_back(line); }
     void begin(std::size_t k, int mm);
     void wait_ms(int ms);
-    // These functions add pieces to a statement; `end` writes the statement. The pieces run at the same time,
-    // so a statement takes as long as its longest piece.
+    // These functions add parts to the present statement, and `end` completes it. The parts of a statement
+    // run at the same time, so a statement takes as long as its longest part.
     void push(std::size_t k, int mm, int mm_s, int stroke_mm = 0); // negative: withdraw
     void push_together(int mm, int mm_s);
     void turn(std::size_t k, int deg, int deg_s);

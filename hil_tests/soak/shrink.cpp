@@ -46,7 +46,7 @@ std::vector<std::string> parts_of(const std::string &line)
     return parts;
 }
 
-// Holds the present session and the remaining budget of trials and time.
+// Holds the shortest session so far, and the trials and time that are left.
 class Shrinker
 {
   public:
@@ -74,7 +74,8 @@ class Shrinker
                std::chrono::duration<double>(Clock::now() - begin_).count() > limits_.seconds;
     }
 
-    // Returns true when the shorter session breaks the same bar; it is then the best session so far.
+    // Returns true if the shorter session exceeds the same limit as the original session; the shorter session
+    // is then the best so far.
     bool accept(const DrawnSession &shorter)
     {
         if (is_spent() || shorter.lines.empty() || shorter.tools.empty()) return false;
@@ -94,7 +95,8 @@ class Shrinker
         return accept(shorter);
     }
 
-    // Statements after the one at which the bar broke do not matter, and cost no ticks.
+    // Statements after the one at which the limit was exceeded have no effect, because the session ends
+    // before them.
     void cut_the_end()
     {
         for (std::size_t count = best_.session.lines.size() / 2; count > 0;) {
@@ -105,7 +107,8 @@ class Shrinker
         }
     }
 
-    // Leaves out blocks of lines, from half of them down to one (Zeller's delta debugging, complements only).
+    // Removes blocks of lines from the script, first half of the lines and finally single lines (Zeller's
+    // delta debugging, complements only).
     bool leave_out_lines()
     {
         bool is_shorter = false;
@@ -155,8 +158,9 @@ class Shrinker
     Shrunk best_;
 };
 
-// Returns a piece of the script without a tool: the tool's own name is removed, and the tools outside of it
-// move in by one. The result is empty when nothing of the line is left.
+// Returns a part of the script without a tool: the function removes the tool's own name, and gives every tool
+// outside of it the name of the next inner tool. The result is an empty text if the part contained only
+// statements for that tool.
 std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);
@@ -174,7 +178,7 @@ std::string part_without(const std::string &part, std::size_t tool)
     return join(words, " ");
 }
 
-// Halves each number that stands before this unit and is at least `least`.
+// Halves every number that is followed by this unit and is at least `least`.
 std::vector<std::string> halved(const std::string &part, const std::string &unit, int least)
 {
     std::vector<std::string> words = words_of(part);

@@ -1,5 +1,6 @@
-// This header makes a broken session short: everything is left out, halved or simplified as long as the same
-// bar breaks. The shrinking is limited in trials and in time.
+// Shortens a session that exceeds a limit: statements and tools are removed, numbers are halved and commands
+// simplified, as long as the session still exceeds the same limit. The number of trials and the time for this
+// work are limited.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 
@@ -17,14 +18,14 @@ struct Shrunk {
     std::uint32_t trials = 0;
 };
 
-// `judge` runs a session, and is called for shorter and shorter sessions.
+// The function calls `judge`, which runs and judges a session, for shorter and shorter sessions.
 Shrunk shrink(const DrawnSession &session, const Verdict &found,
               const std::function<Verdict(const DrawnSession &)> &judge, const ShrinkLimits &limits = {});
 
-// The pieces, for tests. Returns the session without that tool: the tool's statements are left out, and the
-// tools outside of it get the names of their inner neighbours.
+// The pieces, for tests. Returns the session without this tool: its statements are removed, and every tool
+// outside of it gets the name of the next inner tool.
 DrawnSession without_tool(const DrawnSession &session, std::size_t tool);
-// Returns the simpler forms of a statement, the simplest first.
+// Returns simpler forms of a script statement; the simplest form comes first.
 std::vector<std::string> plainer(const std::string &line);
 
 } // namespace soak

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr crn::RoomCommand first_stent{crn::RoomAction::load_stent, {}};
 
-// The recording is removed when the trial is over, however it ends.
+// The recording is deleted when the session has been judged, even if an error ends the judgement.
 struct RecordingFile {
     explicit RecordingFile(const std::string &folder)
         : path((folder.empty() ? fs::temp_directory_path() : fs::path(folder)) /
@@ -41,7 +41,7 @@ bool has_action(const crn::Session &script, crn::RoomAction action)
     return false;
 }
 
-// Holds all parts that one session needs, made in the same way as by `cournand run`.
+// Holds all objects that one session needs, made as `cournand run` makes them.
 struct Stage {
     Stage(const Catalogue &catalogue, const DrawnSession &drawn)
         : scene(catalogue.scene(drawn.scene)), script(crn::parse_session(script_of(drawn), name_of(drawn)))
@@ -85,7 +85,7 @@ struct Stage {
     crn_wire_entry entry{};
 };
 
-// Runs the session with a recorder; the recording is closed however the session ends.
+// Runs the session with a recorder, and closes the recording even if an error ends the session.
 Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string &recording)
 {
     const std::unique_ptr<crn::Device> device = stage.device();
@@ -124,7 +124,7 @@ Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string 
     return verdict;
 }
 
-// Replays the file on a device that has no state from the session.
+// Replays the recording on a new device, which knows nothing of the recorded session.
 void replay_once(const Stage &stage, const TrialSettings &settings, const std::string &path, Verdict &verdict)
 {
     crn::Recording recording = crn::read_recording(path);

@@ -1,7 +1,7 @@
-// This header judges one session by the bars (the limits in docs/soak.md), on the host's own run_session().
-// Hands, device, stents, contrast medium and recording are those of `cournand run`, without pictures. The
-// session ends at the first tick that breaks a bar; a session that breaks none is replayed from its
-// recording, tick by tick.
+// Runs one session with the host's own run_session(), and judges it by the limits of docs/soak.md, which are
+// called bars. The hands, the device, the stents, the contrast medium and the recording are those of
+// `cournand run`; no pictures are made. The session ends at the first tick that exceeds a limit. A session
+// that exceeds no limit is replayed from its recording, tick by tick.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/drawn.hpp"
@@ -16,9 +16,9 @@ struct Bars {
     double iodine_share = 1e-6; // share of the injected iodine that may be missing
 };
 
-// The result of a session. `broken` is the name of the broken bar, or empty when no bar broke. The names are
-// saturation, penetration, length, force, iodine, replay, fault (another fault of the core), error (an
-// exception, or a refused input), crash and time.
+// The result of a session. `broken` is the name of the exceeded limit, or empty if the session exceeded no
+// limit. The limits have the names saturation, penetration, length, force, iodine, replay, fault (another
+// fault of the core), error (an exception, or a refused input), crash and time.
 struct Verdict {
     std::string broken, text; // one sentence
     std::uint32_t tick = 0;   // at which it broke
@@ -40,10 +40,10 @@ struct TrialSettings {
 
 Verdict run_trial(const Catalogue &catalogue, const DrawnSession &session, const TrialSettings &settings);
 
-// Runs the trial in a separate process, so that a crash and an endless loop also give a verdict.
+// Runs and judges the session in a separate process, so that a crash and an endless loop also give a verdict.
 Verdict run_isolated(const std::function<Verdict()> &trial, double seconds_max);
 
-// These functions write a verdict as words separated by tabs, and read it back. Throws std::runtime_error.
+// These functions convert a verdict to words separated by tabs, and back. Throws std::runtime_error.
 std::string line_of(const Verdict &verdict);
 Verdict verdict_of(const std::string &line);
 

@@ -10,8 +10,8 @@ namespace soak
 namespace
 {
 
-// None of these reports means wrong physics: a snap is scaled down, a tool that is completely out or in
-// slips, and a hand that is too fast is reported.
+// These three reports of the core do not mean wrong physics: a snap was scaled down, a tool slips because it
+// is completely out or in, or a hand is too fast.
 bool is_allowed(std::uint16_t code)
 {
     return code == CRN_FAULT_CODE_CORE_STEP_CAPPED || code == CRN_FAULT_CODE_CORE_INSERT_END ||
@@ -60,9 +60,10 @@ void Watch::tick(const crn_wire_tick_input &, const crn_wire_tick_state &state)
     fault_bits_ = state.core_fault_bits;
 }
 
-// After the core has set a new fault bit, the log is read at the end of the next batch. A session that is
-// long enough ends at a batch's end, where device and recording are at the same tick. The tick of that
-// reading and the tick of that end do not change while a batch is processed.
+// After the core has set a new fault bit, the log is read at the end of the next batch. If a session reaches
+// its maximum length, it ends at the end of a batch of ticks, when device and recording have reached the same
+// tick. The tick at which the log is read and the tick at which the session ends do not change while a batch
+// is processed.
 std::uint32_t Watch::next_tick() const
 {
     const std::uint32_t end = seen_tick_ <= settings_.ticks_max ? settings_.ticks_max : UINT32_MAX;

@@ -1,5 +1,5 @@
-// This is the sink of a trial. It compares every tick with the bars, which are the limits that docs/soak.md
-// sets.
+// Observes a session while it runs. The class Watch compares every tick with the bars, which are the limits
+// that docs/soak.md sets.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include "host/patient/patient.hpp"
@@ -27,10 +27,11 @@ class Watch final : public crn::FrameSink
     std::uint32_t next_tick() const override;
     void frame(const crn::SessionFrame &frame) override;
 
-    // Reads the device's present log. Throws Enough for a fault that must not occur in any session.
+    // Reads the device's present log. Throws Enough if the log contains a fault that must not occur in any
+    // session.
     void look_at_faults(std::uint32_t tick);
-    // Checks, when the session is over, that the injected iodine equals the iodine in the vessels plus the
-    // iodine that left. Throws Enough.
+    // Called when the session is over: checks that the injected iodine equals the iodine in the vessels plus
+    // the iodine that has left the vessels. Throws Enough.
     void balance_iodine(std::uint32_t tick) const;
     const Verdict &worst() const { return worst_; }
 

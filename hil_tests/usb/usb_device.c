@@ -1,4 +1,4 @@
-/* This file implements the whole device behind the token mailbox. */
+/* Implements the whole device, which communicates through the token mailbox. */
 #include "hil_tests/usb/usb_device.h"
 
 #include <string.h>
@@ -127,7 +127,7 @@ size_t usb_device_read(void *context, uint8_t *bytes, size_t capacity)
         device->last =
             usb_host_packet_in(&device->host, STREAM, device->read_bytes, PACKET, &device->read_end);
         if (device->last != USB_OK) device->read_end = 0;
-        /* An empty packet means nothing except that a longer read ends. */
+        /* An empty packet only ends a longer read and has no other meaning. */
         if (device->last == USB_OK && device->read_end == 0)
             device->last =
                 usb_host_packet_in(&device->host, STREAM, device->read_bytes, PACKET, &device->read_end);

@@ -1,6 +1,6 @@
-/* This header has the whole device in this process behind the token mailbox: the app, the USB stack, and the
- * controller in memory. The device has no rig, so the host sends the positions of the hands. There is one
- * device per process, because the scene slots are static. */
+/* Provides the complete device in this process, connected to the token mailbox: the application, the USB
+ * stack, and a USB controller in memory. The device has no rig, so the host sends the positions of the hands.
+ * A process can have only one device, because the memory for scenes is static. */
 #ifndef CRN_USB_DEVICE_H
 #define CRN_USB_DEVICE_H
 
@@ -25,21 +25,21 @@ typedef struct usb_device {
     uint8_t read_bytes[USB_DEVICE_READ_BYTES];
 } usb_device;
 
-/* Powers up the device on the bus; a host is connected and has not reset the bus yet. Returns false when the
- * stack refused its configuration. */
+/* Powers up the device on the bus; a host is connected but has not reset the bus yet. Returns false when the
+ * USB stack refused its configuration. */
 bool usb_device_start(usb_device *device, const char *serial);
 
-/* Does the same, then carries out reset, address and configuration, and reads the zero that begins the
- * stream. Returns false when the device refused something. */
+/* Powers up the device as usb_device_start does, resets the bus, sets address and configuration, and reads
+ * the zero that begins the byte stream. Returns false when the device refused one of these requests. */
 bool usb_device_open(usb_device *device);
 
 /* Runs one millisecond. */
 void usb_device_tick(usb_device *device);
 
-/* Lets the device do everything that it can do without an action of the host. */
+/* Lets the device do all work that is possible without a further action of the host. */
 void usb_device_settle(usb_device *device);
 
-/* These functions present the stream as a pipe of bytes; `context` is the usb_device. */
+/* These functions give access to the byte stream as a pipe; `context` is a pointer to the usb_device. */
 void usb_device_write(void *context, const uint8_t *bytes, size_t count);
 size_t usb_device_read(void *context, uint8_t *bytes, size_t capacity);
 

@@ -1,4 +1,4 @@
-/* This file implements a host controller on the token mailbox. */
+/* Implements a USB host controller, which communicates through the token mailbox. */
 #include "hil_tests/usb/usb_host.h"
 
 #include <string.h>
@@ -71,8 +71,8 @@ usb_result usb_host_token(usb_host *host, crn_mailbox_token kind, uint8_t endpoi
     return USB_OK;
 }
 
-/* Returns the result of a packet with this reply: USB_OK on success; USB_NAKED and USB_SILENT may be tried
- * again. */
+/* Converts the device's reply to a packet into a result: USB_OK on success. After USB_NAKED and USB_SILENT
+ * the host may try the packet again. */
 static usb_result judge(crn_mailbox_reply reply)
 {
     switch (reply) {
@@ -87,7 +87,7 @@ static usb_result judge(crn_mailbox_reply reply)
     }
 }
 
-/* Counts a failed try; returns false when it was the last. */
+/* Counts a failed attempt to send a packet; returns false when no further attempt is allowed. */
 static bool try_again(usb_host *host, usb_result result, uint32_t *naks, uint32_t *silences)
 {
     if (result == USB_NAKED) {

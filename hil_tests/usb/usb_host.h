@@ -1,11 +1,11 @@
-/* This header is the host's end of the token mailbox: a host controller that sends tokens, keeps data
- * toggles, repeats lost packets, and gives up in time. The controller serves tests, fuzz targets and bridges;
- * the device may run in this process or in another.
+/* Simulates a USB host controller, which is the host's end of the token mailbox. The controller sends tokens,
+ * keeps data toggles, repeats lost packets, and gives up in time. Tests, fuzz targets and bridges use this
+ * controller; the device may run in the same process or in another process.
  *
- * The caller provides the waiting: `wait` runs between two reads of the mailbox, and between two tries of a
- * packet that was NAKed. For a device in this process, `wait` runs the device; for a device in another
- * process, it sleeps. `wait` returns false after the deadline that `begin_wait` set, which limits how long a
- * device may take to serve one token. NAKs are counted. */
+ * The caller provides the function `wait`, which the controller calls between two reads of the mailbox, and
+ * between two attempts for a packet that was answered with NAK. If the device is in this process, `wait` runs
+ * the device; if the device is in another process, `wait` sleeps. `wait` returns false after the deadline
+ * that `begin_wait` set, which limits how long a device may take to serve one token. NAKs are counted. */
 #ifndef CRN_USB_HOST_H
 #define CRN_USB_HOST_H
 
@@ -45,22 +45,23 @@ typedef struct usb_request {
 
 const char *usb_result_name(usb_result result);
 
-/* Returns whether a device is connected, with its pull-up on. */
+/* Returns true if a device is connected and has switched on its pull-up resistor. */
 bool usb_host_sees_device(const usb_host *host);
 
 /* Changes the state of the bus; a reset clears the address and the toggles. */
 usb_result usb_host_bus(usb_host *host, crn_mailbox_bus state);
 
-/* Sends one token unchanged; the data of the reply go to `bytes`, at most `capacity` of them. Returns USB_OK,
- * USB_DEAD or USB_BROKEN. */
+/* Sends one token unchanged, and stores at most `capacity` bytes of the device's reply in `in`. Returns
+ * USB_OK, USB_DEAD or USB_BROKEN. */
 usb_result usb_host_token(usb_host *host, crn_mailbox_token kind, uint8_t endpoint, uint32_t flags,
                           const uint8_t *out, uint32_t out_bytes, crn_mailbox_reply *reply, uint8_t *in,
                           uint32_t capacity, uint32_t *in_bytes);
 
-/* Runs a whole control transfer. `bytes` holds request->length; `*count` receives the number of IN bytes. */
+/* Runs a whole control transfer. `bytes` has space for request->length bytes; `*count` receives the number of
+ * bytes that the device sent (IN). */
 usb_result usb_host_control(usb_host *host, const usb_request *request, uint8_t *bytes, uint32_t *count);
 
-/* Transfers one packet. A full transfer consists of as many packets as needed. */
+/* Transfers one packet. A transfer of full length consists of as many packets as needed. */
 usb_result usb_host_packet_out(usb_host *host, uint8_t endpoint, const uint8_t *bytes, uint32_t count);
 usb_result usb_host_packet_in(usb_host *host, uint8_t endpoint, uint8_t *bytes, uint32_t capacity,
                               uint32_t *count);

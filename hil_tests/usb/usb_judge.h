@@ -1,5 +1,5 @@
-/* Are these descriptors right? The descriptors are checked against the standards, without the table from
- * which they were made: USB 2.0 chapter 9, HID 1.11 section 6, Microsoft OS 2.0. */
+/* Are these descriptors right? Checks USB descriptors against the standards (USB 2.0 chapter 9, HID 1.11
+ * section 6, Microsoft OS 2.0), without the table from which the firmware makes them. */
 #ifndef CRN_USB_JUDGE_H
 #define CRN_USB_JUDGE_H
 
@@ -27,14 +27,15 @@ typedef struct usb_judged_report {
     uint32_t bits;
 } usb_judged_report;
 
-/* Each function returns NULL, or an error message. */
+/* Every function returns NULL if the descriptors are correct, otherwise an error message. */
 const char *usb_judge_device(const uint8_t *bytes, size_t count);
 const char *usb_judge_qualifier(const uint8_t *bytes, size_t count, const uint8_t *device);
 const char *usb_judge_configuration(const uint8_t *bytes, size_t count, uint8_t type, bool high_speed,
                                     usb_judged *judged);
 const char *usb_judge_reports(const uint8_t *bytes, size_t count, usb_judged_report *reports,
                               size_t *report_count);
-/* Fills in the vendor code and the announced length of the Microsoft descriptor set. */
+/* Also returns the vendor code and the length of the Microsoft descriptor set that the BOS descriptor
+ * announces. */
 const char *usb_judge_bos(const uint8_t *bytes, size_t count, uint8_t *vendor_code, uint16_t *set_bytes);
 const char *usb_judge_ms_os(const uint8_t *bytes, size_t count, uint8_t *first_interface);
 

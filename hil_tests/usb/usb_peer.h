@@ -1,6 +1,6 @@
-/* This header opens the device that a bridge shows to a host. It is the loop-back rig or the whole app in
- * this process, or the program that serves a mailbox in a file that another process has mapped too (an
- * emulator's memory). */
+/* Opens the device that a bridge shows to a host. The device is a loop-back rig or the complete application
+ * in this process, or a program in another process (such as an emulator) whose mailbox is a file that both
+ * processes map into memory. */
 #ifndef CRN_USB_PEER_H
 #define CRN_USB_PEER_H
 
@@ -24,17 +24,17 @@ enum { USB_PEER_DEADLINE_s = 5 }; /* of a token */
 
 int64_t usb_peer_now_ns(void);
 
-/* Opens a loop-back rig in this process, whose ticks follow the clock. On command 200 the rig sends a burst
- * of frames: value1 frames of value2 bytes. */
+/* Opens a loop-back rig in this process, which makes its ticks in real time. When the host sends command 200,
+ * the rig sends value1 frames of value2 bytes at once. */
 void usb_peer_open_here(usb_peer *peer);
 
-/* Opens the app in this process, with milliseconds by the clock. There can be only one. */
+/* Opens the device's application in this process, which runs in real time. There can be only one. */
 void usb_peer_open_app(usb_peer *peer, const char *serial);
 
-/* Opens a mailbox at `offset` of a file that is large enough. Returns NULL, or an error message. */
+/* Opens a mailbox at `offset` in a file that is large enough for it. Returns NULL, or an error message. */
 const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset);
 
-/* Opens a device by the words of a command line ("--here", "--app", "--app=SERIAL", or "--mailbox" and
+/* Opens the device that a command line names ("--here", "--app", "--app=SERIAL", or "--mailbox" and
  * FILE[:OFFSET]), and counts the words that it used. Returns NULL, or an error message. */
 const char *usb_peer_open(usb_peer *peer, int count, char **words, int *used);
 

@@ -1,5 +1,5 @@
-/* This header has a rig that is only its USB side, in this process: the stack, the controller in memory, and
- * an app that sends back every frame it receives and records the requests. */
+/* Simulates a rig that consists only of its USB side, in this process: the USB stack, a controller in memory,
+ * and an application that sends back every frame it receives and records the requests. */
 #ifndef CRN_USB_RIG_H
 #define CRN_USB_RIG_H
 
@@ -36,16 +36,17 @@ typedef struct usb_rig {
     uint32_t waits; /* polls left until the host gives up */
 } usb_rig;
 
-/* Powers up the rig on the bus; a host is connected and has not reset the bus yet. */
+/* Powers up the rig on the bus; a host is connected but has not reset the bus yet. */
 void usb_rig_open(usb_rig *rig, bool can_high_speed);
 
-/* Powers the device up again, with the host's half of the mailbox unchanged, as after a brown-out. */
+/* Powers up the device again as after a drop of the supply voltage; the host's half of the mailbox stays
+ * unchanged. */
 void usb_rig_reboot(usb_rig *rig, bool can_high_speed);
 
-/* Runs one millisecond on the device, which makes the next state report. */
+/* Lets the device run for one millisecond, which makes the next state report. */
 void usb_rig_tick(usb_rig *rig);
 
-/* Lets the device do everything that it can do without an action of the host. */
+/* Lets the device do all work that is possible without a further action of the host. */
 void usb_rig_settle(usb_rig *rig);
 
 /* Reset, address 5, configuration 1. */

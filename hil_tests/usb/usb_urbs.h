@@ -1,6 +1,6 @@
-/* This header keeps the transfers that wait: the records of a host controller driver for each endpoint. Each
- * step tries one packet of the first waiting transfer of every endpoint. A step never waits for a device that
- * has no data, so that one slow endpoint holds up no other. */
+/* Keeps queues of USB transfers, one queue for each endpoint, as the driver of a host controller does. Every
+ * step tries to send or receive one packet of the first transfer in each endpoint's queue. No step waits for
+ * a device that has no data, so a slow endpoint does not delay the others. */
 #ifndef CRN_USB_URBS_H
 #define CRN_USB_URBS_H
 
@@ -35,14 +35,15 @@ static inline unsigned usb_urbs_pipe(uint8_t endpoint)
     return (endpoint & 0x0fu) | (endpoint & 0x80 ? 0x10u : 0);
 }
 
-/* Returns false when there is no such endpoint, or too many transfers wait. */
+/* Adds a transfer to its endpoint's queue; returns false when there is no such endpoint, or the queue is
+ * full. */
 bool usb_urbs_submit(usb_urbs *urbs, const usb_urb *urb);
 
-/* Takes a transfer back: the submitter owns the transfer's buffer again, and `complete` is not called.
- * Returns false when the transfer does not exist. */
+/* Removes a transfer from its queue. The submitter owns the transfer's buffer again, and the function
+ * `complete` is not called. Returns false when the transfer does not exist. */
 bool usb_urbs_cancel(usb_urbs *urbs, uint64_t id, usb_urb *urb);
 
-/* Takes back the first transfer of an endpoint, if there is one. */
+/* Removes the first transfer of an endpoint's queue, if the queue is not empty. */
 bool usb_urbs_cancel_any(usb_urbs *urbs, usb_urb *urb);
 
 /* Tries one packet per endpoint. Returns true when something moved. The result of the transfer is then

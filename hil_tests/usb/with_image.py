@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Starts the device's image on the emulated Cortex-M7 and runs a command beside it.
+"""Starts the device's firmware image on the emulated Cortex-M7, and runs a command while the device runs.
 
   with_image.py IMAGE COMMAND ARGUMENT...
 
-In an argument, `{mailbox}` is replaced by the place of the USB tokens in the emulator's memory, FILE:OFFSET, as
-`bridge` and `mock_bus` expect it. The device has no rig, and the emulator makes its milliseconds. The exit code is
-that of the command, or 1 when the device does not start. No process outlives the command."""
+In the arguments, `{mailbox}` is replaced by the location of the USB tokens in the emulator's memory (FILE:OFFSET), as
+`bridge` and `mock_bus` expect it. The device has no rig, and the emulator provides its clock ticks of 1 ms. The exit
+code is that of the command, or 1 when the device did not start. No process outlives the command."""
 
 import os
 import struct

@@ -1,4 +1,5 @@
-// The program as `make run` builds it on a machine without a display: everything but the window.
+// Contains main() of the program that `make run` builds on a machine without a display: everything except the
+// window.
 #include "host/command/cli.hpp"
 
 int main(int argc, char **argv)

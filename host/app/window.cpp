@@ -1,5 +1,5 @@
-// The loop of the window turns keys into motion of hand and C-arm, advances the ticks, and draws the picture
-// on the screen.
+// In its loop, the window turns keys into motion of the hand and the C-arm, advances the session by the ticks
+// that are due, and draws the picture on the screen.
 #include "host/app/window.hpp"
 #include "host/app/window_keys.hpp"
 #include "host/app/window_live.hpp"
@@ -38,7 +38,7 @@ std::string numbered(const std::string &wanted, int number)
     return path.string();
 }
 
-// Returns the file in which a session is recorded when the user named none. The file's name is made of date
+// Returns the path of the recording when the user has named no file for it. The file's name is made of date
 // and time, and the file lies in the user's state folder (XDG Base Directory Specification).
 std::string kept_recording()
 {
@@ -63,8 +63,8 @@ std::string kept_recording()
     return file.string();
 }
 
-// Returns the folder for the DICOM files of a session: "runs" for the first, and for a later one the first of
-// "runs.2", "runs.3", ... that holds no files yet.
+// Returns the folder for the DICOM files of a session. The first session uses "runs"; a later session uses
+// the first folder of "runs.2", "runs.3", ... that holds no files yet.
 std::string export_folder(DicomSettings settings, int number)
 {
     const std::string wanted = settings.folder;
@@ -79,7 +79,7 @@ std::string export_folder(DicomSettings settings, int number)
     }
 }
 
-// Counts the ticks that are due, either from the wall clock or, in tests, from the number of screens shown.
+// Counts the ticks that are due, according to the wall clock or, in tests, to the number of screens shown.
 class Pace
 {
   public:
@@ -97,8 +97,8 @@ class Pace
         ticks_ += given;
         return static_cast<std::uint32_t>(given);
     }
-    // Waits 2 ms per screen, because the display may not wait for its refresh, and the loop would then use a
-    // whole processor.
+    // Waits 2 ms per screen. The display may not wait for its refresh, and without this wait the loop would
+    // then occupy a whole processor.
     void wait() const
     {
         if (is_counted_) return;
@@ -132,8 +132,8 @@ class Window
         start();
     }
 
-    // Returns the exit code, which is not 0 when a signal ended the window or the session is in a fault.
-    // Every file that was written is whole in any case.
+    // Returns the program's exit code, which is not 0 when a signal ended the window or the session has
+    // stopped with a fault. In every case, all files that the program wrote are complete.
     int run()
     {
         Pace pace(options_.frames > 0);
@@ -164,7 +164,7 @@ class Window
     }
 
   private:
-    // Returns true when the session is in a fault, and prints the fault once, when it occurs.
+    // Returns true when the session has stopped with a fault, and prints the fault once, when it occurs.
     bool tell_fault()
     {
         if (session_->fault().empty()) return false;

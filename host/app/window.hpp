@@ -1,15 +1,15 @@
-// This is the window of `cournand view`. The user controls hand, pedal and C-arm by keyboard, and sees the
-// same pictures that `cournand run` makes. The user's input is recorded like that of a script, and the
-// recording replays bit for bit.
+// Shows the window of `cournand view`. By keyboard, the user controls the hand, the pedals and the C-arm, and
+// sees the same pictures that `cournand run` makes. The program records the user's input like that of a
+// script, and a replay of the recording is equal bit for bit.
 #pragma once
 #include "host/command/view_options.hpp"
 
 namespace crn
 {
 
-// Checks the outputs, then opens the window. Returns 0, or 1 when a signal ended the window or the session
-// was in a fault at the end. Throws std::runtime_error when there is no display, no OpenGL 3.3, or a bad
-// file; the exit code is then 1.
+// Checks that the output files can be written, and then opens the window. Returns 0, or 1 when a signal ended
+// the window or the session ended with a fault. Throws std::runtime_error when there is no display or no
+// OpenGL 3.3, or when a file is bad; the exit code is then 1.
 int run_window(WindowOptions options);
 
 } // namespace crn

@@ -20,7 +20,8 @@ constexpr std::int32_t blade_step_permille = 100, store_ms = 10'000;
 constexpr double shift_step_px = 0.5;
 constexpr std::int32_t injection_rates_ul_s[] = {1000, 2000, 4000, 8000, 15000, 25000};
 constexpr std::int32_t fields_um[] = {420'000, 320'000, 250'000, 200'000, 150'000};
-// F2, F3 and so on select these views; with Shift they select the second view of a key, if there is one.
+// The keys F2, F3 and so on select these views; together with Shift they select the second view of the key,
+// if the key has two views.
 struct PresetKey {
     std::string_view plain, shifted;
 };
@@ -41,7 +42,7 @@ std::int32_t rounded(double value)
     return static_cast<std::int32_t>(std::lround(value));
 }
 
-// Returns the next rate of the list; the first one follows the last one.
+// Returns the rate that follows `per_second` in the list; after the last rate comes the first.
 template <std::size_t count> std::int32_t next_rate(double per_second, const std::int32_t (&rates)[count])
 {
     const auto *at = std::find(std::begin(rates), std::end(rates), rounded(per_second * 100.0));
@@ -291,8 +292,8 @@ void WindowKeys::take_rhythm(int key)
     }
 }
 
-// While the window does not have the focus, every key counts as released: a window that loses the focus
-// during a push must not go on pushing.
+// While the window does not have the keyboard focus, every key counts as released, because a window that
+// loses the focus during a push must not continue to push.
 void WindowKeys::hold(const Screen &screen)
 {
     auto difference = [&](int plus, int minus) {
@@ -366,7 +367,7 @@ void WindowKeys::turn(const RoomScreen &screen, double primary_deg, double secon
                    secondary_max_mdeg));
 }
 
-// When the user moves the table by key, the table no longer follows the tip.
+// When the user moves the table by key, the table stops following the tip.
 void WindowKeys::move_table(const RoomScreen &screen, int axis, double step_m)
 {
     GantryPose target = screen.room().gantry().target();
@@ -407,7 +408,7 @@ void WindowKeys::go_to(std::size_t preset)
 
 // --- review ---
 
-// Shows, as a still, the frame before or after the one on the screen, also when the screen shows a held
+// Shows, as a still picture, the frame before or after the present one, even if the screen shows a held
 // picture or a loop.
 void WindowKeys::step_frame(const RoomScreen &screen, int step)
 {

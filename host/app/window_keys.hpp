@@ -1,4 +1,5 @@
-// Defines the meaning of the window's keys: one table serves their actions and the help panel.
+// Defines the meaning of the window's keys: one table determines both their actions and the text of the help
+// panel.
 #pragma once
 #include "host/room/room_screen.hpp"
 #include "host/screen/screen.hpp"
@@ -24,17 +25,17 @@ class WindowKeys
     void
     lead(std::span<LiveHand> hands) const; // the demanded speeds; hands that are not selected come to rest
 
-    // These return the tool that the keys of the hand move, counted from the innermost, and whether those
-    // keys move all tools.
+    // These functions return the tool that the keys of the hand move (counted from the innermost), and
+    // whether those keys move all tools together.
     std::size_t chosen_tool() const { return chosen_tool_; }
     bool moves_all() const { return moves_all_; }
 
-    // Returns the rate at which the inflator's pressure is raised or released, kPa/s.
+    // Returns the rate in kPa/s at which the keys raise or release the inflator's pressure.
     std::int32_t inflation_kPa_per_s() const { return inflation_kPa_per_s_; }
 
-    // Returns the commands for the room since the last call, pedals included.
+    // Returns the commands for the X-ray room since the last call, including those of the pedals.
     std::vector<RoomCommand> take_commands();
-    // Returns the orders to heart and breath since the last call.
+    // Returns the user's commands to heart and breath since the last call.
     std::vector<crn_wire_order> take_orders() { return std::exchange(orders_, {}); }
     bool shows_help() const { return shows_help_; }
     bool wants_end() const { return wants_end_; }

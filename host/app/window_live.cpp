@@ -66,7 +66,7 @@ void LiveSession::pass(std::uint32_t tick, const RoomCommand &command)
     patient_->command(tick, command);
 }
 
-// The picture of the present tick has already been made.
+// The picture of the present tick exists already.
 void LiveSession::command(const RoomCommand &command)
 {
     const std::uint32_t pedal = command.action == RoomAction::fluoro_pedal    ? CRN_WIRE_BUTTON_XRAY
@@ -168,8 +168,8 @@ void LiveSession::batch(std::uint32_t count)
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
-// A real rig has its own clock, and is read once per screen; a simulated one advances by the ticks that are
-// due.
+// A real rig has its own clock, and this function reads it once per screen. A simulated rig advances by the
+// ticks that are due.
 void LiveSession::advance_rig(std::uint32_t ticks)
 {
     const std::uint32_t shown = device_.link().nodes().tick;
@@ -184,8 +184,8 @@ void LiveSession::advance_rig(std::uint32_t ticks)
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
-// The recording ends with the last tick that the device finished. A rig in FREE_RUN is stopped, and its
-// motors get no more power.
+// The function ends the recording with the last tick that the device finished. The function stops a rig in
+// FREE_RUN, so that its motors get no more power.
 void LiveSession::stop_out_of_range()
 {
     fault_ = range_notice(*figures_.range.left());
@@ -194,8 +194,8 @@ void LiveSession::stop_out_of_range()
         has_stopped_ = true;
         figures_.range.find_place(device_.link());
     } catch (const LinkError &) {
-        // If the device has disappeared too, the place where physics left its range stays unknown, and the
-        // recording ends at that tick.
+        // If the device has also disappeared, the program cannot read where the physics left its valid range,
+        // and the recording ends at that tick.
     }
 }
 
@@ -260,8 +260,8 @@ void LiveSession::finish()
         if (fault_.empty()) throw; // after a fault the recording ends where the device disappeared
     }
     recorder_.reset();
-    // The final state combines the last finished tick with the last shape received, because a device that
-    // disappeared sends no later shape.
+    // The final state combines the last finished tick with the last received shape of the tools, because a
+    // device that has disappeared sends no later shape.
     frame_.wire.tick = std::max(frame_.wire.tick, state_.tick);
     patient_->look(frame_.wire);
     pictures_.frame(frame_);

@@ -1,6 +1,7 @@
-// Controls a session by hand: it has one device, its recording and its pictures. One object is one session;
-// after a reset the window makes a new object. A device in FREE_RUN sets its own pace, and its encoders give
-// the motion of the hands. The pedals of a rig work in addition to the keys.
+// Runs a session that the user controls by keyboard; it has one device, one recording and its pictures. An
+// object of this class serves one session; after a reset the window makes a new object. A device in FREE_RUN
+// sets its own pace, and its encoders measure the motion of the hands. The pedals of a rig work in addition
+// to the keys.
 #pragma once
 #include "host/model/order_queue.hpp"
 #include "host/picture/session_pictures.hpp"
@@ -22,32 +23,32 @@ namespace crn
 class LiveSession final : private FreeRunSink
 {
   public:
-    // `tools` are given from the innermost out. `begin` holds the commands that the X-ray room receives at
-    // the start. An empty `record` means no recording. Throws the exceptions of Device, Recorder and
-    // SessionPictures.
+    // `tools` lists the tools from the innermost outwards. `begin` holds the commands that the X-ray room
+    // receives at the start. If `record` is empty, the session is not recorded. Throws the exceptions that
+    // Device, Recorder and SessionPictures throw.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {});
 
     std::span<LiveHand> hands() { return hands_; } // one per tool
-    // Sets the rate at which the inflator's pressure changes from now on; 0 keeps the pressure. When no tool
-    // has a balloon, the display reports it.
+    // Sets the rate at which the inflator's pressure changes from now on; a rate of 0 keeps the pressure.
+    // If no tool has a balloon, the screen shows a notice instead.
     void inflate(std::int32_t kPa_per_s);
     void choose_tool(std::size_t tool, bool all); // marked in the display
     void command(const RoomCommand &command);     // in force from the next tick on; recorded
     void order(const crn_wire_order &order);      // for the next tick
-    // Advances by `ticks` ticks and makes the pictures that become due. Returns false when the device
-    // stopped; fault() gives the reason.
+    // Advances the session by `ticks` ticks and makes the pictures that become due. Returns false when the
+    // device stopped; fault() gives the reason.
     bool advance(std::uint32_t ticks);
     const std::string &fault() const { return fault_; }
-    // A session stops when its physics leaves its range: fault() then returns the notice, and range() returns
-    // the details.
+    // The session stops when the physics leaves its valid range: fault() then returns the notice, and range()
+    // returns the details.
     const RangeWatch &range() const { return figures_.range; }
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     const Image &image() const { return pictures_.image(); }
     void finish(); // closes the recording and writes the runs
-    // Returns, after finish(), the same result that a script's session reports at its end. `tips` gives the
-    // vessels.
+    // Returns the result of the session, in the form in which a script's session reports it; call this after
+    // finish(). `tips` gives the vessels.
     RunResult result(const TipPlaces &tips) const;
     const SessionPictures &pictures() const { return pictures_; }
     Patient &patient() { return *patient_; }

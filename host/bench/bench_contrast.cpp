@@ -1,7 +1,7 @@
-// Measures the time that one simulated millisecond of contrast medium takes, and the time to draw the
-// medium's columns into a picture: docs/contrast.md. The first case is a tree of 2,000 cells that all contain
-// medium, with a beating heart and an injection in every step. The second case is the shipped aorta with its
-// renal arteries filled.
+// Measures the time for simulating one millisecond of contrast medium, and the time for drawing the medium
+// into a picture (docs/contrast.md). The first case is a vessel tree of 2,000 cells that all contain medium,
+// with a beating heart and an injection in every step. The second case is the shipped aorta with its renal
+// arteries filled.
 #include "firmware/bench/bench.h"
 #include "host/effects/contrast_flow.hpp"
 #include "host/patient/contrast.hpp"
@@ -30,7 +30,7 @@ VesselBranch straight(int index, const Eigen::Vector3d &from_m, const Eigen::Vec
     return branch;
 }
 
-// Makes an aorta with side branches along its whole length, until the tree has cells_wanted cells.
+// Makes an aorta with side branches along its whole length; the tree has `cells_wanted` cells.
 VesselTree tree_of_cells()
 {
     VesselTree tree{{straight(0, {0, 0.3, 0}, {0, -0.3, 0}, 0.01)}};
@@ -105,8 +105,8 @@ WireFrame catheter_at(std::uint32_t tick)
     return wire;
 }
 
-// Returns the time of the fastest of many pictures in the view of renal.session, drawn with or without
-// columns of medium.
+// Returns the shortest drawing time among many pictures in the view of renal.session, which are drawn with or
+// without the medium.
 double frame_ms(const bench_case *self)
 {
     Bodies bodies;

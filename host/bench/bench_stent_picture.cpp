@@ -1,4 +1,4 @@
-// Measures the time that the struts of a stent take in an X-ray picture. The program can also write such
+// Measures how much time the struts of a stent cost in an X-ray picture. The program can also write such
 // pictures: the shipped stent in the shipped heart's LAD, crimped and deployed, with and without contrast
 // medium.
 //
@@ -100,7 +100,7 @@ class Theatre
         return curve;
     }
 
-    // Fills the left coronary artery with blood that contains this much iodine.
+    // Fills the left coronary artery with blood that contains the given concentration of iodine.
     std::vector<SweptCurve> medium(double iodine_mg_per_ml) const
     {
         std::vector<SweptCurve> curves;
@@ -177,8 +177,8 @@ double frame_ms(const bench_case *self)
     return fastest_ms;
 }
 
-// Writes the central part of four pictures: the crimped stent, without and with contrast medium, and the
-// deployed stent, without and with it.
+// Writes the central part of four pictures: the crimped and the deployed stent, each without and with
+// contrast medium.
 int write_picture(const char *path)
 {
     Theatre theatre;

@@ -1,6 +1,6 @@
-// Measures how long an X-ray picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies,
-// which `make run` makes, or a model made here where that file is missing. Both models have at least 300,000
-// triangles and four materials.
+// Measures how long the computation of an X-ray picture takes (docs/bench.md and docs/xray.md). The simulated
+// patient is out/aorta.bodies, which `make run` makes; if that file is missing, the program makes a model
+// itself. Both models have at least 300,000 triangles and four materials.
 #include "firmware/bench/bench.h"
 #include "host/xray/chain.hpp"
 #include "host/xray/gl/gl_paths.hpp"
@@ -24,7 +24,7 @@ constexpr int rounds = 12; // the fastest counts, since the machine does other w
 const char *const bodies_file = "out/aorta.bodies";
 const char *const heart_name = "heart that beats";
 
-// These are common views of chest and belly, with the C-arm's angles and the table's position.
+// Lists common views of chest and belly, with the C-arm's angles and the table's position.
 struct Look {
     double primary_deg, secondary_deg, y_m;
 };
@@ -38,7 +38,7 @@ std::size_t count_triangles(const Bodies &bodies)
     return count;
 }
 
-// Makes a trunk with lungs, spine and ribs of spheres.
+// Makes a model of a trunk with lungs, spine and ribs, which consist of spheres.
 Bodies made_here()
 {
     Bodies bodies;
@@ -51,8 +51,8 @@ Bodies made_here()
     return bodies;
 }
 
-// Maps every material to one of the four for which docs/xray.md states its limits; the shipped anatomy has
-// eight.
+// Replaces every material by one of the four materials for which docs/xray.md states its limits; the shipped
+// anatomy has eight materials.
 const char *one_of_four(const std::string &name)
 {
     const Material material = material_from_name(name).value_or(Material::soft_tissue);
@@ -114,7 +114,7 @@ class Bench
         while (scene.beats && patient_.bodies[heart_].name != heart_name) ++heart_;
         xray_ = std::make_unique<Xray>(scene_, threads);
     }
-    // From this call on the heart beats, and a stent of 400 struts moves with it.
+    // After this call the heart beats, and a stent of 400 struts moves with the heart.
     void start_heart()
     {
         moves_ = true;
@@ -129,8 +129,8 @@ class Bench
             curves_.push_back(strut);
         }
     }
-    // Finds the technique on which automatic exposure settles in each view, and fixes it, so that frames
-    // differ in nothing else.
+    // Finds the exposure technique on which automatic exposure control settles in each view, and fixes it, so
+    // that frames do not differ in exposure.
     void settle(int size)
     {
         for (std::size_t i = 0; i < std::size(looks); ++i) {
@@ -149,7 +149,7 @@ class Bench
         settings_.carm.isocentre_m = {0.0, at.y_m, 0.0};
         settings_.size = size;
     }
-    // Renders the next picture of a sequence, including the detector's lag.
+    // Computes the next picture of a sequence, including the detector's lag.
     void render(int frame)
     {
         const std::vector<Eigen::Vector3i> heart = moves_ ? heart_at(frame) : std::vector<Eigen::Vector3i>();
@@ -185,8 +185,8 @@ class Bench
 
 constexpr int is_kept = 1 << 16, is_beating = 1 << 17, has_four = 1 << 18;
 
-// Returns the processor time of this process over all threads: a measure that does not depend on other users
-// of the machine.
+// Returns the processor time of all threads of this process, which does not depend on other users of the
+// machine.
 double processor_ms()
 {
     timespec now;
@@ -195,7 +195,7 @@ double processor_ms()
     return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-// Takes the fastest frame of each view, and returns the mean of these times over the views.
+// Takes the shortest time of the frames in each view, and returns the mean of these times over all views.
 double frame_ms(const bench_case *self)
 {
     const int size = self->argument & 0xffff;
@@ -249,8 +249,8 @@ double frame_instructions(const bench_case *self)
     return 0.0;
 }
 
-// Compares the rasteriser and OpenGL on OSMesa in computing path lengths alone. The rasteriser and OpenGL run
-// in turn, with two threads each, and the fastest time of each view counts.
+// Compares two ways to compute path lengths: the rasteriser, and OpenGL on OSMesa. The rasteriser and OpenGL
+// run in turn, with two threads each, and the fastest time of each view counts.
 struct PathTimes {
     double raster_ms = 0.0, osmesa_ms = 0.0; // means over the views
     double difference_mm = 0.0;              // mean over all pixels that have any material, all materials

@@ -1,5 +1,5 @@
-// The command line `cournand`. The program's exit codes are: 0 done, 1 failed, 2 wrong usage, 3 physics left
-// its range (range_watch.hpp).
+// The command line `cournand`. The program's exit code is 0 for success, 1 for a failure, 2 for wrong usage,
+// or 3 if the physics left its valid range (range_watch.hpp).
 #pragma once
 #include "host/base/output_files.hpp"
 #include "host/command/view_options.hpp"
@@ -50,47 +50,55 @@ struct InstrumentsOptions {
 int command_run(const RunOptions &options);
 int command_replay(const ReplayOptions &options);
 int command_surface(const SurfaceOptions &options);
-// Prints which OpenGL --xray opengl would use; returns 1 when there is none.
+// Prints which OpenGL library --xray opengl would use; returns 1 if there is none.
 int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 
-// Returns the tools from the innermost to the outermost: --instrument first, then every --tool. Throws
-// UsageError for no tool or for more tools than a line can hold, and FileError for a bad file.
+// Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
+// tool of every option --tool. Throws UsageError if there is no tool, or more tools than can be nested;
+// throws FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
-// Returns where the tools enter, with their inserted lengths. The user gives no length (the default), one
-// length for all tools, or one for each. Throws UsageError for more lengths than tools.
+// Returns the point where the tools enter the patient, with their inserted lengths. The user may give no
+// length (then the default applies), one length for all tools, or one length for each tool. Throws UsageError
+// if there are more lengths than tools.
 crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
                           const std::vector<double> &inserted_mm);
-// Returns the commands that place the table so that the entry is in view, and make the table follow the tip.
+// Returns the commands that move the table so that the entry point is in view, and that make the table follow
+// the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
-// Returns the device for a session in FREE_RUN. With `motors` it prints which motors will be powered and
-// requests a confirmation, unless `yes` is set. Throws RigStopped when the user does not confirm.
+// Returns the device for a session in FREE_RUN. If `motors` is set, the function first prints which motors
+// will get power, and asks the user for confirmation unless `yes` is set. Throws RigStopped when the user
+// does not confirm.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
-// Reads stents for these tools into the settings of a session's pictures. Throws FileError.
+// Reads the stents that fit these tools, and adds them to the settings of a session's pictures. Throws
+// FileError.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
                  const std::vector<Instrument> &tools);
-// With this command the first stent is on its balloon when the session begins.
+// The returned command makes the session begin with the first stent on its balloon.
 inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
-// Returns the paths of a set of tools, as inputs for check_outputs.
+// Returns the file paths of the tools, as input files for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 
-// recorded_scene() finds the exact scene of a recording, at the path in the recording or at the user's path.
-// check_core() checks that the device's core can replay the recording. Both throw std::runtime_error.
+// recorded_scene() finds the scene file with exactly the recorded contents, at the path in the recording or
+// at the user's path. check_core() checks that the device's core can replay the recording. Both throw
+// std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
 
-// Adds, from the scene's bodies, the name of the branch to the place where physics left its range. Does
-// nothing when physics did not leave its range, or when the bodies cannot be read.
+// Adds the name of the vessel branch to the point at which the physics left its valid range; the names come
+// from the scene's bodies. Does nothing if the physics stayed in its valid range, or if the bodies cannot be
+// read.
 void name_range_branch(RangeWatch &range, const std::string &bodies_path);
-// Prints on stderr that physics left its range and returns the exit code for that; returns 0 when it did not.
+// If the physics left its valid range, prints this on stderr and returns the exit code 3; otherwise returns
+// 0.
 int exit_of_range(const RangeWatch &range);
 
-// Returns the bodies beside a scene: for "x.scene" it returns "x.bodies" when that file exists, otherwise an
-// empty path.
+// Returns the path of the bodies that belong to a scene: for "x.scene" it is "x.bodies" if that file exists,
+// otherwise an empty path.
 std::string bodies_beside(const std::string &scene);
 
-// Without `run_window` the command `view` is refused.
+// If `run_window` is empty, the command `view` is refused.
 int command_line(int argc, char **argv, const RunWindow &run_window);
 
 } // namespace crn

@@ -45,15 +45,15 @@ std::string read_all(int from)
     }
 }
 
-// Returns the messages of dciodvfy about one file; the exit code of dciodvfy is meaningless. Throws
-// std::runtime_error when dciodvfy cannot be run.
+// Runs dciodvfy (a checker of DICOM files) on one file and returns its messages; the exit code of dciodvfy is
+// meaningless. Throws std::runtime_error when dciodvfy cannot be run.
 std::string ask_dciodvfy(const std::string &file)
 {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0)
         throw std::runtime_error("cannot make a pipe: " + std::string(std::strerror(errno)));
     const pid_t process = ::fork();
-    // A file name that begins with a dash would be read as an option.
+    // If a file name began with a dash, dciodvfy would read it as an option.
     if (process == 0) become_dciodvfy(ends[1], file[0] == '-' ? "./" + file : file);
     ::close(ends[1]);
     const std::string text = process > 0 ? read_all(ends[0]) : "";
@@ -86,7 +86,7 @@ Verdict verdict_of(const std::string &text)
     return verdict;
 }
 
-// Replaces each folder by the .dcm files in it, sorted by name.
+// Replaces every folder in the list by the .dcm files in it, sorted by name.
 std::vector<std::string> files_of(const std::vector<std::string> &named)
 {
     std::vector<std::string> files;

@@ -14,8 +14,8 @@ struct DicomCheckOptions {
 void add_dicom_options(CLI::App &command, DicomSettings &settings);
 void add_dicom_check(CLI::App &app, DicomCheckOptions &options);
 
-// Returns 0 when there are no errors. Returns 1 when there are errors, or when a file or the program dciodvfy
-// cannot be run.
+// Returns 0 when the checked files have no errors. Returns 1 when a checked file has errors, or when a file
+// cannot be read or the program dciodvfy cannot be run.
 int command_dicom_check(const DicomCheckOptions &options);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// Defines how run and replay end a session whose physics left its range.
+// Defines how the commands `run` and `replay` end a session whose physics has left its valid range.
 #include "host/base/terminal.hpp"
 #include "host/command/cli.hpp"
 #include "host/model/bodies.hpp"

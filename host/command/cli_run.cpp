@@ -38,8 +38,8 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     check_dicom_settings(pictures.dicom);
 }
 
-// If these tools or this scene do not allow an injection of the session, that is reported before the session
-// begins.
+// If the session contains an injection that is impossible with these tools or this scene, the program reports
+// this before the session begins.
 void check_injections(const Session &session, const PatientContrast &contrast)
 {
     double iodine_mg_per_ml = iodine_default_mg_per_ml;
@@ -114,7 +114,7 @@ DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
     return choice;
 }
 
-// If the session did not end as it should, prints the reason; returns the exit code.
+// Prints the reason if the session did not end as it should, and returns the exit code.
 static int tell_end(const RunResult &result, const Patient &patient, bool was_stopped)
 {
     for (const std::string &failure : result.failures) say(stderr, "cournand: %s\n", failure.c_str());

@@ -1,5 +1,5 @@
-// Holds the options of `cournand view`. The window itself belongs to the program: command_line() receives it
-// as a function.
+// Holds the options of `cournand view`. The window belongs to the main program, which passes it to
+// command_line() as a function.
 #pragma once
 #include "host/picture/session_pictures.hpp"
 #include <functional>
@@ -16,8 +16,8 @@ struct WindowOptions {
     std::vector<std::string> stents; // files, in the order of loading
     std::string device = "sim";      // as parse_device
     std::string json,
-        score; // The figures and the page are written at the end of each session; if empty, they are not.
-               // After a reset they are numbered as for `record`
+        score; // The file of figures and the score's page are written at the end of each session; a file
+               // whose path is empty is not written. After a reset they are numbered as for `record`
     bool keeps_recording =
         true; // without `record`: keep it in a folder of the user, named by date and time (docs/session.md)
     // Empty: none. A reset starts "name.2.rec", "name.3.rec" ..., and for pictures.dicom the folder "name.2"
@@ -29,8 +29,8 @@ struct WindowOptions {
     bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     bool starts_with_fluoro = false;
     bool shows_help = true;
-    // In tests the window closes after this many screens, each of which is 1/60 s of session time, however
-    // long it takes. With 0 it runs in real time until Esc.
+    // In tests the window closes after this number of screens. Every screen counts as 1/60 s of session time,
+    // however long it takes. If this number is 0, the window runs in real time until the user presses Esc.
     int frames = 0;
     std::string screenshot; // PNG of the window's last screen; empty: none
 };

@@ -31,8 +31,8 @@ constexpr double stream_radii =
     1.5; // radii of the vessel over which the stream from the tip spreads to fill it
 constexpr double stream_fades = 0.01; // fading per ms, after the injection
 
-// Each piece of a curve is drawn as a cylinder. A piece whose width changes is divided, so that its edge has
-// no visible steps.
+// The X-ray draws every piece of a column of medium as a cylinder. A piece whose width changes is divided
+// into shorter pieces, so that its edge has no visible steps.
 void go_to(SweptCurve &curve, const SweptPoint &point)
 {
     const SweptPoint from = curve.points.back();
@@ -52,8 +52,8 @@ bool has_lumen(const Instrument &tool)
     return tool.table.knots_count > 0 && tool.table.knots[0].radius_inner_um > 0;
 }
 
-// Returns the place on the line at an arc length from its leading tip; beyond an end of the line it returns
-// that end.
+// Returns the point of the nested tools at an arc length from the leading tip; beyond an end it returns that
+// end.
 Vector3d place_at(const WireFrame &wire, double arc_m)
 {
     if (arc_m < wire.nodes.front().arc_m) return wire.nodes.front().position_m;
@@ -73,7 +73,8 @@ std::vector<ToolBall> balls_of(const WireFrame &wire)
                 {from.position_m + (static_cast<double>(k) / pieces) * (to.position_m - from.position_m),
                  from.radius_m});
     }
-    // The balls of a balloon count as a tool too, so that a balloon that fills the vessel blocks the flow.
+    // The balls that model a balloon count as a tool too, so that a balloon that fills the vessel blocks the
+    // blood flow.
     for (std::size_t j = 0; j < wire.balloon_radii_m.size() && !wire.nodes.empty(); ++j) {
         const double arc_m = wire.balloon_arc_m + static_cast<double>(j) * wire.balloon_spacing_m;
         balls.push_back({place_at(wire, arc_m), wire.balloon_radii_m[j]});
@@ -85,7 +86,7 @@ constexpr double kPa_per_psi = 6.894757;
 constexpr double taken_out_m =
     1e-3; // a tool that reaches no farther beyond the introducer also counts as outside the lumens
 
-// Returns the reason why this flow cannot pass through the tool; empty if it can.
+// Returns the reason why this flow of medium cannot pass through the tool, or an empty string if it can.
 std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
                          double iodine_mg_per_ml)
 {
@@ -161,7 +162,7 @@ PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<In
     moved_ = vessels;
 }
 
-// Considers the tools that lie inside the injecting one, as far as they are inserted.
+// Takes into account that other tools lie inside the injecting tool, as far as they are inserted.
 std::string PatientContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
 {
     std::vector<InnerTool> inside;
@@ -181,7 +182,7 @@ void PatientContrast::tick(const crn_wire_tick_state &state)
                                             (state.rhythm_bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0)});
 }
 
-// Decides with the places of the tools at the injection's own tick; before the first tick these are not
+// Uses the positions of the tools at the tick of the injection. Before the first tick these positions are not
 // known.
 void PatientContrast::judge_asked()
 {
@@ -195,7 +196,8 @@ void PatientContrast::judge_asked()
     }
 }
 
-// `next` is the index of the next beat; it only increases, because the calls are in order of time.
+// `next` is the index of the next heartbeat; this index only increases, because the calls are in order of
+// time.
 BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
 {
     while (next < beats_.size() && beats_[next].tick < tick) ++next;
@@ -203,7 +205,7 @@ BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
     return steady_beat(tick, beats_per_min);
 }
 
-// Places the centrelines where heart and breath have moved them in this frame.
+// Moves the centrelines of the vessels to where heart and breath have moved the vessels in this frame.
 void PatientContrast::place_vessels(const WireFrame &wire)
 {
     if (!points_) return;
@@ -230,7 +232,8 @@ VesselTree PatientContrast::opened_vessels() const
     return opened;
 }
 
-// Vessels widen only at looks, because the medium must not depend on which pictures were requested.
+// The simulated vessels widen only when the tools' shape is read at fixed ticks, because the medium must not
+// depend on which pictures were requested.
 bool PatientContrast::open_vessels(const WireFrame &wire)
 {
     if (opening_.is_empty() || wire.lesions_open == flow_open_) return false;
@@ -277,15 +280,16 @@ std::uint32_t PatientContrast::next_tick() const
     return static_cast<std::uint32_t>(std::max<std::int64_t>(look_due(), seen_tick_ + 1));
 }
 
-// A look at the line's shape is due at multiples of look_every_ticks, whatever other frames there are.
+// Returns the next tick at which the shape of the tools must be read: a multiple of look_every_ticks,
+// whichever other frames exist.
 std::uint32_t PatientContrast::look_due() const
 {
     if (state_ == State::flows) return (look_tick_ / look_every_ticks + 1) * look_every_ticks;
     return (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
 }
 
-// Advances to the frame's tick with the tools at their last known places. Then reads this frame's shape if a
-// look is due.
+// Advances the medium to the frame's tick, with the tools at their last known positions. Then reads the shape
+// of the tools in this frame, if such a reading is due.
 void PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
@@ -312,7 +316,7 @@ void PatientContrast::advance(const WireFrame &wire)
     ++cost_.frames;
 }
 
-// Adds the volume that was injected during the tick that ends now.
+// Adds the volume of medium that was injected during the tick that ends now.
 void PatientContrast::note_given(std::uint32_t tick)
 {
     if (fluid_.flow_ml_s <= 0.0) return;
@@ -367,8 +371,8 @@ void PatientContrast::look(const WireFrame &wire)
     stream_.share = mouths[0].share;
 }
 
-// Returns how narrow the stream of medium from the tip is at a cell: 1 at the tip, 0 where it fills the
-// vessel.
+// Returns how narrow the jet of medium from the tip is in a cell of the vessel: 1 at the tip, 0 where the jet
+// fills the vessel.
 double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
 {
     const FlowCells &cells = flow_.cells();
@@ -379,8 +383,8 @@ double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
            std::max(1.0 - behind_tip_mm / (stream_radii * cells[cell].radius_mm), 0.0);
 }
 
-// Shows the iodine of a cell as a column that is thinner than the vessel and lies to the tip's side of the
-// axis. The column is just wide enough to hold the iodine undiluted.
+// Draws the iodine of a cell as a column that is thinner than the vessel and lies beside the axis, towards
+// the tip. The column is just wide enough to hold all iodine of the cell as undiluted medium.
 SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) const
 {
     const FlowCells &cells = flow_.cells();
@@ -395,10 +399,10 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
             contrast_share(mean / (width * width))};
 }
 
-// Makes two columns per vessel. One has the vessel's width and the concentration that both layers share; the
-// other lies around the axis and has the additional concentration of the inner layer. If the layer along the
-// wall has the higher concentration, the two layers are shown as if they were mixed. Where medium streams
-// from the tip, there is only one, thinner column.
+// Makes two columns per vessel. The first column has the vessel's width and the concentration that both
+// layers of blood have in common. The second column lies around the axis and has the additional concentration
+// of the inner layer. If the layer along the wall has the higher concentration, the two layers are shown as
+// if they were mixed. Near the tip, where the medium forms a jet, there is only one, thinner column.
 void PatientContrast::make_curves()
 {
     curves_.clear();
@@ -408,8 +412,8 @@ void PatientContrast::make_curves()
 }
 
 // A column begins at the upstream face of its first cell. Where a vessel divides, the first cells of its
-// branches begin outside of it. The columns of those branches begin at the end of the parent vessel, because
-// otherwise the picture would show a gap.
+// branches begin outside of the parent vessel. The columns of those branches therefore begin at the end of
+// the parent vessel, because otherwise the picture would show a gap.
 Vector3d PatientContrast::column_begin_m(std::size_t cell) const
 {
     const FlowCells &cells = flow_.cells();
@@ -444,7 +448,7 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
         const double radius_m = cells[i].radius_mm * 1e-3 * (is_core ? std::sqrt(0.5) : 1.0);
         SweptPoint point{cells.middle_m(i), radius_m, contrast_share(shown)};
         if (narrowness > 0.0) point = stream_point(i, narrowness);
-        // A column begins and ends at faces of cells, and not at their middles.
+        // A column begins and ends at the faces between cells, and not at the middle of a cell.
         if (curve.points.empty()) {
             SweptPoint first = point;
             first.at_m += column_begin_m(i) - cells.middle_m(i);

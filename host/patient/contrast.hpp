@@ -1,7 +1,7 @@
-// Simulates contrast medium in a session, from the injections that were ordered and the places of the tools,
-// and gives the medium to the X-ray. The medium depends only on the commands and on the line's shape at fixed
-// ticks (next_tick). So a replay shows the same medium, whatever pictures were requested. While the vessels
-// contain no medium, nothing is computed.
+// Simulates the contrast medium in a session, which depends on the ordered injections and the positions of
+// the tools, and passes the medium to the X-ray. The medium depends only on the commands and on the shape of
+// the tools at fixed ticks (next_tick). A replay therefore shows the same medium, whatever pictures were
+// requested. While the vessels contain no medium, nothing is computed.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"
@@ -21,21 +21,22 @@ namespace crn
 inline constexpr double iodine_default_mg_per_ml =
     350.0; // strength of the injected medium until a command changes it
 
-// Returns the tool that injects, counted from the innermost. `asked` is its number from 1; 0 selects the
-// outermost tool with a lumen. The result is empty if there is no such tool.
+// Returns the index of the tool that injects, counted from the innermost. `asked` is the number of the tool
+// from 1; the number 0 selects the outermost tool with a lumen. The result has no value if the session has no
+// such tool.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
-// Returns the reason why these tools cannot carry out a command to the syringe, wherever they are. The result
-// is empty if the tools can, or if the command is not for the syringe. `iodine_mg_per_ml` is the strength of
-// the injected medium.
+// Returns the reason why these tools cannot carry out a command to the syringe, whatever their positions. The
+// string is empty if the tools can carry out the command, or if the command is not for the syringe.
+// `iodine_mg_per_ml` is the strength of the injected medium.
 std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
                               double iodine_mg_per_ml);
 
-// Returns the openings of a tool whose tip is at that arc length of the line: the end hole first, then the
-// side holes. Each opening gets a share by its area, because the resistance of the lumen between the holes is
-// neglected.
+// Returns the openings of a tool whose tip is at the arc length `tip_arc_m`: the end hole first, then the
+// side holes. The flow is divided between the openings in proportion to their areas, because the resistance
+// of the lumen between the holes is neglected.
 std::vector<CatheterMouth> catheter_mouths(const Instrument &tool, const WireFrame &wire, double tip_arc_m);
 
-// Holds the computing time on this machine, in seconds, which is kept apart from the session's results.
+// Holds the computing time on this machine, in seconds, which is not part of the session's results.
 struct ContrastCost {
     std::uint64_t steps = 0, frames = 0; // steps of 1 ms; frames in which medium was visible
     double step_s = 0.0, frame_s = 0.0;  // for the columns
@@ -47,35 +48,37 @@ class PatientContrast
     static constexpr std::uint32_t look_every_ticks =
         40; // ticks between looks at the tools, while medium is in the vessels
 
-    // `motion` moves the vessels with heart and breath; with nullptr they do not move. `opening` describes
-    // the lesions that yield.
+    // `motion` describes how heart and breath move the vessels; if it is nullptr, the vessels do not move.
+    // `opening` describes the lesions that a balloon can open.
     PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
-    // Returns the reason why a command cannot be carried out with medium of this strength; empty if it can.
+    // Returns the reason why a command cannot be carried out with medium of this strength, or an empty string
+    // if it can.
     std::string refusal(const RoomCommand &command, double iodine_mg_per_ml) const;
-    // Checks the command in the same way, with the strength ordered last, and carries it out. Call it when
-    // the command's tick is over, so that the tools are where they were at that tick.
+    // Checks the command as refusal() does, with the medium strength of the latest command, and carries it
+    // out. Call this function when the command's tick is over, so that the tools are where they were at that
+    // tick.
     std::string command(std::uint32_t tick, const RoomCommand &command);
-    // Takes the core's heart phase; call it for every tick before the frame of that tick. Without these calls
-    // the heart beats regularly, 70 times a minute. At the tick of an injection, this refuses it when the
-    // tools inside the lumen leave too little of the lumen free.
+    // Receives the core's heart phase; call this function for every tick before the frame of that tick.
+    // Without these calls the heart beats regularly, 70 times a minute. At the tick of an injection, this
+    // function refuses the injection if the tools inside the lumen leave too little of the lumen free.
     void tick(const crn_wire_tick_state &state);
     // Returns the injections of the session that were refused.
     const std::vector<Refusal> &refusals() const { return refusals_; }
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
     void advance(const WireFrame &wire);
 
-    // curves() returns the columns of medium for the X-ray. colour() adds to the line the iodine in the blood
-    // around it.
+    // curves() returns the columns of medium for the X-ray. colour() adds the iodine in the surrounding blood
+    // to the shape of the tools.
     const std::vector<SweptCurve> &curves() const { return curves_; }
     void colour(WireFrame &wire) const;
 
     bool was_used() const { return injector_.injected_ml() > 0.0; }
     double injected_ml() const { return injector_.injected_ml(); }
     double flow_ml_s() const { return fluid_.flow_ml_s; } // present flow of the injection
-    // Returns the medium injected after tick `from` up to tick `to`, as DICOM files state it: total volume
-    // and time, mean flow and strength.
+    // Returns the medium that was injected after tick `from` up to tick `to`, as DICOM files state it: total
+    // volume and time, mean flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
     double received_mg(std::size_t branch) const { return flow_.received_mg()[branch]; } // iodine

@@ -41,8 +41,8 @@ void Patient::command(std::uint32_t tick, const RoomCommand &command)
     carry_out_due();
 }
 
-// Medium and stents carry out each command at its own tick, with the tools where they are at that tick. The
-// time at which the command arrives here does not matter.
+// Contrast medium and stents carry out each command at its own tick, with the tools at their positions in
+// that tick. The moment at which the program passes on the command does not matter.
 void Patient::carry_out_due()
 {
     for (; !asked_.empty() && asked_.front().tick <= state_.tick; asked_.pop_front())
@@ -97,7 +97,7 @@ void Patient::look(const WireFrame &wire)
     has_begun_ = true;
 }
 
-// Advances the X-ray room to `tick`, and makes the X-ray pulse that is due then.
+// Advances the X-ray room to `tick`, and simulates the X-ray pulse that is due then.
 void Patient::advance_room(std::uint32_t tick, const WireFrame &wire)
 {
     room_.advance(tick, wire.nodes.empty() ? nullptr : &wire.nodes.front().position_m);
@@ -110,8 +110,8 @@ void Patient::advance_room(std::uint32_t tick, const WireFrame &wire)
                                request.settles_at_once ? MeterPace::settles : MeterPace::follows));
 }
 
-// The bodies follow the heart phase at the line's tick, and their walls follow the lesions that have opened
-// in the core.
+// The bodies are in the heart phase of that tick, and their walls are as wide as the lesions have opened in
+// the core.
 std::span<const MovedBody> Patient::bodies_at(const WireFrame &wire)
 {
     const MotionMoment moment{wire.heart_phase32, wire.breath_phase32};

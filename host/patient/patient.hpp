@@ -1,16 +1,16 @@
-// Simulates the patient of a session: vessels with blood and contrast medium, stents, lesions that yield,
-// heart and breath, and the applied X-ray with its dose. Whatever runs the session (script, window, rig or
-// replay) advances the patient tick by tick, and passes the patient's orders for the next tick to the core.
-// Pictures, reports and scores read the state and change nothing, so a session does not depend on which of
-// them are requested.
+// Simulates the patient of a session: vessels with blood and contrast medium, stents, lesions that balloons
+// can open, heart and breath, and the applied X-ray with its dose. The program that runs the session (for a
+// script, a window, a rig or a replay) advances the patient tick by tick. The program passes the patient's
+// commands for the next tick to the core. Pictures, reports and scores read the state and change nothing, so
+// a session does not depend on which of them are requested.
 //
 //   patient.command(tick, {RoomAction::inject, {...}});        in force from that tick on
 //   patient.give_orders(input.orders);                        for every tick before it is done
 //   patient.tick(input, state);                               for every tick that was done
 //   patient.look(shape of the line at that tick);             no later than patient.next_look()
 //
-// The state follows only from the commands, from the inputs and results of the core, and from the line's
-// shape at ticks that the patient chooses.
+// The patient's state depends only on the commands, on the core's inputs and results, and on the shape of the
+// tools at ticks that the patient chooses.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/model/instrument.hpp"
@@ -38,8 +38,8 @@ struct PatientSettings {
 class Patient
 {
   public:
-    // `tools` are given from the innermost out. With an empty anatomy the patient consists of air without
-    // vessels. Throws std::runtime_error if a body has an unknown material.
+    // `tools` lists the tools from the innermost outwards. If the anatomy is empty, the patient consists of
+    // air without vessels. Throws std::runtime_error if a body has an unknown material.
     Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
             const PatientSettings &settings = {});
     ~Patient();
@@ -47,25 +47,26 @@ class Patient
     Patient &operator=(const Patient &) = delete;
 
     // --- what happens to the patient ---
-    // The command is in force from its tick on; call this before the look at that tick. A command that cannot
-    // be carried out now is kept in refusals() or stents()->refusals(), and notice() reports it. Throws
-    // std::runtime_error for a command that the X-ray room does not have.
+    // A command takes effect from its tick on; call command() before look() for that tick. If a command
+    // cannot be carried out now, it is kept in refusals() or stents()->refusals(), and notice() reports it.
+    // Throws std::runtime_error if the X-ray room does not know the command.
     void command(std::uint32_t tick, const RoomCommand &command);
-    // Takes every tick in order, with its input and its result.
+    // Receives every tick in order, with its input and its result.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
-    // Returns the next tick at which look() is needed; UINT32_MAX if no look is needed.
+    // Returns the next tick at which look() must be called, or UINT32_MAX if no call is needed.
     std::uint32_t next_look() const;
-    // Advances to the frame's tick. A rig in FREE_RUN sends the line's shape at times of its own. An X-ray
-    // pulse between two shapes is made with the later one.
+    // Advances to the frame's tick. A rig in FREE_RUN sends the shape of the tools at times of its own
+    // choice. If an X-ray pulse lies between two such shapes, its picture uses the later shape.
     void look(const WireFrame &wire);
-    // Updates only the vessels for this frame; a replay with a later start calls this until its start.
+    // Updates only the vessels for this frame; a replay that starts later than tick 0 calls this function
+    // until its start.
     std::uint32_t next_vessel_look() const;
     void look_at_vessels(const WireFrame &wire);
-    // Returns true if the state depends on every tick since the first, so that a replay with a later start
-    // must simulate all of them.
+    // Returns true if the patient's state depends on every tick since the first. A replay with a later start
+    // must then simulate all ticks.
     bool needs_beginning() const { return stents_ != nullptr; }
 
-    // --- orders to the core for the next tick; call this function before each tick. A replay does not need
+    // --- commands for the core in the next tick; call this function before each tick. A replay does not need
     // them: they are in the recording. ---
     void give_orders(crn_wire_order_list &orders);
 
@@ -76,7 +77,7 @@ class Patient
     const PatientStents *stents() const { return stents_.get(); }
     const PulseMonitor &monitor() const { return monitor_; }
     const crn_wire_tick_state &state() const { return state_; } // of the last tick
-    // Returns the requests that were refused, in order of their ticks: runs and injections.
+    // Returns the refused requests for X-ray runs and for injections, in order of their ticks.
     std::vector<Refusal> refusals() const;
     const RoomNotice &notice() const { return notice_; } // the last notice of syringe and stents
     const XrayScene &scene() const { return scene_; }

@@ -30,8 +30,8 @@ std::string millimetres(double mm)
     return number_text(mm, 3) + " mm";
 }
 
-// Returns the diameter of the free balloon at its nominal pressure. Without a label it is the diameter in the
-// first row of the table.
+// Returns the diameter that the balloon has at its nominal pressure without a vessel around it. If the
+// balloon has no label, this diameter is that in the first row of its table.
 double nominal_diameter_mm(const Instrument &tool)
 {
     const crn_wire_instrument &table = tool.table;
@@ -45,8 +45,8 @@ double nominal_diameter_mm(const Instrument &tool)
     return table.balloon[table.balloon_count - 1].diameter_um * 1e-3;
 }
 
-// Returns the distance between the inner edges of the balloon's marker bands; without bands it returns the
-// working length.
+// Returns the distance between the inner edges of the balloon's marker bands. If the balloon has no bands, it
+// returns the working length.
 double mount_length_mm(const Instrument &tool)
 {
     const double working = (double{1} * tool.table.balloon_proximal_um - tool.table.balloon_distal_um) * 1e-3;
@@ -87,7 +87,7 @@ crn_wire_strut ring_of(const StentCircle &circle, std::uint8_t number, bool is_j
             static_cast<std::uint16_t>(std::clamp(micrometres(design.strut_thickness_mm), 10, 1000))};
 }
 
-// Returns true if a ring has changed enough for a new order to the core.
+// Returns true if a ring has changed enough to need a new command to the core.
 bool has_changed(const crn_wire_strut &known, const crn_wire_strut &now)
 {
     if (known.inside_um == 0 || now.inside_um == 0) return known.inside_um != now.inside_um;
@@ -160,7 +160,7 @@ void PatientStents::command(std::uint32_t tick, const RoomCommand &command)
     if (command.action == RoomAction::load_stent) load(tick);
 }
 
-// Before the first tick the balloon may be anywhere in the patient, because it was brought there with its
+// Before the first tick the balloon may be anywhere in the patient, because it was inserted together with its
 // stent.
 void PatientStents::load(std::uint32_t tick)
 {
@@ -194,7 +194,7 @@ void PatientStents::tick(const crn_wire_tick_input &input, const crn_wire_tick_s
     }
 }
 
-// Remembers a ring whose order the core has carried out.
+// Stores a ring whose command the core has carried out.
 void PatientStents::note(const crn_wire_strut &ring)
 {
     if (ring.number >= 1 && ring.number <= struts_max) known_struts_[ring.number - 1u] = ring;
@@ -210,7 +210,8 @@ void PatientStents::note(const crn_wire_scaffold &hold)
 
 // --- walls ---
 
-// The wall of a branch is made when a stent first comes there, since most branches never get a stent.
+// The model of a branch's wall is made when a stent first reaches that branch, because most branches never
+// get a stent.
 std::size_t PatientStents::vessel_of(std::size_t branch)
 {
     for (std::size_t i = 0; i < walls_.size(); ++i)
@@ -225,8 +226,8 @@ std::size_t PatientStents::vessel_of(std::size_t branch)
     return walls_.size() - 1;
 }
 
-// Returns the branch around the middle of the balloon; it is the one whose centreline is nearest, in radii.
-// The result is empty if no branch there could hold a stent of this size.
+// Returns the branch around the middle of the balloon: the branch whose centreline is nearest, as a multiple
+// of its radius. The result has no value if no branch there could hold a stent of this size.
 std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
 {
     if (pose.points.empty()) return {};
@@ -252,8 +253,8 @@ std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, con
     }
 }
 
-// Sets at each ball of the balloon the radius that the vessel's wall leaves it. A ball outside the vessel
-// gets no limit.
+// Limits the radius of the balloon at each of its balls to the radius of the vessel's wall there. The radius
+// of a ball outside the vessel is not limited.
 void PatientStents::give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const
 {
     if (!vessel) return;
@@ -312,8 +313,8 @@ void PatientStents::note_stages(std::uint32_t tick)
     }
 }
 
-// Queues the orders for whatever the core does not hold yet. Orders that no tick's input has confirmed are
-// queued again.
+// Queues the commands for everything that the core does not yet know. Commands that no tick's input has
+// confirmed are queued again.
 void PatientStents::ask_for_holds(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);
@@ -340,8 +341,8 @@ void PatientStents::ask_for_holds(const WireFrame &wire)
     }
 }
 
-// Every stent on the shelf has ring numbers of its own. A ring that no longer exists is removed from the
-// core.
+// Every stent of the session has ring numbers of its own. If a ring no longer exists, a command removes it
+// from the core.
 void PatientStents::ask_for_struts(const WireFrame &wire)
 {
     const std::size_t share = struts_max / std::max<std::size_t>(shelf_.size(), 1);

@@ -1,9 +1,9 @@
-// Simulates the stents in a session: a stent is mounted on the balloon, opened by it, deployed, and held by
-// the wall. This class gives the core its orders about stents, and gives the struts to the X-ray. The state
-// follows only from the commands and from the line's shape at multiples of look_every_ticks, whatever
-// pictures were requested. The orders to the core are fetched by give_orders(), become part of a tick's
-// input, and are recorded. A replay sends the recorded orders to the core, and computes the stents again for
-// pictures and reports.
+// Simulates the stents in a session: a stent is mounted on the balloon, expanded by the balloon, deployed,
+// and held by the vessel wall. This class sends the core its commands about stents, and passes the struts to
+// the X-ray. The state of the stents depends only on the commands and on the shape of the tools at multiples
+// of look_every_ticks, whatever pictures were requested. give_orders() returns the commands for the core. The
+// commands become part of a tick's input, and are recorded. A replay sends the recorded commands to the core,
+// and computes the stents again for pictures and reports.
 //
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
@@ -31,10 +31,10 @@ namespace crn
 inline constexpr std::size_t stents_max = 8;  // largest number in a session
 inline constexpr std::size_t struts_max = 64; // rings of struts that a core keeps (docs/wire.md)
 
-// Returns the reason why a stent cannot be mounted on a balloon of these tools; empty if it can.
+// Returns the reason why a stent cannot be mounted on a balloon of these tools, or an empty string if it can.
 std::string mount_refusal(const StentDesign &stent, const std::vector<Instrument> &tools);
-// Reads stent files for these tools. Throws FileError if a stent cannot be mounted; the message names its
-// file.
+// Reads stent files and checks that each stent can be mounted on a balloon of these tools. Throws FileError
+// if a stent cannot be mounted; the message names its file.
 std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
                                      const std::vector<Instrument> &tools);
 
@@ -63,13 +63,13 @@ class PatientStents
   public:
     static constexpr std::uint32_t look_every_ticks = 40;
 
-    // `stations` are those of all lesions that yield, in the order of the tree's lesions. `motion` may be
-    // null; the vessels then do not move.
+    // `stations` gives the points at which the core computes the opening of a lesion, for every lesion that a
+    // balloon can open, in the order of the tree's lesions. If `motion` is null, the vessels do not move.
     PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
                   std::vector<LesionStations> stations, const std::vector<Instrument> &tools);
 
-    // Carries out load_stent and ignores all other commands. A command that cannot be carried out is kept in
-    // refusals().
+    // Carries out the command load_stent and ignores all other commands. If a command cannot be carried out,
+    // it is kept in refusals().
     void command(std::uint32_t tick, const RoomCommand &command);
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     std::uint32_t next_tick() const
@@ -77,10 +77,11 @@ class PatientStents
         return next_look_;
     } // tick of the next look; UINT32_MAX: none is needed
     void advance(const WireFrame &wire);
-    // Adds the orders to the core for the next tick.
+    // Adds the commands that the core must carry out in the next tick.
     void give_orders(crn_wire_order_list &orders) { orders_.move_into(orders); }
 
-    // Returns the struts where they are at this frame, which may lie between two looks. Nothing else changes.
+    // Returns the struts at the moment of this frame, which may lie between two updates of the stents.
+    // Nothing else changes.
     std::vector<SweptCurve> curves_at(const WireFrame &wire);
 
     const std::vector<StentDesign> &shelf() const { return shelf_; }

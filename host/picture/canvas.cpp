@@ -16,8 +16,8 @@ double distance(const SheetPoint &a, const SheetPoint &b, double x, double y)
     return std::hypot(a.x + u * dx - x, a.y + u * dy - y);
 }
 
-// Returns the drawn parts of a dashed line, in which `dash` pixels of ink alternate with gaps of `dash`
-// pixels.
+// Divides a line into dashes: returns the drawn pieces, `dash` pixels long, which alternate with gaps of the
+// same length.
 std::vector<std::vector<SheetPoint>> dashes(const std::vector<SheetPoint> &points, double dash)
 {
     std::vector<std::vector<SheetPoint>> parts(1);
@@ -88,7 +88,7 @@ void Sheet::stroke(const std::vector<SheetPoint> &points, double width, Ink ink,
     for (const std::vector<SheetPoint> &part : dashes(points, dash)) cover(part, width, ink);
 }
 
-// Every pixel is inked only once, by an amount that depends on its distance from the line.
+// Draws every pixel of the line only once, with a strength that depends on its distance from the line.
 void Sheet::cover(const std::vector<SheetPoint> &points, double width, Ink ink)
 {
     if (points.empty()) return;

@@ -24,10 +24,10 @@ class Sheet
     void clip(int x0, int y0, int x1, int y1); // until the next call; [x0, x1) x [y0, y1)
     void unclip();
     void box(int x0, int y0, int x1, int y1, Ink ink);
-    // Draws one line with round ends and joints. Where the line crosses itself, the ink does not get darker.
-    // With `dash` 0 the line is unbroken.
+    // Draws one line of any width with round ends and joints. Where the line crosses itself, its colour does
+    // not get darker. If `dash` is 0, the line has no gaps.
     void stroke(const std::vector<SheetPoint> &points, double width, Ink ink, double dash = 0.0);
-    // Draws letters of 5 x 7 pixels times `scale`; (x, y) is the top left corner.
+    // Draws text with letters of 5 x 7 pixels times `scale`; (x, y) is the top left corner of the text.
     void text(int x, int y, std::string_view text, int scale, Ink ink);
     static int text_width(std::string_view text, int scale);
     void blend(int x, int y, Ink ink,

@@ -18,7 +18,8 @@ std::string kind_word(RunKind kind)
     return kind == RunKind::fluoro ? "fluoro" : kind == RunKind::cine ? "cine" : "dsa";
 }
 
-// Returns the number of bytes of the UTF-8 character that begins here (RFC 3629); 0 when none begins here.
+// Returns the number of bytes of the UTF-8 character that begins at this position (RFC 3629), or 0 if no
+// character begins there.
 std::size_t utf8_length(const std::string &text, std::size_t at)
 {
     const auto byte = [&](std::size_t k) {
@@ -49,8 +50,8 @@ bool is_utf8(const std::string &text)
     return true;
 }
 
-// Throws unless the text is allowed by PS3.5 6.2: no backslash, no control characters, and at most 64
-// characters.
+// Throws an exception unless the standard PS3.5 6.2 allows the text: no backslash, no control characters, and
+// at most 64 characters.
 void check_text(const std::string &option, const std::string &text)
 {
     const bool has_bad = std::any_of(text.begin(), text.end(), [](char letter) {
@@ -74,8 +75,9 @@ void check_date(const std::string &date)
     if (year < 1 || month < 1 || month > 12 || day < 1 || day > days[month - 1]) throw error;
 }
 
-// Counts the values of every third pixel in the open field. The edges of the field, which are in the blades'
-// half shadow, are left out.
+// Counts how often each pixel value occurs in the field that the collimator leaves open; only every third
+// pixel is counted. The edges of the field are not counted, because they lie in the half shadow of the
+// collimator blades.
 void count_values(const XrayRun &run, const RunFrame &frame, std::vector<std::uint32_t> &histogram)
 {
     const RunCollimator &field = run.collimator;
@@ -91,7 +93,7 @@ void count_values(const XrayRun &run, const RunFrame &frame, std::vector<std::ui
             histogram[frame.raw[static_cast<std::size_t>(y) * run.size + x]]++;
 }
 
-// Returns the pixel value below which this share of the counted values lies.
+// Returns the pixel value below which the given fraction of the counted values lies.
 double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count, double share)
 {
     const auto wanted = static_cast<std::uint64_t>(static_cast<double>(count) * share);
@@ -103,9 +105,9 @@ double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count
     return static_cast<double>(histogram.size() - 1);
 }
 
-// The display window spans the values of the run, except the darkest and the brightest hundredth of them. If
-// the largest value occurs in at least one pixel of 200, it is that of saturated pixels beside the patient,
-// and these are not counted.
+// Sets the display window to the range of pixel values of the run, without the darkest and the brightest
+// hundredth of them. If the largest value occurs in at least one pixel of 200, it is the value of saturated
+// pixels beside the patient. These pixels are then not counted.
 void set_window(XrayRun &run, std::vector<std::uint32_t> histogram)
 {
     if (run.window_width > 0.0) return;

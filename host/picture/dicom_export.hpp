@@ -1,5 +1,5 @@
-// Exports the runs of a session as a folder of DICOM files. Frames are stored on disk as they are made. The
-// files are written at the end, when all their attributes are known. Files are named run_01_fluoro.dcm,
+// Exports the X-ray runs of a session as a folder of DICOM files. Frames are stored on disk as they are made.
+// The files are written at the end, when all their attributes are known. Files are named run_01_fluoro.dcm,
 // run_02_dsa.dcm; a long run continues in run_01_fluoro_2.dcm.
 #pragma once
 #include "host/dicom/xa_file.hpp"
@@ -20,7 +20,7 @@ struct DicomSettings {
     std::string patient_name, patient_id, study_date; // empty: anonymous
 };
 
-// Throws UsageError when the folder cannot be an export folder, or when a DICOM file may not contain the
+// Throws UsageError when the export cannot use the folder, or when a DICOM file may not contain the given
 // patient's name, number or date.
 void check_dicom_settings(const DicomSettings &settings);
 
@@ -33,32 +33,32 @@ struct ExportProgress {
 class DicomExport
 {
   public:
-    // `session` is a text about scene and tools that distinguishes this session from others. Makes the
-    // folder. Throws OutputError.
+    // `session` is a text about scene and tools by which this session differs from others. Makes the folder.
+    // Throws OutputError.
     DicomExport(const DicomSettings &settings, const std::string &session);
     ~DicomExport(); // removes unfinished files, and the folder if it made it and it is empty
 
-    // Begins a run; `run` describes it, but has no frames yet. Linear values become logarithmic when the
-    // settings require it.
+    // Begins an X-ray run; `run` describes the run, but has no frames yet. Converts linear pixel values to
+    // logarithmic ones when the settings require it.
     void begin(XrayRun run);
     void add(RunFrame frame); // throws OutputError
     void end();               // ends the run; a run without frames is dropped
     bool is_in_run() const { return is_in_run_; }
     std::size_t run_count() const { return run_count_; }
-    // Adds a run whose frames are all known.
+    // Adds a complete run, with all its frames.
     void add_run(const XrayRun &run);
 
-    // Sets the mask of the run with this index, counted from 0. If a run has several files, its first file
-    // contains the mask.
+    // Sets the subtraction mask of the run with this index, counted from 0. If a run has several files, its
+    // first file contains the mask.
     void set_mask(std::size_t run, const RunMask &mask);
 
-    // Sets for each file the medium that was injected during its frames. `given` is called with the ticks of
-    // the file's first and last frame.
+    // Stores in each file how much contrast medium was injected during its frames. The function `given` is
+    // called with the ticks of the file's first and last frame, and returns the injected medium.
     void set_contrast(const std::function<std::optional<RunContrast>(std::uint32_t, std::uint32_t)> &given);
 
-    // Writes the files, and must be the last call. `report` receives the progress and returns whether to
-    // continue. Returns the names of the files written, which are all files or those finished before the
-    // stop. Throws OutputError.
+    // Writes the files; no function of this object may be called afterwards. The function `report` receives
+    // the progress, and returns whether the export must continue. Returns the names of the written files: all
+    // files, or the ones that were finished before the export was stopped. Throws OutputError.
     std::vector<std::string> finish(const std::function<bool(const ExportProgress &)> &report);
 
   private:

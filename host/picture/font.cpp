@@ -1,4 +1,5 @@
-// Contains the bitmap letters of the display: codes 32 to 127, each with its rows from the top.
+// Contains the bitmap letters of the display for the character codes 32 to 127; each letter is a list of rows
+// from the top.
 #include "host/picture/font.hpp"
 
 namespace crn

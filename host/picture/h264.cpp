@@ -10,15 +10,16 @@ namespace crn
 namespace
 {
 
-// With 23 the demo's film has 34.8 dB (PSNR of RGB) and 14.7 MB. x264 with crf 20 and the preset veryfast
-// gave 34.3 dB and 12.6 MB. With 24 (34.2 dB, 12.8 MB) the noise of light regions begins to look flat.
+// With the quantisation parameter (QP) 23, the demo's film has 34.8 dB (PSNR of RGB) and 14.7 MB. The encoder
+// x264 with crf 20 and the preset veryfast gave 34.3 dB and 12.6 MB. With QP 24 (34.2 dB, 12.8 MB), noisy
+// bright regions begin to look flat.
 constexpr int quality = 23; // QP, 0 .. 51, small is good
 
 constexpr std::size_t start_code_bytes = 4; // before every NAL unit: 0 0 0 1
 constexpr int type_mask = 31, type_sequence_parameters = 7, type_picture_parameters = 8;
 
-// BT.709 (ITU-R BT.709-6, 3.4): brightness 16 .. 235, colour differences 16 .. 240 around 128. 16 binary
-// places.
+// These factors convert RGB to the colour space BT.709 (ITU-R BT.709-6, 3.4): brightness 16 .. 235, colour
+// differences 16 .. 240 around 128. These fixed-point factors have 16 binary places.
 constexpr double red_share = 0.2126, blue_share = 0.0722, brightness_range = 219.0 / 255,
                  colour_range = 224.0 / 255;
 constexpr int fixed(double value)
@@ -27,7 +28,7 @@ constexpr int fixed(double value)
 }
 constexpr int y_red = fixed(red_share * brightness_range), y_blue = fixed(blue_share * brightness_range);
 constexpr int y_green = fixed(brightness_range) - y_red - y_blue;
-// Each row adds up to 0, so that grey has no colour.
+// The factors of each row add up to 0, so that grey pixels have colour difference 0.
 constexpr double cb_scale = colour_range / (2 * (1 - blue_share)),
                  cr_scale = colour_range / (2 * (1 - red_share));
 constexpr int cb_red = fixed(-red_share * cb_scale), cb_blue = fixed((1 - blue_share) * cb_scale);
@@ -44,8 +45,9 @@ void convert_brightness(const Image &image, std::uint8_t *out)
             16 + ((y_red * rgb[0] + y_green * rgb[1] + y_blue * rgb[2] + (1 << 15)) >> 16));
 }
 
-// One sample of colour for 2 x 2 pixels. H.264 places it on the left pair, between the two rows, so its
-// neighbours in a row count 1 : 2 : 1. The sums have 3 more binary places.
+// Computes one colour value for a block of 2 x 2 pixels. H.264 places this value at the left pair of pixels,
+// between the two rows, so neighbouring pixels in a row have the weights 1 : 2 : 1. The sums of this function
+// have 3 more binary places than a pixel value.
 void convert_colour(const Image &image, std::uint8_t *out_blue, std::uint8_t *out_red)
 {
     const std::size_t row_bytes = 3 * static_cast<std::size_t>(image.width);
@@ -58,7 +60,7 @@ void convert_colour(const Image &image, std::uint8_t *out_blue, std::uint8_t *ou
             for (int i = 0; i < 3; ++i)
                 sum[i] = upper[left + i] + 2 * upper[i] + upper[3 + i] + lower[left + i] + 2 * lower[i] +
                          lower[3 + i];
-            // The offset keeps the sum positive, and rounds it.
+            // The offset keeps the sum positive and rounds the result.
             constexpr int offset = (128 << 19) + (1 << 18);
             *out_blue++ = static_cast<std::uint8_t>(
                 (offset + cb_red * sum[0] + cb_green * sum[1] + cb_blue * sum[2]) >> 19);
@@ -104,7 +106,8 @@ SEncParamExt parameters_of(ISVCEncoder &encoder, int width, int height, int pict
     return all;
 }
 
-// Calls `take` with every NAL unit of an encoded picture, without its start code.
+// Calls `take` once for every NAL unit (packet of H.264 data) of an encoded picture, without the unit's start
+// code.
 template <class Take> void for_each_unit(const SFrameBSInfo &info, Take take)
 {
     for (int i = 0; i < info.iLayerNum; ++i) {
@@ -141,7 +144,7 @@ H264Encoder::H264Encoder(int width, int height, int pictures_per_s)
     planes_.resize(pixels + pixels / 2);
 }
 
-// Without this the library writes its messages to the terminal.
+// Redirects the messages of the library openh264, which it would otherwise print on the terminal.
 void H264Encoder::silence()
 {
     WelsTraceCallback callback = keep_message;
@@ -152,7 +155,7 @@ void H264Encoder::silence()
     encoder_->SetOption(ENCODER_OPTION_TRACE_LEVEL, &level);
 }
 
-// The library's messages begin with an address, which says nothing to a reader.
+// Removes the memory address with which openh264 begins its messages, because it means nothing to a user.
 void H264Encoder::keep_message(void *self, int, const char *text)
 {
     H264Encoder &encoder = *static_cast<H264Encoder *>(self);
@@ -201,7 +204,8 @@ H264Encoder::Picture H264Encoder::encode(const Image &image)
 
     bytes_.clear();
     for_each_unit(info, [&](std::span<const std::uint8_t> unit) {
-        // The parameters are in the file's index already, and they never change.
+        // The decoder parameters are already in the index of the file and never change, so they are skipped
+        // here.
         const int type = unit[0] & type_mask;
         const auto is_same = [&](const auto &kept) { return std::ranges::equal(unit, kept); };
         if (type == type_sequence_parameters && is_same(sequence_parameters_)) return;

@@ -1,5 +1,6 @@
-// Encodes pictures as H.264 with the library openh264, profile High, at one constant quality, with one
-// thread: the same pictures give the same bytes. Only this file's source includes the library's headers.
+// Encodes pictures as H.264 with the library openh264, in the profile High, at one constant quality. The
+// encoder uses one thread, so equal pictures always give equal bytes. Only h264.cpp includes the library's
+// headers.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <memory>
@@ -13,13 +14,13 @@ namespace crn
 class H264Encoder
 {
   public:
-    // The library accepts 9,437,184 pixels, the square of this.
+    // The library openh264 accepts at most 9,437,184 pixels per picture, which is the square of this number.
     static constexpr int edge_max = 3072;
-    // Two seconds from one picture that a player can begin with to the next.
+    // Every two seconds the film has a key picture, at which a player can begin.
     static constexpr int seconds_between_keys = 2;
 
-    // Sizes are even, 16 .. edge_max. The constructor and encode() throw std::runtime_error with what the
-    // library said.
+    // Width and height must be even, and from 16 to edge_max pixels. The constructor and encode() throw
+    // std::runtime_error with the message of the library.
     H264Encoder(int width, int height, int pictures_per_s);
     ~H264Encoder();
     H264Encoder(const H264Encoder &) = delete;
@@ -29,9 +30,10 @@ class H264Encoder
         std::span<const std::uint8_t> bytes; // NAL units, each behind its length (4 bytes, big end first)
         bool is_key;                         // decoding can begin here
     };
-    // RGB of the given size. The result is valid until the next call.
+    // RGB of the given size. The returned bytes are valid until the next call.
     Picture encode(const Image &image);
-    // The two sets of parameters that a decoder needs first, without start codes.
+    // Return the two parameter sets (SPS and PPS) that a decoder needs before the first picture, without
+    // start codes.
     const std::vector<std::uint8_t> &sequence_parameters() const { return sequence_parameters_; }
     const std::vector<std::uint8_t> &picture_parameters() const { return picture_parameters_; }
 

@@ -13,7 +13,8 @@ namespace
 constexpr std::uint64_t u32_max = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t moved_bytes_max = std::size_t{1} << 18; // by one read and one write
 
-// Numbers of an MP4 file have their big end first. The type of the argument is the range.
+// Numbers in an MP4 file are stored with the most significant byte first. The type of each function's
+// argument determines the range of the number.
 class Mp4Bytes
 {
   public:
@@ -39,8 +40,9 @@ class Mp4Bytes
     }
 };
 
-// A box begins with its length and its type, and ends with the scope. No box of ours is longer than 4 GiB:
-// the largest table has 4 bytes for each of at most 2^28 pictures.
+// Writes an MP4 box, a block of the file that begins with its length and its type; the box ends with the C++
+// scope of this object. The boxes made here are shorter than 4 GiB: the largest table has 4 bytes for each of
+// at most 2^28 pictures.
 class Mp4Box
 {
   public:
@@ -49,7 +51,7 @@ class Mp4Box
         bytes.u32(0);
         bytes.text(type);
     }
-    // A "full box" has a version and 24 bits of flags as well.
+    // A "full box" of the MP4 format also has a version number and 24 bits of flags.
     Mp4Box(Mp4Bytes &bytes, const char *type, std::uint32_t flags) : Mp4Box(bytes, type) { bytes.u32(flags); }
     ~Mp4Box() { bytes_.u32_at(begin_, static_cast<std::uint32_t>(bytes_.bytes.size() - begin_)); }
     Mp4Box(const Mp4Box &) = delete;
@@ -68,7 +70,7 @@ void put_file_type(Mp4Bytes &bytes)
     bytes.text("isomiso2avc1mp41");
 }
 
-// The unit matrix: pictures are neither turned nor scaled.
+// Writes the unit matrix, which tells the player neither to turn nor to scale the pictures.
 void put_matrix(Mp4Bytes &bytes)
 {
     for (int i = 0; i < 9; ++i) bytes.u32(i == 8 ? 0x40000000 : i % 4 == 0 ? 0x00010000 : 0);
@@ -119,8 +121,8 @@ void put_media_header(Mp4Bytes &bytes, std::uint32_t pictures_per_s, std::uint32
     bytes.u8(0);
 }
 
-// How H.264 is decoded (ISO/IEC 14496-15): profile and level, lengths of 4 bytes, and the two sets of
-// parameters.
+// Writes what a decoder of H.264 must know (ISO/IEC 14496-15): profile and level, lengths of 4 bytes, and the
+// two parameter sets.
 void put_decoder(Mp4Bytes &bytes, const Mp4Track &track)
 {
     const Mp4Box box(bytes, "avcC");
@@ -133,7 +135,8 @@ void put_decoder(Mp4Bytes &bytes, const Mp4Track &track)
     bytes.u8(1);
     bytes.u16(static_cast<std::uint16_t>(track.picture_parameters.size()));
     bytes.all(track.picture_parameters);
-    // The profiles High and above also state their samples: 4:2:0, 8 bits for brightness and for colour.
+    // For the profile High and those above it, the file also states the format of the samples: 4:2:0, 8 bits
+    // for brightness and for colour.
     if (track.sequence_parameters[1] < 100) return;
     for (const int value : {0xfc | 1, 0xf8 | 0, 0xf8 | 0, 0}) bytes.u8(static_cast<std::uint8_t>(value));
 }
@@ -162,8 +165,8 @@ void put_description(Mp4Bytes &bytes, const Mp4Track &track)
     bytes.u8(0);                              // 16 .. 235, not 0 .. 255
 }
 
-// A chunk is one second of pictures. Returns the entries of "stsc": first chunk (from 1), pictures in each
-// chunk.
+// In the MP4 file, a chunk is one second of pictures. Returns the entries of the table "stsc": the number of
+// the first chunk (from 1) and the number of pictures in each chunk.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> chunk_runs(std::size_t pictures, std::size_t per_chunk)
 {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> runs;
@@ -173,7 +176,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> chunk_runs(std::size_t pict
     return runs;
 }
 
-// The place in the file where each chunk begins; `begin` is that of the first picture.
+// Returns the position in the file at which each chunk begins; `begin` is the position of the first picture.
 void put_chunk_places(Mp4Bytes &bytes, const std::vector<std::uint32_t> &picture_bytes, std::size_t per_chunk,
                       std::uint64_t begin, bool is_wide)
 {
@@ -260,7 +263,7 @@ Mp4Bytes make_head(const Mp4Track &track, const Mp4Tables &tables, std::uint64_t
         put_track_header(bytes, track, pictures);
         put_media(bytes, track, tables);
     }
-    // A length of 1 says that the real one follows in 64 bits.
+    // A length of 1 means that the real length follows as a number of 64 bits.
     const bool is_large = data_bytes + 8 > u32_max;
     bytes.u32(is_large ? 1 : static_cast<std::uint32_t>(data_bytes + 8));
     bytes.text("mdat");
@@ -268,7 +271,8 @@ Mp4Bytes make_head(const Mp4Track &track, const Mp4Tables &tables, std::uint64_t
     return bytes;
 }
 
-// Reads or writes all of it with `call`, which is pread or pwrite. Returns an errno, 0 for none.
+// Reads or writes all the bytes with `call`, which is pread or pwrite. Returns the error number (errno), or 0
+// for success.
 template <class Call, class Byte>
 int transfer(Call call, int file, std::span<Byte> bytes, std::uint64_t place)
 {
@@ -282,8 +286,8 @@ int transfer(Call call, int file, std::span<Byte> bytes, std::uint64_t place)
     return 0;
 }
 
-// Moves the file's first `count` bytes back by `distance`, last block first, so that no byte is overwritten
-// before it was read.
+// Moves the file's first `count` bytes towards the end by `distance` bytes. The last block moves first, so
+// that no byte is overwritten before it was read.
 int move_back(int file, std::uint64_t count, std::uint64_t distance)
 {
     std::vector<std::uint8_t> block(moved_bytes_max);
@@ -309,7 +313,8 @@ bool Mp4Index::add(std::uint32_t bytes, bool is_key)
     return true;
 }
 
-// The length of the head does not depend on the places in it, only on their width.
+// The length of the file's first part depends only on whether positions in it have 32 or 64 bits, and not on
+// their values.
 std::vector<std::uint8_t> Mp4Index::head(const Mp4Track &track) const
 {
     Mp4Tables tables{picture_bytes_, keys_, 0, false};

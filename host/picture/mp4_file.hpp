@@ -1,6 +1,6 @@
-// An MP4 file with one H.264 track (ISO/IEC 14496-12, -14 and -15). Its index comes before the pictures, so
-// that a player can begin before it has the whole file. Nothing in it depends on the clock: the same pictures
-// give the same bytes.
+// Writes an MP4 file with one H.264 film track (ISO/IEC 14496-12, -14 and -15). The index of the file comes
+// before the pictures, so that a player can begin before it has received the whole file. The contents of the
+// file do not depend on the date or time, so equal pictures give equal bytes.
 #pragma once
 #include "host/base/pending_file.hpp"
 #include <cstdint>
@@ -19,18 +19,20 @@ struct Mp4Track {
     std::vector<std::uint8_t> picture_parameters;  // H.264 PPS without a start code, 1 .. 65535 bytes
 };
 
-// What the index says about the pictures: 4 bytes of memory for each.
+// Holds the data about the pictures that the file's index needs: 4 bytes of memory for each picture.
 class Mp4Index
 {
   public:
-    // At 60 pictures per second this is 51 days, more than the ticks of a session can count.
+    // At 60 pictures per second this number of pictures lasts 51 days, which is longer than the longest
+    // possible session.
     static constexpr std::size_t pictures_max = std::size_t{1} << 28;
 
-    // False when the index already holds pictures_max.
+    // Adds a picture to the index; returns false when the index already holds pictures_max pictures.
     bool add(std::uint32_t bytes, bool is_key);
     std::size_t pictures() const { return picture_bytes_.size(); }
     std::uint64_t data_bytes() const { return data_bytes_; }
-    // Everything that comes before the first picture: file type, index, and the head of the pictures' box.
+    // Returns all bytes that come before the first picture: file type, index, and the beginning of the box
+    // with the pictures.
     std::vector<std::uint8_t> head(const Mp4Track &track) const;
 
   private:
@@ -39,14 +41,14 @@ class Mp4Index
     std::uint64_t data_bytes_ = 0;
 };
 
-// Pictures go to the pending file as they come. commit() then moves them back by the length of the index,
-// block by block, and writes the index before them. Every function throws OutputError; the destructor removes
-// a file that was not committed.
+// Every picture is written to a temporary file at once. commit() then moves the pictures towards the end by
+// the length of the index, block by block, and writes the index before them. Every function throws
+// OutputError when writing fails; the destructor deletes a file that was not committed.
 class Mp4File
 {
   public:
     explicit Mp4File(const std::string &path) : file_(path) {}
-    // One picture: NAL units, each behind its length (4 bytes, big end first).
+    // Adds one picture: its NAL units, each preceded by its length (4 bytes, most significant byte first).
     void add(std::span<const std::uint8_t> picture, bool is_key);
     void commit(const Mp4Track &track);
 

@@ -1,5 +1,5 @@
-// Draws the text and the traces of the display over the picture. Letter sizes are stated for a picture of 512
-// pixels, and are larger in larger pictures.
+// Draws the text and the traces of the display over the picture. The sizes of letters are stated for a
+// picture of 512 pixels; in larger pictures the letters are larger.
 #include "host/picture/overlay.hpp"
 #include "host/base/format.hpp"
 #include "host/picture/font.hpp"
@@ -60,13 +60,14 @@ double finite_or_zero(double value)
     return std::isfinite(value) ? value : 0.0;
 }
 
-// Rounds to 1/steps, and never returns a negative zero, which would be printed as "-0.00".
+// Rounds a value to a multiple of 1/steps, and never returns a negative zero, which would be printed as
+// "-0.00".
 double rounded(double value, double steps)
 {
     return std::round(finite_or_zero(value) * steps) / steps + 0.0;
 }
 
-// Returns the angles like "LAO 30\x7f CRA 10\x7f", in whole degrees as on a real C-arm.
+// Returns a text with the angles of the C-arm in whole degrees, such as "LAO 30\x7f CRA 10\x7f".
 std::string angles(const CArm &carm)
 {
     const long primary = std::lround(std::clamp(finite_or_zero(carm.primary_deg), -999.0, 999.0));
@@ -80,7 +81,8 @@ const char *name_of(RunKind kind)
     return kind == RunKind::fluoro ? "FLUORO" : kind == RunKind::cine ? "CINE" : "DSA";
 }
 
-// Returns the state of the screen, which is the largest text of the display.
+// Returns the text for the state of the screen (such as live or held), which is the largest text of the
+// display.
 std::string state_of(const RoomStatus &room)
 {
     switch (room.source) {
@@ -171,8 +173,8 @@ class Display
         draw_balloon(y);
     }
 
-    // Shows the balloon's pressure and diameter; while it has a waist, shows its largest and smallest
-    // diameter.
+    // Shows the balloon's pressure and diameter; while a lesion narrows the balloon (waist), shows its
+    // largest and smallest diameter.
     void draw_balloon(int y)
     {
         const OverlayBalloon &balloon = info_.balloon;
@@ -226,7 +228,8 @@ class Display
             right(margin_ + 7 * line_, formatted("FLUOROSCOPY %u MIN", info_.fluoro_reminder_min), amber);
     }
 
-    // Draws the bottom line: the session's time on the right, and the forces on the hands on the left.
+    // Draws the bottom line of text: the session's time on the right, and the forces on the hands on the
+    // left.
     void draw_tools()
     {
         const int y = rgb_.height - margin_ - 8 * scale_;
@@ -244,8 +247,8 @@ class Display
         draw_force_bar(y + scale_, tool.axial_N);
     }
 
-    // Draws the values of one tool in columns, when there are several tools; the force has the colour that
-    // its bar would have.
+    // If there are several tools, draws the values of one tool in columns; the force has the colour that its
+    // bar would have.
     void draw_line(int y, const OverlayTool &tool)
     {
         const int letter = 6 * scale_;
@@ -292,7 +295,7 @@ class Display
                  force_colour(axial_N));
     }
 
-    // Shows the patient's orientation by DICOM's letters at the four edges.
+    // Shows the orientation of the patient at the four edges of the picture, with DICOM's letters.
     void draw_orientation()
     {
         const View view = make_view(clamp_carm(info_.room.carm), 16);
@@ -306,8 +309,8 @@ class Display
         if (info_.tools.size() < 2) centred(bottom, patient_side(-view.up)); // otherwise tools fill the line
     }
 
-    // Draws electrocardiogram and aortic pressure above the clock; new values overwrite the old traces from
-    // left to right.
+    // Draws the electrocardiogram and the aortic pressure above the clock. New values overwrite the old
+    // traces from left to right.
     void draw_pulse()
     {
         const PulseMonitor &pulse = *info_.pulse;
@@ -334,8 +337,8 @@ class Display
                    [](const PulseMonitor::Sample &s) { return (s.pressure_mmHg - 30.0) / 120.0; });
     }
 
-    // Each pixel column covers the range of its samples, and a gap separates the newest column from the old
-    // trace.
+    // A trace fills in each pixel column the range of the samples that belong to this column; a gap separates
+    // the newest column from the old trace.
     template <class Height>
     void draw_trace(int x, int y, int width, int height, Colour colour, Height share_of)
     {

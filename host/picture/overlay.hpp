@@ -1,5 +1,5 @@
-// Draws the angiography display over a picture: geometry, mode, dose, instrument, orientation and heart, in a
-// bitmap font of its own.
+// Draws the texts and traces of the angiography display over a picture: geometry, mode, dose, instrument,
+// orientation and heart.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/picture/picture.hpp"
@@ -47,11 +47,12 @@ struct OverlayInfo {
     std::vector<std::string> panel;      // help panel, one line each; empty for none
 };
 
-// Returns the grey picture as RGB with the display drawn over it. Letters grow with the picture.
+// Converts the grey picture to RGB and returns it with the display drawn over it. Letters grow with the
+// picture.
 Image compose_display(const XrayPicture &picture, const OverlayInfo &info);
 
-// Draws text in the given colour with a dark rim; at scale 1 a letter has 5x7 pixels and takes 6 pixels of
-// the line. Text that does not fit is cut off at the picture's edge.
+// Draws text in the given colour with a dark rim; at scale 1 a letter has 5 x 7 pixels, and the next letter
+// begins 6 pixels further right. Text that does not fit is cut off at the picture's edge.
 struct Colour {
     std::uint8_t red, green, blue;
 };

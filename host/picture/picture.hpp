@@ -1,4 +1,4 @@
-// Writes pictures as files: as PNG, and as MP4 with H.264.
+// Writes pictures as PNG files, and films as MP4 files with H.264.
 #pragma once
 #include <cstdint>
 #include <exception>
@@ -17,22 +17,24 @@ struct Image {
     std::vector<std::uint8_t> bytes;
 };
 
-// Writes to a temporary file beside the wanted name and renames it at the end, so that the name never refers
-// to half a file. On failure it returns false, and `error` names the file and the cause.
+// Writes the picture to a temporary file beside the wanted file and renames it at the end, so that the wanted
+// name never refers to an incomplete file. On failure the function returns false, and `error` names the file
+// and the cause.
 bool write_png(const std::string &path, const Image &image, std::string &error);
 // Encodes a PNG in memory. Throws std::runtime_error with the cause.
 std::vector<std::uint8_t> encode_png(const Image &image);
-// Writes a grey picture with 16 bits per pixel. `values` has width*height unchanged values, with row 0 on
-// top.
+// Writes a grey picture with 16 bits per pixel. `values` has width*height values, which are stored unchanged;
+// row 0 is the top row.
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error);
 
 class H264Encoder;
 class Mp4File;
 
-// Writes a film as H.264 in yuv420p (BT.709); every picture must be RGB and have the same even size. The same
-// pictures give the same bytes. The file gets its name only after a successful finish(); the destructor
-// removes an unfinished file. After SIGKILL a file "name.partPID-RANDOM" stays, but never half a file "name".
+// Writes a film as H.264 in yuv420p (BT.709); every picture must be RGB and have the same even size. Equal
+// pictures always give equal bytes of the film. The file gets its final name only after a successful
+// finish(); the destructor deletes an unfinished file. If the program is killed (SIGKILL), a file
+// "name.partPID-RANDOM" stays, but no incomplete file "name".
 class VideoWriter
 {
   public:

@@ -71,8 +71,8 @@ std::vector<std::uint8_t> encode_png(const Image &image)
     return bytes;
 }
 
-// libpng treats 16-bit values as linear in light. The values are stored unchanged, and the file states a
-// gamma of 1.0.
+// The library libpng assumes that 16-bit values are linear in the intensity of light. The values are stored
+// unchanged, and the file states a gamma of 1.0.
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error)
 {

@@ -118,8 +118,8 @@ void SessionPictures::show_refusal(std::uint32_t tick, const std::string &why)
     refused_ = {why, tick};
 }
 
-// The display shows these values only when a tool has a balloon; the stent's text is its stage, such as "on
-// its balloon".
+// Returns the values of balloon and stent for the display, which are shown only if a tool has a balloon. The
+// text about the stent is its stage, such as "on its balloon".
 OverlayBalloon SessionPictures::balloon_display() const
 {
     OverlayBalloon display;
@@ -138,7 +138,8 @@ std::uint32_t SessionPictures::next_tick() const
     return std::min(patient_.next_look(), picture_tick(count_, settings_.pictures_per_second));
 }
 
-// Processes the room's events up to this frame, and returns true when there is a new X-ray picture.
+// Processes the events of the X-ray room up to this frame, and returns true when there is a new X-ray
+// picture.
 bool SessionPictures::see_events(const WireFrame &wire)
 {
     bool is_new = false;
@@ -151,7 +152,8 @@ bool SessionPictures::see_events(const WireFrame &wire)
     return is_new;
 }
 
-// Makes the picture of an X-ray pulse, with the technique that automatic exposure control has chosen.
+// Computes the picture of an X-ray pulse, with the exposure technique that automatic exposure control has
+// chosen.
 void SessionPictures::expose(const RoomEvent &pulse, const WireFrame &wire)
 {
     XraySettings xray;
@@ -170,7 +172,8 @@ void SessionPictures::expose(const RoomEvent &pulse, const WireFrame &wire)
     if (thesis_look_) thesis_look_->draw(xray, seen, settings_.seed, pulse_);
 }
 
-// Returns the curves to be drawn: the medium in the vessels and in the balloon, and the struts of stents.
+// Returns everything besides the tools that is drawn as curves: the medium in the vessels and in the balloon,
+// and the struts of stents.
 std::vector<SweptCurve> SessionPictures::curves_at(const WireFrame &shape)
 {
     std::vector<SweptCurve> curves = balloon_filling(shape, tools_, settings_.balloon_iodine_mg_per_ml);
@@ -205,7 +208,7 @@ void SessionPictures::tell_failure()
     say(stderr, "cournand: %s; the rasteriser draws from here on\n", xray_->back_end_error().c_str());
 }
 
-// All pulses of one press of a pedal form a run.
+// All X-ray pulses of one press of a pedal form a run.
 void SessionPictures::export_pulse(const RoomEvent &pulse)
 {
     const bool shows_display = settings_.dicom.values == "display";
@@ -255,8 +258,8 @@ void SessionPictures::finish()
     if (export_) finish_export();
 }
 
-// After Ctrl-C during the session, the runs made so far are written nevertheless. Another Ctrl-C stops the
-// export between two pieces of a file.
+// If the user presses Ctrl-C during the session, the runs made so far are written nevertheless. Another
+// Ctrl-C stops the export between two pieces of a file.
 void SessionPictures::finish_export()
 {
     export_->end();
@@ -266,7 +269,7 @@ void SessionPictures::finish_export()
         export_.reset();
         return;
     }
-    // The user may change a mask while reviewing a run, and the files get the last one.
+    // The user may change the mask while reviewing a run, and the files contain the last mask of each run.
     const std::vector<Irradiation> &presses = patient_.room().dose().irradiations();
     for (std::size_t i = 0; i < exported_presses_.size(); i++) {
         const int kept = presses[exported_presses_[i]].run;

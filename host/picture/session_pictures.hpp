@@ -1,7 +1,8 @@
-// Makes, draws and writes the pictures of a session, which are those of the patient's X-ray room. Making
-// pictures only reads the patient and changes nothing in it. The pictures depend only on the patient, on the
-// line's shapes at the requested ticks, and on the seed. In a replay that starts later (--from S), C-arm and
-// table still apply all earlier commands; dose, runs and following of the tip begin at S.
+// Computes, draws and writes the pictures of a session, which are those of the patient's X-ray room.
+// Computing a picture reads the patient's state and does not change it. The pictures depend only on the
+// patient, on the shapes of the tools at the requested ticks, and on the seed of the noise. In a replay that
+// starts later (--from S), C-arm and table still apply all earlier commands; dose, runs and following of the
+// tip begin at S.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/scene_anatomy.hpp"
@@ -21,7 +22,7 @@
 namespace crn
 {
 
-// Throws std::runtime_error for an unknown material; the message names the section and the known materials.
+// Throws std::runtime_error if a material is unknown; the message names the section and the known materials.
 RadiopaqueInstrument instrument_look(const Instrument &instrument);
 
 struct PictureSettings {
@@ -44,8 +45,8 @@ struct PictureSettings {
     double balloon_iodine_mg_per_ml = 175.0; // filling of balloons
 };
 
-// read_anatomy() returns the anatomy in the files that the settings name. make_patient() returns a patient
-// with that anatomy and with the settings' stents. Throws std::runtime_error.
+// read_anatomy() reads the anatomy from the files that the settings name. make_patient() makes a patient with
+// that anatomy and with the stents of the settings. Throws std::runtime_error.
 SceneAnatomy read_anatomy(const PictureSettings &settings);
 std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
                                       const std::vector<Instrument> &tools);
@@ -56,8 +57,8 @@ bool writes_pictures(const PictureSettings &settings);
 class SessionPictures final : public FrameSink
 {
   public:
-    // `tools` are given from the innermost out. `patient` must live longer than this object. Throws
-    // std::runtime_error.
+    // `tools` lists the tools from the innermost outwards. `patient` must live longer than this object.
+    // Throws std::runtime_error.
     SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools, Patient &patient,
                     const SceneAnatomy &anatomy);
     ~SessionPictures() override;
@@ -75,7 +76,7 @@ class SessionPictures final : public FrameSink
     const Image &image() const { return image_; } // the last picture with its display
     // Sets the notice and the help panel for the following pictures; empty texts remove them.
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
-    // In the following pictures, marks the tool that the keys move, or all tools.
+    // From the next picture on, the display marks the tool that the keys move, or all tools.
     void choose_tool(std::size_t tool, bool all)
     {
         chosen_tool_ = tool;

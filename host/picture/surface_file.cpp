@@ -21,7 +21,8 @@ constexpr double vessel_radii = 1.8; // places farther from the vessel's line be
 constexpr std::uint32_t balloon_around = 24;
 constexpr int panel_pixels = 480;
 
-// Returns the place on the line at an arc length from its leading tip, and the direction of the line there.
+// Returns the point of the nested tools at an arc length from their leading tip, and the direction of the
+// tools there.
 bool place_at(const WireFrame &wire, double arc_m, Vector3d &place_m, Vector3d &along)
 {
     for (std::size_t i = 0; i + 1 < wire.nodes.size(); ++i) {
@@ -75,7 +76,7 @@ std::uint32_t SurfaceSink::next_tick() const
     return at_ < ticks_.size() ? ticks_[at_] : std::numeric_limits<std::uint32_t>::max();
 }
 
-// Returns true if a place is within the requested distance along the healthy vessel, and nearer to this
+// Returns true if a point is within the requested distance along the healthy vessel, and nearer to this
 // vessel than to any other.
 bool SurfaceSink::is_near(const Vector3d &place_m) const
 {
@@ -94,8 +95,8 @@ bool SurfaceSink::is_near(const Vector3d &place_m) const
     return here_m >= begin_m - settings_.around_mm * 1e-3 && here_m <= end_m + settings_.around_mm * 1e-3;
 }
 
-// Keeps the triangles whose corners are all near the lesion in the pose of the baked scene, so that all
-// moments show the same triangles.
+// Keeps the triangles whose corners are all near the lesion in the baked scene at rest, so that all panels
+// show the same triangles.
 SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vertices_um) const
 {
     const Body &of = bodies_.bodies[static_cast<std::size_t>(body)];
@@ -183,8 +184,8 @@ void SurfaceSink::frame(const SessionFrame &frame)
     while (at_ < ticks_.size() && ticks_[at_] <= frame.wire.tick) ++at_;
 }
 
-// Views the lesion from the side, with its beginning at the top and its end at the bottom. The plaque and the
-// channel lie side by side.
+// Returns the direction of view, from the side of the lesion; the beginning of the lesion is at the top, and
+// its end is at the bottom. In this view the plaque and the open lumen lie side by side.
 SurfaceView SurfaceSink::side_view() const
 {
     const VesselLesion &lesion = bodies_.vessels.lesions[lesion_];

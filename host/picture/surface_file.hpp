@@ -22,8 +22,8 @@ struct SurfaceSettings {
 class SurfaceSink final : public FrameSink
 {
   public:
-    // `ticks` are the ticks of the moments to show, in ascending order. Throws std::runtime_error if the
-    // scene does not have that lesion.
+    // `ticks` lists the ticks at which the walls are written, in ascending order. Throws std::runtime_error
+    // if the scene does not have that lesion.
     SurfaceSink(const SurfaceSettings &settings, std::vector<std::uint32_t> ticks);
     ~SurfaceSink() override;
 
@@ -31,7 +31,8 @@ class SurfaceSink final : public FrameSink
     void frame(const SessionFrame &frame) override;
     void finish() override; // throws FileError
 
-    // There is one panel for each moment that the session reached, in the reference pose of the scene.
+    // Returns one panel for each of these ticks that the session reached, with the vessels in the reference
+    // pose of the scene.
     const std::vector<SurfacePanel> &panels() const { return panels_; }
 
   private:

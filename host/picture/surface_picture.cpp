@@ -41,7 +41,7 @@ Look look_of(SurfaceKind kind)
     return {{222, 120, 108}, 0.62};
 }
 
-// Describes the part of space that all panels show, in the axes of the view, mm.
+// Describes the part of space that every panel shows, in mm along the axes of the view.
 struct Frame {
     Vector3d middle_mm;
     double pixels_per_mm = 1.0;
@@ -129,8 +129,8 @@ class Panel
             }
     }
 
-    // The far side of a wall writes its depth, so that objects inside the vessel are drawn in front of it.
-    // The near side covers only what is behind it.
+    // The far side of a wall also fills the depth buffer, so that objects inside the vessel are drawn in
+    // front of it. The near side of a wall tints only the objects behind it.
     void paint(int x, int y, double depth, SurfaceKind kind, Side side, double shade, bool is_edge)
     {
         const std::size_t i = static_cast<std::size_t>(y) * samples_ + x;

@@ -1,5 +1,5 @@
-// Draws the walls around a lesion: the polygons of the lumen as glass, with calcium and balloon inside. There
-// is one panel for each moment, side by side.
+// Draws the walls around a lesion: the polygons of the lumen as glass, with calcium and balloon inside. The
+// picture has one panel for each moment, side by side.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
-// Writes a film: H.264 by the library openh264, in an MP4 file of our own.
+// Writes a film that the library openh264 encodes as H.264, in an MP4 file that the project's own code
+// writes.
 #include "host/picture/h264.hpp"
 #include "host/picture/mp4_file.hpp"
 #include "host/picture/picture.hpp"
@@ -69,7 +70,7 @@ bool VideoWriter::finish(std::string &error)
     return true;
 }
 
-// An OutputError names the file already. The unfinished file is removed.
+// The message of an OutputError already contains the name of the file. The unfinished file is removed.
 bool VideoWriter::fail(const std::exception &failed, std::string &error)
 {
     error = dynamic_cast<const OutputError *>(&failed) ? failed.what() : path_ + ": " + failed.what();

@@ -1,4 +1,5 @@
-// Lists the figures of instruments: as text, as JSON, as the table in docs/instruments.md, and as a picture.
+// Lists the properties of instruments: as text, as JSON, as the table in docs/instruments.md, and as a
+// picture.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/picture/picture.hpp"
@@ -8,7 +9,7 @@
 namespace crn
 {
 
-// Holds one instrument of a list, with the other presets of its file for comparison.
+// Holds one instrument of a list, and for comparison the other presets of the instrument's file.
 struct ListedInstrument {
     std::string file; // without preset
     Instrument instrument;
@@ -18,17 +19,17 @@ struct ListedInstrument {
 inline constexpr char shipped_instruments[] =
     "shared/examples/instruments"; // not a std::string, since other globals are initialised from it
 
-// Reads instruments from files, each optionally with ":preset", and from folders (every .toml file in them,
-// in order of the names). If `paths` is empty, the folder of shipped instruments is read. If `preset` is not
-// empty, it applies to every file without a preset of its own; a folder's files that do not have this preset
-// are left out. Throws FileError.
+// Reads instruments from files (a file name may end with ":preset") and from folders (all .toml files in
+// them, in order of the names). If `paths` is empty, the folder of shipped instruments is read. If `preset`
+// is not empty, it applies to every file without a preset of its own. In a folder, files that do not have
+// this preset are left out. Throws FileError.
 std::vector<ListedInstrument> list_instruments(const std::vector<std::string> &paths,
                                                const std::string &preset);
 
 std::string instruments_text(const std::vector<ListedInstrument> &list);
 std::string instruments_json(const std::vector<ListedInstrument> &list);
 
-// Returns the table that stands between the two marks in docs/instruments.md, without the marks.
+// Returns the table that docs/instruments.md contains between two marks, without the marks.
 std::string instruments_markdown(const std::vector<ListedInstrument> &list);
 inline const std::string table_begin = "<!-- table of instruments: written by `make docs` -->\n";
 inline const std::string table_end = "<!-- end of the table -->\n";
@@ -36,11 +37,12 @@ inline const std::string table_end = "<!-- end of the table -->\n";
 // document cannot be written.
 void write_instruments_table(const std::string &path, const std::vector<ListedInstrument> &list);
 
-// Draws one row per instrument: its figures, EI and GJ against the distance from the tip, and the unloaded
-// shape of the tip and of the whole instrument.
+// Draws one row per instrument: its properties, the stiffnesses EI (bending) and GJ (torsion) along the
+// instrument, and the unloaded shape of the tip and of the whole instrument.
 Image instruments_picture(const std::vector<ListedInstrument> &list);
 
-// Returns EI or GJ at an arc length from the tip, N m^2, interpolated linearly between knots as in the core.
+// Returns the bending stiffness EI or torsional stiffness GJ in N m^2 at an arc length from the tip,
+// interpolated linearly between knots as in the core.
 enum class Stiffness { bend, twist };
 double stiffness_at(const Instrument &instrument, Stiffness which, double arc_m);
 

@@ -156,8 +156,8 @@ Bounds bounds_of(const std::vector<ShapePoint> &shape, double from_tip_mm, doubl
     return bounds;
 }
 
-// Returns the bounding box of the part to show in a window: the whole shape if it fits, otherwise the longest
-// distal part that fits.
+// Returns the bounding box of the part of the shape that one drawing shows: the whole shape if it fits,
+// otherwise the longest distal part that fits.
 Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high_mm, double radius_mm)
 {
     double length_mm = shape.back().arc_m * 1e3;
@@ -168,8 +168,9 @@ Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high
     }
 }
 
-// Draws the shape as seen along d2, with the forward direction to the right and d1 upwards. The farthest
-// point of the shape is near the right edge, and the shape is centred in height.
+// Draws the shape of the instrument as seen along the axis d2, with the forward direction to the right and
+// the axis d1 upwards. The farthest point of the shape is near the right edge, and the shape is centred in
+// height.
 void draw_shape(Sheet &sheet, const Instrument &instrument, const Column &column, const Row &row,
                 double px_per_mm)
 {

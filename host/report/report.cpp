@@ -27,7 +27,7 @@ nlohmann::ordered_json dose_report(const Dose &dose)
             {"kap_Gy_cm2", dose.kap_Gy_cm2}};
 }
 
-// Reports the dose, in total and for every press of a pedal, and the runs that were stored.
+// Reports the X-ray dose in total and for every press of a pedal, and the stored runs.
 nlohmann::ordered_json room_report(const Room &room)
 {
     nlohmann::ordered_json report;
@@ -60,7 +60,7 @@ nlohmann::ordered_json room_report(const Room &room)
     return report;
 }
 
-// Reports the iodine that each branch received, as a share of the injected iodine.
+// Reports the iodine that each vessel branch received, as a fraction of the injected iodine.
 nlohmann::ordered_json branches_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
@@ -73,7 +73,7 @@ nlohmann::ordered_json branches_report(const PatientContrast &contrast)
     return report;
 }
 
-// Reports the place of a tool's tip; null if the place is not known.
+// Reports the position of a tool's tip in the vessels, or null if the position is not known.
 nlohmann::ordered_json tip_report(const std::vector<TipPlace> &tips, std::size_t tool)
 {
     if (tool >= tips.size() || !tips[tool].is_known) return {};
@@ -84,7 +84,8 @@ nlohmann::ordered_json tip_report(const std::vector<TipPlace> &tips, std::size_t
             {"position_mm", {tip.at_m.x() * 1e3, tip.at_m.y() * 1e3, tip.at_m.z() * 1e3}}};
 }
 
-// Adds to the report the goals to which the script steered, and the expectations that the script states.
+// Adds to the report the vessels to which the script steered, and the expectations in the script with their
+// results.
 void report_goals(nlohmann::ordered_json &report, const RunResult &result)
 {
     report["steered"] = nlohmann::ordered_json::array();
@@ -105,7 +106,7 @@ void report_goals(nlohmann::ordered_json &report, const RunResult &result)
     report["failures"] = result.failures;
 }
 
-// Reports where the iodine is at the end.
+// Reports where the injected iodine is at the end of the session.
 nlohmann::ordered_json contrast_report(const PatientContrast &contrast)
 {
     const ContrastFlow &flow = contrast.flow();
@@ -135,8 +136,8 @@ nlohmann::ordered_json lesion_report(const LesionFigures &f)
             {"ffr", f.ffr}};
 }
 
-// Reports for each lesion how narrow it is, and its effect on the flow at rest and in hyperaemia. The figures
-// are those of the baked lesion and, under "after", those at the end of the session.
+// Reports for each lesion how narrow it is, and its effect on the blood flow at rest and in hyperaemia. The
+// reported values are those of the baked lesion and, under "after", those at the end of the session.
 nlohmann::ordered_json lesions_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
@@ -169,8 +170,8 @@ nlohmann::ordered_json contact_report(const ContactFigures &contacts)
             {"force_N", force}};
 }
 
-// Reports on the hand of a script: the largest force and torque that its grip can hold, and how far the tool
-// slipped in the grip.
+// Reports on the hand that a script moves: the largest force and torque that its grip can hold, and how far
+// the tool slipped in the grip.
 nlohmann::ordered_json grip_report(const GripFigures &grip)
 {
     nlohmann::ordered_json first;

@@ -16,7 +16,8 @@ Json seconds_or_null(const std::optional<std::uint32_t> &tick)
     return tick ? Json(*tick * 1e-3) : Json();
 }
 
-// Keeps the samples while the balloon is under pressure, and one before and one after them.
+// Keeps the samples of the curves while the balloon is under pressure, and one sample before and after that
+// time.
 Json curves(const std::vector<BalloonSample> &series)
 {
     Json time = Json::array(), pressure = time, widest = time, narrowest = time, wall = time;

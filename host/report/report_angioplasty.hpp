@@ -1,4 +1,4 @@
-// Writes the part of a session's report that describes balloon and stents.
+// Writes the part of a session's report that describes the balloon and the stents.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/session/balloon_figures.hpp"
@@ -10,7 +10,7 @@ namespace crn
 
 class PatientStents;
 
-// Returns null without a balloon. The curves in it leave out the time before and after inflations.
+// Returns null without a balloon. The curves in this part leave out the time before and after inflations.
 nlohmann::ordered_json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &tools);
 // Returns [] without stents.
 nlohmann::ordered_json stents_report(PatientStents *stents);

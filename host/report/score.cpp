@@ -15,7 +15,8 @@ using Value = std::optional<double>;
 
 constexpr double narrow_pct = 50.0; // by diameter: a lesion that needs treatment
 
-// Returns a number of the report, found by its path of keys; empty if the path does not exist.
+// Returns a number of the report, which is found by its path of keys; the result has no value if the path
+// does not exist.
 Value number(const Json &from, const std::vector<std::string> &way)
 {
     const Json *at = &from;
@@ -32,8 +33,8 @@ const Json &list(const Json &from, const char *key)
     return from.is_object() && from.contains(key) && from[key].is_array() ? from[key] : none;
 }
 
-// Returns the largest or smallest value of a figure over all lesions that were narrow; `pick` chooses between
-// two values.
+// Returns the largest or the smallest value of a quantity over all lesions that were narrow; the function
+// `pick` chooses between two values.
 template <typename Pick> Value over_lesions(const Json &report, const char *figure, Pick pick)
 {
     Value found;
@@ -46,7 +47,7 @@ template <typename Pick> Value over_lesions(const Json &report, const char *figu
     return found;
 }
 
-// Returns the largest or smallest value of a figure over all stents that were opened in the patient.
+// Returns the largest or the smallest value of a quantity over all stents that were opened in the patient.
 template <typename Pick> Value over_stents(const Json &report, const char *figure, Pick pick)
 {
     Value found;
@@ -67,8 +68,8 @@ double smaller(double a, double b)
     return std::min(a, b);
 }
 
-// Returns the total length of narrow lesions that no stent covers. If several stents lie in one lesion, each
-// end counts with the stent that leaves the least of it uncovered.
+// Returns the total length of the parts of narrow lesions that no stent covers. If several stents lie in one
+// lesion, the uncovered length at each end of the lesion is that of the stent that leaves least uncovered.
 Value geographic_miss_mm(const Json &report)
 {
     Value sum;
@@ -93,7 +94,7 @@ Value geographic_miss_mm(const Json &report)
     return sum;
 }
 
-// Counts mishaps: burst balloons, lost stents, and deployed stents that hold nothing.
+// Counts mishaps: burst balloons, lost stents, and deployed stents that hold no lesion open.
 Value mishaps(const Json &report)
 {
     if (!report.contains("balloon") || report["balloon"].is_null()) return {};
@@ -143,7 +144,8 @@ std::vector<Metric> metrics_of(const Json &report)
     };
 }
 
-// Returns full points up to the value `full_at`, none from `none_at` on, and a proportional number between.
+// Returns all points for values up to `full_at`, no points from `none_at` on, and a proportional number of
+// points between these two limits.
 double points_of(const Metric &metric)
 {
     const double way = (*metric.value - metric.full_at) / (metric.none_at - metric.full_at);
@@ -174,7 +176,8 @@ Json score_of(const Json &report)
         entry["remark"] = metric.remark;
         metrics.push_back(entry);
     }
-    // Without a lesion nothing was treated, and 100 % for a low X-ray dose alone would be misleading.
+    // If there is no lesion, nothing was treated, and a score of 100 % for a low X-ray dose alone would be
+    // misleading.
     if (!report.contains("lesions") || report["lesions"].empty()) points = of = 0.0;
     return {{"points", points},
             {"of", of},

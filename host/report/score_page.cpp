@@ -92,7 +92,7 @@ std::vector<double> numbers(const Json &from, const char *key)
     return values;
 }
 
-// The line is interrupted where two samples are more than a second apart.
+// The line of a curve is interrupted where two samples are more than a second apart.
 std::string line_of(const std::vector<double> &time_s, const Curve &curve, double begin_s, double end_s,
                     double top)
 {

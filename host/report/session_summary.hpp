@@ -1,5 +1,5 @@
-// Summarises a session, whether it was controlled by a script, a rig or keys: figures on the terminal, a JSON
-// file and a score. The commands `run`, `view` and `replay` print the same summary.
+// Summarises a session that a script, a rig or the keyboard controlled: figures on the terminal, a JSON file
+// and a score. The commands `run`, `view` and `replay` print the same summary.
 #pragma once
 #include "host/room/room_screen.hpp"
 #include "host/session/run.hpp"
@@ -9,7 +9,7 @@
 namespace crn
 {
 
-// Prints name, lengths, force and torque of every tool, one tool per line; `tips` are the places of their
+// Prints one line per tool with its name, lengths, force and torque; `tips` holds the positions of the tools'
 // tips.
 void print_tools(const std::vector<Instrument> &tools, const SessionFigures &figures,
                  const std::vector<TipPlace> &tips = {});
@@ -21,8 +21,8 @@ void print_session(const RunResult &result, const std::vector<Instrument> &tools
 struct SessionFiles {
     std::string json, score, timing; // empty: none
 };
-// `session` is the name of the script, or names what else controlled the session. `screen` has the pictures
-// for the score's page; null means that there are none. Throws OutputError.
+// `session` is the name of the script, or of whatever else controlled the session. `screen` has the pictures
+// for the score's page; if it is null, the page has no pictures. Throws OutputError.
 void write_session_files(const SessionFiles &files, const RunResult &result, const std::string &scene,
                          const std::vector<Instrument> &tools, const std::string &session, Patient &patient,
                          const RoomScreen *screen);

@@ -1,6 +1,7 @@
-// Implements the command cournand rig calibrate: motion that the user makes as instructed determines what one
-// count means. All measurements come first, and then one message writes them all, which the device accepts as
-// a whole or not at all. So nothing changes if the user stops the calibration in the middle.
+// Implements the command cournand rig calibrate: the user moves a tool as instructed, and the program
+// computes how much motion one encoder count means. The program first makes all measurements and then sends
+// all results in one message, which the device accepts completely or not at all. The settings of the device
+// therefore do not change if the user stops the calibration in the middle.
 #include "host/base/number_text.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
@@ -21,7 +22,7 @@ constexpr double counts_min = 100.0; // fewer would be noise
 constexpr int force_samples = 50;
 constexpr double gravity_m_per_s2 = 9.80665;
 
-// Lists the fields that are calibrated, with their names in the byte protocol.
+// Lists the fields that are calibrated, with their names in the wire protocol.
 struct Field {
     const char *name;
     std::uint32_t crn_wire_track::*value;
@@ -112,7 +113,7 @@ class Guide
         const crn_wire_track_sensors end = sample();
         if (!good(begin) || !good(end))
             throw LinkError("the " + what + " gives no good signal. Remedy: cournand rig selftest");
-        // Absolute counts may wrap, but their 32-bit difference is the displacement.
+        // The counts of an encoder may wrap round, but their 32-bit difference is the displacement.
         const auto counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(read(end)) -
                                                       static_cast<std::uint32_t>(read(begin)));
         if (std::abs(static_cast<double>(counts)) < counts_min) {
@@ -184,8 +185,8 @@ bool is_same(const crn_wire_rig &a, const crn_wire_rig &b)
     return true;
 }
 
-// Writes one message and reads the settings back; if they differ from what was written, it restores the
-// former settings.
+// Sends one message with the settings and reads the settings back. If they differ from what was sent, the
+// function restores the former settings.
 void write(Link &link, const crn_wire_rig &before, const crn_wire_rig &after)
 {
     link.set_rig(after);

@@ -25,12 +25,12 @@ struct DeviceChoice {
     bool may_return() const { return is_usb || opens; }
 };
 
-// Accepts "sim", "emulator", "usb" or "usb:SERIAL". Throws UsageError.
+// Reads the user's choice of a device, which is "sim", "emulator", "usb" or "usb:SERIAL". Throws UsageError.
 DeviceChoice parse_device(const std::string &text);
 // Throws LinkError, DeviceLost.
 std::unique_ptr<Transport> open_device(const DeviceChoice &choice);
-// Waits until the chosen rig can be opened again. Returns false when it did not come within its limit, or
-// after Ctrl-C.
+// Waits until the program can open the chosen rig again. Returns false when it did not come within its limit,
+// or after Ctrl-C.
 bool wait_for_device(const DeviceChoice &choice);
 
 } // namespace crn

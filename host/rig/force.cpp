@@ -1,5 +1,5 @@
-// Implements the command cournand rig force, and the trial with powered motors that cournand rig selftest
-// uses too.
+// Implements the command cournand rig force, and the trial with powered motors that the command cournand rig
+// selftest also uses.
 #include "host/rig/rig.hpp"
 #include <algorithm>
 #include <cstdlib>
@@ -14,8 +14,8 @@ constexpr std::uint32_t round_ms = 10;          // forces fade when the host is 
 constexpr std::uint32_t coupling_N_per_m = 500; // half a millimetre for 250 mN
 constexpr std::uint32_t inserted_um = 50000;
 
-// Makes straight tools of 300 mm that fit into each other. The tools lie in free space, so only the friction
-// of the sheath's valve holds them.
+// Makes straight tools of 300 mm that fit into each other. The simulated tools lie in free space (without
+// vessels), so only the friction of the sheath's valve holds them.
 std::vector<crn_wire_instrument> straight_tools(unsigned count)
 {
     static constexpr struct {
@@ -64,8 +64,8 @@ MotorTrial::MotorTrial(Link &link, unsigned track, unsigned force_mN, double dam
                         " is not known, so no safe spring can be chosen. Remedy: give --damping N s/m as "
                         "measured (docs/rig.md)");
     }
-    // The coupling obeys the device's own rule for passivity: stiffness x (half a tick + lag of the actuator)
-    // <= damping.
+    // The stiffness of the virtual coupling obeys the device's passivity rule: stiffness x (half a tick + lag
+    // of the motor) <= damping.
     const std::uint64_t stiffest =
         std::uint64_t{driven.damping_mN_s_per_m} * 1000 / (500 + driven.actuator_lag_us);
     driven.coupling_N_per_m = static_cast<std::uint32_t>(std::min<std::uint64_t>(coupling_N_per_m, stiffest));
@@ -118,7 +118,8 @@ MotorTrial::~MotorTrial()
     try {
         end();
     } catch (const std::exception &) {
-        // After 50 ms of silence the device removes the forces, whatever happens to the link.
+        // When the device has received nothing for 50 ms, it removes the motor forces, whatever happens to
+        // the connection.
     }
 }
 

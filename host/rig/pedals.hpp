@@ -1,5 +1,5 @@
-// Converts the pedals and the syringe of a rig to commands for the X-ray room, from bits of buttons and
-// counts of the plunger.
+// Converts the states of a rig's pedals and the counts of its syringe's plunger to commands for the X-ray
+// room.
 #pragma once
 #include "host/room/command.hpp"
 #include "shared/wire/wire.h"
@@ -13,8 +13,8 @@ namespace crn
 class RigPedals
 {
   public:
-    // Returns the changes since the last call. Bit 0 is the X-ray pedal, bit 1 the cine pedal (docs/wire.md,
-    // `encoders`).
+    // Returns commands for the pedals that have changed since the last call. In `buttons`, bit 0 is the X-ray
+    // pedal and bit 1 the cine pedal (docs/wire.md, `encoders`).
     std::vector<RoomCommand> changes(std::uint32_t buttons)
     {
         std::vector<RoomCommand> commands;
@@ -31,14 +31,15 @@ class RigPedals
     std::uint32_t buttons_ = 0;
 };
 
-// Follows the plunger of the syringe: the volume that it gives in 20 ms is injected during the next 20 ms. A
-// count is 1 ul. Drawing back fills the syringe.
+// Converts the motion of the syringe's plunger to injections: the volume that the plunger displaces in 20 ms
+// is injected during the next 20 ms. A count is 1 ul. Drawing back fills the syringe.
 class RigSyringe
 {
   public:
     static constexpr std::uint32_t window_ticks = 20;
 
-    // Takes the plunger's counts at `tick`. The counts may wrap, and the first ones are the zero.
+    // Receives the position of the plunger in counts at `tick`. The counts may wrap round, and the first
+    // position counts as zero.
     std::optional<RoomCommand> change(std::uint32_t tick, std::int32_t counts)
     {
         const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) -
@@ -49,7 +50,8 @@ class RigSyringe
             window_ = tick / window_ticks;
             return {};
         }
-        // No hand can inject faster than this limit, so a sensor that jumps injects nothing.
+        // A hand cannot inject faster than this limit. If the plunger seems to move faster, its sensor has
+        // jumped, and nothing is injected.
         if (moved > 0 && moved <= inject_rate_max_ul_s) volume_ul_ += moved;
         if (tick / window_ticks == window_) return {};
         window_ = tick / window_ticks;

@@ -19,7 +19,8 @@ Presence::~Presence()
     thread_.join();
 }
 
-// An error here is ignored: the next function that uses the device notices when it is disconnected.
+// This thread ignores errors, because the next function that uses the device will also find that it is
+// disconnected.
 void Presence::say(Link &link)
 {
     const auto end = std::chrono::steady_clock::now() + limit;

@@ -1,7 +1,7 @@
-// While the host is busy with a picture, another thread sends messages to the rig, so that the host counts as
-// alive. Without these messages the forces in the hand would fade with every picture that takes longer than
-// 30 ms. The messages end after half a second, because a host that hangs must not count as alive. Nothing
-// else may use the link while an object of this class exists.
+// Sends messages to the rig from another thread while the host computes a picture, so that the rig knows that
+// the host is alive. Without these messages the force that the hand feels would fade during every picture
+// that takes longer than 30 ms. The messages end after half a second, because the rig must notice a host that
+// hangs. No other code may use the link while an object of this class exists.
 #pragma once
 #include "host/link/link.hpp"
 #include <chrono>

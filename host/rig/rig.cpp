@@ -1,4 +1,4 @@
-// Implements the commands of cournand rig that only read, and calls the functions of all commands.
+// Implements the commands of cournand rig that only read data, and calls the functions of the other commands.
 #include "host/rig/rig.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/number_text.hpp"
@@ -100,7 +100,8 @@ void require_ready(Link &link, bool may_reset)
 namespace
 {
 
-// A list contacts every connected rig, and these limits end it in time whatever the rigs do.
+// The command `list` contacts every connected rig, and these time limits end the command whatever the rigs
+// do.
 constexpr auto list_patience = std::chrono::milliseconds(1500);
 constexpr auto list_limit = std::chrono::seconds(6);
 
@@ -264,7 +265,7 @@ int rig_log(Link &link, const RigTalk &talk)
     return 0;
 }
 
-// The function waits for a second of silence in short slices, so that Ctrl-C works soon.
+// The function waits up to one second for a report, in short steps, so that it reacts to Ctrl-C soon.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
                     const RigTalk &talk)
 {

@@ -1,5 +1,5 @@
-// Defines the commands of cournand rig, which find, inspect, test and calibrate a rig, and let a hand feel
-// its forces.
+// Declares the commands of cournand rig, which find, inspect, test and calibrate a rig, and let the user's
+// hand feel forces.
 #pragma once
 #include "host/link/hid_rig.hpp"
 #include "host/link/link.hpp"
@@ -28,36 +28,36 @@ struct RigOptions {
 // Carries out options.command and returns the exit code.
 int command_rig(const RigOptions &options);
 
-// Defines how a command talks to its user; tests provide their own functions.
+// Defines how a command communicates with its user; tests replace these functions by their own.
 struct RigTalk {
     std::FILE *out = stdout;
     bool is_terminal = false;
     std::function<bool(std::string &)> read_line; // an answer; false: end of input, or Ctrl-C
     std::function<bool()> is_interrupted;
-    // Prints a question and returns the answer. Throws RigStopped for end of input and Ctrl-C.
+    // Prints a question for the user and returns the answer. Throws RigStopped for end of input and Ctrl-C.
     std::string ask(const std::string &question) const;
 };
 RigTalk console_talk();
 
-// This exception is thrown when the user ended the dialogue; what() states what was left unchanged.
+// This exception is thrown when the user ends the dialogue; its message states what was left unchanged.
 class RigStopped : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// Each of these commands gets a link on which HELLO has been answered. Each command returns 0 when done, and
-// 1 when it failed.
+// Every function below carries out one command, on a link on which the device has already answered HELLO.
+// These functions return 0 for success, and 1 for a failure.
 int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk);
 int rig_log(Link &link, const RigTalk &talk);
 int rig_selftest(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options,
                  const RigTalk &talk);
 int rig_calibrate(Link &link, const RigOptions &options, const RigTalk &talk);
 int rig_force(Link &link, const RigOptions &options, const RigTalk &talk);
-// `next` returns the next state report, or nothing while the rig is silent.
+// The function `next` returns the next state report, or no value while the rig is silent.
 using StateSource = std::function<std::optional<crn_hid_state>()>;
 int rig_monitor(const StateSource &next, const RigOptions &options, const RigTalk &talk);
-// Prints the rig's state as rig_monitor does, but reads it from the HID interface.
+// Prints the rig's state as rig_monitor does, but reads it through the HID interface.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
                     const RigTalk &talk);
 
@@ -66,14 +66,15 @@ int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptio
 std::string state_name(unsigned state);
 std::string sensor_name(unsigned status);
 std::string serial_of(const crn_wire_hello_reply &hello);
-// Brings the rig to the state READY, in which settings may change; with `may_reset` it may send RESET. Throws
-// LinkError that names the activity under way.
+// Brings the rig to the state READY, in which settings may change; if `may_reset` is true, the function may
+// reset the rig for this. Throws LinkError if the rig is not in READY; the message names the activity of the
+// rig.
 void require_ready(Link &link, bool may_reset);
 
-// A trial on one track. A spring connects the hand with a simulated straight tool in free space, and the
-// valve around the tool has the friction `force_mN`. The hand feels at most that force while it moves slowly,
-// and none while it rests. The motors are powered from begin() to end(). end() restores the configuration of
-// the rig, and the destructor calls end().
+// A trial on one track. During the trial a spring connects the user's hand with a simulated straight tool in
+// free space; the valve around the tool has the friction `force_mN`. The hand feels at most this friction
+// force while it moves slowly, and no force while it rests. The motors have power from begin() to end().
+// The function end() restores the former settings of the rig; the destructor calls end().
 class MotorTrial
 {
   public:
@@ -82,8 +83,8 @@ class MotorTrial
     MotorTrial(const MotorTrial &) = delete;
     MotorTrial &operator=(const MotorTrial &) = delete;
     void begin(); // ARM, ARM_MOTORS, CONFIRM, START
-    // Runs 10 ms in FREE_RUN and returns the ticks received. Throws LinkError with cause and remedy when the
-    // rig went into FAULT.
+    // Runs the rig for 10 ms in FREE_RUN and returns the ticks that the rig sent. Throws LinkError with cause
+    // and remedy when the rig went into FAULT.
     const std::vector<crn_wire_live_tick> &run();
     void end();
 

@@ -102,7 +102,8 @@ void check_track(Lines &lines, unsigned number, const crn_wire_track_sensors &fi
                 "a limit of 0 was written; power the rig off and on");
 }
 
-// Requests a limit that is larger by one than the present one. The device must refuse it and keep its limit.
+// Requests a force limit that is larger by one than the present limit. The device must refuse this
+// request and keep its limit.
 void check_limits_hold(Lines &lines, Link &link, const crn_wire_rig &rig)
 {
     for (std::uint16_t k = 0; k < rig.tracks_count; k++) {

@@ -1,6 +1,6 @@
-// Computes the gap between two boxes at any angle by the method of separating axes (Gottschalk 1996): the
-// largest gap between their projections on fifteen axes. The result never exceeds the true distance; it is
-// negative when the boxes overlap.
+// Computes the gap between two boxes at any angle by the method of separating axes (Gottschalk 1996). The
+// result is the largest gap between the projections of the boxes on fifteen axes. The computed gap never
+// exceeds the true distance, and is negative when the boxes overlap.
 #pragma once
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Checks the range of every value of a command.
+// Checks that every value of a command is in its range.
 #include "host/room/command.hpp"
 #include <algorithm>
 #include <iterator>

@@ -1,6 +1,7 @@
-// Defines the actions of a person in the X-ray room: pedals, geometry, modes and review. For the room a
-// session is a list of these commands with their ticks, and nothing else determines what the room does:
-// docs/room.md. Values are whole numbers, so that a recording holds them exactly.
+// Defines the actions that a person can carry out in the X-ray room: pedals, geometry, modes and review. For
+// the X-ray room, a session is a list of these commands with their ticks; nothing else determines what the
+// room does (docs/room.md). The values of a command are whole numbers, so that a recording contains them
+// exactly.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,7 +9,7 @@
 namespace crn
 {
 
-// Recordings contain these numbers, so the meaning of a number must never change.
+// Recordings contain the numbers of these actions, so the meaning of a number must never change.
 enum class RoomAction : std::uint16_t {
     fluoro_pedal = 1,  // 1 down, 0 up
     acquire_pedal = 2, // 1 down, 0 up: acquires a run of the selected program
@@ -30,7 +31,7 @@ enum class RoomAction : std::uint16_t {
     review = 18,   // 0 off, 1 loop, 2 one frame; run number (0: the last); frame from 0
     acknowledge = 19, // the dose alert was acknowledged
     halt = 20,        // every motor stops where it is
-    // These commands for the syringe are passed on by the room: host/patient/contrast.hpp.
+    // The X-ray room passes on these commands for the syringe to host/patient/contrast.hpp.
     inject = 21, // ul (0: stop), ul/s, tool from the innermost 1 ... (0: the outermost with a lumen)
     contrast_strength = 22, // mg iodine per ml of the fluid injected from now on
     load_stent = 23,        // loads the next one onto the balloon: host/patient/stents.hpp
@@ -49,12 +50,12 @@ struct Refusal {
     std::string why;
 };
 
-// Returns an empty string, or the reason why the command is impossible in any state of the room: an unknown
-// action, or a value out of range. The room may refuse other commands in some states, for example when there
-// is no run to review; class Room reports that at the time.
+// Returns the reason why a command is impossible in any state of the room (an unknown action, or a value out
+// of range), or an empty string if it is possible. In some states the room may refuse further commands, for
+// example a review when there is no run. Class Room reports such a refusal when it happens.
 std::string refusal(const RoomCommand &command);
 
-// These limits apply to scripts, keys and recordings alike.
+// The values of commands must lie within these limits, whether they come from scripts, keys or recordings.
 inline constexpr std::int32_t primary_max_mdeg = 120'000, secondary_max_mdeg = 50'000;
 inline constexpr std::int32_t table_max_um = 1'900'000;
 inline constexpr std::int32_t field_min_um = 100'000, field_max_um = 450'000;

@@ -29,8 +29,8 @@ struct Irradiation {
     Dose dose;
 };
 
-// At these values of the reference air kerma the room raises an alert: 2 Gy (the skin may redden) and 5 Gy
-// (the patient needs a follow-up); ICRP 120.
+// The room raises an alert when the reference air kerma reaches 2 Gy (the skin may redden) and 5 Gy (the
+// patient needs a follow-up); the source of these values is ICRP 120.
 inline constexpr double dose_alert_levels_Gy[] = {2.0, 5.0};
 inline constexpr std::uint32_t fluoro_reminder_ticks = 300'000; // every five minutes of fluoroscopy
 
@@ -54,7 +54,7 @@ class DoseMeter
     std::optional<int> unseen_alert() const { return unseen_; }
     int alerts_passed() const { return alerts_passed_; }
     std::uint32_t fluoro_reminders() const { return fluoro_ticks_ / fluoro_reminder_ticks; }
-    // Returns true if the user has not acknowledged the last reminder.
+    // Returns true if the user has not yet acknowledged the last reminder.
     bool has_unseen_reminder() const { return fluoro_reminders() > reminders_seen_; }
 
   private:

@@ -1,7 +1,7 @@
-// Moves the motors of C-arm and table. The speed of a motor has the shape of a trapezium and changes in steps
-// of 1 ms. Before each step the interlock checks the path along which all axes would come to rest. The
-// computation uses only sums, products, quotients and square roots, so that every compiler gives the same
-// bytes.
+// Simulates the motors of C-arm and table. The speed of a motor has the shape of a trapezium and changes in
+// steps of 1 ms. Before every step the interlock computes the path along which all axes would brake to rest,
+// and checks it for collisions. The computation uses only sums, products, quotients and square roots, so that
+// every compiler gives bit-identical results.
 #include "host/room/gantry.hpp"
 #include "host/room/boxes.hpp"
 #include <algorithm>
@@ -65,8 +65,8 @@ GantryPose held(const GantryPose &pose)
     return result;
 }
 
-// Returns the highest speed from which an axis can stop within the distance `gap`, if it loses acceleration x
-// 1 ms of speed per tick.
+// Returns the highest speed from which an axis can stop within the distance `gap`. While braking, the axis
+// loses the speed acceleration x 1 ms in every tick.
 double braking_speed(double gap, double acceleration)
 {
     const double half_step = 0.5 * acceleration * tick_s;
@@ -134,8 +134,8 @@ CArm Gantry::carm(double field_m) const
     return carm_of(pose_, field_m);
 }
 
-// Returns the smallest gap between C-arm and table if the axes move at `speed` during this tick and then all
-// brake, each for its own time.
+// Returns the smallest gap between C-arm and table during a stop: the axes move at `speed` during this tick,
+// and then every axis brakes until it rests.
 double Gantry::clearance_while_braking_m(const GantryPose &speed) const
 {
     constexpr int looks = 6;
@@ -155,7 +155,8 @@ double Gantry::clearance_while_braking_m(const GantryPose &speed) const
     return gap_m;
 }
 
-// Returns the speed of each axis for the next tick: towards its target or, with `brakes`, towards rest.
+// Returns the speed of every axis for the next tick: the axis moves towards its target or, if `brakes` is
+// true, slows down to rest.
 GantryPose Gantry::wanted_speed(bool brakes) const
 {
     GantryPose wanted = speed_;

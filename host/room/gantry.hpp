@@ -1,12 +1,13 @@
-// Simulates the motors of C-arm and table. Every axis starts, runs and stops within its speed and
-// acceleration. All axes stop before the tube or the detector comes too near the table.
+// Simulates the motors of C-arm and table. Every axis starts, moves and stops within the limits of its speed
+// and acceleration. The interlock stops all axes before the tube or the detector comes too near to the table.
 //
 //   Gantry gantry;
 //   gantry.place(pose);            // where the session begins: without motion
 //   gantry.aim(pose);              // from then on: the target of the motors
 //   gantry.tick();                 // 1 ms
 //
-// docs/room.md has the equations, and describes the boxes for which collisions are computed.
+// docs/room.md has the equations, and describes the boxes that represent table, tube and detector in the
+// collision check.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <array>
@@ -15,7 +16,7 @@
 namespace crn
 {
 
-// Lists the axes that have a motor, in the order of the values in GantryPose.
+// Lists the motor-driven axes, in the order of the values in GantryPose.
 enum GantryAxis {
     axis_primary,
     axis_secondary,
@@ -30,15 +31,15 @@ inline constexpr int gantry_axes = 7;
 // The values in degrees and metres: primary, secondary, patient point at the isocentre (x, y, z), SID, SOD.
 using GantryPose = std::array<double, gantry_axes>;
 
-// Angles are in degrees and lengths in metres; speeds are per s and accelerations per s2. The values are
-// typical of C-arms mounted on ceiling or floor; this is an assumption.
+// Angles are in degrees and lengths in metres; speeds are per s and accelerations per s2. The speeds and
+// accelerations are assumed to be typical of C-arms mounted on the ceiling or the floor.
 struct AxisLimits {
     double speed, acceleration, low, high;
 };
 const std::array<AxisLimits, gantry_axes> &gantry_limits();
 
-// Returns the smallest gap between the table and the housings of tube and detector, in metres; negative if
-// they overlap. All are boxes: docs/room.md.
+// Returns the smallest gap in metres between the table and the housings of tube and detector; the gap is
+// negative if they overlap. All are boxes: docs/room.md.
 double table_clearance_m(const GantryPose &pose);
 
 class Gantry
@@ -55,7 +56,7 @@ class Gantry
     const GantryPose &pose() const { return pose_; }
     const GantryPose &target() const { return target_; }
     bool is_moving() const;
-    // Returns true from when the interlock has stopped a motion until the next call of aim().
+    // Returns true if the interlock has stopped a motion since the last call of aim().
     bool is_blocked() const { return is_blocked_; }
     CArm carm(double field_m) const;
 

@@ -1,6 +1,6 @@
-// The angles of coronary views are the middle of the ranges in docs/room.md. The field is 20 cm for coronary
-// arteries, 25 cm for renal arteries, and 32 cm for arch and pelvis. The SID is 105 cm, or more where the
-// detector would come near the chest.
+// For coronary views, the angles of the C-arm are the middle of the ranges in docs/room.md. The field is 20
+// cm for coronary arteries, 25 cm for renal arteries, and 32 cm for arch and pelvis. The distance from the
+// X-ray source to the detector (SID) is 105 cm, or more where the detector would come near the chest.
 #include "host/room/presets.hpp"
 #include <algorithm>
 #include <iterator>

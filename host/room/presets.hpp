@@ -1,4 +1,4 @@
-// Lists the standard views by name. docs/room.md lists the sources of the angles.
+// Lists the standard views of the C-arm by name. The file docs/room.md names the sources of the angles.
 #pragma once
 #include <cstdint>
 #include <span>

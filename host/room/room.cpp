@@ -14,7 +14,7 @@ constexpr std::uint32_t look_every_ticks = 50; // how often the tip is checked, 
 constexpr double follow_zone =
     0.22; // distance of the tip from the middle that is allowed, share of the field's width
 
-// Returns the dose at the detector, behind patient and grid, for each frame, nGy; it is in the middle of the
+// Returns the dose in nGy per frame at the detector, behind patient and grid; it is in the middle of the
 // usual range (host/xray/xray.hpp).
 double frame_dose_nGy(RunKind kind)
 {
@@ -86,7 +86,7 @@ void Room::advance(std::uint32_t tick, const Eigen::Vector3d *tip)
     }
 }
 
-// Processes one millisecond: first the commands, then the motors, then the pedals and pulses.
+// Processes one millisecond: first the commands, then the motors, and finally the pedals and X-ray pulses.
 void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
 {
     tick_ = tick;
@@ -96,7 +96,8 @@ void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
         carry_out(tick, command);
     }
     if (follows_tip_ && tip && tick % look_every_ticks == 0 && !is_acquire_waiting_) follow(tick, *tip);
-    // The table does not move during a run of DSA, because the patient must not move between mask and frame.
+    // During a run of digital subtraction angiography (DSA) the table does not move, because the patient must
+    // not move between mask and frame.
     if (!(beam_.is_on && beam_.kind == RunKind::dsa)) gantry_.tick();
     if (gantry_.is_blocked() && !was_blocked_) notify(tick, "TABLE IN THE WAY - motion stopped");
     was_blocked_ = gantry_.is_blocked();
@@ -195,7 +196,8 @@ void Room::carry_out_geometry(std::uint32_t tick, const RoomCommand &command)
     }
 }
 
-// The room is set up at the first tick: a pose ordered at that tick applies at once, without motion.
+// At the first tick the room is set up: a pose of C-arm and table that is ordered at that tick applies at
+// once, without motion.
 void Room::move(std::uint32_t tick, const GantryPose &pose)
 {
     if (tick > 0) return gantry_.aim(pose);
@@ -204,8 +206,9 @@ void Room::move(std::uint32_t tick, const GantryPose &pose)
         notify(tick, "THE TABLE IS IN THE WAY HERE - only ways out are free");
 }
 
-// Moves the table as a person does who follows the tip: the table stays at rest while the tip is well inside
-// the field. When the tip comes near the edge, the table brings it back to the middle.
+// Moves the table so that it follows the tip, as a person would do: the table rests while the tip is well
+// inside the field. When the tip comes near the edge of the field, the table brings the tip back to the
+// middle.
 void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 {
     if (tick == 0) return move(tick, with_table(gantry_.target(), tip));
@@ -223,13 +226,13 @@ void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 
 // --- pedals ---
 
-// Only a new press of the pedal begins a run. A pedal that was already down when another run ended does
-// nothing until it is released and pressed again.
+// Only a new press of the pedal begins a run. A pedal that was still pressed when another run ended does
+// nothing until the user releases and presses it again.
 void Room::press_pedals(std::uint32_t tick)
 {
     if (beam_.is_on && beam_.is_acquired) return;
-    // All frames of a run must have the same geometry, so the run waits until the motors are at rest.
-    // Fluoroscopy continues meanwhile.
+    // All frames of a run must have the same geometry, so the run does not begin before the motors are at
+    // rest. Fluoroscopy continues meanwhile.
     const bool waits = is_acquire_armed_ && gantry_.is_moving();
     if (waits && !is_acquire_waiting_)
         notify(tick, name_of_program() + " WAITS - the C-arm or the table is moving");
@@ -242,7 +245,8 @@ void Room::press_pedals(std::uint32_t tick)
     }
 }
 
-// The pedal was released before the motors came to rest, so there is no run, and the user must be informed.
+// If the user released the pedal before the motors came to rest, there is no run, and the user must be
+// informed.
 void Room::release_acquisition(std::uint32_t tick)
 {
     if (is_acquire_waiting_) {
@@ -283,7 +287,7 @@ void Room::end_beam(std::uint32_t tick)
     tell(RoomEvent::Kind::beam_off, tick).run = kept;
 }
 
-// The first frame creates the run. Returns its number.
+// The run is created with its first frame. Returns its number.
 int Room::count_frame(double pulses_per_s)
 {
     if (is_run_made_)

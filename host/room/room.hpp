@@ -1,6 +1,6 @@
-// Simulates the X-ray room as a state machine: pedals, geometry, pulses, numbered runs, and dose. The room
-// has no window, no clock, no X-ray and no pictures of its own. The room receives commands and ticks, and
-// returns requests for pulses and events.
+// Simulates the X-ray room as a state machine: pedals, geometry, pulses, numbered runs, and dose. This class
+// contains no window, no clock, no X-ray computation and no pictures. The class Room receives commands and
+// ticks, and returns requests for X-ray pulses, and events.
 //
 //   room.give(tick, command);                    // before that tick is processed; in force from then on
 //   room.advance(tick, &tip);                    // every millisecond up to `tick`
@@ -8,8 +8,9 @@
 //   for (const RoomEvent &event : room.events()) ...      // for whatever makes pictures of it: room_screen.hpp
 //   room.forget_events();
 //
-// The caller must stop at next_tick() at the latest, because otherwise pulses are missed. The same commands
-// and bodies give the same pulses and the same dose, whether or not pictures are made. See docs/room.md.
+// The caller must not advance beyond next_tick() in one call, because otherwise X-ray pulses are missed. With
+// equal commands and bodies, the X-ray pulses and the dose are equal, whether or not pictures are made. See
+// docs/room.md.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/room/dose.hpp"
@@ -48,7 +49,8 @@ struct RoomEvent {
     XrayExposure exposure; // for pulse
 };
 
-// Holds the room's record of a finished run. The pictures of a run, if any are made, are kept by the screen.
+// Holds the room's record of a finished run. The class RoomScreen keeps the pictures of a run, if any
+// pictures are made.
 struct RoomRun {
     int number = 0;
     RunKind kind = RunKind::fluoro;
@@ -83,18 +85,18 @@ class Room
   public:
     // Commands must come in the order of their ticks. A command for a tick that has already been processed
     // takes effect at the next tick. Returns the reason why a command cannot be carried out in any state of
-    // the room, otherwise an empty string.
+    // the room, or an empty string if it can.
     std::string give(std::uint32_t tick, const RoomCommand &command);
-    // Returns the next tick at which the room needs attention, for a command, a pulse, or a check of the tip.
-    // UINT32_MAX:
-    // none.
+    // Returns the next tick at which the room must process a command, a pulse, or a check of the tip.
+    // UINT32_MAX: none.
     std::uint32_t next_tick() const;
-    // `tip` is the place of the leading tip at `tick`; nullptr means that it is not known.
+    // `tip` is the position of the leading tip at `tick`; if it is nullptr, the position is not known.
     void advance(std::uint32_t tick, const Eigen::Vector3d *tip);
 
     bool is_pulse_due() const { return is_pulse_due_; }
     PulseRequest pulse() const;
-    // Passes the exposure of the pulse that pulse() requested to the room, which from now on counts its dose.
+    // Passes to the room the exposure of the pulse that pulse() requested; the room adds the pulse to its
+    // dose.
     void expose(const XrayExposure &exposure);
 
     // Returns the events since forget_events().
@@ -106,7 +108,7 @@ class Room
     const Gantry &gantry() const { return gantry_; }
     const DoseMeter &dose() const { return dose_; }
     const std::vector<RoomRun> &runs() const { return runs_; }
-    // Returns the presses of a pedal that produced no run.
+    // Returns the presses of a pedal that did not start a run, with the reasons.
     const std::vector<Refusal> &refusals() const { return refusals_; }
     bool is_beam_on() const { return beam_.is_on; }
     double field_m() const { return field_um_ * 1e-6; }

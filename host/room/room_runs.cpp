@@ -1,5 +1,5 @@
-// Handles the pictures of the room: stores them in runs, subtracts masks, collects roadmaps, and serves the
-// review.
+// Handles the pictures of the X-ray room: stores them in runs, subtracts masks, builds roadmaps, and shows
+// stored runs again (review).
 #include "host/room/room_screen.hpp"
 #include "host/room/subtraction.hpp"
 #include "host/xray/detector.hpp"
@@ -11,9 +11,9 @@ namespace crn
 namespace
 {
 
-// A roadmap keeps the largest of many differences, and so the noise of every frame adds to it. Therefore an
-// amount for noise is subtracted from the roadmap. The amount is the median, which is the background, plus a
-// fixed multiple of the distance from the lowest tenth to the median.
+// A roadmap keeps for each pixel the largest of many differences, so the noise of every frame makes it
+// brighter. Therefore a value for the noise is subtracted from the roadmap. This value is the median, which
+// is the background, plus a fixed multiple of the distance from the lowest tenth to the median.
 constexpr float roadmap_noise_steps = 2.0f;
 
 float background_of(const std::vector<float> &peak)
@@ -51,8 +51,8 @@ RunCollimator collimator_of(const XrayBeam &beam, int size)
     return open;
 }
 
-// Sets the window in which a viewer first shows the raw values: it reaches from the darkest to the brightest
-// hundredth of the exposed values.
+// Sets the display window in which a DICOM viewer first shows the raw values: it reaches from the darkest to
+// the brightest hundredth of the exposed values.
 void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
 {
     std::vector<std::uint16_t> open;
@@ -69,7 +69,7 @@ void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
     run.window_width = std::max(*high - dark, 1.0);
 }
 
-// Fills in the description that files contain, from the first frame of the run.
+// Fills in the run's description that files contain, from the first frame of the run.
 void describe_beam(XrayRun &run, const XrayBeam &beam, const XrayPicture &picture)
 {
     run.collimator = collimator_of(beam, picture.size);
@@ -162,7 +162,8 @@ void RoomScreen::end_beam(const RoomEvent &event)
     ++version_;
 }
 
-// Stores the picture of a pulse, which from now on is the last image held.
+// Stores the picture of an X-ray pulse; the picture becomes the image that the screen holds after the beam is
+// off.
 void RoomScreen::keep(const RoomEvent &event, const XrayPicture &picture)
 {
     RunFrame frame = frame_of(event, picture);
@@ -186,7 +187,8 @@ void RoomScreen::keep(const RoomEvent &event, const XrayPicture &picture)
         held_index_ = static_cast<int>(stored.run.frames.size()) - 1;
         return;
     }
-    // The beam stays on, because dose and runs must not depend on the size of the pictures.
+    // If the memory is full, the beam stays on, because dose and runs must not depend on the size of the
+    // pictures.
     notify(event.tick, "IMAGE MEMORY IS FULL - the rest of the run is not kept");
 }
 
@@ -251,7 +253,7 @@ void RoomScreen::roadmap_from_run(StoredRun &stored)
     finish_roadmap();
 }
 
-// The first frame after the press of the pedal is the reference for the others.
+// The first frame after the press of the pedal is the reference from which the other frames are subtracted.
 void RoomScreen::collect_roadmap(const RunFrame &frame, int size)
 {
     std::vector<float> live, density;

@@ -1,5 +1,5 @@
-// Composes the screen: the live picture, the held image or a loop, with mask or roadmap, and the texts around
-// it.
+// Composes the screen: the live picture, the held image or a loop, combined with mask or roadmap, and the
+// texts around the picture.
 #include "host/room/room_screen.hpp"
 #include "host/room/subtraction.hpp"
 #include <algorithm>
@@ -43,8 +43,8 @@ RoomScreen::Source RoomScreen::shown() const
     return {&held_frame_.raw, &held_grey_, stored, held_index_, held_size_};
 }
 
-// Every frame of a DSA run is subtracted, except the only frame of a mask, which would be empty after
-// subtraction from itself.
+// Every frame of a subtraction run (DSA) is shown subtracted. The exception is the only frame of a mask,
+// which would be empty after subtraction from itself.
 bool RoomScreen::is_subtracted(const Source &source) const
 {
     if (!source.run || source.run->run.kind != RunKind::dsa || source.run->is_dropped) return false;

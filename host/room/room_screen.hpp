@@ -1,13 +1,13 @@
 // Simulates the screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the
-// pictures of runs. The screen only reads the room. The screen receives the room's events in order, and the
-// picture of every pulse from whatever makes the pictures.
+// pictures of runs. The screen reads the X-ray room and does not change it. The screen receives the room's
+// events in order, and the picture of every X-ray pulse from the code that makes the pictures.
 //
 //   RoomScreen screen(room);
 //   for (const RoomEvent &event : room.events())
 //       screen.take(event, event.kind == RoomEvent::Kind::pulse ? &picture_of(event) : nullptr);
 //   screen.compose(size, grey); screen.status();
 //
-// The same events and pictures give the same screens, bit for bit. See docs/room.md.
+// Equal events and pictures give equal screens, bit for bit. See docs/room.md.
 #pragma once
 #include "host/room/room.hpp"
 #include "host/room/run_store.hpp"
@@ -43,21 +43,21 @@ struct RoomStatus : RoomState {
 class RoomScreen
 {
   public:
-    // `store_bytes_max` limits the memory for the pictures of runs: see RunStore. `room` must live longer
+    // `store_bytes_max` limits the memory for the pictures of runs (see RunStore). `room` must live longer
     // than the screen.
     explicit RoomScreen(const Room &room, std::size_t store_bytes_max = std::size_t{512} << 20);
 
-    // `picture` is the picture of a pulse; it is null for every other event.
+    // `picture` is the picture if the event is an X-ray pulse, and null for every other event.
     void take(const RoomEvent &event, const XrayPicture *picture);
     // describe() returns the description of the run to which a pulse's picture belongs, as files contain it,
-    // without frames. frame_of() returns the picture's frame.
+    // but without frames. frame_of() returns the picture as a frame of that run.
     static XrayRun describe(const RoomEvent &pulse, const XrayPicture &picture);
     static RunFrame frame_of(const RoomEvent &pulse, const XrayPicture &picture);
 
     const Room &room() const { return room_; }
     RoomStatus status() const;
-    // Writes the picture that is on the screen, size*size; it is black before the first pulse. Returns false
-    // when the picture is the same as in the last call.
+    // Writes the present picture of the screen, which has size*size pixels and is black before the first
+    // pulse. Returns false if the picture has not changed since the last call.
     bool compose(int size, std::vector<std::uint8_t> &grey);
     const RunStore &store() const { return store_; }
 
@@ -67,7 +67,7 @@ class RoomScreen
         int run = 0, frame = 0;
         std::uint32_t tick_begin = 0;
     };
-    // Holds the frame that the screen shows, before mask and roadmap are applied.
+    // Holds the frame that the screen shows, before the mask is subtracted or a roadmap is added.
     struct Source {
         const std::vector<std::uint16_t> *raw = nullptr;
         const std::vector<std::uint8_t> *grey = nullptr;
@@ -105,8 +105,8 @@ class RoomScreen
     bool is_beam_on_ = false, is_acquired_ = false;
     Review review_;
     Roadmap roadmap_;
-    // The last frame made by the beam, which is first live and then held. If the run is stored, its frame
-    // stays in the store.
+    // Holds the last frame of the X-ray beam, which is shown live at first and as a held image later. If the
+    // run is stored, this frame stays in the store too.
     RunFrame held_frame_;
     std::vector<std::uint8_t> held_grey_;
     int held_run_ = 0, held_index_ = 0, held_size_ = 0;
@@ -114,10 +114,10 @@ class RoomScreen
     double held_pulses_per_s_ = 0.0;
     bool has_held_ = false;
     RoomNotice notice_;
-    // This is the version of the picture that the last call of compose() showed.
+    // Counts the changes of the picture; this is the count at the last call of compose().
     std::uint64_t version_ = 0, composed_version_ = ~std::uint64_t{0};
     int composed_frame_ = -1;
-    // The mask of the run shown last, prepared for subtraction.
+    // Holds the mask of the run that was shown last, in the form that the subtraction needs.
     struct MaskCache {
         const StoredRun *run = nullptr;
         RunMask mask;
@@ -125,8 +125,8 @@ class RoomScreen
     } mask_cache_;
 };
 
-// Returns false if the two poses differ by more than half a millimetre or a tenth of a degree, because a
-// roadmap of one would then be misleading in the other.
+// Returns true if two poses of the C-arm agree within half a millimetre and a tenth of a degree. If they do
+// not agree, a roadmap made in one pose would be misleading in the other pose.
 bool is_same_geometry(const CArm &a, const CArm &b);
 
 } // namespace crn

@@ -1,5 +1,5 @@
 // Stores the pictures of the screen: acquired runs, and the last seconds of fluoroscopy. Their memory is
-// limited. When it is full, the pictures of the oldest run are dropped.
+// limited. When this memory is full, the pictures of the oldest run are deleted.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstddef>
@@ -11,7 +11,8 @@
 namespace crn
 {
 
-// Holds a stored run: its raw values for files and masks, and each frame as the screen showed it.
+// Holds a stored run: the raw values of its frames for files and masks, and the frames as the screen showed
+// them.
 struct StoredRun {
     XrayRun run;
     std::vector<std::vector<std::uint8_t>> grey; // parallel to run.frames
@@ -28,18 +29,19 @@ class RunStore
   public:
     explicit RunStore(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
-    // Begins a new run, to which frames are added until finish(). The caller that adds the first frame also
-    // fills in the rest of the run's description.
+    // Begins a new run; add() adds frames to it until finish() is called. The caller that adds the first
+    // frame must also fill in the remaining fields of the run's description.
     void begin(int number, RunKind kind);
-    // Returns false when this run alone has filled the memory.
+    // Adds a frame to the run; returns false if this run alone has filled the memory.
     bool add(RunFrame frame, std::vector<std::uint8_t> grey);
-    // Drops a run that has no frame. A run that the room made, but for whose pictures there was no memory,
-    // stays in the list without them.
+    // Ends the run, and deletes it if it has no frame. If the room made a run but its pictures did not fit
+    // into the memory, the run stays in the list without pictures.
     void finish(bool was_made);
 
-    // Fluoroscopy of the last `store_max_ms` stays available; it takes up to half of the memory.
+    // Stores a frame of fluoroscopy; the frames of the last `store_max_ms` milliseconds stay available, and
+    // take up to half of the memory.
     void pass(const XrayRun &header, RunFrame frame, std::vector<std::uint8_t> grey);
-    // Makes a run from the fluoroscopy in the last `milliseconds` before `tick`.
+    // Makes a stored run from the fluoroscopy in the last `milliseconds` before `tick`.
     void keep_passed(int number, std::uint32_t tick, std::uint32_t milliseconds);
 
     StoredRun *open_run() { return is_open_ ? runs_.back().get() : nullptr; }

@@ -1,7 +1,7 @@
-// Computes differences of pictures: DSA against a mask, the peak of opacification, and the roadmap. All
-// functions use the logarithm of the raw values, in which a vessel with medium is equally dark in front of
-// bone and of lung. Pixels are stored row by row, with row 0 on top. The functions use only sums, products
-// and the polynomials of float_math, so that results are equal everywhere.
+// Computes differences of pictures: subtraction of a mask (DSA), the peak of opacification, and the roadmap.
+// All functions use the logarithm of the raw values, because in it a vessel with contrast medium is equally
+// dark in front of bone and of lung. Pixels are stored row by row, with row 0 on top. The functions use only
+// sums, products and the polynomials of float_math, so that the results are bit-identical on every machine.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstdint>
@@ -11,34 +11,35 @@
 namespace crn
 {
 
-// Computes log2 of raw values, smoothed by the display's filter [1 2 1]/4 in both directions; the raw value 0
-// counts as 1/2.
+// Computes the logarithm log2 of raw values, smoothed by the display's filter [1 2 1]/4 in both directions;
+// the raw value 0 counts as 1/2.
 void smooth_log2(std::span<const std::uint16_t> raw, int size, std::vector<float> &log2_values);
 
-// Returns the mean of the frames that the mask names, as raw values; frames that do not exist are left out.
-// The result is empty if none of the frames exists.
+// Returns the mean of the raw values of the frames that the mask names; frames that do not exist are left
+// out. The result is empty if no frame exists that the mask names.
 std::vector<std::uint16_t> mean_frame(const XrayRun &run, const std::vector<int> &frames);
 
-// Moves `mask` to the right by dx and up by dy pixels with linear interpolation. Beyond the edge of the mask
-// the value at the edge continues.
+// Moves the picture `mask` to the right by dx and up by dy pixels with linear interpolation. Beyond the edge
+// of the mask, the function uses the value at the edge.
 void shift_picture(const std::vector<float> &mask, int size, double dx, double dy, std::vector<float> &moved);
 
-// Computes the density that was added after the mask, in doublings of attenuation: mask - live. The density
-// is 0 outside the open field of either picture.
+// Computes mask - live, which is the density that was added after the mask was made, in doublings of
+// attenuation. The density is 0 where the collimator covers one of the two pictures.
 void subtract(const std::vector<float> &mask_log2, const std::vector<float> &live_log2,
               std::vector<float> &density);
 
-// Converts density to grey: no density gives `background` (0 .. 255), more density is darker, and `window`
-// doublings are black.
+// Converts density to grey: where the density is 0, the grey value is `background` (0 .. 255); more density
+// is darker, and `window` doublings are black.
 void grey_of_density(const std::vector<float> &density, std::span<const std::uint8_t> open, float window,
                      std::uint8_t background, std::vector<std::uint8_t> &grey);
 
-// Computes peak[i] = max(peak[i], density[i]); if `peak` is empty, it becomes the density.
+// Computes peak[i] = max(peak[i], density[i]) for every pixel; if `peak` is empty, it becomes equal to
+// `density`.
 void hold_peak(const std::vector<float> &density, std::vector<float> &peak);
 
-// Draws the peak in white over a live picture. Before that, the peak is smoothed by the mean over 3 x 3
-// pixels, and `floor` doublings of noise are removed. Pixels within three pixels of black ones are left out,
-// because along the blades there is only noise.
+// Draws the peak of opacification in white over a live picture. Before drawing, the function smooths the peak
+// by the mean over 3 x 3 pixels, and subtracts `floor` doublings of noise. Pixels within three pixels of
+// black pixels are left out, because along the collimator blades the peak contains only noise.
 void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vector<std::uint8_t> &grey);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// Shows the window with GLFW and OpenGL 3.3 core.
+// Shows the program's window with the library GLFW and OpenGL 3.3 core.
 #include "host/screen/screen.hpp"
 #define GLFW_INCLUDE_NONE
 #include "host/xray/gl/gl_program.hpp"
@@ -32,7 +32,7 @@ std::string glfw_reason()
     return text ? text : "no reason given";
 }
 
-// The context stays current all the time, because the window's thread has no other context.
+// The OpenGL context stays current all the time, because the window's thread uses no other context.
 class WindowContext final : public GlContext
 {
   public:
@@ -118,7 +118,7 @@ std::unique_ptr<GlContext> Screen::context() const
 void Screen::on_pointer(PointerHandler handler)
 {
     pointer_handler_ = std::move(handler);
-    // GLFW's callbacks are C functions, whose only connection to this object is the window.
+    // GLFW's callbacks are C functions, which can find this C++ object only through the window.
     struct Of {
         Screen *operator()(GLFWwindow *window) const
         {
@@ -184,8 +184,8 @@ void Screen::show(const Image &rgb)
     glfwSwapBuffers(window_);
 }
 
-// The size of the framebuffer is read for every drawing, so that resizing, or moving the window to a denser
-// screen, needs no other code.
+// Every drawing reads the size of the framebuffer again, so no other code must handle resizing or a move of
+// the window to a denser screen.
 void Screen::draw()
 {
     int width = 0, height = 0;
@@ -202,7 +202,8 @@ void Screen::draw()
     gl_.DrawArrays(gl::triangle_strip, 0, 4);
 }
 
-// Draws once more and reads the back buffer before it is shown; OpenGL returns the rows from the bottom.
+// Draws the picture once more and reads the back buffer before it is shown; OpenGL returns the rows from the
+// bottom.
 Image Screen::read_back()
 {
     draw();

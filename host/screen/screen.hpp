@@ -1,5 +1,6 @@
-// Opens a window (by GLFW) that shows one square picture in its middle, as large as fits. Every OpenGL
-// function is loaded by its name at run time, so that the program links no OpenGL library.
+// Opens a window with the library GLFW; it shows one square picture in its middle, as large as fits. The
+// program finds every OpenGL function by its name at run time, so it does not need to be linked with an
+// OpenGL library.
 #pragma once
 #include "host/picture/picture.hpp"
 #include "host/xray/gl/gl_context.hpp"
@@ -45,8 +46,8 @@ class Screen
     bool has_focus() const;
     void show(const Image &rgb); // uploads, draws, swaps
     Image read_back();           // the whole window as last shown
-    // Returns the window's own OpenGL context, in which path lengths can be drawn. The window must outlive
-    // it.
+    // Returns the window's own OpenGL context, in which the X-ray code can compute path lengths. The window
+    // must outlive it.
     std::unique_ptr<GlContext> context() const;
 
   private:

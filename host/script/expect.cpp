@@ -35,8 +35,8 @@ double bound(LineParser &line, Expectation::Kind kind)
     return line.quantity("share", percent_units, -100.0, 100.0);
 }
 
-// Reads the bounds "at least", "at most" or "below"; with `needs_one` the line must have at least one of
-// them.
+// Reads the limits "at least", "at most" or "below"; if `needs_one` is true, the line must contain at least
+// one limit.
 void parse_bounds(LineParser &line, Expectation &expectation, bool needs_one)
 {
     while (!line.is_at_end() || needs_one) {
@@ -139,7 +139,7 @@ std::optional<double> EffectsWitness::iodine_pct(std::size_t vessel) const
     return 100.0 * contrast.received_mg(map_.vessels()[vessel].branch) / injected_mg;
 }
 
-// Returns the largest remaining stenosis of the lesions that were narrow at the start.
+// Returns the largest remaining stenosis among the lesions that were narrow at the start of the session.
 std::optional<double> EffectsWitness::residual_stenosis_pct() const
 {
     const PatientContrast &contrast = patient_.contrast();

@@ -25,7 +25,8 @@ struct Expectation {
     Kind kind = Kind::tip;
     std::size_t tool = 0; // for tip, inserted and turned
     VesselName vessel;    // for tip and iodine
-    // The limits are in mm, percent or degrees; `below` means that the limit itself is excluded.
+    // The limits are in mm, percent or degrees; if `is_below` is true, the value must be less than the limit
+    // `most`.
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool is_below = false;
 
@@ -34,10 +35,12 @@ struct Expectation {
     std::string text() const; // as a script would write it
 };
 
-// Parses the rest of a line that begins with "expect". Throws FileError with the place of the line.
+// Parses the rest of a line that begins with "expect". Throws FileError; the message gives the line's
+// position in the file.
 Expectation parse_expectation(LineParser &line, const ToolChoice &selected);
 
-// Gives the figures of medium, lesions and stents, in percent; a figure is empty if it is not known.
+// Provides the values of iodine, remaining stenosis and stent apposition, in percent; a value is absent if it
+// is not known.
 class SessionWitness
 {
   public:
@@ -47,7 +50,7 @@ class SessionWitness
     virtual std::optional<double> apposition_pct() const = 0;
 };
 
-// Takes these figures from a patient.
+// Computes these values from the simulated patient.
 class EffectsWitness final : public SessionWitness
 {
   public:
@@ -61,8 +64,8 @@ class EffectsWitness final : public SessionWitness
     Patient &patient_;
 };
 
-// Holds the state against which a script's conditions are checked. Each span has one entry per tool, from the
-// innermost; an empty span means that the values are not known.
+// Holds the state against which a script's conditions are checked. Every span has one entry per tool, from
+// the innermost tool outwards; an empty span means that the values are not known.
 struct SessionView {
     std::span<const double> inserted_m;
     std::span<const TipPlace> tips;
@@ -79,8 +82,8 @@ struct ExpectationResult {
     std::string found; // the measured value, and where it was not held, a remedy
 };
 
-// `vessel` is the vessel that the expectation names. `turned_deg` is the angle of the hand of the
-// expectation's tool.
+// `vessel` is the number of the vessel that the expectation names. `turned_deg` is the angle by which the
+// hand has turned the tool that the expectation names.
 ExpectationResult judge(const Expectation &expectation, int line, std::size_t vessel, const VesselMap &map,
                         const SessionView &view, double turned_deg);
 

@@ -8,14 +8,15 @@ namespace crn
 namespace
 {
 
-// Returns a / b rounded to nearest, ties away from zero; b > 0.
+// Returns a / b, rounded to the nearest integer; halves are rounded away from zero, and b must be positive.
 std::int64_t divide_rounded(std::int64_t a, std::int64_t b)
 {
     return a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b);
 }
 
-// In the first t ticks of a ramp of r ticks, a hand moves as far as in some time of steady motion. Returns
-// that time, in ticks, times 2 r^3: t^3 (2 r - t), the integral of the smoothstep 3u^2 - 2u^3.
+// A hand that accelerates over a ramp of r ticks has moved, after t ticks of it, as far as a hand at full
+// speed moves in a shorter time. Returns this shorter time in ticks, multiplied by 2 r^3: t^3 (2 r - t),
+// which is the integral of the smoothstep 3u^2 - 2u^3.
 std::int64_t ramp_numerator(std::int64_t t, std::int64_t r)
 {
     return t * t * t * (2 * r - t);
@@ -70,14 +71,14 @@ void LiveHand::set_speed(std::int64_t translation_counts_per_s, std::int64_t rot
     rotation_.target = rotation_counts_per_s;
 }
 
-// With these steps the hand reaches 60 mm/s and one turn per second in about 150 ms.
+// With these speed steps per tick, the hand reaches 60 mm/s and one turn per second in about 150 ms.
 void LiveHand::advance_tick()
 {
     translation_.advance(400);
     rotation_.advance(440);
 }
 
-// Counters wrap as in the hardware.
+// Counters wrap round as those of the hardware do.
 std::int32_t LiveHand::translation_counts() const
 {
     return static_cast<std::int32_t>(

@@ -1,4 +1,4 @@
-// Computes the motion of a hand, which starts smoothly, moves at a steady speed, and stops smoothly. The
+// Computes the motion of a hand that starts smoothly, moves at a steady speed, and stops smoothly. The
 // computation uses only integers, so that a session gives the same encoder counts on every machine.
 //
 //   speed      ______________
@@ -11,12 +11,12 @@
 namespace crn
 {
 
-// The rig of host sessions has 1 um and 1/65 536 turn per count.
+// In sessions without a real rig, one count of an encoder is 1 um or 1/65 536 turn.
 inline constexpr std::int64_t counts_per_m = 1'000'000;
 inline constexpr std::int64_t counts_per_turn = 65'536;
 inline constexpr std::int64_t ramp_ticks_max = 200;
 
-// Computes a move over a known distance. |distance| <= 2^26 counts, 1 <= speed <= 2^26 counts/s.
+// Computes a move of a hand over a known distance. |distance| <= 2^26 counts, 1 <= speed <= 2^26 counts/s.
 class Move
 {
   public:
@@ -28,8 +28,8 @@ class Move
     std::int64_t distance_, cruise_, ramp_, ticks_;
 };
 
-// Computes a move at a steady speed. After it has been stopped, it comes to rest within one ramp. The speed
-// may be negative.
+// Computes a move of a hand at a steady speed. After a call of stop(), the hand comes to rest within one
+// ramp. The speed may be negative.
 class SteadyMove
 {
   public:
@@ -45,7 +45,7 @@ class SteadyMove
 };
 
 // Simulates the hand of a user at the keyboard. The target speeds of this hand may change at any time, and
-// its speed changes by a limited step per tick.
+// its actual speed changes by a limited step per tick.
 class LiveHand
 {
   public:

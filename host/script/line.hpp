@@ -1,5 +1,5 @@
-// Reads one line of a session script: words, numbers with units, and choices. A mistake is reported with its
-// place and a suggestion.
+// Reads one line of a session script: words, numbers with units, and choices. If the line has a mistake, the
+// error message gives its position and suggests a correction.
 #pragma once
 #include "host/base/text.hpp"
 #include <charconv>
@@ -28,11 +28,11 @@ inline const std::vector<Unit> turn_speed_units = {
     {"deg/s", 1.0}, {"°/s", 1.0}, {"turn/s", 360.0}, {"turns/s", 360.0}};
 inline const std::vector<Unit> time_units = {{"s", 1.0}, {"ms", 1e-3}, {"min", 60.0}};
 
-// Splits a line into words and numbers. "90deg" gives two tokens, commas count as spaces, and the line ends
-// at '#'.
+// Splits a line into tokens, which are words and numbers. The text "90deg" gives two tokens, commas count as
+// spaces, and a '#' ends the line.
 std::vector<Token> split_line(std::string_view line);
 
-// Reads one line word by word, and remembers the position of the next word.
+// Reads one line of a script word by word, and remembers the position of the next word.
 class LineParser
 {
   public:
@@ -46,7 +46,7 @@ class LineParser
 
     [[noreturn]] void fail(const std::string &text) const { throw FileError(file_, line_, column(), text); }
 
-    // Returns the column of the next word, or that of the end of the line.
+    // Returns the column of the next word, or the column of the line's end if no word is left.
     int column() const
     {
         if (tokens_.empty()) return 1;
@@ -93,7 +93,8 @@ class LineParser
         return value;
     }
 
-    // Reads a number and a unit, and returns the number in the base unit; it must lie within low .. high.
+    // Reads a number with its unit, and returns the number converted to the base unit; the number must lie
+    // within low .. high.
     double quantity(const std::string &what, const std::vector<Unit> &units, double low, double high)
     {
         const std::size_t begin = position_;

@@ -50,8 +50,8 @@ std::size_t SessionPlayer::vessel_named(const VesselName &name, int line) const
                     "unknown vessel '" + name.text + "'" + map_.suggestion(name.text));
 }
 
-// Starts `move` from the present position of the tool's hand, and divides it into strokes if the statement
-// requires them.
+// Starts the move from the present position of the tool's hand, and divides it into strokes if the statement
+// demands strokes.
 void SessionPlayer::begin_move(const HandMove &move, std::size_t tool)
 {
     Active active{move, tool, position_counts_[tool][static_cast<int>(move.axis)], {}, {}, 0};
@@ -89,8 +89,8 @@ void SessionPlayer::ask(const RoomCommand &command)
     buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
 }
 
-// Executes commands to the room and orders to heart and breath at once. The first statement that takes time
-// becomes the present one.
+// Executes all following statements that take no time, such as commands to the X-ray room, to heart and to
+// breath. The first statement that takes time then becomes the present statement.
 void SessionPlayer::enter_statement()
 {
     for (; !is_done(); statement_++) {
@@ -220,7 +220,7 @@ void SessionPlayer::look_at_steering(const SessionView &view)
     enter_statement();
 }
 
-// Consecutive expectations are checked at the same tick, and every one that does not hold is reported.
+// Consecutive expectations are checked at one tick, and every expectation that does not hold is reported.
 void SessionPlayer::look_at_expectation(const SessionView &view)
 {
     while (expects()) {

@@ -8,7 +8,8 @@ namespace
 const std::vector<Unit> per_minute = {{"/min", 1.0}, {"bpm", 1.0}};
 const std::vector<Unit> percent = {{"%", 10.0}}; // 1/1000
 
-// Reads a whole number in the unit of the byte protocol; if it is out of range, the error states the range.
+// Reads a number and returns it as a whole number in the unit of the wire protocol; if it is out of range,
+// the error message gives the range.
 std::uint16_t whole(LineParser &line, const std::string &what, const std::vector<Unit> &units, double low,
                     double high, const char *range)
 {

@@ -23,12 +23,12 @@ std::int32_t nearest(double value)
 
 std::int32_t um_between(LineParser &line, const std::string &what, std::int32_t low_um, std::int32_t high_um)
 {
-    // The limits are divided by 1e6, because 450000 * 1e-6 is less than 0.45, so that "45 cm" would be out of
-    // range.
+    // The limits are divided by 1e6 and not multiplied by 1e-6, because 450000 * 1e-6 is less than 0.45, so
+    // that "45 cm" would be out of range.
     return nearest(line.quantity(what, length_units, low_um / 1e6, high_um / 1e6) * 1e6);
 }
 
-// Reads a rate, which must be one of `rates`, in 1/100 per s.
+// Reads a rate in 1/100 per second, which must be a member of the list `rates`.
 template <std::size_t count> std::int32_t rate(LineParser &line, const std::int32_t (&rates)[count])
 {
     const LineParser before = line;
@@ -41,7 +41,7 @@ template <std::size_t count> std::int32_t rate(LineParser &line, const std::int3
     before.fail("no such rate; there are " + known + " per second");
 }
 
-// Reads the number of a frame or run, counted from 1.
+// Reads the number of a frame or of a run; these numbers count from 1.
 std::int32_t ordinal(LineParser &line, const std::string &what)
 {
     const LineParser before = line;
@@ -115,7 +115,7 @@ std::vector<RoomCommand> RoomParser::parse(LineParser &line, const std::string &
     return commands_;
 }
 
-// Reads "fluoro on", "cine off", "dsa rate 3 f/s", "fluoro on rate 7.5 p/s".
+// Reads statements such as "fluoro on", "cine off", "dsa rate 3 f/s", "fluoro on rate 7.5 p/s".
 void RoomParser::pedal(LineParser &line, const std::string &verb)
 {
     do {
@@ -133,7 +133,8 @@ void RoomParser::pedal(LineParser &line, const std::string &verb)
         if (what == "on") add(RoomAction::program, verb == "dsa" ? 1 : 0);
         add(RoomAction::acquire_pedal, what == "on" ? 1 : 0);
     } while (!line.is_at_end());
-    // A rate applies to the press on the same line, so commands for rates come before those for pedals.
+    // A rate applies to the press of the pedal on the same line, so the commands for rates come before the
+    // commands for pedals.
     std::stable_sort(commands_.begin(), commands_.end(), [](const RoomCommand &a, const RoomCommand &b) {
         const auto is_pedal = [](RoomAction action) {
             return action == RoomAction::fluoro_pedal || action == RoomAction::acquire_pedal;
@@ -194,7 +195,7 @@ void RoomParser::table(LineParser &line)
     add(RoomAction::table, table_um_[0], table_um_[1], table_um_[2]);
 }
 
-// Reads "collimate width 60 % height 80 %", "collimate round", "collimate open".
+// Reads statements such as "collimate width 60 % height 80 %", "collimate round", "collimate open".
 void RoomParser::blades(LineParser &line)
 {
     bool has_blades = false;
@@ -217,7 +218,7 @@ void RoomParser::blades(LineParser &line)
     if (has_blades) add(RoomAction::blades, width_permille_, height_permille_);
 }
 
-// Reads "mask frame 3", "mask frames 2 to 5".
+// Reads statements such as "mask frame 3" and "mask frames 2 to 5".
 void RoomParser::mask(LineParser &line)
 {
     line.choice("word", {"frame", "frames"});
@@ -231,7 +232,7 @@ void RoomParser::mask(LineParser &line)
     add(RoomAction::mask, first - 1, last - 1);
 }
 
-// Reads "shift mask right 0.5 px up 1 px", "shift mask none".
+// Reads statements such as "shift mask right 0.5 px up 1 px" and "shift mask none".
 void RoomParser::shift(LineParser &line)
 {
     line.accept("mask");
@@ -256,7 +257,7 @@ void RoomParser::roadmap(LineParser &line)
     add(RoomAction::roadmap, what == "off" ? 0 : what == "from" ? 1 : 2);
 }
 
-// Reads "inject 8 ml at 4 ml/s", "inject 30 ml at 15 ml/s through tool 2", "inject stop".
+// Reads statements such as "inject 8 ml at 4 ml/s", "inject 30 ml at 15 ml/s through tool 2", "inject stop".
 void RoomParser::inject(LineParser &line)
 {
     if (line.accept("stop")) return add(RoomAction::inject);
@@ -273,7 +274,8 @@ void RoomParser::inject(LineParser &line)
     add(RoomAction::inject, nearest(volume_ml * 1e3), nearest(rate_ml_s * 1e3), tool);
 }
 
-// Reads "review", "review run 2", "review frame 12", "review run 2 frame 12", "review off".
+// Reads statements such as "review", "review run 2", "review frame 12", "review run 2 frame 12", "review
+// off".
 void RoomParser::review(LineParser &line)
 {
     std::int32_t mode = 1, run = 0, frame = 0;

@@ -1,4 +1,4 @@
-// Converts the statements of a session script for the X-ray room (docs/session.md) to commands.
+// Converts those statements of a session script that concern the X-ray room (docs/session.md) to commands.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/script/line.hpp"
@@ -9,11 +9,12 @@ namespace crn
 
 const std::vector<std::string> &room_verbs();
 
-// Keeps the settings of the previous lines, because a statement may leave some of them unchanged.
+// Remembers the settings of the previous lines, because a statement may leave some settings unchanged.
 class RoomParser
 {
   public:
-    // Parses the rest of a line that begins with `verb`. Throws FileError with the place of the line.
+    // Parses the words of a line after `verb`. Throws FileError; the message gives the line's position in the
+    // file.
     std::vector<RoomCommand> parse(LineParser &line, const std::string &verb);
 
   private:

@@ -75,7 +75,7 @@ bool is_same_hand(const HandMove &a, const HandMove &b)
     return a.axis == b.axis && (a.moves_all || b.moves_all || a.tool == b.tool);
 }
 
-// Parses a script, and keeps the settings of the room from statement to statement.
+// Parses a script, and remembers the settings of the X-ray room from statement to statement.
 class SessionParser
 {
   public:
@@ -130,7 +130,8 @@ class SessionParser
         session_.statements.push_back(statement);
     }
 
-    // Reads "inflate to 8 bar at 2 bar/s", or "deflate at 4 bar/s", which releases all pressure.
+    // Reads statements such as "inflate to 8 bar at 2 bar/s", or "deflate at 4 bar/s", which releases all
+    // pressure.
     Inflation inflation(LineParser &line, bool is_up) const
     {
         Inflation way{0, is_up ? 100 : 400};
@@ -145,8 +146,8 @@ class SessionParser
         return way;
     }
 
-    // Reads "begin inserted 20 mm", which applies to every tool, or "begin catheter inserted 80 mm", which
-    // applies to one.
+    // Reads statements such as "begin inserted 20 mm", which applies to every tool, or "begin catheter
+    // inserted 80 mm", which applies to one tool.
     void begin(LineParser &line, int number)
     {
         const std::optional<ToolChoice> choice = accept_tool(line);

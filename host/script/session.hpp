@@ -1,5 +1,6 @@
-// Reads and plays session scripts (docs/session.md): a text describes the actions of hands and C-arm. This
-// text is converted to encoder counts per tick and commands to the X-ray room.
+// Reads and plays session scripts (docs/session.md), which are texts that describe the actions of hands and
+// C-arm. The code below converts a script to encoder counts for every tick, and to commands for the X-ray
+// room.
 //
 //   Session session = read_session("aorta.session");
 //   SessionPlayer player(session, tool_count);
@@ -35,14 +36,14 @@ struct HandMove {
     std::optional<std::int64_t> until_inserted_um;
 };
 
-// Describes a change of the inflator's pressure to a stated value at a steady rate.
+// Describes a change of the inflator's pressure to a given value at a steady rate.
 struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
 
-// One line of the script. A line is a set of simultaneous moves of hands, a tool to steer, a pause, or a
-// change of the inflator's pressure. A line may also be a list of commands to the room, an order to heart and
-// breath, or an expectation.
+// One line of the script. A statement contains simultaneous moves of hands, a tool to steer, a pause, or a
+// change of the inflator's pressure. A statement may also contain a list of commands to the X-ray room, a
+// command to heart and breath, or an expectation.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;
@@ -56,8 +57,8 @@ struct Statement {
 
 struct Session {
     std::string file;
-    // At the start each tool has this inserted length. `begin inserted` sets that of all tools that no other
-    // line names.
+    // At the start of the session, every tool has this inserted length. The statement `begin inserted` sets
+    // the length of all tools that no other `begin` statement names.
     std::uint32_t inserted_um[session_tools_max] = {20000, 20000, 20000};
     std::vector<Statement> statements;
     std::size_t tools_named = 1; // number of tools that the script needs ...
@@ -70,32 +71,33 @@ Session read_session(const std::string &path);                         // throws
 class SessionPlayer
 {
   public:
-    // Conditions are checked only on ticks that are multiples of this number, so that they do not depend on
-    // batches and pictures.
+    // The conditions of a script are checked only at ticks that are multiples of this number, so that they do
+    // not depend on batches and pictures.
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 
-    // Throws FileError when the script names a tool or a vessel that does not exist. `vessels` are those of
-    // the scene; nullptr means that none is known.
+    // Throws FileError when the script names a tool or a vessel that does not exist. `vessels` is the map of
+    // the scene's vessels; if it is nullptr, no vessel is known.
     SessionPlayer(const Session &session, std::size_t tool_count, const VesselMap *vessels = nullptr);
     bool is_done() const { return statement_ == session_.statements.size(); }
     crn_wire_tick_input next(); // input of the next tick
-    // Takes the state after each tick that is a multiple of observe_every_ticks. The tips and the witness are
-    // needed only while wants_tips() returns true.
+    // Receives the state of the session after each tick that is a multiple of observe_every_ticks. The fields
+    // `tips` and `witness` are needed only while wants_tips() returns true.
     void observe(const SessionView &view);
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
-    // Returns true if the present statement needs the places of the tips, or is an expectation.
+    // Returns true if the present statement needs the positions of the tips, or is an expectation.
     bool wants_tips() const;
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
-    // Returns the room's commands since the last call; before the first next() these are the commands at the
-    // start of the session.
+    // Returns the commands for the X-ray room since the last call. Before the first next() these are the
+    // commands at the start of the session.
     std::vector<RoomCommand> take_commands() { return std::exchange(commands_, {}); }
-    // Returns the lines whose `until` condition did not become true within until_limit_ticks of pushing.
+    // Returns the numbers of the lines whose `until` condition was not met after until_limit_ticks of
+    // pushing.
     const std::vector<int> &given_up_lines() const { return given_up_lines_; }
     const std::vector<SteeringResult> &steered() const { return steered_; }
     const std::vector<ExpectationResult> &expected() const { return expected_; }
-    // Each message is "FILE:LINE: what was not reached or did not hold, what was found; remedy". The script
-    // ends at the first statement that fails. If empty, every expectation held.
+    // Every message has the form "FILE:LINE: what was not reached or did not hold, what was found; remedy".
+    // The script ends at the first statement that fails. If empty, every expectation held.
     const std::vector<std::string> &failures() const { return failures_; }
 
   private:
@@ -147,7 +149,7 @@ class SessionPlayer
     std::vector<std::string> failures_;
 };
 
-// Returns true if the script steers into vessels, or has expectations about them.
+// Returns true if the script steers tools into vessels, or has expectations about vessels.
 bool names_vessels(const Session &session);
 
 } // namespace crn

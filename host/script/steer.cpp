@@ -11,9 +11,9 @@ namespace
 
 constexpr std::int64_t mm = 1000; // um
 
-// Holds the parameters with which a hand steers. These parameters were found by trials on the shipped aorta
-// and heart, in which friction, stiffness and the initial turn varied by some per cent
-// (tools/check/tests/test_sessions.py). No value is fitted to one session.
+// Holds the parameters of the simulated hand that steers a tool. These parameters were found by trials on the
+// shipped aorta and heart, in which friction, stiffness and the initial angle varied by some per cent
+// (tools/check/tests/test_sessions.py). No parameter is adjusted to a single session.
 struct Habit {
     double speed_m_s, depth_m, limit_s;
     std::int64_t stall_um;    // displacement without getting nearer: the shaft buckles, or the tip is caught
@@ -129,7 +129,7 @@ void Steerer::begin(Stage stage)
     }
 }
 
-// Brings the hand to rest, and then continues with the stage `next`.
+// Brings the hand to rest, and then continues with the stage `next` of steering.
 void Steerer::stop_for(Stage next)
 {
     run_->stop(stage_tick_);
@@ -137,17 +137,18 @@ void Steerer::stop_for(Stage next)
     after_ = next;
 }
 
-// A bent tip that catches at an ostium at every angle gets past it when the guidewire is spun between the
-// fingers while it is pushed. Attempts spin in both directions, which are not equivalent, because the vessel
-// bends.
+// If a bent tip catches at an ostium at every angle, it gets past the ostium when the guidewire is spun
+// between the fingers and pushed at the same time. The attempts spin in both directions, because the vessel
+// bends and the two directions therefore have different effects.
 std::int64_t Steerer::spin_of(int attempt) const
 {
     if (what_.engages || attempt % 3 == 1) return 0;
     return attempt % 3 == 2 ? -spin_counts_per_s : spin_counts_per_s;
 }
 
-// Successive turns by the golden angle soon try every orientation of a bent tip. The shape of a guiding
-// catheter needs little turning, so small angles to both sides are tried first.
+// If every attempt turns the tool further by the golden angle, the attempts soon cover all orientations of a
+// bent tip. A guiding catheter already has a suitable shape and needs little turning, so small angles to both
+// sides are tried first.
 std::int64_t Steerer::next_angle()
 {
     const std::int64_t k = turns_++;
@@ -171,7 +172,7 @@ void Steerer::observe(const TipPlace &tip, std::int64_t inserted_um)
         begin(is_in_goal(what_.depth_um) ? Stage::watch : Stage::push);
     }
     if (run_ && run_->is_stopping()) return;
-    // A turn near the ostium may have moved the tip into the goal, even before it is pushed.
+    // A turn near the ostium may have moved the tip into the wanted vessel, even before the tool is pushed.
     const bool turns = stage_ == Stage::turn || stage_ == Stage::rest;
     if (what_.engages && turns && is_in_goal(mouth_um)) return begin(Stage::seat);
     if (stage_ == Stage::push) look_pushing();
@@ -185,7 +186,8 @@ bool Steerer::is_in_goal(std::int64_t least_um) const
     return tip_.place.vessel == goal_ && way_.inside_um >= least_um;
 }
 
-// Returns the distance that is left along the route; the distance of the tip from the route is not included.
+// Returns the remaining distance along the route to the wanted vessel, without the distance of the tip from
+// the route.
 std::int64_t Steerer::route_left_um() const
 {
     return way_.ahead_um + what_.depth_um - way_.inside_um;
@@ -207,8 +209,8 @@ void Steerer::look_pushing()
     const bool is_astray = way_.astray_um > reach_um_ || left_um() > best_um_ + reach_um_;
     const bool is_stalled = now_.translation - best_at_ > habit_of(what_.engages).stall_um;
     if (!is_astray && !is_stalled) return;
-    // If the tip has passed an ostium in a wide vessel, it is turned and pulled back over the ostium, which
-    // is another attempt.
+    // If the tip has passed an ostium in a wide vessel, the hand turns the tool and pulls it back over the
+    // ostium, which is another attempt.
     if (what_.engages && is_astray) {
         go_back();
         after_turn_ = Stage::pull;
@@ -218,7 +220,7 @@ void Steerer::look_pushing()
     stop_for(Stage::pull);
 }
 
-// Decides how far the tool is pulled back from here.
+// Decides how far the hand pulls the tool back from the present position.
 void Steerer::go_back()
 {
     wrong_um_ = route_left_um();
@@ -251,8 +253,7 @@ void Steerer::look_seating()
     seat_misses_ = is_deeper ? 0 : seat_misses_ + 1;
     seat_best_um_ = std::max(seat_best_um_, way_.inside_um);
     if (seat_misses_ < seat_misses_max) return begin(Stage::seat);
-    // If a lesion narrows the ostium, a guiding catheter cannot go deeper, and it counts as engaged
-    // nevertheless.
+    // If a lesion narrows the ostium, a guiding catheter cannot go deeper, but counts as engaged.
     if (is_in_goal(what_.depth_um / 2)) return begin(Stage::watch);
     go_back();
     begin(Stage::pull);

@@ -4,8 +4,9 @@
 //   steer wire into ascending aorta at 60 mm/s until 30 mm within 90 s
 //   engage catheter left main ostium
 //
-// Every decision uses integers, at the ticks at which the script observes. So a session gives the same
-// counts, whatever pictures are made. The result is ordinary motion of a hand.
+// Every decision uses only integers, and is made at the ticks at which the script observes the session. A
+// session therefore gives equal encoder counts, whatever pictures are made. Steering produces the ordinary
+// motion of a hand.
 #pragma once
 #include "host/script/hand_motion.hpp"
 #include "host/script/tip_places.hpp"
@@ -26,8 +27,8 @@ struct Steering {
     std::int64_t limit_ticks = 0;
 };
 
-// Parses the rest of a line that begins with "steer" or "engage". Throws FileError with the place of the
-// line.
+// Parses the words of a line after "steer" or "engage". Throws FileError; the message gives the line's
+// position in the file.
 Steering parse_steering(LineParser &line, bool engages, const ToolChoice &selected);
 
 // Holds the result of one steering statement, for the report and for the text printed at the end of a run.
@@ -49,13 +50,13 @@ class Steerer
         std::int64_t translation = 0, rotation = 0;
     };
     Counts next(); // counts of the hand since the statement began, one tick later
-    // Must be called at the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um` is
-    // the inserted length of the steered tool.
+    // Receives the position of the tip; the caller must call this function at all ticks that are multiples of
+    // SessionPlayer::observe_every_ticks. `inserted_um` is the inserted length of the steered tool.
     void observe(const TipPlace &tip, std::int64_t inserted_um);
 
     bool is_done() const { return stage_ == Stage::done; }
     bool has_failed() const { return stage_ == Stage::failed; }
-    // Returns the reason of the failure, with the place of the tip and a remedy.
+    // Returns the reason why steering failed, with the position of the tip and a remedy.
     std::string failure() const;
     int tries() const { return tries_; }
     std::int64_t ticks() const { return tick_; }

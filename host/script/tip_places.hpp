@@ -1,5 +1,6 @@
-// Computes the places of the tools' tips in the vessels, for scripts that steer and for the report. The
-// motion of heart and breath is removed first, so that a tip that moves with its artery keeps its place.
+// Computes where the tips of the tools are in the vessels, for scripts that steer and for the report. The
+// motion of heart and breath is removed first, so that the position of a tip that moves with its artery does
+// not change.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_map.hpp"
@@ -23,14 +24,14 @@ struct TipPlace {
 class TipPlaces
 {
   public:
-    // `motion` is empty if the vessels do not move.
+    // `motion` has no value if the vessels do not move.
     TipPlaces(const VesselTree &vessels, std::optional<Motion> motion)
         : map_(vessels), motion_(std::move(motion))
     {
     }
     const VesselMap &map() const { return map_; }
-    // Returns the place of the tip of every tool, from the innermost. A place is unknown if there are no
-    // vessels or the line's shape is not known.
+    // Returns the position of every tool's tip in the vessels, from the innermost tool outwards. A position
+    // is unknown if the scene has no vessels or the shape of the tools is not known.
     std::vector<TipPlace> at(const WireFrame &wire) const;
 
   private:
@@ -38,8 +39,8 @@ class TipPlaces
     std::optional<Motion> motion_;
 };
 
-// Reads the vessels from a scene's bodies, and their motion from the scene. If the path is empty, or the
-// bodies have no tree, no vessel is known. Throws std::runtime_error.
+// Reads the vessels from the scene's bodies, and the motion of the vessels from the scene. If the path is
+// empty, or the bodies have no vessel tree, no vessel is known. Throws std::runtime_error.
 std::unique_ptr<TipPlaces> read_tip_places(const std::string &bodies_path, const std::string &scene_path);
 
 } // namespace crn

@@ -1,5 +1,4 @@
-// Reads the tool that a line of a session script names, and the words up to the next one of the grammar
-// (docs/session.md).
+// Reads which tool a line of a session script names, and the names of vessels (docs/session.md).
 #pragma once
 #include "host/script/line.hpp"
 #include "shared/wire/wire.h"
@@ -12,24 +11,25 @@ namespace crn
 // guide, or tool 1 to 3.
 inline constexpr std::size_t session_tools_max = CRN_WIRE_TOOL_MAX;
 
-// Names the tool, or all tools, that a statement moves.
+// Describes which tool a statement moves: one tool, or all tools together.
 struct ToolChoice {
     std::size_t tool = 0;
     bool is_all = false;
 };
 
-// Reads "wire", "catheter", "guide", "tool N" or "together"; returns nothing if the next word is another one.
+// Reads "wire", "catheter", "guide", "tool N" or "together"; returns no value if the next word is a different
+// one.
 std::optional<ToolChoice> accept_tool(LineParser &line);
-// Reads the name of a tool where the grammar requires one; a number alone is accepted too.
+// Reads the name of a tool where the grammar requires one; a number without the word "tool" is accepted too.
 ToolChoice require_tool(LineParser &line);
-// Reads the tool of a statement that concerns a single tool. If the statement names no tool, the selected
-// tool is returned; "together" is refused.
+// Reads the tool of a statement that concerns a single tool. If the statement names no tool, the function
+// returns the selected tool; the word "together" is refused.
 std::size_t accept_one_tool(LineParser &line, const ToolChoice &selected);
 
-// Returns "wire", "catheter" or "guide" for a tool counted from 0.
+// Returns the name "wire", "catheter" or "guide" of a tool, which is counted from 0.
 const std::string &tool_name(std::size_t tool);
 
-// Holds the name of a vessel as the script spells it; it is looked up when the scene is known.
+// Holds the name of a vessel as the script spells it; the vessel is searched for when the scene is known.
 struct VesselName {
     std::string text;
     int column = 0;

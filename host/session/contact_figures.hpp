@@ -1,5 +1,5 @@
-// Collects the load on the vessel wall in a session: the forces of all contacts, read at regular ticks, and
-// their integral over time.
+// Collects the load on the vessel wall in a session: the sum of all contact forces, read at regular ticks,
+// and its integral over time.
 #pragma once
 #include "shared/wire/wire.h"
 #include <algorithm>
@@ -22,7 +22,7 @@ struct ContactFigures {
     double impulse_N_s = 0.0, force_max_N = 0.0;
     std::vector<ContactSample> series; // every sample_every_ticks
 
-    // Adds the contact forces, which stand for the last look_every_ticks ticks.
+    // Adds the contact forces of this tick, which are used for the last look_every_ticks ticks.
     void take(const crn_wire_contacts &contacts)
     {
         constexpr double N_per_q22 = 1.0 / (1 << 22);

@@ -1,5 +1,5 @@
-// Prepares a device for a session: the device has answered HELLO, has its scene, tools, entry and rig
-// settings, and is armed and started.
+// Prepares a device for a session: the device has answered HELLO, has received its scene, tools, entry point
+// and rig settings, and is armed and started.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/link/link.hpp"
@@ -19,8 +19,8 @@
 namespace crn
 {
 
-// Returns the settings of the rig that scripts and keyboard control: 1 um and 1/65 536 turn per count, and a
-// force gain of 1.
+// Returns the rig settings for sessions that a script or the keyboard controls: 1 um and 1/65 536 turn per
+// count, and a force gain of 1.
 crn_wire_rig host_rig();
 
 // Receives the ticks of a session in FREE_RUN.
@@ -29,7 +29,7 @@ class FreeRunSink
   public:
     virtual ~FreeRunSink() = default;
     virtual void tick(const crn_wire_live_tick &tick) = 0;
-    // snapshot() receives the state after the tick that was passed on last. resumed() reports that the
+    // snapshot() receives the state after the last tick that tick() received. resumed() is called when the
     // session continues from this state after the device came back.
     virtual void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
     virtual void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
@@ -38,11 +38,11 @@ class FreeRunSink
 class Device
 {
   public:
-    // `tools` are given from the innermost to the outermost. Throws LinkError with the device's reason and
-    // remedy, and the name of the tool at fault.
+    // `tools` lists the tools from the innermost outwards. Throws LinkError if the device refuses; the
+    // message contains the device's reason, the remedy, and the name of the tool that caused the refusal.
     Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
            const crn_wire_rig &rig, const DeviceChoice &choice = {});
-    // A rig gets back the configuration that it had before.
+    // The destructor restores the settings that a rig had before.
     ~Device();
     Device(const Device &) = delete;
     Device &operator=(const Device &) = delete;
@@ -51,33 +51,36 @@ class Device
     const std::vector<Instrument> &tools() const { return tools_; }
     const crn_wire_hello_reply &identity() const { return identity_; }
     const crn_wire_rig &rig() const { return rig_; } // active; no limit above the device's own
-    // Continues from a snapshot of the same session.
+    // Sets the device to the state of a snapshot of this session.
     void restore(std::span<const std::uint8_t> snapshot);
 
-    // Advances like Link::step, but the session survives an unplugged cable (docs/rig.md, "Unplugged in a
-    // session"). If the device disappears and comes back within DeviceChoice::return_limit_ms, its last
-    // snapshot is restored. The inputs since that snapshot are sent again, and the results are compared with
-    // the former ones. Then the session continues bit for bit. Throws LinkError when the device does not come
+    // Advances the device as Link::step does, but the session survives an unplugged cable (docs/rig.md,
+    // "Unplugged in a session"). If the device disappears and comes back within
+    // DeviceChoice::return_limit_ms, its last snapshot is restored. The inputs since that snapshot are then
+    // sent again, and the new results are compared with the former results. Afterwards the session continues,
+    // equal bit for bit to a session without interruption. Throws LinkError when the device does not come
     // back, or when its results differ.
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
-    // Makes any other request to the link, with the same protection against an unplugged cable.
+    // Makes any other request to the device, with the same protection against an unplugged cable.
     void ask(const std::function<void(Link &)> &request);
-    // These return what a recording contains besides the ticks. If the device is a rig, hashes and snapshots
-    // are first compared with the results of this machine's core (witness.hpp), and so are the ticks. Each
-    // function throws LinkError when the results differ.
+    // The next three functions return what a recording contains besides the ticks. If the device is a rig,
+    // its ticks, hashes and snapshots are first compared with the results of this machine's core
+    // (witness.hpp). These functions throw LinkError if the results differ.
     Hash64 read_hash64();                      // hash of the last tick given or stepped
     std::optional<Hash64> last_hash64();       // last one that came without a request
     std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
     std::uint32_t resumes() const { return resumes_; }
-    // Returns true if the device runs on its own clock, and stops forces when the host is silent too long.
+    // Returns true if the device runs on its own clock, and removes the motor forces when the host is silent
+    // too long.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
 
-    // FREE_RUN (`free_run` of the choice): lets `milliseconds` pass, even while the cable is disconnected.
-    // Every tick is passed to `sink` once and in order. After a disconnection the session continues from the
-    // last tick received, and the positions of the hands at that moment become the new reference
-    // (FreeRunSink::resumed). Throws LinkError with the cause when the device stopped, or does not come back.
+    // In FREE_RUN (`free_run` of the choice), this function lets `milliseconds` pass, even while the cable is
+    // disconnected. `sink` receives every tick once and in order. After a disconnection the session continues
+    // from the last received tick. The positions of the hands at that moment become the new reference
+    // (FreeRunSink::resumed). Throws LinkError with the cause if the device has stopped, or does not come
+    // back.
     void run_free(std::uint32_t milliseconds, FreeRunSink &sink);
-    // Stops the device; the ticks that it had already computed are still passed to `sink`.
+    // Stops the device; `sink` still receives the ticks that the device had already computed.
     void stop_free(FreeRunSink &sink);
 
     static constexpr std::uint32_t resumes_max = 5; // within this many ticks of the session:
@@ -130,15 +133,15 @@ class Device
     std::uint32_t snapshot_tick_ = 0, silent_ms_ = 0;
 };
 
-// Returns the scene's entry with one inserted length per tool; a length that is not given gets the default of
-// a session.
+// Returns the point where the tools enter the scene, with one inserted length per tool. A length that is not
+// given gets the default value.
 crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
                         std::span<const std::uint32_t> inserted_um);
 inline constexpr std::uint32_t inserted_default_um = 20000;
 
-// Returns the line and the tools after a batch of steps. The result is made from the nodes that the link
-// received last, the result of the last tick, and its input. Before the first tick `state` is empty, and
-// there are no forces yet.
+// Returns the shape of the nested tools and the readings of every tool after a batch of steps. The result is
+// made from the last nodes that the link received, the result of the last tick, and the input of that tick.
+// Before the first tick, `state` is empty and there are no forces yet.
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state,
                            const crn_wire_tick_input &input);
 

@@ -1,11 +1,12 @@
-// Runs sessions in FREE_RUN: the timer of the device makes the ticks, and its encoders give the motion of the
-// hands. The device sends every tick together with its input, so that the recording replays in LOCKSTEP bit
-// for bit.
+// Runs sessions in FREE_RUN mode: the timer of the device makes the ticks, and the device's encoders measure
+// the motion of the hands. The device sends every tick together with its input, so that the recording replays
+// in LOCKSTEP bit for bit.
 //
-// After a disconnection the device has continued without the host, and some of its ticks are lost. So the
-// session returns to the last tick received. The host sets the device up, restores a snapshot, and repeats
-// the inputs since then in LOCKSTEP, comparing every hash. Then FREE_RUN continues with a new reference of
-// the hands. The recording contains the state at that point.
+// During a disconnection the device has continued without the host, and some of its ticks are lost. The
+// session therefore returns to the last received tick. The host sets up the device again, restores a
+// snapshot, and repeats the inputs since then in LOCKSTEP, while it compares every hash. Afterwards FREE_RUN
+// continues, with the present positions of the hands as the new reference. The recording contains the state
+// at that point.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -21,12 +22,13 @@ namespace
 constexpr std::uint32_t look_ms = 5;         // the device has read its rig by then
 constexpr std::uint32_t silent_max_ms = 500; // without a tick
 constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
-// With this coupling the motors were quiet in all five situations of docs/haptics.md.
+// With this stiffness of the virtual coupling, the motors did not oscillate in any of the five situations of
+// docs/haptics.md.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
-// Returns the wanted stiffness, or four fifths of the largest stiffness that the device accepts, if that is
-// less. The device's rule is: (gain, if above one) x stiffness x (half a tick + lag of the actuator) <= own
-// damping.
+// Returns the wanted coupling stiffness, or four fifths of the largest stiffness that the device accepts, if
+// that is less. The device's rule is: (gain, if above one) x stiffness x (half a tick + lag of the actuator)
+// <= own damping.
 std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::uint32_t wanted)
 {
     const std::uint64_t gain_milli = std::max<std::uint32_t>(track.force_gain_milli, 1000);
@@ -35,7 +37,7 @@ std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::u
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, stiffest * 4 / 5));
 }
 
-// Gives a track a coupling, unless the rig has already set one.
+// Sets the virtual coupling of a track, unless the rig has already set one.
 void couple(crn_wire_track &track)
 {
     if (track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0) return;
@@ -45,7 +47,8 @@ void couple(crn_wire_track &track)
 
 } // namespace
 
-// The rig keeps its own calibration and limits. A track gets a coupling only if its motors can apply it.
+// The rig keeps its own calibration and limits. A track gets a virtual coupling only if its motors can apply
+// the resulting forces.
 crn_wire_rig Device::free_run_rig(const crn_wire_rig &own) const
 {
     crn_wire_rig rig = own;
@@ -108,7 +111,8 @@ void Device::give(const crn_wire_live_tick &tick, FreeRunSink &sink)
     hashes_.clear();
 }
 
-// Gives the received ticks. Returns false if ticks are missing after the one that was passed on last.
+// Gives the received ticks. Receives ticks from the device; returns false if ticks are missing after the last
+// tick that was passed on.
 bool Device::take_live(FreeRunSink &sink)
 {
     std::uint32_t expected = given_tick_ + static_cast<std::uint32_t>(without_hands_.size()) + 1;
@@ -122,8 +126,8 @@ bool Device::take_live(FreeRunSink &sink)
             without_hands_.push_back(tick);
             continue;
         }
-        // Before the first reading of the encoders nothing moves. A replay takes the first reading as the
-        // reference, so the earlier ticks get that reading too.
+        // Before the device has read its encoders for the first time, nothing moves. A replay takes the first
+        // encoder reading as the reference, so the earlier ticks are recorded with that reading too.
         for (crn_wire_live_tick &early : without_hands_) {
             early.input = tick.input;
             give(early, sink);

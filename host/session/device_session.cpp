@@ -1,4 +1,4 @@
-// Runs the session of a Device: opens and sets up the device, steps it, and continues after the device
+// Implements the class Device: opens and sets up the device, steps it, and continues after the device
 // disappeared and came back.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
@@ -12,7 +12,7 @@ namespace crn
 namespace
 {
 
-// A limit can only be lowered, so the host requests none above the device's own.
+// A force or torque limit of a rig can only be lowered, so the host requests no limit above the device's own.
 crn_wire_rig within_limits(crn_wire_rig rig, const crn_wire_rig &present)
 {
     for (std::uint16_t k = 0; k < std::min(rig.tracks_count, present.tracks_count); k++) {
@@ -49,8 +49,8 @@ void Device::open()
     }
 }
 
-// A recording contains the core and schema that the device reports, and only a host of the same version can
-// replay it.
+// A recording contains the versions of core and protocol schema that the device reports, and only a host of
+// these versions can replay the recording.
 void Device::check_identity(const crn_wire_hello_reply &reply) const
 {
     if (!choice_.may_return()) return;
@@ -64,7 +64,8 @@ void Device::check_identity(const crn_wire_hello_reply &reply) const
         "on both");
 }
 
-// A device in this process already uses this machine's core, so no witness has to compare it.
+// A device in this process already uses this machine's core, so its results need not be compared with a
+// second computation (witness).
 void Device::call_witness()
 {
     if (!choice_.may_return()) return;
@@ -95,7 +96,8 @@ Device::~Device()
         }
         link_->set_rig(rig_before_);
     } catch (const std::exception &) {
-        // The device has disappeared or refuses; its next user will set it up anyway.
+        // If the device has disappeared or refuses, the error is ignored, because the next user of the device
+        // will set it up anyway.
     }
 }
 
@@ -176,7 +178,7 @@ void Device::go_back_to_snapshot()
     }
 }
 
-// A device that disappears again and again must not make its session endless.
+// If a device disappears again and again, its session must end at some time.
 void Device::count_resume(std::uint32_t tick)
 {
     if (resumes_here_ == 0 || tick >= resumes_from_tick_ + resumes_within_ticks) {

@@ -1,5 +1,6 @@
-// Observes a session without affecting it, as pictures and checks of a session do. An observer receives the
-// line at the ticks that it requests, after the patient has reached that tick.
+// Declares the interface for observers of a session, such as pictures and checks, which do not affect the
+// session. An observer receives the shape of the nested tools at the ticks that it requests, after the
+// patient has reached that tick.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "shared/wire/wire.h"
@@ -9,7 +10,7 @@
 namespace crn
 {
 
-// Describes the motion of one tool's hand, and the forces on that hand.
+// Describes how one hand has moved its tool, and the force and torque on that hand.
 struct ToolReading {
     double inserted_m = 0.0;
     double turned_deg = 0.0; // of the hand since the start
@@ -29,21 +30,21 @@ class FrameSink
     virtual ~FrameSink() = default;
     // Receives every tick in order, with its input and its result, before the frame of that tick.
     virtual void tick(const crn_wire_tick_input &, const crn_wire_tick_state &) {}
-    // Returns the next tick at which frame() must be called, given everything received so far.
+    // Returns the next tick at which frame() must be called, as far as the observer can know now.
     virtual std::uint32_t next_tick() const = 0;
     virtual void frame(const SessionFrame &frame) = 0;
     virtual void finish() {
     } // after the last frame; throws std::runtime_error when a file could not be written
 };
 
-// Returns the tick of picture number `index` at `per_second` pictures per second.
+// Returns the tick at which picture number `index` is due, at `per_second` pictures per second.
 inline std::uint32_t picture_tick(std::uint32_t index, std::uint32_t per_second)
 {
     return static_cast<std::uint32_t>((static_cast<std::uint64_t>(index) * 1000 + per_second - 1) /
                                       per_second);
 }
 
-// Requests frames at a steady rate, whatever the X-ray room does.
+// Observes a session at a steady number of frames per second, whatever the X-ray room does.
 class SteadySink : public FrameSink
 {
   public:

@@ -60,7 +60,7 @@ std::vector<std::uint8_t> side_holes_of(std::size_t tool, const SideHoles &holes
     return bytes;
 }
 
-// Returns the bytes of the label of a tool's balloon.
+// Returns the label of a tool's balloon, encoded as bytes.
 std::vector<std::uint8_t> balloon_of(std::size_t tool, const BalloonLabel &label)
 {
     const std::size_t markers = std::min(label.marker_arcs_m.size(), balloon_markers_max);
@@ -75,8 +75,8 @@ std::vector<std::uint8_t> balloon_of(std::size_t tool, const BalloonLabel &label
     return bytes;
 }
 
-// Returns the bytes of a stent: name and material, the connections of the rings, and then counts and numbers
-// in the order of their lists.
+// Returns a stent, encoded as bytes: name and material, the connections of the rings, and then counts and
+// numbers in the order of their lists.
 std::vector<std::uint8_t> stent_of(const StentDesign &stent)
 {
     constexpr std::size_t text_max = 200;
@@ -114,8 +114,8 @@ Recorder::Recorder(const std::string &path, const RecordingHeader &header) : pat
     for (const StentDesign &stent : header.stents) chunk(STENT, stent_of(stent));
 }
 
-// A destructor may not throw. If the remaining ticks cannot be written they are lost, and the recording
-// counts as cut off.
+// A destructor may not throw. If the remaining ticks cannot be written, they are lost, and a reader finds
+// that the recording was cut off.
 Recorder::~Recorder()
 {
     try {
@@ -125,7 +125,7 @@ Recorder::~Recorder()
     }
 }
 
-// The recording is worth keeping, complete or cut off, so the file now gets its final name.
+// The recording is useful whether it is complete or cut off, so the file now gets its final name.
 void Recorder::give_name()
 {
     file_.reset();

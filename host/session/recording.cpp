@@ -14,7 +14,7 @@ namespace
 
 constexpr std::uint32_t ticks_max = 1u << 26; // 18 hours
 
-// Reads chunk after chunk, and keeps its position for error messages.
+// Reads the recording chunk by chunk, and remembers its position for error messages.
 class Reader
 {
   public:

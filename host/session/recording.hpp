@@ -1,4 +1,4 @@
-// Recordings contain everything that determines a session, tick by tick (docs/session.md describes every
+// A recording contains everything that determines a session, tick by tick (docs/session.md describes every
 // byte).
 //
 //   file   = "CRN-REC4" | chunk ...
@@ -6,9 +6,9 @@
 //   order  = HEAD, SIDE_HOLES, BALLOON and STENT; then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen;
 //            END when the session was closed properly
 //
-// A recorder writes chunk by chunk, so that a recording that a crash cut off is readable up to its last
-// complete chunk. A reader refuses a file that is not a recording, has another version, or is damaged in the
-// middle.
+// A recorder writes the file in chunks. If a crash cuts off the recording, it can therefore be read up to its
+// last complete chunk. A reader refuses a file that is not a recording, has another version, or is damaged in
+// the middle.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/room/command.hpp"
@@ -104,8 +104,8 @@ class Recorder
     static constexpr std::uint32_t snapshot_every_ticks = 5000;
 
     // The constructor and all later calls throw RecordingError when the file cannot be written. Until the
-    // recording is finished or abandoned, its file is called "path.partPID-RANDOM". A killed program leaves
-    // this file behind, and it can be replayed.
+    // recording is finished or abandoned, its file is called "path.partPID-RANDOM". If the program is killed,
+    // this file stays, and it can be replayed.
     Recorder(const std::string &path, const RecordingHeader &header);
     ~Recorder(); // closes as a cut-off recording unless finish() was called
 

@@ -1,5 +1,4 @@
-// Reads the chunks of a recording one after the other, both for the reader and for the conversion of older
-// versions.
+// Reads the chunks of a recording in order, both for the reader and for the conversion of older versions.
 #pragma once
 #include "host/session/recording.hpp"
 #include <span>
@@ -9,9 +8,9 @@
 namespace crn::recording_format
 {
 
-// `is_size_of` returns true if a chunk of this kind can have this number of bytes. An impossible length means
-// that the file was damaged, and not that it was cut off. `is_known` returns true if the version has chunks
-// of this kind.
+// `is_size_of` returns true if a chunk of this kind can have this number of bytes. If the length of a chunk
+// is impossible, the file was damaged, and not merely cut off. `is_known` returns true if recordings of this
+// version have chunks of this kind.
 struct ChunkRules {
     bool (*is_known)(std::uint32_t kind);
     bool (*is_size_of)(std::uint32_t kind, std::size_t bytes, std::size_t tool_count);
@@ -36,11 +35,12 @@ class ChunkReader
     // `bytes` and `name` must live longer than this object.
     ChunkReader(std::span<const std::uint8_t> bytes, const std::string &name) : bytes_(bytes), name_(name) {}
 
-    // Throws RecordingError; the message names the file and the byte.
+    // Throws RecordingError with a message that names the file and the position in bytes.
     [[noreturn]] void fail(RecordingFault fault, const std::string &text) const;
-    // Reads the first chunk, which is the head of the recording. Throws RecordingError.
+    // Reads the first chunk, which is the header of the recording. Throws RecordingError.
     void read_head(const ChunkRules &rules);
-    // Returns false at the end of the file, or where it was cut off. Throws if the file is damaged.
+    // Reads the next chunk; returns false at the end of the file, or where the file was cut off. Throws
+    // RecordingError if the file is damaged.
     bool next(const ChunkRules &rules, std::size_t tool_count);
     bool is_at_end() const { return position_ == bytes_.size(); }
     void check_used_up(const char *what) const;

@@ -76,7 +76,7 @@ class Upgrade
         bytes_.insert(bytes_.end(), chunk.begin(), chunk.end());
     }
 
-    // Everything in the header except the schema hash stays as it is.
+    // The header of the recording stays as it is, except for the schema hash.
     void take_head()
     {
         crn_wire_reader &payload = chunks_.payload();
@@ -151,7 +151,7 @@ class Upgrade
         return input;
     }
 
-    // In protocol 4, a tick without an order of some kind has zeros in all fields of that kind.
+    // In protocol 4, a tick without a command of some kind has zeros in all fields of that kind.
     void read_orders(crn_wire_order_list &orders)
     {
         const auto take = [&](bool is_there, const crn_wire_order &order) {
@@ -178,7 +178,7 @@ class Upgrade
         take(strut.number != 0, crn_wire_order_of_strut(strut));
     }
 
-    // Version 2 stored the whole view of the C-arm whenever a part of it changed. Only its differences from
+    // Version 2 stored the whole view of the C-arm whenever a part of it changed. Only the differences from
     // the previous view become commands.
     void take_view()
     {

@@ -1,13 +1,14 @@
-// Converts recordings of protocol 4 (versions 2 and 3) to this program's version. Ticks, hashes and states
-// stay the same, so a replay ends with the same hash.
+// Converts recordings of the wire protocol 4 (versions 2 and 3 of the file format) to this program's version.
+// The conversion does not change ticks, hashes and states, so a replay ends with the same hash.
 #pragma once
 #include "host/session/recording.hpp"
 
 namespace crn
 {
 
-// A recording that was cut off stays cut off. Throws RecordingError for a recording that is damaged, that
-// already has this version, or whose schema of the byte protocol is not the last one of protocol 4.
+// If the recording was cut off, the converted recording is cut off too. Throws RecordingError if the
+// recording is damaged, already has this version, or has a protocol schema that is not the last schema of
+// protocol 4.
 std::vector<std::uint8_t> upgraded_recording(std::span<const std::uint8_t> bytes, const std::string &name);
 
 // Converts a file. The new file gets its final name only when it is complete. Throws RecordingError,

@@ -78,8 +78,8 @@ class Replayer
         }
     }
 
-    // Medium that was injected before the start of the replay may still be in the vessels, so the patient is
-    // computed from the first injection on.
+    // Contrast medium that was injected before the start of the replay may still be in the vessels, so the
+    // patient is computed from the first injection on.
     std::uint32_t first_injection() const
     {
         for (const RecordedCommand &recorded : recording_.commands)
@@ -108,7 +108,8 @@ class Replayer
         return count;
     }
 
-    // Returns the next tick at which patient or sink need the line; UINT32_MAX if neither needs it again.
+    // Returns the next tick at which the patient or the observer needs the shape of the tools, or UINT32_MAX
+    // if neither needs it again.
     std::uint32_t next_stop() const
     {
         return std::min(patient_ ? patient_->next_look() : UINT32_MAX,
@@ -125,8 +126,8 @@ class Replayer
         look_when_due(false);
     }
 
-    // Where the device disappeared and came back, the session continued from another state, which the
-    // recording contains.
+    // If the device disappeared and came back at this tick, the session continued from another state, which
+    // the recording contains.
     void go_on_from_resume()
     {
         const RecordedSnapshot *resumed = recording_.resumed_at(link_.tick());
@@ -210,7 +211,7 @@ class Replayer
         return command_ < recording_.commands.size() && recording_.commands[command_].tick <= tick;
     }
 
-    // Passes on the commands that the recording has up to the present tick.
+    // Passes the recorded commands up to the present tick to the X-ray room and the patient.
     void pass_commands()
     {
         for (; is_command_due(link_.tick()); command_++) {

@@ -1,4 +1,4 @@
-// Replays a recording on a newly started device and compares every hash.
+// Replays a recording on a newly started device and compares every state hash.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/tip_places.hpp"
@@ -10,13 +10,14 @@
 namespace crn
 {
 
-// Sets the speed of the replay: 1 is real time, and 0 is as fast as the machine allows.
+// States the speed of the replay: 1 is real time, and 0 is as fast as the machine allows.
 struct ReplaySpeed {
     double factor = 0.0;
     bool is_paused = false; // one tick at a time around every full second, with a pause there
 };
 
-// Accepts "fast", "slow" (half real time), "paused" or a positive number; returns nullopt for anything else.
+// Converts "fast", "slow" (half of real time), "paused" or a positive number to a speed; returns nullopt for
+// any other text.
 std::optional<ReplaySpeed> replay_speed(const std::string &text);
 
 struct ReplaySettings {
@@ -42,8 +43,8 @@ struct ReplayResult {
     std::string difference; // the difference found
 };
 
-// `patient` and `sink` may be nullptr, because the orders to the core are in the recording. Throws LinkError.
-// If `verifies` is set, the replay stops at the first difference.
+// `patient` and `sink` may be nullptr, because the recording contains the commands to the core. Throws
+// LinkError. If `verifies` is true, the replay stops at the first difference.
 ReplayResult replay_recording(Device &device, const Recording &recording, Patient *patient, FrameSink *sink,
                               const ReplaySettings &settings);
 

@@ -58,7 +58,8 @@ class Runner
     }
 
   private:
-    // Returns the number of ticks until something other than a step is due.
+    // Returns the number of ticks that can be stepped in one batch, before the script, the patient or the
+    // observer needs the session's state.
     std::uint32_t batch_size() const
     {
         const std::uint32_t tick = link_.tick();
@@ -69,7 +70,7 @@ class Runner
         return std::min(count, Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks);
     }
 
-    // Returns the next tick at which patient or sink need the line.
+    // Returns the next tick at which the patient or the observer needs the shape of the tools.
     std::uint32_t next_stop() const
     {
         return std::min(patient_.next_look(), sink_ ? sink_->next_tick() : UINT32_MAX);
@@ -105,8 +106,8 @@ class Runner
         look_when_due();
     }
 
-    // Reads the state on which the script's decisions depend. The script's expectations about medium and
-    // stents refer to exactly this tick, whatever pictures are made.
+    // Reads the state of the session on which the script's decisions depend. The values of medium and stents
+    // that the script expects refer to exactly this tick, whatever pictures are made.
     void look(bool has_nodes)
     {
         const std::vector<double> lengths_m = inserted();
@@ -119,8 +120,8 @@ class Runner
         player_.observe({lengths_m, tips, settings_.witness, link_.tick()});
     }
 
-    // Passes on the script's commands to the X-ray room, which are in force from this tick on; returns true
-    // if there were any.
+    // Passes the script's commands to the X-ray room, where they take effect from this tick on; returns true
+    // if there were any commands.
     bool pass_commands(std::uint32_t tick)
     {
         const std::vector<RoomCommand> commands = player_.take_commands();

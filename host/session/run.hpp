@@ -1,5 +1,6 @@
-// Runs a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or in
-// FREE_RUN the hands at a rig. Meanwhile the session is recorded, and its pictures are made.
+// Runs a session on a device and its patient. Either a script moves the tools in LOCKSTEP, as fast as the
+// machine allows, or the hands at a rig move the tools in FREE_RUN. Meanwhile the session is recorded, and
+// its pictures are made.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/session.hpp"
@@ -38,29 +39,30 @@ struct RunResult {
     crn_wire_fault_log faults{};
 };
 
-// FREE_RUN: passes on the patient's orders to the core. Each call sends the orders of one tick, because a
-// device can store only a few. At its next look the patient repeats orders that the device did not carry out.
+// FREE_RUN: passes the patient's commands to the core. Every call sends the commands of one tick, because a
+// device can store only a few commands. If the device did not carry out a command, the patient repeats the
+// command later.
 void send_orders(Link &link, Patient &patient);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
                       FrameSink *sink, const RunSettings &settings);
 
-// FREE_RUN: runs a session of `seconds` on the device's own clock; with 0 it runs until Ctrl-C, which ends
-// the session properly. The first button of the rig is the X-ray pedal, and the second is the cine pedal.
-// `begin` holds the commands to the X-ray room at the start. If the rig stops, the session ends, and
-// `stopped_by` gives the reason. Everything up to that tick is valid.
+// FREE_RUN: runs a session of `seconds` on the device's own clock. If `seconds` is 0, it runs until Ctrl-C,
+// which ends the session properly. The first button of the rig is the X-ray pedal, and the second is the cine
+// pedal. `begin` lists the commands that the X-ray room receives at the start. If the rig stops, the session
+// ends, and `stopped_by` gives the reason. All results up to that tick are valid.
 RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
                            double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
-// Returns the figures of a session. These figures do not depend on other outputs that are requested, or on
-// the machine.
+// Returns the report of a session. The values in this report do not depend on the machine, or on which other
+// outputs are requested.
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
                                  const std::vector<Instrument> &tools, const std::string &session,
                                  Patient &patient);
 // Returns the computing time of the session on this machine, which differs from run to run.
 nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient);
-// Writes one of the two reports above as a file. Throws OutputError.
+// Writes one of these two reports (report_of or timing_of) to a file. Throws OutputError.
 void write_report(const std::string &path, const nlohmann::ordered_json &report);
 
 } // namespace crn

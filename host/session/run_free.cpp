@@ -1,4 +1,4 @@
-// Runs a session in FREE_RUN: its ticks are recorded, and its pictures shown, as they arrive.
+// Runs a session in FREE_RUN, and records its ticks and shows its pictures as they arrive.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/rig/pedals.hpp"
@@ -19,7 +19,7 @@ void send_orders(Link &link, Patient &patient)
     try {
         link.give_orders(orders);
     } catch (const DeviceLost &) {
-        // The next round will also find that the device has disappeared, and will wait for it.
+        // The next request to the device will also find that it has disappeared, and will wait for it.
     }
 }
 
@@ -105,8 +105,8 @@ class FreeRunner final : private FreeRunSink
         if (recorder_) recorder_->resumed(tick, bytes);
     }
 
-    // A hash may arrive before the ticks to which it belongs, and those may never arrive, so it is recorded
-    // only with its ticks.
+    // A hash may arrive before the ticks to which it belongs, and those ticks may never arrive. The hash is
+    // therefore recorded only together with its ticks.
     void record_hash()
     {
         const auto hash = device_.last_hash64();
@@ -127,7 +127,7 @@ class FreeRunner final : private FreeRunSink
         if (sink_) sink_->frame(frame);
     }
 
-    // The last shape received is used, because a rig that has disappeared sends no other.
+    // The last received shape of the tools is used, because a rig that has disappeared sends no other shape.
     void look_at_the_end()
     {
         SessionFrame frame = session_frame(device_, state_, input_);
@@ -148,7 +148,7 @@ class FreeRunner final : private FreeRunSink
         try {
             result_.faults = device_.link().read_fault_log();
         } catch (const LinkError &) {
-            // If the rig has disappeared, its log cannot be read.
+            // If the rig has disappeared, its fault log cannot be read.
         }
     }
 

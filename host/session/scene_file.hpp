@@ -1,4 +1,4 @@
-// Holds a baked scene as the host uses it: its bytes, which the device receives, and the place where the
+// Holds a baked scene as the host uses it: the bytes that the device receives, and the point where the
 // instruments enter.
 #pragma once
 #include "host/model/instrument.hpp"
@@ -17,8 +17,8 @@ struct SceneFile {
     std::string name;
 };
 
-// Throws FileError with the validator's message if the file is not a valid scene. With an empty path the
-// scene is free space, and the entry is at the origin and points towards the head.
+// Throws FileError with the validator's message if the file is not a valid scene. If the path is empty, the
+// scene is free space without vessels, and the entry is at the origin and points towards the head.
 SceneFile read_scene(const std::string &path);
 
 } // namespace crn

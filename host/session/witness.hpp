@@ -1,7 +1,7 @@
-// Computes a rig's session on this machine's core at the same time, and accepts the rig's results only if
-// both agree. So the recording cannot contain a hash, snapshot or picture from a device that is broken, sends
-// false data, or computes with damaged memory. `replay --verify` would find the same differences later; the
-// witness finds them before they are recorded.
+// Repeats the computation of a rig's session on this machine's core at the same time, and accepts the rig's
+// results only if both results agree. The recording therefore cannot contain a hash, snapshot or picture from
+// a device that is broken, sends false data, or computes with damaged memory. `replay --verify` would find
+// the same differences later, whereas the class Witness finds them before they are recorded.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/link/sim_transport.hpp"
@@ -18,23 +18,22 @@ namespace crn
 class Witness
 {
   public:
-    // Sets up a core in the same way in which a replay sets up its device. `who` is the name of the rig in
-    // messages. Throws LinkError.
+    // Sets up this machine's core in the same way in which a replay sets up its device. `who` is the name by
+    // which messages refer to the rig. Throws LinkError.
     Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
             const crn_wire_rig &rig, const std::string &who);
 
-    // These functions throw LinkError if the rig's results differ; the message gives the tick, both values
-    // and the remedy. In LOCKSTEP the whole results are compared, and also the line's shape if it was
-    // requested (`nodes`, else nullptr).
+    // The functions of this class throw LinkError if the rig's results differ; the message gives the tick,
+    // both values and the remedy. In LOCKSTEP the complete results are compared, and also the shape of the
+    // tools if it was requested (otherwise `nodes` is nullptr).
     void step(std::span<const crn_wire_tick_input> inputs, std::span<const crn_wire_tick_state> states,
               const crn_wire_nodes *nodes);
-    // In FREE_RUN only the hashes are compared, because the forces of the motors are computed by the rig
-    // alone.
+    // In FREE_RUN only the hashes are compared, because only the rig computes the forces of its motors.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     // Compares the hash of the present tick, or of one of the last ticks that are multiples of 100.
     void hash(const Hash64 &told);
     // Compares the snapshot of the present tick, from which the session may continue later. In LOCKSTEP every
-    // byte is compared, otherwise only the core's state in it.
+    // byte of the snapshot is compared, otherwise only the core's state in it.
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes, bool is_lockstep);
     void restore(std::span<const std::uint8_t> bytes);
     std::uint32_t tick() const { return link_.tick(); }

@@ -1,4 +1,4 @@
-// This test injects a spread of faults over every kind (make hil runs all), and checks the claims of the
+// This test injects some faults of every kind (make hil injects all faults), and checks the code of the fault
 // campaign itself.
 #include "hil_tests/campaign/table.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
@@ -53,7 +53,7 @@ void a_line_that_names_no_fault_is_refused_with_the_word(void **)
     }
 }
 
-// Half a frame of a host that crashed precedes the HELLO of the next host.
+// The device receives half a frame from a host that crashed, and then the HELLO message of the next host.
 void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
 {
     hil::SimBench bench(hil::campaign_plant());
@@ -63,7 +63,7 @@ void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
     assert_true(link.hello().accepted);
 }
 
-// The host library sends messages by itself while its caller waits.
+// The host library sends messages on its own while the program that uses it waits.
 void a_host_that_waits_is_not_silent(void **)
 {
     hil::SimBench bench(hil::campaign_plant());

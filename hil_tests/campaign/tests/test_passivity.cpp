@@ -1,6 +1,7 @@
-// This test runs a spread of the grid of gain, coupling, damping, lag and hand (make hil-passivity runs all).
-// No setting that the device accepts may drive a carriage too fast or keep oscillating. The test also checks
-// the meter that measures these oscillations.
+// This test runs a selection of the grid of force gain, coupling stiffness, damping, motor lag and grip of
+// the hand (make hil-passivity runs the whole grid). With every setting that the device accepts, the carriage
+// must stay below the speed limit and must not oscillate permanently. The test also checks CycleMeter, the
+// class that measures oscillations of the motor force.
 #include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <cmath>
@@ -21,8 +22,8 @@ void nothing_that_is_accepted_is_fast_or_goes_on_to_and_fro(void **)
     assert_int_equal(hil::run_passivity_grid(level, 41, ""), 0);
 }
 
-// A coupling of 800 N/m at a gain of 2, on honestly stated damping, reached 0.34 m/s in a loose hand; this
-// setting is refused.
+// The device must refuse a coupling of 800 N/m at a force gain of 2, although the declared damping is true:
+// with this setting, a carriage in a loose hand reached 0.34 m/s.
 void a_gain_of_two_on_honest_damping_is_refused(void **)
 {
     hil::SimLevel level;

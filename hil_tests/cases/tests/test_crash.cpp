@@ -1,7 +1,8 @@
-// This test checks the state after a failure of the firmware itself, on the image. A debugger causes a jump
-// to an invalid address (a hard fault) and a loop that never ends. The power is off before any text is
-// printed, and the console shows where the program failed. The watchdog restarts the device, which reports
-// the cause again at its next start and works.
+// This test crashes the firmware of an emulated device in several ways, and checks the state of the device
+// afterwards. In two tests a debugger causes a crash: a jump to an invalid address (a hard fault), or a loop
+// that never ends. The motors lose their power before the firmware prints any text, and the console shows
+// where the firmware failed. The watchdog restarts the device; after its next start the device reports the
+// cause again and works.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include <csetjmp>
@@ -26,8 +27,8 @@ constexpr std::uint32_t spare = 0x003ff000;   // code memory behind the image
 constexpr int hard_fault = 3, watchdog = 2;
 constexpr int patience_s = 120;
 
-// This class has the part of gdb's protocol that is needed to stop a processor, change its program counter
-// and memory, and resume it.
+// Implements the part of gdb's protocol that a test needs to stop a processor, to change its program counter
+// and memory, and to resume it.
 class Debugger
 {
   public:
@@ -108,7 +109,7 @@ class Debugger
     int socket_ = -1;
 };
 
-// This is a device that a debugger may crash.
+// Runs an emulated device that a debugger may crash.
 class Patient
 {
   public:
@@ -136,9 +137,10 @@ class Patient
         debugger.set_program_counter(address);
         debugger.go_on();
     }
-    // Turns interrupts off and hangs the device. The watchdog then never finds the processor in the
-    // millisecond's handler. The watchdog's minute is a whole number of milliseconds, so it may end right
-    // behind an edge, in the millisecond's handler.
+    // Turns the processor's interrupts off and runs an endless loop, so that the device hangs. The watchdog
+    // therefore never interrupts the processor in the handler that runs every millisecond. The watchdog waits
+    // one minute, which is a whole number of milliseconds. The watchdog may therefore act just after a
+    // millisecond has begun, while the processor runs that millisecond's handler.
     void hang()
     {
         debugger.stop();
@@ -174,8 +176,8 @@ class Patient
     hil::EmulatedBench bench;
 };
 
-// cmocka leaves a failed test by a jump that runs no destructors, so errors leave the function as exceptions
-// first.
+// cmocka leaves a failed test by a jump that runs no destructors, so the function throws errors as exceptions
+// before cmocka reports them.
 void guarded(void (*body)())
 {
     std::string why;
@@ -187,7 +189,7 @@ void guarded(void (*body)())
     if (!why.empty()) fail_msg("%s", why.c_str());
 }
 
-// In this test there is a force at the motors, and the processor runs 1,000 instructions per us.
+// In this test the motors exert a force, and the emulated processor executes 1,000 instructions per us.
 void power_goes_with_a_hard_fault()
 {
     Patient patient(0);
@@ -208,8 +210,8 @@ void power_goes_with_a_hard_fault()
     patient.expect_console("fault: exception 3 at pc 0x50000000");
 }
 
-// In this test each instruction takes 1 us of emulated time. There are no millisecond edges and no scenes, so
-// the emulator runs through the watchdog's minute within a second.
+// In this test each instruction takes 1 us of emulated time. The test runs no millisecond handler and loads
+// no scenes, so the emulator needs less than a second for the watchdog's minute.
 constexpr int slowest = 10;
 
 void the_watchdog_starts_a_crashed_device_again_and_it_says_why()

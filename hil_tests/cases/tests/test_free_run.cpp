@@ -1,7 +1,8 @@
-// These tests check claims about sessions that the rig leads (docs/rig.md). The motion of the hands at the
-// rig's encoders is recorded tick by tick and replays in LOCKSTEP bit for bit, even when the cable was pulled
-// meanwhile. When a rig stops, the session ends and reports the cause. The rig is the model of level 0 with a
-// hand that pushes against powered motors.
+// These tests check sessions in which the rig sets the pace and its encoders measure the hands (FREE_RUN,
+// docs/rig.md). A recording contains the measured motion of the hands tick by tick, and a LOCKSTEP replay of
+// it gives equal state hashes, even if the cable was pulled during the session. When a rig stops, the session
+// ends and reports the cause. The rig is the simulated one of test level 0, with a hand that pushes against
+// powered motors.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -25,8 +26,8 @@ extern "C" {
 namespace
 {
 
-// This is a cable to a bench. It fails after this many reads, and the next open of the device gets a new
-// cable.
+// Simulates a cable between the host and a test bench. The cable fails after a given number of reads, and the
+// next opening of the device creates a new cable.
 class Cable final : public crn::Transport
 {
   public:
@@ -97,7 +98,7 @@ struct Trial {
         return crn::run_free_session(device, patient, {}, seconds, &recorder, nullptr, {});
     }
 
-    // Replays every tick on a device of the host's own.
+    // Replays every recorded tick on a separate device in the host's process.
     void check_replay(const crn::RunResult &result)
     {
         const crn::Recording recording = crn::read_recording(path);
@@ -144,7 +145,8 @@ void what_hands_do_at_a_rig_replays_bit_for_bit(void **)
     }
 }
 
-// The rig runs on for 1.5 s without the host; the session continues from the last tick that arrived.
+// The rig continues for 1.5 s without the host, and then the host resumes the session from the last tick that
+// it received.
 void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
 {
     for (std::uint32_t cut : {100u, 401u, 702u}) {
@@ -160,8 +162,8 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
     }
 }
 
-// After a gap of more than free_run_kept_max ticks, a resumed session begins with a snapshot, which is part
-// of the recording.
+// When the host resumes a session after more than free_run_kept_max lost ticks, the session begins again with
+// a snapshot, and the recording contains this snapshot.
 void a_long_session_resumes_from_a_snapshot(void **)
 {
     Trial trial(false);

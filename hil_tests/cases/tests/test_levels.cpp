@@ -1,4 +1,4 @@
-// This test runs every case of hil_tests/cases at level 0 and at level 1.
+// This test runs every test case of hil_tests/cases at the test levels 0 and 1.
 #include "firmware/tests/reference/long_run.h"
 #include "hil_tests/cases/cases.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
@@ -41,8 +41,9 @@ void run(void **state)
                  job.what->name);
 }
 
-// On the image, ten trials of the haptic loop take a minute, as they do under the sanitizers at level 0, and
-// each fault of the rig takes half a minute. So this test runs a part of them, and `make hil` runs all.
+// On the emulated device of level 1, ten trials of the haptic loop take a minute, and each fault of the rig
+// takes half a minute. Under the sanitizers, the trials take equally long at level 0. This test therefore
+// runs only a part of the trials and faults, and `make hil` runs all of them.
 std::uint32_t spread_of(const hil::Case &one, bool is_image)
 {
     const bool is_short = REFERENCE_RUN(5) != 5;

@@ -1,6 +1,6 @@
-// This test exercises the image's USB side, token by token. The device enumerates, takes its configuration,
-// answers HELLO through the bulk pair, keeps its messages for a bus that sleeps, and counts requests by USB
-// as work.
+// This test exercises the USB interface of the firmware image with single USB tokens. The device must
+// enumerate, accept its configuration, and answer HELLO through the pair of bulk endpoints. The device must
+// also keep its messages while the bus is suspended, and count USB requests as work.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -48,7 +48,7 @@ void expect(usb_result result, const char *what)
     if (result != USB_OK) fail_msg("%s: %s", what, usb_result_name(result));
 }
 
-// This is a device in the emulator with a configured host on its USB side.
+// Runs a device in the emulator, with a configured host on its USB side.
 class Session
 {
   public:
@@ -107,7 +107,7 @@ class Session
                "a frame to the device");
     }
 
-    // Sends the frame through the rings of the rig page, and waits until the device has taken it.
+    // Sends the frame through the ring buffers in the rig page, and waits until the device has read it.
     void write_page(const std::vector<std::uint8_t> &frame)
     {
         rig_page &page = emulator.page();
@@ -117,7 +117,7 @@ class Session
         emulator.wait([&] { return rig_read(&page.device.to_device_tail) == head; }, "a request");
     }
 
-    // Expects that the next frame over USB is of this type, and leaves the frame in the decoder.
+    // Checks that the next frame over USB has this message type, and leaves the frame in the decoder.
     void expect_frame(std::uint16_t type)
     {
         for (int packets = 0; packets < 8; packets++) {
@@ -162,7 +162,7 @@ void the_image_answers_hello_over_usb(void **)
     assert_int_equal(reply.accepted, 1);
 }
 
-// The app's messages wait while the bus sleeps, until the host is back on the bus.
+// The device's messages must wait while the bus is suspended, until the host resumes the bus.
 void a_sleeping_bus_keeps_what_the_app_says(void **)
 {
     Session session;
@@ -179,8 +179,8 @@ void a_sleeping_bus_keeps_what_the_app_says(void **)
     assert_int_equal(session.decoder.header.answers, 2);
 }
 
-// When the plant controls time, waiting takes no time. Work takes the same time whether the request came by
-// USB or by the rings.
+// If the simulated rig (plant) controls time, waiting takes no time. A request takes equally long whether it
+// arrived over USB or through the ring buffers.
 void work_that_comes_by_usb_takes_the_plants_time(void **)
 {
     Session session;

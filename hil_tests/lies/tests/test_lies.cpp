@@ -1,6 +1,7 @@
-// These tests check that whatever a device sends, every command that talks to it ends within 10 s with exit
-// code 0 or 1 and a message about it. After Ctrl-C the command ends within 1 s, and it records nothing but
-// what this machine's core computes. This test runs a spread of the lies; `make hil-lies` runs all.
+// These tests check commands that talk to a device which sends false messages. Whatever the device sends, the
+// command must end within 10 s with exit code 0 or 1 and a message that names the problem. After Ctrl-C the
+// command must end within 1 s, and its recording must contain only what this machine's core computes. This
+// test runs an evenly spread selection of the lies; `make hil-lies` runs all of them.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -65,8 +66,7 @@ void a_device_that_never_frames_holds_no_command(void **)
     expect_good(cases, 600);
 }
 
-// Before a second device checked the results, each of these lies ended with exit code 0 and a falsehood in
-// the recording.
+// These lies formerly led to exit code 0 and a false recording, because no second device checked the results.
 void no_falsehood_is_recorded(void **)
 {
     const std::vector<std::string> lies = {"ticks.lane0 at=3 value=0",
@@ -88,7 +88,7 @@ void no_falsehood_is_recorded(void **)
     for (std::size_t i = 0; i < cases.size(); i++) {
         if (!verdicts[i].failure.empty())
             fail_msg("%s: %s", line_of(cases[i]).c_str(), verdicts[i].failure.c_str());
-        // The message shows that the lie was detected and named.
+        // The command's message must show that the lie was detected, and must name the false value.
         if (verdicts[i].code != 1) fail_msg("%s: exit code %d", line_of(cases[i]).c_str(), verdicts[i].code);
     }
 }

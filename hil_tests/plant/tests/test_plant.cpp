@@ -1,6 +1,6 @@
-// These tests check the claims about the rig model against closed forms: motion under constant forces,
-// friction that stops and holds, slip at its threshold, lag of the motors, quantisation of the encoders, the
-// power stage's timing, and determinism.
+// These tests compare the simulated rig with closed formulas: motion under constant forces, friction that
+// stops and holds, and slip at its threshold. The tests also cover the lag of the motors, the quantisation of
+// the encoders, the timing of the power stage, and determinism.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -55,8 +55,8 @@ void a_free_tool_accelerates_by_newton(void **)
     near("tool in m", axis.tool(), expected, 1e-9);
 }
 
-// A tool that is released at the speed v0 is stopped by the friction F after v0^2 m / 2 F; then it rests to
-// the last bit.
+// A tool that is released at the speed v0 is stopped by the friction F after the distance v0^2 m / 2 F; then
+// its position stays equal to the last bit.
 void friction_stops_a_free_tool_and_holds_it(void **)
 {
     AxisSettings s = ideal();
@@ -86,8 +86,8 @@ void viscous_friction_gives_a_terminal_speed(void **)
     near("speed in m/s", axis.tool_speed(), 0.5, 1e-9);
 }
 
-// A tool that is held keeps the roller at rest up to the force grip + bearing; beyond that, the rest of the
-// force makes the roller slip.
+// While the tool is held, a motor force up to grip + bearing friction does not move the roller. The excess
+// over this limit makes the roller slip.
 void the_roller_slips_at_its_threshold(void **)
 {
     AxisSettings s = ideal();
@@ -115,7 +115,8 @@ void the_hand_feels_the_motor_at_rest(void **)
     near("deflection of the hand's spring in m", -spring.tool(), 1.5 / 600.0, 0.0501 / 600.0);
 }
 
-// The motor's current is i = I (1 - exp(-t / tau)); without power it decays, whatever the command.
+// The motor's current follows i = I (1 - exp(-t / tau)); when the motor has no power, the current decays,
+// whatever the command is.
 void the_motor_lags_and_loses_power(void **)
 {
     const AxisSettings s;
@@ -141,7 +142,8 @@ void a_motor_that_sticks_on_needs_the_power_stage(void **)
     near("force without power in N", axis.motor_force(), 0.0, 1e-5);
 }
 
-// The counts are floor(place / width + 1/2), so the error is at most half a count, plus jitter.
+// The encoder's count is floor(position / width of a count + 1/2), so the error is at most half a count plus
+// jitter.
 void encoders_quantise_by_half_a_count(void **)
 {
     hil::Random random(3);
@@ -180,8 +182,8 @@ void encoders_wrap_and_have_faults(void **)
     assert_int_equal(faulty.health(), CRN_PORT_SENSOR_RANGE);
 }
 
-// A device that flips the drive line every millisecond has power. The power is off n ms after the last flip,
-// with n = CRN_PORT_DRIVE_HOLD_ms.
+// While the device changes the level of the drive line every millisecond, the motors have power. The motors
+// lose power n ms after the last change of the drive line, with n = CRN_PORT_DRIVE_HOLD_ms.
 void the_power_stage_drops_power_5_ms_after_the_last_flip(void **)
 {
     Plant plant(PlantSettings{});

@@ -1,8 +1,9 @@
-// These tests check claims about the soak itself, in free space, so that each trial takes only moments.
-// Sessions depend on seed and number alone, and a device accepts them. A bar that breaks is found at its
-// tick, and the session shrinks to the cause. A replay that differs, a crash and an endless trial are
-// reported as verdicts. Rows survive an interruption, an incomplete last line and a change of program. The
-// script hil_tests/soak/test_soak.sh tests the program on vessels.
+// These tests check the program soak itself with sessions in free space (without vessels), so that every
+// session takes only moments. A random session depends only on seed and number, and a device accepts it. If a
+// session exceeds a limit, soak finds the tick and shortens the session to the cause. Soak reports a
+// differing replay, a crash and an endless session as verdicts. The rows of the result file survive an
+// interruption, an incomplete last line and a change of program. The script hil_tests/soak/test_soak.sh tests
+// the program on vessels.
 #include "hil_tests/soak/campaign.hpp"
 #include <algorithm>
 #include <csetjmp>
@@ -78,8 +79,8 @@ void another_seed_or_number_gives_another_session(void **)
             assert_true(scripts.insert(soak::script_of(soak::draw_session(catalogue, seed, index))).second);
 }
 
-// The drawn sessions contain every instrument, one to three tools, balloons, stents, and hands up to 250 mm/s
-// and 12 rad/s.
+// The random sessions of this test contain every instrument, one to three tools, balloons, stents, and hands
+// up to 250 mm/s and 12 rad/s.
 void three_hundred_sessions_have_every_instrument_and_every_kind_of_statement(void **)
 {
     std::set<std::string> tools, verbs;
@@ -104,7 +105,8 @@ void three_hundred_sessions_have_every_instrument_and_every_kind_of_statement(vo
     assert_true(is_fastest);
 }
 
-// The parser judges whole scripts, and the core judges whether tools fit into each other.
+// The parser of session scripts checks every script, and the core checks whether the tools fit into each
+// other.
 void drawn_sessions_are_ones_that_a_device_takes(void **)
 {
     soak::TrialSettings settings = settings_with({1e9, 1e9, 1e9, 1.0});
@@ -162,8 +164,8 @@ void a_recording_that_lost_its_end_is_told(void **)
     assert_string_equal(verdict.broken.c_str(), "replay");
 }
 
-// Only the wire resists a hand here, with millinewtons: the first push breaks a bar of 1 uN, whereas no pause
-// breaks it.
+// In free space only the wire's stiffness resists the hand, with millinewtons. The first push therefore
+// exceeds a force limit of 1 uN, whereas a pause never does.
 void a_bar_that_is_much_too_low_ends_the_session_at_the_first_push(void **)
 {
     const soak::Bars bars{1.0, 1.0, 1e-6, 1e-6};
@@ -212,8 +214,8 @@ void a_verdict_keeps_its_numbers_as_a_line(void **)
 
 // --- shrinking ---
 
-// This judge looks only at the text: the session is broken while it has a push of the catheter by at least 20
-// mm after an inflation.
+// This judge reads only the script: a session counts as failed while its script has a push of the catheter by
+// at least 20 mm after an inflation.
 soak::Verdict judge_of_words(const soak::DrawnSession &session)
 {
     soak::Verdict verdict;
@@ -237,8 +239,8 @@ void a_broken_session_shrinks_to_the_statements_that_break_it(void **)
          "wait 1000 ms", "deflate at 4 bar/s"},
         {instrument("coronary_014"), instrument("balloon_3x20"), instrument("guide_jl4_6f")});
     const soak::Shrunk shrunk = soak::shrink(session, judge_of_words(session), judge_of_words);
-    // The wire is not needed and is removed, so the balloon becomes the innermost tool; the push of 100 mm is
-    // halved to 25 mm.
+    // The failure needs no wire, so the wire is removed and the balloon becomes the innermost tool; the push
+    // of 100 mm is halved to 25 mm.
     assert_string_equal(soak::script_of(shrunk.session).c_str(),
                         "inflate to 1 bar at 10 bar/s\nadvance wire 25 mm at 50 mm/s\n");
     assert_string_equal(soak::tools_of(shrunk.session).c_str(), "balloon_3x20 + guide_jl4_6f");

@@ -1,6 +1,7 @@
-// Claims about sessions with several tools: when the device refuses a tool, the message names the tool as its
-// file does. A session with three tools replays bit for bit. Each tool is drawn over its own part of the
-// line, with its own layers and lumen. The report and the window's keys cover each tool.
+// Tests sessions with several tools: when the device refuses a tool, the message must give the tool's name
+// from its file. A session with three tools replays bit for bit. The X-ray shows for every tool only its own
+// part of the set of nested tools, with its own layers and lumen. The report has an entry for every tool, and
+// the window's keys reach every tool.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -145,7 +146,7 @@ void a_refused_tool_is_named_with_place_and_rule(void **)
     expect_refusal({tools[0], tools[0], tools[0], tools[0]}, {}, "a line holds 1 to 3 tools, not 4");
 }
 
-// Contact forces are requested in free space, where there are none, and the reply must name the current tick.
+// The test requests contact forces in free space, where there are none; the reply must name the current tick.
 void contact_forces_are_read_at_any_tick(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -179,7 +180,7 @@ void a_session_of_three_tools_replays_bit_for_bit(void **)
     }
 }
 
-// The recording is changed for only one hand at one tick, and the replay must report that tick.
+// The test changes the recorded motion of one hand at one tick, and the replay must report that tick.
 void a_changed_input_of_any_tool_is_found(void **)
 {
     for (std::size_t k = 0; k < 3; k++) {
@@ -197,8 +198,8 @@ void a_changed_input_of_any_tool_is_found(void **)
 
 // --- the line as the picture sees it ---
 
-// The tools on the line have different lengths. Each tip must lie at its own arc length, and the line's
-// radius must be that of the outermost tool.
+// The nested tools have different lengths. Every tool's tip must lie at its own arc length along the nested
+// tools, whose radius at each point must be that of the outermost tool there.
 void each_tool_covers_the_line_from_its_own_tip(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -217,8 +218,8 @@ void each_tool_covers_the_line_from_its_own_tip(void **)
     }
 }
 
-// Makes a straight line along x with nodes every 4 mm, 200 mm above the table; the tips of three tools lie
-// between nodes.
+// Makes a straight set of three nested tools along x, 200 mm above the table. This set has nodes every 4 mm,
+// and the tips of the tools lie between nodes.
 crn::WireFrame line_frame()
 {
     crn::WireFrame wire;
@@ -237,8 +238,8 @@ crn::XraySettings close_view()
     return settings;
 }
 
-// Returns the volume of a material, mm^3. The function sums the path lengths of all pixels, with the
-// magnification of the plane through the isocentre.
+// Returns the volume of one material in the picture, mm^3. The function sums the path lengths in this
+// material over all pixels, with the magnification of the plane through the isocentre.
 double volume_mm3(const std::vector<crn::RadiopaqueInstrument> &tools, const crn::WireFrame &wire,
                   crn::Material material)
 {
@@ -260,9 +261,9 @@ void expect_volume(const char *what, double value_mm3, double expected_mm3)
         fail_msg("%s: %.3f mm3, expected %.3f (2 %% allowed)", what, value_mm3, expected_mm3);
 }
 
-// The three tools have three different materials, so that the picture tells them apart. Each tool must show
-// the volume of its own length and cross-section, from its own tip (between two nodes) to the end of the
-// line. The layers of a tool are counted from its own tip, and the lumen is empty.
+// The three tools have three different materials, so that the test can find every tool in the picture. Every
+// tool must show the volume of its own length and cross-section, from its own tip (between two nodes) to the
+// end of the nested tools. The arc lengths of a tool's layers count from its own tip, and its lumen is empty.
 void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
 {
     const double pi = std::acos(-1.0);
@@ -280,7 +281,8 @@ void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
     expect_volume("guide", volume_mm3(tools, wire, crn::Material::nitinol), 50.0 * pi * 0.19 * 2.25);
 }
 
-// The path of a ray in the wall of a hollow tool is longest beside the lumen, and not in the middle.
+// In a hollow tool, a ray that passes just beside the lumen has a longer path in the wall than a ray through
+// the middle.
 void a_lumen_is_seen_as_a_brighter_middle(void **)
 {
     const std::vector<crn::RadiopaqueInstrument> tools = {
@@ -299,13 +301,14 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
         largest = std::max(largest, here);
         if (y == 255 || y == 256) middle = std::max(middle, here);
     }
-    // The length of this path is 2 (2 - 1.2) = 1.6 mm in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside the
-    // lumen.
+    // This path in the wall is 2 (2 - 1.2) = 1.6 mm long in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside
+    // the lumen.
     assert_in_range(middle, 1540, 1740);
     assert_in_range(largest, 2900, 3300);
 }
 
-// Tips may coincide with nodes, lie beyond the line, or be NaN. No tool may be lost, and nothing may crash.
+// The tip of a tool may coincide with a node, lie beyond the end of the nested tools, or be NaN. In all these
+// cases no tool may be lost, and nothing may crash.
 void tips_anywhere_are_drawn_or_left_out(void **)
 {
     const std::vector<crn::RadiopaqueInstrument> tools = {
@@ -423,8 +426,8 @@ void every_standard_view_has_a_key(void **)
     }
 }
 
-// Each key becomes a command to the room. A key's step is counted from the target of the motors, and ends at
-// the limit of travel.
+// Every key must become a command to the X-ray room. The step of a key is added to the target position of the
+// motors, and ends at the limit of travel.
 void keys_are_commands_to_the_room(void **)
 {
     using crn::RoomAction, crn::RoomCommand;

@@ -1,6 +1,6 @@
-// Claims: in a session, contrast medium leaves only through the openings of the catheter. The medium depends
-// on the commands and on the line's shapes at fixed ticks, whatever pictures were requested. The columns that
-// the X-ray shows contain as much iodine as the vessels.
+// Tests contrast medium in a session: the medium must leave only through the openings of the catheter. The
+// medium must depend only on the commands and on the shapes of the tools at fixed ticks, whatever pictures
+// were requested. The columns that the X-ray shows must contain as much iodine as the vessels.
 #include "host/base/text.hpp"
 #include "host/patient/contrast.hpp"
 #include "host/rig/pedals.hpp"
@@ -51,8 +51,8 @@ Instrument tool(const char *name, std::uint32_t inner_um)
     return made;
 }
 
-// The line goes up the aorta from its lower end. The tip of the guidewire is 50 mm ahead of the tip of the
-// catheter, which is at y = -150 mm.
+// The nested tools go up the aorta from its lower end. The tip of the guidewire is 50 mm ahead of the tip of
+// the catheter, which is at y = -150 mm.
 WireFrame line_at(std::uint32_t tick)
 {
     WireFrame wire;
@@ -70,8 +70,8 @@ WireFrame line_at(std::uint32_t tick)
 
 const std::vector<Instrument> wire_and_catheter = {tool("wire", 0), tool("catheter", 485)};
 
-// Advances to tick `end`, and stops at every tick at which a look is due and at every multiple of
-// `frame_ticks`.
+// Advances to tick `end`, and stops at every tick at which the shape of the tools must be read, and at every
+// multiple of `frame_ticks`.
 void go_on(PatientContrast &contrast, std::uint32_t from, std::uint32_t end, std::uint32_t frame_ticks)
 {
     for (std::uint32_t tick = from; tick < end;) {
@@ -105,7 +105,7 @@ void without_a_catheter_or_vessels_it_says_so(void **)
     assert_true(bare.next_tick() == never && no_tree.next_tick() == never && good.next_tick() == never);
 }
 
-// Frames between the looks, such as those of a film, must not change any bit of the result.
+// Frames at other ticks, such as those of a film, must not change any bit of the result.
 void other_pictures_do_not_change_it(void **)
 {
     PatientContrast often(aorta(), wire_and_catheter), seldom(aorta(), wire_and_catheter);
@@ -132,7 +132,8 @@ void after_washing_out_no_look_is_wanted(void **)
     assert_true(std::fabs(contrast.flow().budget().injected_mg - 6.0 * 350.0) < 1e-6);
 }
 
-// An artery divides into two branches. In each branch some column must begin where the artery ends.
+// In this test an artery divides into two branches. In both branches a column must begin where the artery
+// ends.
 void columns_have_no_gap_where_a_vessel_divides(void **)
 {
     VesselTree tree = aorta();
@@ -160,9 +161,9 @@ void columns_have_no_gap_where_a_vessel_divides(void **)
     assert_true(begin >= 2 && end >= 1);
 }
 
-// The iodine in the columns is compared with that in the cells. A column's iodine is the volume of its cones
-// times their share of iohexol 350. The tolerance of 2 % is for ends of columns that fade out, and for shares
-// that change linearly.
+// The test compares the iodine in the columns with the iodine in the cells. The iodine of a column is the
+// volume of its cones times the fraction of iohexol 350 in them. The tolerance of 2 % is needed because the
+// ends of columns fade out, and because the concentration changes linearly along a column.
 void columns_hold_the_iodine_of_the_vessels(void **)
 {
     PatientContrast contrast(aorta(), wire_and_catheter);
@@ -180,8 +181,8 @@ void columns_hold_the_iodine_of_the_vessels(void **)
         fail_msg("curves %.1f mg, vessels %.1f mg", mg, contrast.flow().held_mg());
 }
 
-// The session injects 6 ml of 350 mg/ml at 4 ml/s from tick 1001 on, because the command comes after the
-// frame of tick 1000. Then the session injects 2 ml of 150 mg/ml at 2 ml/s.
+// The session injects 6 ml of 350 mg/ml at 4 ml/s. The injection starts at tick 1001, because the command
+// comes after the frame of tick 1000. Then the session injects 2 ml of 150 mg/ml at 2 ml/s.
 void what_was_given_between_two_ticks_is_known(void **)
 {
     PatientContrast contrast(aorta(), wire_and_catheter);
@@ -219,8 +220,8 @@ void blood_around_the_line_takes_its_colour(void **)
     assert_true(wire.nodes[15].contrast_mg_per_ml > 10.0); // downstream of the catheter's tip
 }
 
-// Each of the catheter's 20 side holes has a fifth of the end hole's area. So a fifth of the medium leaves at
-// the tip, and the rest between 20 and 58 mm behind it.
+// Every one of the catheter's 20 side holes has a fifth of the end hole's area. Therefore a fifth of the
+// medium leaves at the tip, and the remainder leaves between 20 and 58 mm behind the tip.
 void a_pigtail_gives_medium_through_its_side_holes(void **)
 {
     Instrument pigtail = tool("pigtail", 500);
@@ -243,8 +244,8 @@ void a_pigtail_gives_medium_through_its_side_holes(void **)
     if (std::fabs(ahead_mg / all_mg - 0.2) > 0.03) fail_msg("%.3f of it at the tip", ahead_mg / all_mg);
 }
 
-// The core's heart determines the flow: during asystole the medium stays where it was injected, and with
-// beats the blood moves 6 ml of it away.
+// The core's heartbeats determine the blood flow. During asystole the medium stays where it was injected;
+// when the heart beats, the blood moves 6 ml of medium away.
 void blood_flows_with_the_cores_heart(void **)
 {
     double carried_mg[2] = {};
@@ -266,8 +267,9 @@ void blood_flows_with_the_cores_heart(void **)
     assert_true(carried_mg[0] > 60.0 && carried_mg[1] == 0.0);
 }
 
-// A vessel passes through the lattice of the sample scene. The cells of the vessel must be where the lattice
-// moves them, to 0.1 mm; the vessel has a point every millimetre.
+// In this test a vessel passes through the lattice of the sample scene, which heart and breath move. The
+// cells of the vessel must be where the lattice moves them, to 0.1 mm; the vessel has a point every
+// millimetre.
 void medium_moves_with_the_vessels(void **)
 {
     alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
@@ -300,8 +302,8 @@ void medium_moves_with_the_vessels(void **)
 
 // --- lesions that yield ---
 
-// The last 60 mm of the aorta, from y = -160 to -220 mm, lie beyond the catheter's tip. The narrowed part has
-// 2 mm radius instead of 8 mm, and is shifted 3 mm to the left.
+// The last 60 mm of the aorta, from y = -160 to -220 mm, lie beyond the catheter's tip. The narrowed part of
+// the aorta has a radius of 2 mm instead of 8 mm, and is shifted by 3 mm to the left.
 VesselTree narrowed_aorta()
 {
     VesselTree tree = aorta();
@@ -321,8 +323,8 @@ VesselTree narrowed_aorta()
 
 const LesionStations stations_of_aorta{7, 0.01};
 
-// From second 1 on the lesion opens to 0.7 within a second, and from second 2 on its opening is 0.5. Medium
-// fills the lesion meanwhile.
+// From 1 s on the lesion opens to 0.7 (of 1, fully open) within a second, and from 2 s on its opening is 0.5.
+// Medium fills the lesion meanwhile.
 WireFrame giving_way_at(std::uint32_t tick)
 {
     WireFrame wire = line_at(tick);
@@ -428,8 +430,8 @@ void scripts_ask_for_it_in_millilitres(void **)
     }
 }
 
-// A travel of 5,000 counts in 1 s, across the counter's wrap, injects 5 ml. Drawing back, or a jump of the
-// sensor, injects nothing.
+// When the syringe's plunger moves by 5,000 counts in 1 s, while its counter wraps round, 5 ml are injected.
+// When the plunger is drawn back, or its sensor jumps, nothing is injected.
 void a_rigs_syringe_injects_what_its_plunger_gives(void **)
 {
     RigSyringe syringe;

@@ -1,7 +1,7 @@
-// Claims about balloon and stents in a session, whose shapes of the line are made in this file. The claims
-// concern which stents may be mounted, when looks are due, and which orders the core gets and when these are
-// repeated. Other claims are that pictures change nothing, and concern the X-ray of a filled balloon and the
-// contents of a recording.
+// Tests balloon and stents in a session; this file makes the shapes of the nested tools. The tests check
+// which stents may be mounted, when the stents are updated, and which commands the core gets and when these
+// are repeated. Other tests check that pictures change nothing, and check the X-ray of a filled balloon and
+// the contents of a recording.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
@@ -36,9 +36,9 @@ std::vector<Instrument> wire_and_balloon()
             read_instrument("shared/examples/instruments/balloon_3x20.toml")};
 }
 
-// The line lies in the middle of an artery with a lesion and has a node every millimetre. The middle of the
-// balloon is at the middle of the lesion. The tip of the guidewire is 20 mm ahead of that of the catheter.
-// `radius_mm` is the radius of the balloon along its whole length.
+// The nested tools lie in the middle of an artery with a lesion and have a node every millimetre. The middle
+// of the balloon is at the middle of the lesion. The tip of the guidewire is 20 mm ahead of the tip of the
+// catheter. The balloon has the radius `radius_mm` along its whole length.
 WireFrame line_at(std::uint32_t tick, double radius_mm, double open)
 {
     static const VesselTree tree = beating_artery(false);
@@ -69,8 +69,9 @@ PatientStents session_stents(std::size_t count = 1)
 
 constexpr RoomCommand load{RoomAction::load_stent, {}};
 
-// The test lasts 800 ms: up to 200 ms the stent is crimped, up to 500 ms the balloon is under pressure, and
-// then the balloon folds. Some of the frames are looks; others lie between two looks.
+// The test lasts 800 ms: the stent is crimped up to 200 ms, the balloon is under pressure up to 500 ms, and
+// afterwards the balloon folds. Some of the frames are at ticks at which the stents are updated; other frames
+// lie between two updates.
 void carry_out(PatientStents &stents, std::uint32_t frame_ticks)
 {
     stents.command(0, load);
@@ -114,7 +115,7 @@ void nothing_is_looked_at_before_a_stent_is_loaded(void **)
     assert_true(stents.next_tick() == 80);
 }
 
-// Neither frames between the looks nor pictures may change any bit of the result.
+// Frames between two updates, and pictures, must not change any bit of the result.
 void other_pictures_do_not_change_it(void **)
 {
     PatientStents often = session_stents(), seldom = session_stents(), seen = session_stents();
@@ -137,7 +138,8 @@ crn_wire_order_list next_orders(PatientStents &stents)
     return orders;
 }
 
-// Returns the scaffold order of the next tick; empty if the tick has none.
+// Returns the command of the next tick by which a stent holds a lesion open (scaffold), or no value if the
+// tick has none.
 std::optional<crn_wire_scaffold> next_hold(PatientStents &stents)
 {
     const crn_wire_order_list orders = next_orders(stents);
@@ -152,8 +154,9 @@ std::optional<crn_wire_strut> next_ring(PatientStents &stents)
     return order ? std::optional(order->strut) : std::nullopt;
 }
 
-// The whole lesion lies inside the stent and is open. The orders must cover every station, and the middle one
-// completely. The orders must stop when the core has carried them out.
+// The whole lesion lies inside the stent and has been opened. The commands to the core must cover every point
+// of the lesion except two at each end, and must hold the middle point open by more than 90 %. After the core
+// has carried out these commands, no more of them may come.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
     PatientStents stents = session_stents();
@@ -181,7 +184,7 @@ void the_core_is_asked_once_for_what_it_does_not_know(void **)
     }
 }
 
-// Carries out all orders about struts, and returns their rings.
+// Lets the core carry out all commands about struts, and returns the rings of these commands.
 std::vector<crn_wire_strut> take_struts(PatientStents &stents)
 {
     std::vector<crn_wire_strut> rings;
@@ -194,9 +197,9 @@ std::vector<crn_wire_strut> take_struts(PatientStents &stents)
     return rings;
 }
 
-// There must be no order about struts while the stent is on the balloon. When the stent has been deployed,
-// each ring from end to end becomes one circle of its own width in the core. The orders must stop when the
-// core has carried them out.
+// While the stent is on the balloon, no command about struts may reach the core. After the stent has been
+// deployed, every ring from end to end must become one circle in the core, with the ring's own width. After
+// the core has carried out these commands, no more of them may come.
 void struts_are_told_once_the_stent_is_deployed(void **)
 {
     PatientStents stents = session_stents();
@@ -230,8 +233,8 @@ void struts_are_told_once_the_stent_is_deployed(void **)
     }
 }
 
-// The balloon of a second stent widens the first stent from inside. The widened rings must be ordered again;
-// if the core does not confirm, they must be ordered once more at the next look.
+// The balloon of a second stent widens the first stent from inside. The widened rings must be sent to the
+// core again. If the core does not confirm them, they must be sent once more at the next update.
 void struts_that_are_widened_are_told_again(void **)
 {
     PatientStents stents = session_stents(2);
@@ -258,8 +261,8 @@ void struts_that_are_widened_are_told_again(void **)
     assert_true(take_struts(stents).empty());
 }
 
-// All stents on the shelf have an equal share of the rings that the core can hold. If a stent has more rings
-// than its share, the rings for the core are chosen evenly from end to end.
+// All stents of a session get an equal fraction of the rings that the core can hold. If a stent has more
+// rings than this fraction, the rings for the core are chosen evenly from end to end.
 void stents_share_the_rings_of_the_core(void **)
 {
     PatientStents stents = session_stents(8);
@@ -273,7 +276,7 @@ void stents_share_the_rings_of_the_core(void **)
     assert_true(all.front().x_um == rings.front().x_um && all.back().y_um == rings.back().y_um);
 }
 
-// An order that a device did not carry out must be given again.
+// If a device did not carry out a command, the command must be sent again.
 void what_the_core_did_not_confirm_is_asked_for_again(void **)
 {
     PatientStents stents = session_stents();
@@ -284,7 +287,7 @@ void what_the_core_did_not_confirm_is_asked_for_again(void **)
     assert_true(first && again && first->first == again->first && first->open_q15 == again->open_q15);
 }
 
-// A stent itself opens nothing: it holds a lesion no farther open than the balloon has opened it.
+// A stent does not open a lesion by itself: the lesion stays only as far open as the balloon has opened it.
 void a_stent_holds_no_more_than_is_open(void **)
 {
     PatientStents stents = session_stents();
@@ -319,8 +322,9 @@ void another_one_is_loaded_outside_only(void **)
     assert_true(results[0].was_taken_out && !results[1].was_taken_out);
 }
 
-// The iodine in the column is compared with that of the balloon's parts. The parts are the cylinder, the
-// cones and the waist; a cone has the volume pi h / 3 (R^2 + R r + r^2) less the shaft.
+// The test compares the iodine in the column with that in the parts of the balloon. The parts of the balloon
+// are the cylinder, the cones and the waist. A cone has the volume pi h / 3 (R^2 + R r + r^2), less that of
+// the shaft.
 void the_filling_holds_as_much_as_the_balloon(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();
@@ -407,8 +411,8 @@ std::vector<std::uint8_t> recorded(const std::string &path, const StentDesign &s
     return {bytes.begin(), bytes.end()};
 }
 
-// A recording must store a stent exactly to the last bit. A stent that no stent file could describe must be
-// refused.
+// A recording must contain a stent exactly, to the last bit. The reader must refuse a stent that no stent
+// file could describe.
 void a_recording_keeps_its_stents(void **)
 {
     const tests::Folder folder("stents");

@@ -1,5 +1,6 @@
-// Tests the export of a session's runs as a folder of files: which frames go into which file, how values are
-// converted, and what is left when the export is stopped. DCMTK reads the pixels back; the frames are tiny.
+// Tests the export of a session's X-ray runs as DICOM files: which frames go into which file, how values are
+// converted, and what remains after the export was stopped. The library DCMTK reads the pixels of the files;
+// the frames are tiny.
 #include "host/base/output_files.hpp"
 #include "host/base/tests/folder.hpp"
 #include "host/picture/dicom_export.hpp"
@@ -172,7 +173,7 @@ static void a_run_of_more_than_2000_frames_goes_on_in_the_next_file(void **)
     assert_int_equal(second.pixel(2 * tiny * tiny), 2002);
 }
 
-// The expected value is log2(1 + 255) = 8, which is half of the scale's range of 16 octaves.
+// The expected logarithm is log2(1 + 255) = 8, which is half of the scale's range of 16 octaves.
 static void values_are_logarithmic_unless_asked_otherwise(void **)
 {
     for (const char *values : {"log", "linear"}) {
@@ -184,14 +185,14 @@ static void values_are_logarithmic_unless_asked_otherwise(void **)
         out.add_run(run);
         Read read(out.finish(go_on)[0]);
         const bool is_log = std::string(values) == "log";
-        // The logarithm is exact to 2e-5, which is one step of the stored value here.
+        // The computed logarithm is exact to 2e-5, which is one step of the stored value here.
         assert_in_range(read.pixel(0), is_log ? 32767 : 255, is_log ? 32769 : 255);
         assert_string_equal(read.text(DCM_PixelIntensityRelationship).c_str(), is_log ? "LOG" : "LIN");
     }
 }
 
-// There are 1,000 frames with the values 1, 2, .. 1,000, of which the window leaves out a hundredth at either
-// end. Values of a saturated detector are not counted.
+// The run has 1,000 frames with the values 1, 2, .. 1,000, of which the display window leaves out a hundredth
+// at either end. Pixel values of a saturated detector must not count for the display window.
 static void the_window_spans_the_run(void **)
 {
     for (bool is_bright : {false, true}) {
@@ -208,7 +209,7 @@ static void the_window_spans_the_run(void **)
     }
 }
 
-// Pixels behind the collimator blades are dark and are not counted.
+// Pixels behind the collimator blades are dark and must not count for the display window.
 static void the_window_looks_inside_the_collimator(void **)
 {
     Folder folder;
@@ -226,8 +227,8 @@ static void the_window_looks_inside_the_collimator(void **)
     assert_string_equal(read.text(DCM_WindowWidth).c_str(), "1");
 }
 
-// This test covers a former error: the files did not state volume, flow and strength of the medium injected
-// between their first and last frame.
+// This test covers a former error: the files did not state volume, flow and strength of the contrast medium
+// that was injected between their first and last frame.
 static void each_file_names_the_medium_given_during_its_frames(void **)
 {
     Folder folder;
@@ -303,8 +304,8 @@ static void a_name_that_is_not_utf8_is_refused(void **)
     };
     for (const char *good : {"", "Phantom^Aorta", "M\xc3\xbcller^\xe5\xb1\xb1", "\xf0\x9f\x98\x80"})
         if (is_refused(good)) fail_msg("'%s' is refused", good);
-    // The cases are: no lead byte, a character cut short, a longer form than needed, half of a surrogate
-    // pair, and a code beyond the last character.
+    // The invalid bytes are: no lead byte, a character cut short, a longer form than needed, half of a
+    // surrogate pair, and a code beyond the last character.
     for (const char *bad : {"a\xff", "\x80", "\xc3", "\xe5\xb1", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80",
                             "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80"})
         if (!is_refused(bad)) fail_msg("'%s' is taken", bad);

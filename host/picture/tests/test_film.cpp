@@ -1,6 +1,6 @@
-// Tests films: ffprobe and ffmpeg read what was written. Pictures, colours, rate and key pictures are right;
-// the index comes first, also with millions of pictures and above 4 GiB; the same pictures give the same
-// bytes; failures and Ctrl-C leave nothing behind.
+// Tests the films that the program writes, by reading them with ffprobe and ffmpeg. Pictures, colours, frame
+// rate and key pictures must be right, and the index must come first, also with millions of pictures and
+// above 4 GiB. Equal pictures must give equal bytes, and failures and Ctrl-C must leave no file behind.
 #include "host/base/tests/folder.hpp"
 #include "host/picture/h264.hpp"
 #include "host/picture/mp4_file.hpp"
@@ -26,7 +26,7 @@ using namespace crn;
 namespace
 {
 
-// One folder for all tests, removed at the end.
+// All tests share one folder, which is removed at the end.
 const tests::Folder &all_files()
 {
     static const tests::Folder files("film");
@@ -50,7 +50,7 @@ std::string bytes_of(const std::string &path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Returns decoded pictures, RGB, one after the other.
+// Decodes a film and returns its pictures as RGB bytes, one picture after the other.
 std::string decoded(const std::string &path)
 {
     return output_of("ffmpeg -v error -i " + path +
@@ -76,7 +76,8 @@ void draw(Image &image, const Square &square)
                     static_cast<std::uint8_t>(square.colour[i]);
 }
 
-// Grey noise, like the quantum noise of an X-ray picture. Every number gives another picture.
+// Makes a picture of grey noise, similar to the quantum noise of an X-ray picture. Every number gives another
+// picture.
 Image noise(int width, int height, std::uint32_t number)
 {
     Image image = black(width, height);
@@ -92,7 +93,7 @@ Image noise(int width, int height, std::uint32_t number)
     return image;
 }
 
-// Writes a film of noise, and fails the test with the reason when it cannot.
+// Writes a film of noise; if this fails, the test fails with the reason.
 void write_noise(const std::string &path, int pictures)
 {
     std::string error;
@@ -156,7 +157,7 @@ static void film_shows_what_was_given(void **)
         for (const Square &square : squares)
             for (int y = square.y - 8; y < square.y + square.edge + 8; ++y)
                 for (int x = square.x - 8; x < square.x + square.edge + 8; ++x) {
-                    // Colour has half the pixels, so a wider border is not looked at.
+                    // Colour has only half the resolution, so the comparison ignores a wider border.
                     const bool is_grey =
                         square.colour[0] == square.colour[1] && square.colour[1] == square.colour[2];
                     const int border = is_grey ? 1 : 4;
@@ -193,7 +194,8 @@ static void film_keeps_the_noise_of_a_picture(void **)
     std::filesystem::remove(path);
 }
 
-// A player can begin at any of them, so it can seek.
+// The film has key pictures at regular intervals, at each of which a player can begin, so the user can jump
+// to any time.
 static void film_has_a_key_picture_every_two_seconds(void **)
 {
     const std::string path = all_files().file("a.mp4");
@@ -203,7 +205,7 @@ static void film_has_a_key_picture_every_two_seconds(void **)
     for (std::size_t at = 0, number = 0; at < flags.size(); at = flags.find('\n', at) + 1, ++number)
         if (flags[at] == 'K') keys += std::to_string(number) + " ";
     assert_string_equal(keys.c_str(), "0 30 60 ");
-    // Decoding in the middle begins with the key picture before it.
+    // To show a picture in the middle, the decoder must begin with the key picture before it.
     const std::string late =
         output_of("ffmpeg -v error -ss 2.4 -i " + path + " -f rawvideo -pix_fmt rgb24 -");
     assert_int_equal(late.size(), (65 - 36) * 3 * 128 * 96);
@@ -224,7 +226,7 @@ static void film_has_its_index_before_the_pictures(void **)
     }
     assert_string_equal(types.c_str(), "ftyp moov mdat ");
     assert_int_equal(place, bytes.size());
-    // An error in a chunk's place would break pictures.
+    // If the position of a chunk were wrong, the decoded pictures would be broken.
     assert_string_equal(output_of("ffmpeg -v error -i " + path + " -f null - 2>&1").c_str(), "");
     std::filesystem::remove(path);
 }
@@ -249,7 +251,8 @@ static void film_without_pictures_is_a_file(void **)
     std::filesystem::remove(path);
 }
 
-// Ten hours at 60 pictures per second, 6.5 GB: the pictures are a hole in the file.
+// The test makes a film of ten hours at 60 pictures per second (6.5 GB), whose pictures are a hole in the
+// file without data.
 static void index_holds_millions_of_pictures_and_more_than_4_GiB(void **)
 {
     constexpr std::uint32_t pictures = 2'160'000, picture_bytes = 3'000, key_every = 120;
@@ -275,7 +278,8 @@ static void index_holds_millions_of_pictures_and_more_than_4_GiB(void **)
     std::filesystem::remove(path);
 }
 
-// Places of 32 bits end where the file does not fit them any more, the length of the pictures' box likewise.
+// Positions of 32 bits, and a length of 32 bits for the box with the pictures, are used only as long as the
+// file is small enough for them.
 static void index_is_wide_only_where_it_must_be(void **)
 {
     const H264Encoder encoder(128, 96, 15);
@@ -343,7 +347,8 @@ static void film_of_the_largest_size_is_written(void **)
     std::filesystem::remove(path);
 }
 
-// The library's own message goes into ours and not to the terminal.
+// When the library openh264 fails, its message must become part of our error message and must not go to the
+// terminal.
 static void error_of_the_library_is_a_message(void **)
 {
     const std::string log = all_files().file("log");
@@ -366,7 +371,7 @@ static void error_of_the_library_is_a_message(void **)
         fail_msg("%s", error.c_str());
 }
 
-// The disk becomes full while pictures are written, and later when only the index is missing.
+// The disk becomes full while pictures are written, or later when only the index is missing.
 static void film_on_a_full_disk_says_so_and_leaves_nothing(void **)
 {
     const std::string path = all_files().file("a.mp4");
@@ -414,7 +419,7 @@ static void film_that_is_interrupted_leaves_nothing(void **)
     assert_int_equal(all_files().count(), 0);
 }
 
-// A program that handles Ctrl-C itself decides what happens to the film: the writer goes on.
+// If a program handles Ctrl-C itself, it decides what happens to the film, and the writer continues.
 static void film_survives_an_interrupt_that_the_program_handles(void **)
 {
     const std::string path = all_files().file("e.mp4");

@@ -1,5 +1,5 @@
-// Claims: a picture of surfaces shows all panels at one scale, nearer objects hide those behind them, and a
-// wall looks like glass over its contents.
+// Tests pictures of vessel walls: all panels must have one scale, nearer objects must hide those behind them,
+// and a wall must look like glass over its contents.
 #include "host/picture/surface_picture.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -42,7 +42,7 @@ std::array<int, 3> pixel(const Image &image, int x, int y)
 
 constexpr std::array<int, 3> white = {255, 255, 255};
 
-// The boxes are 20 mm and 10 mm wide. 92 pixels correspond to 20 mm, so the second box ends 23 pixels from
+// The first box is 20 mm wide and covers 92 pixels. The second box is 10 mm wide, so it ends 23 pixels from
 // the middle of its panel.
 void panels_are_side_by_side_on_one_scale(void **)
 {
@@ -55,7 +55,7 @@ void panels_are_side_by_side_on_one_scale(void **)
     assert_true(pixel(image, size + 50, 50 - 22) != white && pixel(image, size + 50, 50 - 24) == white);
 }
 
-// Seen from +z, calcium is yellowish (red above blue), and a balloon is blue.
+// Seen from +z, the calcium is yellowish (more red than blue), and the balloon is blue.
 void what_is_nearer_hides_what_is_behind(void **)
 {
     for (const double calcium_z : {-8.0, 8.0}) {
@@ -66,8 +66,8 @@ void what_is_nearer_hides_what_is_behind(void **)
     }
 }
 
-// Beside the balloon the wall is red. Over the balloon its blue is visible through the wall, but less than
-// without the wall.
+// Beside the balloon the picture of the wall is red. Where the wall covers the balloon, the balloon's blue
+// must be visible through the wall, but less than without the wall.
 void a_wall_is_glass(void **)
 {
     const SurfaceMesh balloon = box(SurfaceKind::balloon, 3, 0);

@@ -1,5 +1,5 @@
-// Claims: the list of instruments holds every shipped file, as text, JSON and picture, and the documents have
-// the same table.
+// Tests the list of instruments: it must hold every shipped file, as text, JSON and picture, and the
+// documents must contain the same table.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -42,8 +42,8 @@ void expect_bend(const Instrument &instrument, double arc_mm, double expected_N_
                 crn::stiffness_at(instrument, Stiffness::bend, arc_mm * 1e-3), expected_N_m2, 0.01);
 }
 
-// The expected figures are copied by hand from docs/instruments.md and its sources, so that they do not
-// depend on the files.
+// The expected values are copied by hand from docs/instruments.md and its sources, so that they do not depend
+// on the instrument files.
 void the_shipped_instruments_have_the_documented_stiffness(void **)
 {
     struct Expected {
@@ -173,7 +173,7 @@ void a_list_has_text_json_and_picture(void **)
     assert_string_equal(json[1]["table_5_1"]["row"].get<std::string>().c_str(), "Beacon 5FR");
     const crn::Image one = crn::instruments_picture({list[0]}), two = crn::instruments_picture(list);
     assert_true(two.height > one.height && two.width == one.width);
-    // Every row of the picture must add dark pixels, so none is empty.
+    // Every row of the picture must contain dark pixels, so that no row is empty.
     auto dark = [](const crn::Image &image) {
         return std::count_if(image.bytes.begin(), image.bytes.end(),
                              [](std::uint8_t byte) { return byte < 100; });

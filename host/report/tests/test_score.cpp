@@ -1,5 +1,5 @@
-// Tests the score of an angioplasty, computed from a session's report: marks between stated limits, and the
-// page.
+// Tests the score of an angioplasty, which is computed from a session's report: points between two limits,
+// and the score's page.
 #include "host/report/score.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -56,7 +56,7 @@ void a_good_result_has_full_marks(void **)
     assert_float_equal(score["percent"].get<double>(), 100.0, 1e-9);
 }
 
-// Marks change in proportion between the limits: a value of 20 % is half-way from 10 to 30 %.
+// Points change in proportion to the value between the limits: a value of 20 % is half-way from 10 to 30 %.
 void marks_fall_in_proportion_between_the_limits(void **)
 {
     Json report = good_report();
@@ -68,7 +68,7 @@ void marks_fall_in_proportion_between_the_limits(void **)
     assert_float_equal(points(report, "apposition_pct"), 10.0, 1e-9);
 }
 
-// Each fault must lower its own metric and no other.
+// Every fault in the treatment must lower its own metric and must not change the other metrics.
 void a_fault_is_seen_by_the_metric_that_should_notice(void **)
 {
     const struct {
@@ -101,8 +101,8 @@ void a_fault_is_seen_by_the_metric_that_should_notice(void **)
     }
 }
 
-// A metric without a value gets no marks and leaves the others unchanged; here there is a balloon but no
-// stent.
+// A metric without a value gets no points and leaves the others unchanged; here the session has a balloon but
+// no stent.
 void what_is_not_known_is_not_judged(void **)
 {
     Json report = good_report();
@@ -117,7 +117,8 @@ void what_is_not_known_is_not_judged(void **)
     assert_true(crn::score_of(report)["percent"].is_null());
 }
 
-// Each of two stents covers one end of a lesion, so that no part of the lesion counts as uncovered.
+// One stent covers one end of a lesion and a second stent covers the other end, so no part of the lesion
+// counts as uncovered.
 void stents_cover_a_lesion_together(void **)
 {
     Json report = good_report();

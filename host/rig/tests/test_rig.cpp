@@ -1,6 +1,7 @@
-// Claims: every `cournand rig` command prints what the device reports, and writes only what the user
-// confirmed, which it then reads back. A command powers a motor only after the user has typed yes, and when
-// it is stopped it leaves the rig as it was. The HID side survives a rig that sends false reports.
+// Tests the commands of `cournand rig`: every command must print what the device reports, write only what the
+// user confirmed, and read it back. A command may power a motor only after the user has typed yes. When the
+// user stops the command, it must leave the rig as it was. The functions for the HID interface must survive a
+// rig that sends false reports.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -64,8 +65,8 @@ class Rig final : public crn::Transport
     unsigned powered_ms = 0, stop_after_ms = ~0u; // then the emergency stop is pressed
 };
 
-// A user with prepared answers. Before an answer, a function may do something to the rig. `text` collects the
-// output of the command.
+// A user with prepared answers. Before each answer, a function may change something at the rig. `text`
+// collects the output of the command.
 struct User {
     std::deque<std::pair<std::string, std::function<void()>>> answers;
     bool is_interrupted = false;
@@ -258,8 +259,8 @@ void a_fault_in_the_trial_is_told_and_logged(void **)
 
 // --- calibration ---
 
-// The motion gives 4 000 counts for 100 mm in the opposite direction, and 1 024 counts for each of 2 turns.
-// The zero is at -120, and 100 g give 1 000 counts.
+// The simulated motion gives 4 000 counts for 100 mm in the opposite direction, and 1 024 counts for each of
+// 2 turns. The force sensor reads -120 counts without force, and 1 000 counts more with a weight of 100 g.
 void script_motion(Bench &b)
 {
     b.options.turns = 2.0;

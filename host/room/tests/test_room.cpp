@@ -1,6 +1,6 @@
-// Claims: the room carries out each command at its tick, and reproducibly. The tests cover pulses, last image
-// hold, runs, masks, roadmaps, review and dose. The pictures in these tests are synthetic, since the room
-// does not depend on their source.
+// Tests the X-ray room: it must carry out each command at its tick, and must always give the same results.
+// The tests cover pulses, last image hold, runs, masks, roadmaps, review and dose. The pictures in these
+// tests are synthetic, since the room does not depend on their source.
 #include "host/room/presets.hpp"
 #include "host/room/room_screen.hpp"
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace
 constexpr int size = 64;
 constexpr std::size_t pixels = std::size_t{size} * size;
 
-// Gives the synthetic patient's density, in doublings of attenuation, at a pixel and a tick.
+// Returns the density of the synthetic patient at a pixel and a tick, in doublings of attenuation.
 using Object = std::function<double(int x, int y, std::uint32_t tick)>;
 
 double nothing(int, int, std::uint32_t)
@@ -32,7 +32,7 @@ double nothing(int, int, std::uint32_t)
     return 0.0;
 }
 
-// Describes an instrument: a bar four pixels wide, which appears at tick 300.
+// Describes a synthetic instrument: a bar four pixels wide, which appears at tick 300.
 double bar(int x, int, std::uint32_t tick)
 {
     return tick >= 300 && x >= 30 && x < 34 ? 1.0 : 0.0;
@@ -74,7 +74,7 @@ struct Bench {
     {
         assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
     }
-    // Runs until tick `end`, which is not processed.
+    // Runs the room until tick `end`, which is not processed any more.
     void run_to(std::uint32_t end)
     {
         for (; now < end; ++now) {
@@ -100,7 +100,7 @@ struct Bench {
         screen.compose(size, grey);
         return grey[static_cast<std::size_t>(y) * size + static_cast<std::size_t>(x)];
     }
-    // Makes a DSA run of six frames at 3 per s.
+    // Makes a subtraction run (DSA) of six frames at 3 frames per second.
     void dsa_run()
     {
         ask(RoomAction::program, 1);
@@ -120,7 +120,7 @@ struct Bench {
 
 } // namespace
 
-// Pulse k of a press must come k/rate after the press, rounded up to whole ticks.
+// The X-ray pulse number k of a press must come k/rate after the press, rounded up to whole ticks.
 static void pulses_come_at_the_rate_chosen(void **)
 {
     for (std::int32_t rate : fluoro_rates_centihertz) {
@@ -166,8 +166,8 @@ static void the_last_image_stays_when_the_pedal_is_released(void **)
     assert_true(bench.room.dose().kerma_rate_mGy_min() == 0.0);
 }
 
-// Presses of the two pedals, and changes of mode, overlap in time. There must be only one beam at a time, and
-// none without a new press.
+// In this test, presses of the two pedals and changes of mode overlap in time. Only one X-ray beam may be on
+// at a time, and no beam may start without a new press of a pedal.
 static void a_pedal_held_over_another_run_does_nothing_until_it_is_pressed_again(void **)
 {
     Bench bench;
@@ -200,8 +200,8 @@ static void a_tap_within_one_tick_gives_neither_beam_nor_run(void **)
                 bench.room.dose().irradiations().empty());
 }
 
-// The kerma-area product of a run must be the sum over its frames. The product must also be the kerma times
-// the field's area at the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (the same length x 60 %).
+// The kerma-area product of a run must be the sum over its frames. This product must also be the kerma times
+// the field's area at the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (0.6 m / 1.05 m x 25 cm x 60 %).
 static void dose_of_a_run_is_the_sum_over_its_frames(void **)
 {
     Bench bench;
@@ -255,8 +255,8 @@ static void dose_alerts_come_at_two_and_five_gray_and_are_acknowledged(void **)
     assert_int_equal(*meter.unseen_alert(), 1);
 }
 
-// The contrast must be equal in front of bone and of lung: a doubling of attenuation subtracts 255/2 from the
-// grey value 160 of the background.
+// The contrast must be equal in front of bone and of lung: a doubling of attenuation must make the background
+// (grey value 160) darker by 255/2.
 static void dsa_shows_what_came_since_the_mask_and_no_bone(void **)
 {
     Bench bench(bar);
@@ -286,8 +286,8 @@ static void a_new_mask_is_taken_from_the_frames_named(void **)
     assert_int_equal(bench.screen.status().mask_last, 5);
 }
 
-// The edge of the bone (two doublings, between columns 31 and 32) moves with the mask. A shift by one pixel
-// to the right leaves a seam one pixel wide, in which the mask is bright and the live picture is not.
+// The edge of the bone (two doublings, between columns 31 and 32) moves with the mask. A mask shifted right
+// by one pixel leaves a seam one pixel wide, in which the mask is bright and the live picture is not.
 static void pixel_shift_moves_the_mask(void **)
 {
     Bench bench;
@@ -341,7 +341,7 @@ static void dsa_keeps_its_technique_and_holds_the_motors(void **)
     assert_true(bench.screen.status().carm.primary_deg == 45.0);
 }
 
-// The loop has 15 frames at 15 per s, so the frame shown is floor(time x rate) modulo 15.
+// The loop has 15 frames and runs at 15 frames/s, so the frame shown is floor(time x rate) modulo 15.
 static void a_cine_loop_runs_at_the_rate_of_its_run(void **)
 {
     Bench bench([](int, int, std::uint32_t tick) { return tick / 1000.0; }); // each frame darker
@@ -407,8 +407,8 @@ static void stored_fluoroscopy_is_what_the_last_seconds_showed(void **)
     assert_true(run.frames.front().tick > 3000 && run.frames.back().tick == bench.pulses.back());
 }
 
-// The vessel is a bar that contains medium during DSA. In fluoroscopy without medium, the roadmap must
-// lighten it.
+// The synthetic vessel is a bar that contains contrast medium only during the DSA run. In fluoroscopy without
+// medium, the roadmap must make the bar brighter.
 static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
 {
     Bench bench(bar);
@@ -420,7 +420,7 @@ static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
     assert_true(bench.screen.status().roadmap == RoadmapState::shown);
     assert_int_equal(bench.grey_at(10, 30), 128);
     assert_true(bench.grey_at(33, 30) > 32 + 60); // bone is 32
-    // In another geometry the roadmap must not be shown until the arm is back.
+    // If the geometry has changed, the roadmap must not be shown until the old geometry returns.
     bench.ask(RoomAction::field, 200'000);
     bench.run_to(bench.now + 100);
     assert_int_equal(bench.grey_at(33, 30), 32);
@@ -433,8 +433,8 @@ static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
     assert_int_equal(bench.grey_at(33, 30), 32);
 }
 
-// Along the blades every picture is half dark and noisy. A frame that is darker there than the mask must not
-// leave a white rim.
+// Along the collimator blades every picture is half dark and noisy. A frame that is darker along the blades
+// than the mask must not produce a white rim.
 static void a_roadmap_leaves_the_rim_of_the_field_alone(void **)
 {
     Bench bench([](int x, int, std::uint32_t tick) {
@@ -474,9 +474,9 @@ static void a_roadmap_is_collected_by_the_next_press(void **)
     assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO ROADMAP"));
 }
 
-// Each frame takes 64 x 64 x 3 bytes, and the memory has space for 40 frames. When the second run has 30
-// frames, the pictures of the first run are dropped; when a run has 60 frames, its last 20 are not stored.
-// The beam must stay on, because the dose does not depend on the size of pictures.
+// Every frame takes 64 x 64 x 3 bytes, and the memory has space for 40 frames. When the second run has 30
+// frames, the pictures of the first run must be deleted. When a run has 60 frames, its last 20 must not be
+// stored. The beam must stay on, because the dose must not depend on the size of the pictures.
 static void image_memory_is_bounded_and_the_oldest_pictures_go(void **)
 {
     Bench bench(nothing, 40 * pixels * 3);
@@ -517,7 +517,8 @@ static void the_table_follows_a_tip_that_leaves_the_middle(void **)
     assert_true((room.gantry().carm(0.32).isocentre_m - away).norm() < 1e-9);
 }
 
-// The same commands must give the same screens, whether the test stops at all ticks or only at due ones.
+// Equal commands must give equal screens, whether the test stops at all ticks or only at those that
+// next_tick() returns.
 static void the_same_commands_give_the_same_screens(void **)
 {
     std::vector<std::uint8_t> screens[2];

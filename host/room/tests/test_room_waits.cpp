@@ -1,7 +1,7 @@
-// Claims: a run of cine or DSA begins when C-arm and table have reached the ordered pose, and the screen
-// shows a notice while the run waits. If the pedal is released before that, there is no run, and a notice
-// gives the reason. Every five minutes of fluoroscopy, a reminder appears and stays until the user
-// acknowledges it.
+// Tests runs that must wait: a run of cine or DSA begins only when C-arm and table have reached the ordered
+// pose, and the screen shows a notice while the run waits. If the user releases the pedal before that moment,
+// there must be no run, and a notice must give the reason. After every five minutes of fluoroscopy, a
+// reminder must appear and stay until the user acknowledges it.
 #include "host/room/room_screen.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -22,7 +22,7 @@ struct Bench {
     {
         assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
     }
-    // Runs until tick `end`, which is not processed.
+    // Runs the room until tick `end`, which is not processed any more.
     void run_to(std::uint32_t end, const Eigen::Vector3d *tip = nullptr)
     {
         for (; now < end; ++now) {
@@ -99,7 +99,8 @@ static void a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why(vo
     assert_non_null(std::strstr(bench.room.refusals()[0].why.c_str(), "hold the pedal longer"));
 }
 
-// Neither a run that was made, nor one requested while the motors were at rest, may count as refused.
+// A run that was made must not count as refused, and a run that was requested while the motors were at rest
+// must not count as refused either.
 static void a_pedal_on_a_room_that_stands_is_never_refused(void **)
 {
     Bench bench;
@@ -128,8 +129,8 @@ static void fluoroscopy_goes_on_while_a_run_waits(void **)
     assert_true(bench.room.is_beam_on() && bench.screen.status().kind == RunKind::cine);
 }
 
-// A tip that keeps moving would keep the table moving for ever. So the table stops for the start of a cine
-// run, and follows the tip again during the run.
+// In this test the tip keeps moving, and the table follows it for ever. Therefore the table must stop for the
+// start of a cine run, and follow the tip again during the run.
 static void a_table_that_follows_a_tip_comes_to_rest_for_a_run(void **)
 {
     Bench bench;

@@ -1,5 +1,5 @@
-// Claims: a script becomes exactly the motion that it states, and the motion is smooth. A mistake in a script
-// is reported with its place.
+// Tests session scripts: a script must become exactly the motion that it describes, and the motion must be
+// smooth. If a script has a mistake, the error message must give its position.
 #include <array>
 #include <cmath>
 #include <csetjmp>
@@ -44,7 +44,8 @@ void expect_error(const std::string &text, const std::string &expected)
     fail_msg("'%s' was accepted", text.c_str());
 }
 
-// A move of 120 mm is 120 000 counts. The move takes 120 mm / 40 mm/s = 3 s and one ramp of 0.2 s.
+// A move of 120 mm is 120 000 counts. The move takes 120 mm / 40 mm/s = 3 s and, in addition, one ramp of 0.2
+// s.
 void advance_goes_exactly_the_distance_in_the_stated_time(void **)
 {
     const auto inputs = play("advance 120 mm at 40 mm/s");
@@ -52,8 +53,8 @@ void advance_goes_exactly_the_distance_in_the_stated_time(void **)
     assert_int_equal(inputs.back().hands[0].translation_counts, 120000);
 }
 
-// The speed may not exceed the stated one by more than a count of rounding, and may not change its sign. Per
-// tick the speed may change by the steepest slope of a smoothstep, 1.5 x speed / ramp, plus two counts of
+// The speed may exceed that of the script by at most one count of rounding, and may not change its sign. In
+// one tick the speed may change by the steepest slope of a smoothstep, 1.5 x speed / ramp, plus two counts of
 // rounding.
 void motion_is_smooth_and_never_faster_than_stated(void **)
 {
@@ -98,7 +99,8 @@ void moves_joined_by_while_run_together(void **)
     assert_int_equal(both[1300].hands[0].translation_counts, 40000);
 }
 
-// The condition is met at 100 mm. After that the hand may move on for one ramp: 30 mm/s x 0.1 s = 3 mm.
+// The `until` condition is met at 100 mm. Afterwards the hand may move on for one ramp: 30 mm/s x 0.1 s = 3
+// mm.
 void until_stops_within_one_ramp(void **)
 {
     const crn::Session session = crn::parse_session("advance until inserted 100 mm at 30 mm/s", "test");
@@ -147,7 +149,7 @@ void views_change_between_moves(void **)
                                                                     {RoomAction::field, {200000, 0, 0}}}));
 }
 
-// Each line of a script must give the stated commands to the room.
+// Each line of the script must give exactly the commands to the X-ray room that the test lists.
 void the_room_is_asked_in_words(void **)
 {
     using crn::RoomAction, crn::RoomCommand;
@@ -197,8 +199,8 @@ void the_room_is_asked_in_words(void **)
     expect_error("store fluoro 1 min", "time is out of range");
 }
 
-// Each order must be in the input of one tick. If a script gives two orders at once, the second one must come
-// a tick later.
+// Each command to heart or breath must be in the input of exactly one tick. If a script gives two such
+// commands at one time, the second command must come a tick later.
 void heart_and_breath_are_asked_at_their_ticks(void **)
 {
     const auto inputs =
@@ -279,7 +281,7 @@ void comments_commas_and_joined_units_are_understood(void **)
     assert_int_equal(inputs.back().hands[0].rotation_counts, 16384);
 }
 
-// Every hand has encoder counts of its own; a hand that no statement names is at rest.
+// Every hand must have encoder counts of its own, and a hand that no statement names must be at rest.
 std::vector<crn_wire_tick_input> play(const std::string &text, std::size_t tool_count)
 {
     const crn::Session session = crn::parse_session(text, "test");
@@ -305,8 +307,8 @@ void a_move_names_its_tool_or_moves_the_selected_one(void **)
     assert_int_equal(end.hands[2].rotation_counts, 16384);
 }
 
-// The guidewire moves for 3 s and a ramp, the catheter for 1 s and a ramp. So after 1.2 s the catheter is at
-// rest, and the guidewire still moves.
+// The guidewire moves for 3 s plus a ramp, and the catheter moves for 1 s plus a ramp. After 1.2 s the
+// catheter is therefore at rest, while the guidewire still moves.
 void two_tools_move_at_once(void **)
 {
     const auto inputs = play("advance wire 60 mm at 20 mm/s while withdraw catheter 10 mm at 10 mm/s", 2);
@@ -328,7 +330,7 @@ void together_moves_every_tool_of_the_line(void **)
     }
 }
 
-// The condition must use the inserted length of the tool that it names.
+// An `until` condition must use the inserted length of the tool that it names.
 void until_looks_at_its_own_tool(void **)
 {
     const crn::Session session = crn::parse_session("withdraw wire until inserted 100 mm at 30 mm/s", "test");
@@ -356,7 +358,7 @@ void every_tool_may_begin_at_its_own_length(void **)
     assert_int_equal(each.tools_named, 3);
 }
 
-// If a script needs more tools than there are, the message must give the line and the remedy.
+// If a script needs more tools than the session has, the message must give the line and the remedy.
 void a_tool_that_is_not_there_is_named_with_its_line(void **)
 {
     const crn::Session session =
@@ -371,7 +373,7 @@ void a_tool_that_is_not_there_is_named_with_its_line(void **)
     }
 }
 
-// A hand moved by keyboard changes its speed in steps, and its counters follow the speed.
+// When the user moves a hand by keyboard, its speed changes in steps, and its counters must follow the speed.
 void a_live_hand_comes_to_rest(void **)
 {
     crn::LiveHand hand;

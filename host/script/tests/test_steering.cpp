@@ -1,9 +1,10 @@
-// Claims: places in a tree of vessels have the names that anatomists use. A script that steers reaches its
-// vessel although the tip usually turns into another one. The claim holds for any share of hand angles that
-// lead into the vessel, and wherever these angles lie. If the script fails, the message states where the tip
-// was. Each expectation is reported with its line. These tests simulate only a tube with one wrong branch.
-// Which of the two vessels the tip enters depends only on the angle of the hand, and this is the hardest case
-// for a bent tip.
+// Tests that positions in a tree of vessels get the names that anatomists use. A script that steers must
+// reach its vessel although the tip usually turns into another vessel. Only some angles of the hand lead into
+// the wanted vessel. The script must reach the vessel for every width and position of this range of angles.
+// If the script fails, the message must state where the tip was. The result of each expectation must be
+// reported with the number of its line. The simulated anatomy of these tests is only a tube with one wrong
+// branch. Only the angle of the hand decides which of the two vessels the tip enters, which is the hardest
+// case for a bent tip.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -28,7 +29,7 @@ namespace
 using Eigen::Vector3d;
 
 // The root vessel goes up along y from 0 to 300 mm; "brachiocephalic" leaves it at 80 mm, and "left
-// subclavian" at 120 mm. Tools enter at the end of the root at 300 mm.
+// subclavian" at 120 mm. The tools enter at the end of the root vessel, at 300 mm.
 crn::VesselTree tree()
 {
     crn::VesselTree tree;
@@ -49,9 +50,9 @@ crn::VesselTree tree()
     return tree;
 }
 
-// The tip is `pushed_m` beyond the sheath, which ends at y = 290 mm. At the left subclavian artery the tip
-// stays in the aorta only if the angle of the hand is within `window_deg` of `open_deg`. Once the tip is
-// beyond the branching, it stays in its vessel until it is pulled back.
+// The tip is `pushed_m` beyond the introducer sheath, which ends at y = 290 mm. At the left subclavian artery
+// the tip stays in the aorta only if the angle of the hand is within `window_deg` of `open_deg`. After the
+// tip has passed the branching, it stays in its vessel until it is pulled back.
 struct World {
     double open_deg, window_deg;
     bool is_astray = false, was_beyond = false;
@@ -120,7 +121,7 @@ void an_aorta_is_three_vessels(void **)
     assert_string_equal(map.vessels()[map.at({0.05, 0.12, 0}).vessel].name.c_str(), "left subclavian artery");
 }
 
-// The tolerance of 1 um is for rounding.
+// The test allows a difference of 1 um because of rounding.
 void inside_is_measured_from_where_the_tools_come_in(void **)
 {
     const crn::VesselMap map(tree());
@@ -148,7 +149,8 @@ void an_unknown_vessel_is_refused_with_its_place_and_a_suggestion(void **)
     assert_non_null(strstr(error_of("expect tip in spleen\n").c_str(), "known: ascending aorta"));
 }
 
-// The window is a twelfth or a third of all angles, and its position varies.
+// The range of angles that lead into the vessel (window) is a twelfth or a third of all angles, and its
+// position varies.
 void a_tip_that_goes_astray_is_brought_back_and_tried_again(void **)
 {
     for (const double window_deg : {15.0, 60.0})

@@ -1,7 +1,8 @@
-// Fuzz target: a file with any bytes may be given as a recording. Each input is tried unchanged, and then
-// with corrected checksums and schema hash, so that the fuzzer reaches the code behind those checks. Each
-// input is read as a recording of this version, and as one of the previous version that is to be converted.
-// An accepted recording must have the properties that recording.hpp promises, and a refusal must have a text.
+// This fuzz target reads files with arbitrary bytes as recordings. The fuzz target tries every input
+// unchanged, and then with corrected checksums and schema hash, so that the fuzzer reaches the code behind
+// those checks. The fuzz target reads every input as a recording of this version, and as a recording of the
+// previous version that must be converted. An accepted recording must have the properties that recording.hpp
+// promises, and a refusal must have a text.
 #include "host/session/recording_chunks.hpp"
 #include "host/session/recording_format.hpp"
 #include "host/session/recording_upgrade.hpp"

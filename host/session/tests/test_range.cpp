@@ -1,6 +1,7 @@
-// Claims: physics that leaves its range is detected in the same tick and reported with its values and limits.
-// No session that stays in range is ended. The grip of a scripted hand is rigid up to the force that fingers
-// can hold and slips beyond it. The slip does not depend on the batches.
+// Tests that physics that leaves its range is detected in the same tick and reported with its values and
+// limits. A session whose physics stays in range must not be ended. The grip of a scripted hand must be rigid
+// up to the force that fingers can hold, and the tool must slip beyond this force. The slip of the tool must
+// not depend on the size of the batches.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -45,8 +46,8 @@ bool says(const RangeWatch &watch, const std::string &what)
     return watch.is_left() && range_text(*watch.left()).find(what) != std::string::npos;
 }
 
-// The limits themselves are in range. Stalled feeds, limited steps, and tools at the end of their travel
-// (fault bits 1 to 3) are normal.
+// A value that equals its limit is still in range. The core also reports stalled feeds, limited steps, and
+// tools at the end of their travel (fault bits 1 to 3), which are all normal.
 void what_stays_within_the_limits_is_no_error(void **)
 {
     RangeWatch watch;
@@ -87,8 +88,8 @@ void a_line_too_long_or_too_short_and_a_saturated_core_are_out_of_range(void **)
     assert_true(watch.left()->is_saturated && says(watch, "CORE_SATURATED"));
 }
 
-// A run and its replay have different batches. Run and replay must read the place at the same tick, which is
-// the next multiple of 16 or the last tick.
+// A run and its replay step the ticks in different batches. Run and replay must read the position at the same
+// tick, which is the next multiple of 16 or the last tick.
 void where_it_happened_is_looked_at_on_a_tick_that_every_run_has(void **)
 {
     RangeWatch watch;
@@ -128,9 +129,9 @@ void below_its_limits_the_grip_is_rigid(void **)
 }
 
 // A hand pushes at 20 mm/s against a wall of 20 N/mm: without slip, 1 s would give a force of 400 N there.
-// When the force reaches 25 N, the hand must slip. The force may exceed this limit by the 0.2 N that a tick's
-// 20 um add, and by another 0.2 N before the slip takes effect. The test is repeated in the other direction,
-// and the counts wrap as those of encoders do.
+// When the force reaches 25 N, the tool must slip in the hand. The force may exceed this limit by the 0.2 N
+// that the motion of one tick (20 um) adds, and by another 0.2 N before the slip takes effect. The test is
+// repeated in the other direction, and the counts of the hand wrap round as those of encoders do.
 void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
 {
     for (int sign : {1, -1}) {
@@ -155,8 +156,8 @@ void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
     }
 }
 
-// A stuck tool has a stiffness of 1 N m/rad, so 50 mN m turn it by 0.05 rad, or 2.9 degrees. The hand turns
-// once per second, and the test checks the torque from tick 16 on.
+// The tool is stuck with a stiffness of 1 N m/rad, so a torque of 50 mN m turns it by 0.05 rad, or 2.9
+// degrees. The hand turns by one turn per second, and the test checks the torque from tick 16 on.
 void beyond_its_torque_it_slips_as_well(void **)
 {
     HandGrip grip;
@@ -170,7 +171,8 @@ void beyond_its_torque_it_slips_as_well(void **)
     assert_true(std::fabs(grip.figures(0).slipped_deg - 354.0) < 1.0);
 }
 
-// Single ticks, and the largest batches that the grip allows, must give the device the same counts.
+// Whether the session steps single ticks or the largest batches that the grip allows, the device must get
+// equal counts.
 void what_slips_does_not_depend_on_the_batches(void **)
 {
     const auto run = [](std::uint32_t batch_most) {

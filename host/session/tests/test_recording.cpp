@@ -1,5 +1,6 @@
-// Claims: a session replays bit for bit at any speed and from any snapshot. A recording that was cut off is
-// readable up to its last complete chunk. A damaged recording is refused, whichever byte is damaged.
+// Tests that a session replays bit for bit at any speed and from any snapshot. If a recording was cut off, it
+// must be readable up to its last complete chunk. A damaged recording must be refused, whichever byte is
+// damaged.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -120,7 +121,7 @@ crn::Instrument catheter()
     return crn::read_instrument("shared/examples/instruments/pigtail_5f.toml");
 }
 
-// Makes a scene of one straight vessel along the line.
+// Makes a scene of one straight vessel around the tools.
 crn::SceneAnatomy vessel()
 {
     crn::VesselBranch branch;
@@ -153,8 +154,8 @@ void a_replay_from_later_on_knows_what_was_injected_before(void **)
     }
 }
 
-// If two premature beats are ordered at once, the second one must be ordered a tick later. Only these two
-// ticks need more bytes in the recording.
+// If two premature beats are ordered at once, the second one must be ordered a tick later. Only the two ticks
+// with these commands need more bytes in the recording.
 void orders_are_recorded_in_their_ticks_and_replay(void **)
 {
     const Recorded recorded = record("heart rate 120 /min\nbreath hold on\nwait 1 s");
@@ -201,8 +202,8 @@ void commands_to_the_room_are_recorded_with_their_ticks(void **)
     assert_true(recording.commands[1].command == (crn::RoomCommand{crn::RoomAction::angles, {20000, 0, 0}}));
 }
 
-// The file is cut at every length in its last part, and at many lengths before that. Each cut file must be
-// either readable, with fewer ticks, or refused as truncated.
+// The test cuts the file at every length in its last part, and at many lengths before that part. The reader
+// must either accept the cut file with fewer ticks, or refuse it as truncated.
 void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
 {
     const std::vector<std::uint8_t> &whole = session().bytes;
@@ -223,8 +224,8 @@ void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
     assert_int_equal(ticks_before, session().result.figures.ticks);
 }
 
-// If the stated length of a chunk exceeds that of any chunk of its kind, the file must count as damaged, and
-// not as cut off.
+// If the length field of a chunk exceeds the length of every chunk of its kind, the file must count as
+// damaged, and not as cut off.
 void a_flipped_high_bit_of_a_length_is_no_cut(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -282,7 +283,7 @@ void other_files_and_newer_versions_are_refused_by_name(void **)
     }
 }
 
-// The chunk has a correct CRC but is in the wrong place: the ticks of the second chunk come first.
+// In this test the ticks of the second chunk come first: its CRC is correct, but it is in the wrong position.
 void ticks_out_of_order_are_refused(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -310,7 +311,7 @@ void a_recording_cannot_be_written_into_a_missing_folder(void **)
     }
 }
 
-// A sink for pictures divides the batches, and this must not change the session.
+// An observer that makes pictures divides the batches of ticks, and this must not change the session.
 class CountingSink final : public crn::SteadySink
 {
   public:

@@ -1,8 +1,8 @@
-// Claims: a recording of the previous protocol is refused; the message names that protocol and the command
-// that converts the file. A converted recording has the same ticks, commands and hashes, and replays bit for
-// bit. A damaged recording is refused, and no file is written. The program of that time wrote protocol_4.rec:
-// 700 ticks of a guidewire, with orders to heart and breath, eight strut rings, one of which is removed, and
-// two commands to the room.
+// Tests recordings of the previous protocol: such a recording must be refused, and the message must name that
+// protocol and the command that converts the file. A converted recording must have the same ticks, commands
+// and hashes, and must replay bit for bit. A damaged recording must be refused, and no file may be written.
+// The file protocol_4.rec was written by a program with protocol 4: 700 ticks of a guidewire, with commands
+// to heart and breath, eight strut rings (one of which is removed), and two commands to the X-ray room.
 #include <algorithm>
 #include <array>
 #include <csetjmp>
@@ -126,8 +126,8 @@ void a_converted_recording_replays_bit_for_bit(void **)
     assert_int_equal(recording.commands[1].tick, 300);
 }
 
-// In protocol 4 every tick had 26 bytes of fields for orders. Now a tick without orders has one byte instead,
-// the number of its orders.
+// In protocol 4, every tick had 26 bytes of fields for commands. Now a tick without commands has one byte
+// instead, which is the number of its commands.
 void what_was_nothing_costs_nothing_any_more(void **)
 {
     const Bytes bytes = crn::upgraded_recording(old_bytes(), "old.rec");
@@ -159,8 +159,8 @@ void every_order_is_in_its_tick(void **)
     assert_true(gone.number == 3 && gone.inside_um == 0);
 }
 
-// The test writes a scaffold order into the fields that protocol 4 had for it, in tick 7, which also has an
-// order for a ring.
+// In tick 7, which also has a command for a strut ring, the test writes a command to hold a lesion open
+// (scaffold) into the fields that protocol 4 had for it.
 void a_scaffold_becomes_an_order(void **)
 {
     Bytes bytes = old_bytes();
@@ -176,8 +176,8 @@ void a_scaffold_becomes_an_order(void **)
     assert_true(hold.lesion == 2 && hold.first == 4 && hold.last == 12 && hold.open_q15 == 0x7ffe);
 }
 
-// Each command is replaced by a VIEW chunk of version 2: tick, fluoroscopy, follows, primary, secondary,
-// table, field.
+// The test replaces each command by a VIEW chunk of version 2: tick, fluoroscopy, follows, primary,
+// secondary, table, field.
 Bytes with_views()
 {
     Bytes bytes(old_bytes().begin(), old_bytes().begin() + 8);
@@ -207,7 +207,8 @@ void views_of_version_2_become_commands(void **)
 {
     const crn::Recording recording = upgraded(with_views());
     assert_true(recording.is_complete);
-    // The expected commands are angles, field, table, follow and pedal, and then the changed angles.
+    // After the conversion, the expected commands are angles, field, table, follow and pedal, and then the
+    // changed angles.
     assert_int_equal(recording.commands.size(), 6);
     assert_true(recording.commands[2].command ==
                 (crn::RoomCommand{crn::RoomAction::table, {1000, 2000, 3000}}));
@@ -284,7 +285,7 @@ void other_versions_and_schemas_are_refused_by_name(void **)
     expect_refusal({}, RecordingFault::not_a_recording, "is not a Cournand recording");
 }
 
-// Either the new file is complete or it does not exist, and the old file does not change.
+// The new file must be either complete or absent, and the old file must not change.
 void a_file_is_converted_whole_or_not_at_all(void **)
 {
     const std::filesystem::path folder =
