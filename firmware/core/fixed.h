@@ -89,7 +89,7 @@ static inline int32_t crn_sub_sat(int32_t a, int32_t b)
 
 /* Returns a >> n, limited to the range -most .. most. Format: 64 bit -> 32 bit, floor, `most_high` being the
  * high word of `most` << n, 1 <= n <= 31. Overflow: the result is limited, and a bit of `flag` is set in
- * `*flags`. On a 32-bit machine the code examines only the high word. */
+ * `*flags`. On a 32-bit machine the code examines only the high word of the 64-bit number. */
 static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
 {
     int64_t most = (int64_t)most_high << (32 - n);

@@ -4,8 +4,8 @@
  * stations. Each station has the centrelines of the healthy vessel and of the remaining channel, and their
  * radii R and r. The core's state holds the opening of each point (station) of a lesion, from 0 (closed) to 1
  * (healthy vessel). The map from the narrowed to the healthy wall scales everything around the channel by R /
- * r; the program that baked the scene used the inverse map. So the wall of a lesion with the opening w is
- * where phi(X(x)) = 0,
+ * r, as does the program that bakes the scene. So the wall of a lesion with the opening w is where phi(X(x))
+ * = 0,
  *
  *     X = c + k (x - c_w),   k = r / (r + w (R - r)),   c_w = c + w (C - c)          c, C: middle of channel and vessel
  *     gradient               k grad phi + t (B . grad phi),   B = c' - k c_w' + k' (x - c_w),   t along the vessel
