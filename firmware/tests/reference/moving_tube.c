@@ -97,7 +97,7 @@ static void fill_node(const reference_motion *m, const double *x, int16_t *rows,
     }
 }
 
-/* Makes a lattice without the motion of any vessel; nothing in it moves. */
+/* Makes a lattice over a box in which nothing moves yet; the caller fills in the motion. */
 static reference_motion *lattice_over(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     reference_motion *m = calloc(1, sizeof *m);
@@ -152,8 +152,8 @@ static uint32_t steps_inside(uint32_t at, uint32_t count, uint32_t most)
     return from_edge < most ? from_edge : most;
 }
 
-/* The breathing motion is 3.2 mm along x, with waves twice as long, and fades to 0 over the four outermost
- * nodes. */
+/* The breathing motion is 3.2 mm along x, on lattice nodes twice as far apart as those of the heartbeat, and
+ * fades to 0 over the four outermost nodes. */
 static void make_breath(reference_motion *m)
 {
     enum { FADE = 4 };
