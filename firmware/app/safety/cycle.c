@@ -1,8 +1,8 @@
 /* This file detects oscillations ("cycles") that a motor sustains in a hand (docs/haptics.md, "Cycles").
  * Between two reversals of the carriage, the hand may put work in, as in a tremor or a deliberate shake. The
  * hand may also absorb work, as in an oscillation that the loop of coupling and motor makes by itself. In
- * such an oscillation the carriage swings equally fast all the time, and faster than any heart, while the
- * hand absorbs work. */
+ * such an oscillation the carriage swings faster than any heart and does not slow down, while the hand
+ * absorbs work. */
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/app/safety/carriage.h"
 

@@ -15,8 +15,9 @@
  * and only while the queue has space for the longest answer (`reply_bytes`). Otherwise the packet is held and
  * the host sees NAK.
  *
- *  - A stream begins after SET_CONFIGURATION, SET_INTERFACE or CLEAR_FEATURE of a halt. A byte stream begins
- * with an empty queue and a zero byte in each direction; the zero ends a frame that was cut. */
+ *  - A byte stream of the bulk pair begins after SET_CONFIGURATION, SET_INTERFACE or CLEAR_FEATURE of a halt.
+ * A byte stream begins with an empty queue and a zero byte in each direction; the zero ends a frame that was
+ * cut. */
 #ifndef CRN_USB_H
 #define CRN_USB_H
 
