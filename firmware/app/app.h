@@ -150,8 +150,7 @@ typedef struct crn_app_faults {
 } crn_app_faults;
 
 /* Messages being read and written. Of these buffers, only `ticks` and `snapshot` are still needed after a
- * request or a timer edge has been handled.
- */
+ * request or a timer edge has been handled. */
 typedef struct crn_app_buffers {
     union {
         crn_wire_scene_chunk scene_chunk;

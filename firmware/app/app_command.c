@@ -117,8 +117,8 @@ static void forget_hands(crn_app *app)
 
 /* In FREE_RUN the app does not read the hands before START, so the mode begins with a new reference and with
  * the motors at zero. In LOCKSTEP a stopped session continues exactly where it was. A change of mode also
- * takes a new reference, so that START begins with exactly the state of a snapshot taken in ARMED. A session
- * of FREE_RUN that is resumed from such a snapshot replays bit for bit. */
+ * takes a new reference. START then begins with exactly the state of a snapshot taken in the state ARMED, so
+ * a session of FREE_RUN that is resumed from such a snapshot replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
     app->watchdog.silent_ticks = 0;

@@ -6,8 +6,7 @@
 #include "firmware/app/app.h"
 
 /* An error of the app itself is logged, the motors are switched off, and the state becomes FAULT; release
- * builds contain this check, too.
- */
+ * builds contain this check, too. */
 #define CRN_REQUIRE(app, condition, value)                                                                   \
     do {                                                                                                     \
         if (!(condition)) crn_app_internal_error(app, __LINE__, (int32_t)(value));                           \

@@ -39,7 +39,7 @@ static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t k
 }
 
 /* The condition b > G (K (T / 2 + t) + B) limits a spring K and a damper B that are computed once in each
- * tick of length T. The rig has the damping b, its force comes late by t, and the force is multiplied by G
+ * tick of length T. The rig itself has the damping b; its force comes late by t and is multiplied by G
  * (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N s/m, G in 1/1000; both sides in 1e-9 N s/m.
  * Overflow is impossible: G is below 2^32 (4 000 x 5 x 10^5, the range of scales), and 10^5 x 2^32 x 20 500
  * and 10^6 x 2^32 are below 2^63. For a track without a coupling there is no limit of this kind. */

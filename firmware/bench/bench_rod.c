@@ -161,8 +161,8 @@ static void begin_beating(void)
     input.rhythm = (crn_rhythm_order){0, 0};
 }
 
-/* Pushes the wire in at 0.1 m/s until the number of edges that the scene states is outside the sheath, then
- * waits for half a second. */
+/* Pushes the wire in at 0.1 m/s until the scene's number of mesh edges is outside the sheath, then waits for
+ * half a second. */
 static void insert(const scene *s)
 {
     const reference_piece straight = {0.85, 0, 0};

@@ -1,6 +1,7 @@
-/* This program prepares, on the PC, the cases that the Cortex-M7 measures. It puts a wire into a lumen, and
- * lets the wire settle or drives it until a tick needs a second solve. Then it writes the state before the
- * measured ticks with everything they need (budget_case.h). usage: budget_make list | make CASE FILE */
+/* This program prepares, on the PC, the cases that the Cortex-M7 measures. The program puts a wire into a
+ * lumen, and lets the wire settle or moves it until a tick needs a second solve. Then it writes the state
+ * before the measured ticks with everything they need (budget_case.h). usage: budget_make list | make CASE
+ * FILE */
 #include "firmware/bench/bench.h"
 #include "firmware/bench/budget_case.h"
 #include "firmware/tests/reference/random.h"
@@ -110,8 +111,7 @@ static void feed(int32_t step_m_q30)
     for (int k = 0; k < CRN_TOOL_MAX; k++) input.hands[k].feed_m_q30 += step_m_q30;
 }
 
-/* Pushes the tools in at 0.1 m/s until the number of edges that the scene states is outside the sheath, then
- * waits. */
+/* Pushes the tools in at 0.1 m/s until the scene's number of mesh edges is outside the sheath, then waits. */
 static void insert(const scene *s)
 {
     for (int rest = 0; rest < REST_TICKS;) {

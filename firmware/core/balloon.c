@@ -387,9 +387,9 @@ static void fold(const crn_model *model, crn_balloon_state *words, uint32_t numb
         (crn_balloon_ball){at->point_m_q30, at->is_free ? model->balloon.radius_m_q30[0] : 0, 0};
 }
 
-/* Adds to the matrix the spring that ties a ball of the balloon to the tools' centreline. Each of the two
- * nodes beside the ball gets its part of the spring. The coupling between the nodes is left out, and the
- * result is never softer than the exact spring. */
+/* Adds to the matrix the spring that ties a ball of the balloon to the tools' centreline. The two nodes
+ * beside the ball get their parts of the spring's stiffness. The coupling between the nodes is left out, and
+ * the result is never softer than the exact spring. */
 static void tie(const crn_model *model, crn_state *state, const place *at)
 {
     const int32_t stiffness = STIFFNESS_N_m << model->stiffness_exponent;
@@ -463,9 +463,9 @@ void crn_balloon_forces(const crn_model *model, crn_state *state)
     }
 }
 
-/* Returns N dr/ds, the force with which the wall pushes the balloon along the line where the balloon's radius
- * changes. The slope dr/ds is the central difference between the neighbouring balls. A positive force points
- * towards the user's hand. */
+/* Returns N dr/ds, the axial force with which the wall pushes the balloon where the balloon's radius changes.
+ * The slope dr/ds is the central difference between the neighbouring balls. A positive force points towards
+ * the user's hand. */
 static int32_t taper_force(const crn_model *model, const crn_state *state, uint32_t j)
 {
     const crn_balloon_ball *balls = state->words.balloon.balls;

@@ -186,7 +186,7 @@ size_t crn_state_size(void);
 
 /* Derives all constants of `tool_count` tools, which are listed from the innermost to the outermost. `lumen`
  * may be NULL (free space) and must outlive the model; the tools are copied. On any status other than
- * CRN_BUILD_OK the model is unusable, and *place names the tool and the knot that caused the refusal. */
+ * CRN_BUILD_OK, nothing may use the model, and *place names the tool and the knot that caused the refusal. */
 crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, uint32_t tool_count,
                                  const crn_lumen *lumen, const crn_entry *entry, crn_build_place *place);
 
@@ -247,8 +247,8 @@ uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
  * Q30. The value 0 is the wall as prepared by the scene's baker, and 1 is the healthy vessel. The function
  * also returns 0 where the lesion has no such point. The function crn_model_stations returns the number of
  * points along a lesion that a balloon can open, or 0 where no lesion has that number. The function
- * crn_state_scaffold opens points of a lesion at once and holds them open permanently. It returns false when
- * there is no such point. */
+ * crn_state_scaffold opens points of a lesion at once and holds them open permanently. The function returns
+ * false when the lesion has no such points. */
 int32_t crn_state_open(const crn_state *state, uint32_t lesion, uint32_t station);
 uint32_t crn_model_stations(const crn_model *model, uint32_t lesion);
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order);

@@ -27,11 +27,11 @@ static void scale_step(crn_state *state, int32_t share_q30)
     }
 }
 
-/* Scales the deviation of all nodes from their slide down in two cases: a node would move more than max(0.5
- * mm, 1.5 feeds) beyond its slide, or a node would end inside a resting wall where no contact was found. One
- * scale factor for all nodes keeps the shape; a separate limit for each node would add energy (docs/rod.md,
- * "contact"). When consecutive ticks miss a contact, the deviation is scaled down only in the first of these
- * ticks. Otherwise the tools would be held back tick after tick. Returns whether a contact was missed. */
+/* Scales down the deviation of all nodes when a node would move more than max(0.5 mm, 1.5 feeds) beyond its
+ * slide, or would end inside a resting wall where no contact was found. One scale factor for all nodes keeps
+ * the shape; a separate limit for each node would add energy (docs/rod.md, "contact"). When consecutive ticks
+ * miss a contact, the deviation is scaled down only in the first of these ticks. Otherwise the tools would be
+ * held back tick after tick. Returns whether a contact was missed. */
 static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =

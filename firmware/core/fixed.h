@@ -6,7 +6,7 @@
  * when a result does not fit ("Overflow"), and its error bound ("Error"). The error bound is in LSB of the
  * result and is checked against double in firmware/tests/test_fixed.c. All functions round to the nearest
  * value, and ties towards +infinity, by an addition and an arithmetic shift. The Cortex-M7 DSP instructions
- * (SMMULR) round in the same way, so every machine agrees bit for bit. */
+ * (SMMULR) round in the same way, so every machine gives the same bits. */
 #ifndef CRN_FIXED_H
 #define CRN_FIXED_H
 

@@ -1,4 +1,5 @@
-/* A lesion that gives way is a part of a narrowed vessel that a balloon can open towards the healthy vessel.
+/* A lesion that "gives way" is a narrowed part of a vessel that a balloon can open towards the healthy
+ * vessel.
  *
  * The lumen's field describes the narrowed vessel. A lesion has a few points along its length, called
  * stations. Each station has the centrelines of the healthy vessel and of the remaining channel, and their

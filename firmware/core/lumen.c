@@ -1,10 +1,10 @@
 /* This file samples the lumen's distance field; docs/lumen.md describes the memory layout, the equations and
  * their errors.
  *
- * Both sampling functions take the same steps. From a world point they find the coarse brick, then a finer
- * brick where the lattice is refined, then the position in the brick in voxels (Q20), and last 27 int8
- * coefficients of this brick. The work of a sample does not depend on the data: two refinements and 27
- * coefficients (taps). */
+ * Both sampling functions take the same steps. From a world point, these functions find the coarse brick,
+ * then a finer brick where the lattice is refined, then the point's position in the brick in voxels (Q20).
+ * Last, they read 27 int8 coefficients of this brick. The work of a sample does not depend on the data: two
+ * refinements and 27 coefficients (taps). */
 #include "firmware/core/lumen.h"
 
 enum {

@@ -82,8 +82,7 @@ static inline crn_vec3 surface_way(const crn_model *model, const crn_state *stat
     return slide != 0 ? without(&way, &node->tangent_q30, slide) : way;
 }
 
-/* Returns the surface's displacement at node i by the tool's last rotation, along normal x tangent.
- */
+/* Returns the surface's displacement at node i by the tool's last rotation, along normal x tangent. */
 static inline int32_t surface_roll(const crn_node_state *node, const crn_line_node *line)
 {
     return crn_surface_way(line->radius_m_q30, node->spin_q30[line->outer]);

@@ -17,9 +17,8 @@ enum {
     W_MAX_Q30 = 1503238553,        /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
     TENSION_MAX_N_Q22 = 240 << 22, /* edge force, clamped: forty times the force of a hand */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
-    /* Limits the force of one joint on one node. To straighten the curve of a 6F guiding catheter (R = 7 mm)
-       in elements of 1 mm, a joint needs 52 N. Forces of 91 N at a joint were seen where hands push such a
-       curved catheter out of a sheath that bends it the other way. Twice this fits 32 bits. */
+    /* Limits the force of one joint on one node. A joint needs a force of 52 N to straighten the curve of a
+       6F guiding catheter (R is 7 mm) in elements of 1 mm. Twice this fits 32 bits. */
     PART_MAX_N_Q22 = 240 << 22,
 };
 
@@ -238,8 +237,8 @@ crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const
 }
 
 /* Adds the forces of bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q28 -> v Q30 N m;
- * a Q18 x v Q30 -> Q22 N. b loses two bits of the edges' Q30, below the step of a position. Both ends of an
- * edge get the same rounded force, so momentum is exactly conserved. */
+ * a Q18 x v Q30 -> Q22 N. b loses two bits of the edges' Q30, below the step of a position. The two ends of
+ * an edge get the same rounded force with opposite signs, so momentum is exactly conserved. */
 static void joint_forces(const crn_model *model, crn_state *state, uint32_t i)
 {
     crn_work *here = &state->scratch.nodes[i];

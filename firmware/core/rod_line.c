@@ -65,9 +65,9 @@ static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
 }
 
 /* Limits the rest rotation of a cell to 1.2 rad, which the number format and the limit of the joint's force
- * permit. core_build.c refuses a tool whose stress-free shape turns by more in one of its own cells. A
- * hook-shaped tip reaches this limit only inside a stiffer tool that leads, where the mesh has the long cells
- * of that tool's shaft. */
+ * permit. The file core_build.c refuses a tool whose stress-free shape turns by more in one of its own cells.
+ * A hook-shaped tip reaches this limit only inside a stiffer tool that leads, where the mesh has the long
+ * cells of that tool's shaft. */
 static int32_t limit_turn(int32_t turn_q30)
 {
     return crn_clamp(turn_q30, -CRN_TURN_OF_CELL_MAX_Q30, CRN_TURN_OF_CELL_MAX_Q30);

@@ -187,8 +187,9 @@ static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_s
     add_along(n, work->wall_normal - across, d);
 }
 
-/* Holds the contributions of the two previous rows to the next row of the matrix, besides their V and P. The
- * last row contributes T, R + Q + Q^T, kb and r, and the row before it contributes kb and r. */
+/* Holds the contributions of the two previous rows to the next row of the matrix, besides the previous rows'
+ * blocks V and P. The last row contributes T, R + Q + Q^T, kb and r; the row before it contributes kb and r.
+ */
 typedef struct given {
     int_fast32_t t[9];
     crn_sym3 rest;

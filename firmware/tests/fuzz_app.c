@@ -17,9 +17,9 @@
  *
  * A fuzz input has at most 48 operations, so that its run ends in a short time. The program builds devices
  * once and copies them, because building a set of tools for every input took a hundred times as long as the
- * fuzzed operations. After every write of the outputs, the guarantees of docs/faults.md must hold. There is
- * no power except in FREE_RUN and RUNNING, no force beyond its limit and slew limit, and no change of the
- * drive line without power. */
+ * fuzzed operations. After every write of the outputs, the guarantees of docs/faults.md must hold. The motors
+ * have no power except in FREE_RUN and RUNNING, no force exceeds its limit and slew limit, and the drive line
+ * does not change without power. */
 #include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 

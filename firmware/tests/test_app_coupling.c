@@ -109,8 +109,9 @@ static void a_seal_resists_turning_too(void **state)
     assert_in_range(tool->motor_torque_uN_m, 350, 450);
 }
 
-/* With a seal friction of 2 N and a coupling stiffness of 1 N/mm, a hand that is 1 mm ahead of the tool feels
- * 1 N. A hand that is 20 mm ahead feels the 2 N at which the tool slides, and no more. */
+/* In this test the seal's friction is 2 N and the coupling's stiffness is 1 N/mm, so a hand that is 1 mm
+ * ahead of the tool feels a force of one newton. A hand that is 20 mm ahead feels the 2 N at which the tool
+ * slides, and no more. */
 static void a_held_tool_is_felt_as_the_coupling_s_spring(void **state)
 {
     (void)state;

@@ -189,9 +189,9 @@ static void motors_stay_within_their_own_limit_and_slew(void **state)
 
 /* --- snapshots --- */
 
-/* The hands hold three heavy tools (100 g/m) upright. Each tool has a weight of 0.25 N, so at a force gain of
- * 4 every motor is commanded to give 1 N. A motor whose slew state was lost would need 20 ticks to return to
- * its force. */
+/* The hands hold three heavy tools (100 g/m) upright. Each tool has a weight of 0.25 N, so every motor is
+ * commanded to give four times this weight, 1 N. A motor whose slew state was lost would need 20 ticks to
+ * return to its force. */
 static void start_upright(uint16_t count)
 {
     static crn_wire_tools tools;

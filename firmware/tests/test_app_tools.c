@@ -167,7 +167,8 @@ static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(vo
     assert_int_equal(ticks.states[0].tools_count, TOOLS);
 }
 
-/* One wrong value in any place causes the refusal of the whole set, which names the tool and the knot. */
+/* One wrong value in the message causes the refusal of the whole set of tools, and the refusal names the tool
+ * and the knot. */
 static void a_wrong_value_names_its_tool_and_knot(void **state)
 {
     (void)state;

@@ -97,8 +97,7 @@ static double diameter_mm(int32_t radius_m_q30)
 }
 
 /* Bar: 2 %. The balloon's table of diameters is linear between its points. Below the first pressure of its
- * table, the balloon has not unfolded completely.
- */
+ * table, the balloon has not unfolded completely. */
 static void a_free_balloon_has_the_diameter_of_its_table(void **state)
 {
     (void)state;

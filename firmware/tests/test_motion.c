@@ -162,7 +162,7 @@ static void outside_the_lattice_nothing_moves(void **state)
     }
 }
 
-/* Returns the depth that the core computes at a place, in metres. */
+/* Returns the depth beyond the wall that the core computes at a point, in metres. */
 static double depth_at(crn_motion_pose *pose, const double *x)
 {
     crn_vec3 world = to_q30(x);

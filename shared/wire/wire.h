@@ -12,8 +12,7 @@
  *                                  is unknown
  *   crn_wire_decode_<name>         read a whole payload; false unless it fits to the byte
  *
- * C11 and C++20.
- */
+ * C11 and C++20. */
 #ifndef CRN_WIRE_H
 #define CRN_WIRE_H
 

@@ -9,8 +9,7 @@
  * frame after the next zero byte. The frame decoder accepts bytes in pieces of any size. The frame decoder
  * never writes outside its buffer, and counts dropped frames by cause.
  *
- * C11 and C++20.
- */
+ * C11 and C++20. */
 #ifndef CRN_WIRE_FRAME_H
 #define CRN_WIRE_FRAME_H
 

@@ -28,7 +28,7 @@ typedef struct crn_hands {
     crn_hand_counts counts[CRN_PORT_TOOL_MAX];
 } crn_hands;
 
-/* Holds the position of a hand, or the position that the core shall use in its place. */
+/* Holds the position of a hand, or the position that the core uses instead. */
 typedef struct crn_hand_position {
     int32_t feed_m_q30; /* along the line, + into the patient */
     uint32_t turn32;    /* about it, one turn = 2^32 */

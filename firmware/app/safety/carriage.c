@@ -16,8 +16,7 @@ enum {
     DRIVEN_FULL_um_s = 30000,
     DRIVEN_NONE_um_s = 100000,
     /* When a carriage moves against its motor's force, these two speeds apply instead, provided that its
-     * encoder is right.
-     */
+     * encoder is right. */
     BRAKED_FULL_um_s = 80000,
     BRAKED_NONE_um_s = 180000,
     SPEED_MAX_um_s = 250000,

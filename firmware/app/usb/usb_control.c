@@ -6,8 +6,7 @@
  *   refused                           SETUP -> STALL, until the next setup packet
  *
  * A new setup packet ends any control transfer that is in progress. The host may end a data stage early by
- * beginning the status stage.
- */
+ * beginning the status stage. */
 #include "firmware/app/usb/usb_internal.h"
 
 enum { IDLE = 0, DATA_IN, DATA_OUT, STATUS_IN };

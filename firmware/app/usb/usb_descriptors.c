@@ -157,8 +157,7 @@ static bool put_string(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
 static void put_bos(crn_wire_writer *reply)
 {
     /* The bytes are the identifier D8DD60DF-4589-4CC7-9CD2-659D9E648A9F, in their order on the bus. It
-     * announces the set below.
-     */
+     * announces the set below. */
     static const uint8_t platform[16] = {0xdf, 0x60, 0xdd, 0xd8, 0x89, 0x45, 0xc7, 0x4c,
                                          0x9c, 0xd2, 0x65, 0x9d, 0x9e, 0x64, 0x8a, 0x9f};
     crn_wire_write(reply, 5, 1);

@@ -65,7 +65,7 @@ typedef struct crn_usb_endpoint { /* one row of usb_table.def */
 /* usb_descriptors.c */
 extern const crn_usb_endpoint crn_usb_endpoints[CRN_USB_PIPE_COUNT];
 extern const uint8_t crn_usb_interface_classes[CRN_USB_INTERFACE_COUNT];
-/* Writes the whole USB descriptor that the request `setup` asks for. False: there is none. */
+/* Writes the whole USB descriptor that the setup packet `setup` requests. False: there is none. */
 bool crn_usb_descriptor(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_ms_os_set(crn_wire_writer *reply);
 

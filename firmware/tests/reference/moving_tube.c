@@ -172,8 +172,8 @@ static void make_breath(reference_motion *m)
     }
 }
 
-/* The displacement is a product of contraction and a function of the place, so the filter in time is needed
- * only once. */
+/* The displacement is a product of the heart's contraction and a function of the position, so the filter in
+ * time is needed only once. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     enum { FADE = 4 };

@@ -13,11 +13,9 @@
 
 /* In the sample scene, META is at 32 + 48 = 80, ENTRY at 336, LUMEN at 368. Its bodies: BODY 336, 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
-/* In a file with a vessel tree, the section table has one row more. The branches begin at bytes 16 and 80 of
- * the TREE section, and the points at byte 144. */
+/* A vessel tree adds one table row. Its branches are at bytes 16 and 80 of TREE, its points at byte 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
-/* In a file with lesions, the table has one more row, and LESIONS begins after the TREE section of 224 bytes.
- */
+/* In a file with lesions, the table has one more row, and LESIONS begins after the TREE of 224 bytes. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
 /* In the moving scene, META is at 112 = 32 + 80, LUMEN at 400 .. 3468, and MOTION at 3472 .. 7716. */
 enum { MOTION_AT = 3472, BREATH_AT = 7728 };
@@ -86,8 +84,7 @@ static void refuses(crn_scene_status expected, uint32_t place)
     }
 }
 
-/* Writes a word, corrects the CRCs, and expects a refusal; then restores the word.
- */
+/* Writes a word, corrects the CRCs, and expects a refusal; then restores the word. */
 static void refuses_word(size_t at, unsigned bytes, uint32_t value, crn_scene_status expected, uint32_t place)
 {
     uint8_t saved[4];
@@ -545,8 +542,7 @@ static void writer_refuses_a_buffer_that_is_too_small(void **state)
     assert_int_equal(sample_scene(file, file_bytes), file_bytes);
 }
 
-/* An empty file has no bytes, and its address is NULL. The sanitizers show that the check reads no byte of
- * such a file. */
+/* An empty file has no bytes, and its address is NULL; the sanitizers show that no byte is read. */
 static void no_bytes_at_all_are_refused(void **state)
 {
     (void)state;

@@ -337,8 +337,7 @@ static void every_message_number_is_used_once(void **state)
 }
 
 /* The test computes the FNV-1a hash over names, types and units; the constant in wire_schema.c must be
- * updated with every change of the messages.
- */
+ * updated with every change of the messages. */
 static void the_schema_hash_covers_names_types_and_units(void **state)
 {
     (void)state;
