@@ -1,5 +1,5 @@
-/* This file powers up the app and dispatches messages: it turns bytes into frames, and gives each frame to
- * its handler. */
+/* This file powers up the app, turns received bytes into frames, and gives each frame to the function that
+ * handles its message. */
 #include "firmware/app/app.h"
 #include "firmware/app/app_internal.h"
 
@@ -40,17 +40,18 @@ static void host_spoke(crn_app *app)
     if (crn_watchdog_feed(&app->watchdog)) crn_app_notice(app, CRN_WIRE_EVENT_HOST, 0, 0, 0);
 }
 
-/* Returns whether a host is in control of powered motors, that is, its silence has not ended the forces
- * yet. */
+/* Returns whether a host is in control of powered motors, that is, whether its silence has not yet ended the
+ * forces. */
 static bool is_led(const crn_app *app)
 {
     return app->safety.is_driving && crn_watchdog_left_ticks(&app->watchdog) > 0;
 }
 
-/* A second program may send HELLO while another one is in control of powered motors. The next message of the
- * second program, RESET, would end the conversation with the first. The second program's HELLO is therefore
- * refused, and does not count as a sign of life of the program in control. A host that speaks another version
- * of the protocol may not command anything, even in the middle of a session. */
+/* A second program may send HELLO while another one is in control of powered motors. The second program's
+ * next message, RESET, would end the first program's conversation with the device. The device therefore
+ * refuses the second program's HELLO, and does not count it as a sign of life of the program in control. A
+ * host that speaks another version of the protocol may not command anything, even in the middle of a session.
+ */
 static void hello(crn_app *app, const uint8_t *payload, size_t length)
 {
     crn_wire_hello hello;

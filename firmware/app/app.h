@@ -1,6 +1,7 @@
-/* The firmware app is the core inside a device. It contains tick modes, encoders, virtual coupling, force
- * output, safety, faults and the wire protocol, and is the same code on every port. Everything that comes
- * over the wire protocol is hostile until checked, and a refused request changes nothing.
+/* The firmware app runs the simulation core inside a device. The app contains the tick modes, encoders,
+ * virtual coupling, force output, safety, faults and the wire protocol, and is the same code on every port.
+ * The app trusts nothing that comes over the wire protocol until it has checked it, and a refused request
+ * changes nothing.
  *
  *          accepted HELLO        ARM             START
  *   INIT ----------------> READY ----> ARMED ----------> RUNNING
@@ -24,7 +25,8 @@ enum {
     CRN_APP_LIVE_BATCH_ticks = 16, /* one `live` frame per 16 ms */
     CRN_APP_LIVE_QUEUE_ticks = 256,
     CRN_APP_EVENT_QUEUE = 32,
-    /* The ring holds all ticks of the queue with three tools, and a hundred orders with them. */
+    /* The ring buffer has space for all ticks of the queue with three tools, and for a hundred commands in
+       them. */
     CRN_APP_LIVE_QUEUE_BYTES =
         CRN_APP_LIVE_QUEUE_ticks *
             ((int)CRN_WIRE_BYTES_live_tick - (int)CRN_WIRE_MAX_order_list_items * (int)CRN_WIRE_BYTES_order) +
@@ -37,7 +39,7 @@ enum {
     CRN_APP_SNAPSHOT_BYTES = CRN_APP_SNAPSHOT_HEAD_BYTES + (int)sizeof(crn_state_words),
 };
 
-/* Describes an upload: a block of bytes that arrives in chunks. */
+/* Describes an upload, that is, a block of bytes that arrives in chunks. */
 typedef struct crn_upload {
     uint32_t expected_bytes;
     uint32_t received_bytes;
@@ -45,15 +47,15 @@ typedef struct crn_upload {
     bool open;
 } crn_upload;
 
-/* Holds the readings of the hands' encoders, from the rig's sensors or from the host. */
+/* Holds the readings of the encoders at the user's hands, from the rig's sensors or from the host. */
 typedef struct crn_app_encoders {
     crn_port_hand hands[CRN_TOOL_MAX];
     uint32_t buttons;
     int32_t syringe_counts, inflator_raw;
 } crn_app_encoders;
 
-/* How one track is configured. The parts (hands, haptics and safety) keep the values that follow from this
- * configuration. */
+/* How one track is configured. The parts of the app (hands, haptics and safety) keep the values that follow
+ * from this configuration. */
 typedef struct crn_app_track {
     crn_wire_track wire;         /* in force, as read back */
     crn_wire_track built;        /* as the rig's builder stated it */
@@ -62,8 +64,8 @@ typedef struct crn_app_track {
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
-/* Holds the messages that wait for space in the pipe to the host. Ticks wait in the encoding that they have
- * in a `live` message, so that a tick without orders takes no space for orders. */
+/* Holds the messages that wait for space in the pipe to the host. Ticks wait in the encoding of a `live`
+ * message, so that a tick without commands takes no space for commands. */
 typedef struct crn_app_queue {
     uint32_t first, count; /* ring of live ticks */
     uint32_t begin, used;  /* ring of their bytes */
@@ -78,15 +80,16 @@ typedef struct crn_app_queue {
     uint8_t ticks[CRN_APP_LIVE_QUEUE_BYTES];
 } crn_app_queue;
 
-/* Holds the orders of a tick, other than the hands' positions, checked and in the form that the core
- * accepts. */
+/* Holds the commands to the core for one tick, other than the hands' positions, checked and in the form that
+ * the core accepts. */
 typedef struct crn_app_order_set {
     crn_rhythm_order rhythm;
     crn_scaffold scaffold;
     crn_strut_order strut;
 } crn_app_order_set;
 
-/* Holds the same orders for a tick of FREE_RUN, whose `live` message also shows them to the host. */
+/* Holds the commands for one tick of FREE_RUN, together with the form in which the tick's `live` message
+ * shows them to the host. */
 typedef struct crn_app_tick_orders {
     crn_wire_order_list wire;
     crn_app_order_set core;
@@ -119,7 +122,7 @@ typedef struct crn_app_setup {
     crn_instrument tools[CRN_TOOL_MAX]; /* from the innermost */
 } crn_app_setup;
 
-/* Holds the state of one session, except that of the core, the hands and the haptics. */
+/* Holds the state of one session, except the states of the core, the hands and the haptics. */
 typedef struct crn_app_session {
     bool has_stop;
     uint32_t stop_tick; /* tick of a STOP that is still to come */
@@ -132,7 +135,7 @@ typedef struct crn_app_session {
     crn_upload snapshot_upload;
 } crn_app_session;
 
-/* Holds the sample of the rig at the present edge of the timer. */
+/* Holds the readings of the rig at the present edge of the timer. */
 typedef struct crn_app_edge {
     bool has_rig;
     crn_port_inputs rig;
@@ -146,9 +149,8 @@ typedef struct crn_app_faults {
     crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
 } crn_app_faults;
 
-/* Messages being read and written. Only `ticks` and `snapshot` are still needed after a request or an edge
- * has been handled.
- */
+/* Messages being read and written. Of these buffers, only `ticks` and `snapshot` are still needed after a
+ * request or a timer edge has been handled. */
 typedef struct crn_app_buffers {
     union {
         crn_wire_scene_chunk scene_chunk;
@@ -194,32 +196,32 @@ typedef struct crn_app {
     crn_state core;
 } crn_app;
 
-/* Powers up: the state is INIT, the motors are off, and there are no scene and no tools. `port` must outlive
- * the app. */
+/* Powers up the app: its state is INIT, the motors are off, and there are no scene and no tools. `port` must
+ * outlive the app. */
 void crn_app_init(crn_app *app, const crn_port *port);
 
 /* Receives bytes from the host, in pieces of any size. Replies leave through port->transmit before the
  * function returns. */
 void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count);
 
-/* A host may also send requests without frames, as HID reports. Such a request is checked as if it had come
- * in a frame, and a half-received frame stays as it is. The app sends its answer as a frame that answers no
- * request. */
+/* A host may also send requests without frames, as HID reports. The app checks a HID request as if it had
+ * come in a frame, and keeps a half-received frame as it is. The app answers a HID request by a frame that
+ * names no request. */
 
 /* The function accepts only STOP and RESET, and returns true when the state is then no longer RUNNING, or is
  * READY after RESET. */
 bool crn_app_order(crn_app *app, uint8_t action);
 
-/* Applies the message `rig`, which configures the first tracks; app->setup.tracks then shows the accepted
+/* Applies the message `rig`, which configures the first tracks; app->setup.tracks then contains the accepted
  * values. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
-/* Returns the force that a track's sensor measures in this edge's sample, in mN, or 0 without a working
- * sensor. */
+/* Returns the force in mN that a track's sensor measures at this timer edge, or 0 without a working sensor.
+ */
 int32_t crn_app_force_measured(const crn_app *app, uint32_t track);
 
-/* One millisecond has passed. The function samples the rig, checks the sample, computes a tick in FREE_RUN
- * and RUNNING, and writes the outputs. */
+/* One millisecond has passed. The function reads the rig's sensors, checks the readings, computes a tick in
+ * FREE_RUN and RUNNING, and writes the outputs. */
 void crn_app_timer(crn_app *app);
 
 #endif

@@ -1,5 +1,5 @@
-/* This file implements states and modes: ARM, START, STOP, RESET, LOCKSTEP and FREE_RUN, and the two steps
- * that let START power the motors. */
+/* This file implements the states and modes of the app with the commands ARM, START, STOP, RESET, LOCKSTEP
+ * and FREE_RUN, and the two steps that let START power the motors. */
 #include "firmware/app/app_internal.h"
 
 enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes such a tool back without a jolt */ };
@@ -108,17 +108,17 @@ static void confirm(crn_app *app, uint32_t code)
 
 /* --- START, STOP, RESET, modes --- */
 
-/* Makes the hands' positions at the next reading the new reference, at which there is no force. */
+/* Takes the hands' positions at the next reading as the new reference, at which there is no force. */
 static void forget_hands(crn_app *app)
 {
     crn_hands_take_reference(&app->hands);
     crn_haptics_reset(&app->haptics);
 }
 
-/* FREE_RUN does not read the hands before START, so it begins with a new reference and with the motors at
- * zero. In LOCKSTEP a stopped session continues exactly where it was. A change of mode takes a new reference,
- * too, so that START begins with exactly the state of a snapshot taken in ARMED. A session of FREE_RUN that
- * is resumed from such a snapshot replays bit for bit. */
+/* In FREE_RUN the app does not read the hands before START, so the mode begins with a new reference and with
+ * the motors at zero. In LOCKSTEP a stopped session continues exactly where it was. A change of mode also
+ * takes a new reference. START then begins with exactly the state of a snapshot taken in the state ARMED, so
+ * a session of FREE_RUN that is resumed from such a snapshot replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
     app->watchdog.silent_ticks = 0;
@@ -156,7 +156,7 @@ void crn_app_stop(crn_app *app)
     crn_haptics_rest(&app->haptics);
 }
 
-/* A STOP for a later tick is stored, and stop_when_due carries it out. */
+/* A STOP for a later tick is stored, and the function stop_when_due carries it out. */
 static void stop(crn_app *app, uint32_t tick)
 {
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE,

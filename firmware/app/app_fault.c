@@ -14,7 +14,8 @@ static bool fault_stops(crn_fault_code code)
     return false;
 }
 
-/* The log has one line for each fault code: the first and last tick, the count, and the last values. */
+/* The fault log has one line for each fault code, with the first and last tick, the count, and the last
+ * values. */
 void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     uint16_t i = 0;
@@ -31,8 +32,8 @@ void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_
     app->faults.entries[i].value2 = value2;
 }
 
-/* The first fault that stops the device is the cause that `status` reports; faults that follow from it are
- * only in the log. */
+/* The first fault that stops the device is the cause that the message `status` reports; faults that follow
+ * from it are only in the log. */
 void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     crn_app_fault_log(app, code, value1, value2);
@@ -45,7 +46,7 @@ void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t va
     crn_app_notice(app, CRN_WIRE_EVENT_FAULT, (uint16_t)code, value1, value2);
 }
 
-/* Reports a part's findings in the order in which the part made them. */
+/* Reports the findings of one part of the app in the order in which this part made them. */
 void crn_app_report(crn_app *app, const crn_findings *findings)
 {
     for (uint32_t i = 0; i < findings->count; i++) {

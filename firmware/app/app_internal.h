@@ -1,20 +1,19 @@
-/* This header has the declarations that the files of the app share. Their groups, from top to bottom, are:
- * wire, requests, session, parts, stream, faults. */
+/* This header has the declarations that the files of the app share. The declarations are grouped, from top to
+ * bottom, into wire, requests, session, parts, stream and faults. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 
 #include "firmware/app/app.h"
 
-/* An error of the app itself is logged, the motors go off, and the state becomes FAULT; release builds
- * contain this check, too.
- */
+/* An error of the app itself is logged, the motors are switched off, and the state becomes FAULT; release
+ * builds contain this check, too. */
 #define CRN_REQUIRE(app, condition, value)                                                                   \
     do {                                                                                                     \
         if (!(condition)) crn_app_internal_error(app, __LINE__, (int32_t)(value));                           \
     } while (0)
 
-/* An error of the host is refused with a typed code and changes nothing; the macro then leaves the
- * handler. */
+/* An error of the host is refused with a typed code and changes nothing; the macro then returns from the
+ * function that handles the message. */
 #define CRN_REJECT_IF(app, type, condition, code, detail1, detail2)                                          \
     do {                                                                                                     \
         if (condition) {                                                                                     \
@@ -47,9 +46,9 @@ void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place);
 
-/* Converts scene bytes to the core's view of the lumen (app_lumen.c). Afterwards `lumen` points to `motion`
- * if the vessel moves, and to `lesions` if some of them can yield. The function returns 0, or the scene
- * status that names the error; in case of an error all outputs are unchanged. */
+/* Converts scene bytes to the core's view of the lumen (app_lumen.c). After the call, `lumen` points to
+ * `motion` if the vessel moves, and to `lesions` if a balloon can open some of them. The function returns 0,
+ * or the scene status that names the error; in case of an error all outputs are unchanged. */
 uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen *lumen, crn_motion *motion,
                             crn_lesion lesions[CRN_LESION_MAX]);
 
@@ -71,11 +70,11 @@ void crn_app_log_core_faults(crn_app *app, uint32_t bits);
 
 /* app_orders.c: the orders of a tick besides the hands */
 void crn_app_orders(crn_app *app, const uint8_t *payload, size_t length);
-/* Checks the orders of one tick and converts them for the core. Returns a refusal code. `place` receives the
- * list index of the order at fault. */
+/* Checks the commands to the core for one tick and converts them for the core. Returns a refusal code.
+ * `place` receives the list index of the command at fault. */
 uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list, crn_app_order_set *taken,
                              uint32_t *place);
-/* Returns the orders of this tick of FREE_RUN; they are valid until the next message. */
+/* Returns the commands for this tick of FREE_RUN; they are valid until the next message. */
 const crn_app_tick_orders *crn_app_orders_next(crn_app *app);
 
 /* app_stream.c: what the device sends unasked, with back-pressure */

@@ -1,5 +1,5 @@
-/* This file turns scene bytes into the core's view of the lumen. The validator checks every byte before the
- * core uses any of them. */
+/* This file turns a scene's bytes into the form in which the core reads the lumen. The scene's validator
+ * checks every byte before the core uses any of them. */
 #include "firmware/app/app_internal.h"
 #include "shared/scene/scene.h"
 
@@ -34,8 +34,8 @@ _Static_assert((int)CRN_SCENE_PLAQUE_MAX == (int)CRN_LESION_MAX &&
                    (int)CRN_SCENE_PLAQUE_STATION_BYTES == (int)sizeof(crn_lesion_station),
                "scene and core agree about lesions that give way");
 
-/* The stations stay in place. The data are words in the scene's own byte order, which must be that of this
- * machine (checked), at an address that is a multiple of 16. */
+/* The stations stay in place. The scene's data are words in the scene's own byte order, which must be that of
+ * this machine (checked), at an address that is a multiple of 16. */
 static crn_lesion lesion_from(const crn_scene_plaque_view *plaque)
 {
     crn_lesion lesion = {

@@ -1,11 +1,12 @@
-/* This file handles orders: the instructions to the core in a tick, other than the hands' positions
- * (shared/wire/wire_orders.def). Every order is checked here and nowhere else. In LOCKSTEP, orders are part
- * of a tick's input. In FREE_RUN they arrive in the message `orders` and wait for a tick. */
+/* This file handles "orders", that is, the commands to the core in a tick other than the hands' positions
+ * (shared/wire/wire_orders.def). Every command to the core is checked in this file and nowhere else. In
+ * LOCKSTEP, the commands to the core are part of a tick's input. In FREE_RUN, the commands to the core arrive
+ * in the message `orders` and wait for a tick. */
 #include "firmware/app/app_internal.h"
 
 /* --- one order --- */
 
-/* Each handler fills its part of the set of orders, and returns false when a value is out of its range. */
+/* Each handler fills in its own kind of command, and returns false when a value is out of its range. */
 
 static bool take_rhythm(const crn_app *app, const crn_wire_order *order, crn_app_order_set *taken)
 {
@@ -35,7 +36,7 @@ static bool take_strut(const crn_app *app, const crn_wire_order *order, crn_app_
     return wire->number != 0 && crn_strut_order_is_valid(&taken->strut);
 }
 
-/* A kind of order without a handler does not compile. */
+/* The program does not compile when a kind of command has no handler. */
 static bool (*const handlers[])(const crn_app *, const crn_wire_order *, crn_app_order_set *) = {
 #define ORDER(name, kind, text) [CRN_WIRE_KIND_##name] = take_##name,
 #include "shared/wire/wire_orders.def"
@@ -59,7 +60,7 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
 
 /* --- FREE_RUN --- */
 
-/* A message `input` may be repeated or dropped, but orders may not: each list of orders waits for its own
+/* A message `input` may be repeated or dropped, but commands may not: each list of commands waits for its own
  * tick. */
 void crn_app_orders(crn_app *app, const uint8_t *payload, size_t length)
 {

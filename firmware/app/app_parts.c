@@ -1,5 +1,6 @@
-/* This file runs the parts of the app that move motors and protect the hand. It gives them their inputs,
- * reports their findings, and writes their decisions to the port. No part accesses the app or another part.
+/* This file runs the parts of the app that move motors and protect the hand. The code gives these parts their
+ * inputs, reports their findings, and writes their decisions to the port. None of these parts accesses the
+ * app or another part.
  *
  *   encoders -> hands -> haptics -> core -> haptics -> requested forces -> safety -> the port's outputs
  *   the rig's sample -> safety -> findings -> crn_app_report (app_fault.c) */
@@ -34,7 +35,8 @@ static crn_haptics_track haptics_track(const crn_wire_track *wire)
 static crn_hand_track hand_track(const crn_wire_track *wire)
 {
     return (crn_hand_track){
-        /* The scale is 2^46 m / 10^12 = 2^34 / 5^12 per picometre, and 5e8 x 2^34 < 2^63. */
+        /* The conversion factor is 2^46 m / 10^12 = 2^34 / 5^12 per picometre, and 5e8 x 2^34 is below 2^63.
+         */
         .translation_m_q46_per_count =
             crn_divide_u64(((uint64_t)wire->translation_pm_per_count << 34) + 122070312u, 244140625u),
         .rotation_turn48_per_count = crn_divide_u64(((uint64_t)1 << 48) + wire->rotation_counts_per_turn / 2,
@@ -175,8 +177,8 @@ void crn_app_outputs_write(crn_app *app)
     app->port->outputs(app->port->context, &outputs);
 }
 
-/* Removes the power of the motors. The forces that LOCKSTEP reports belong to the session, not to the motors,
- * and continue unchanged. */
+/* Removes the power of the motors. The forces that the app reports in LOCKSTEP belong to the session, not to
+ * the motors, and continue unchanged. */
 void crn_app_motors_off(crn_app *app)
 {
     crn_port_outputs outputs;

@@ -1,4 +1,5 @@
-/* This file sends replies. Each reply is encoded into app->buffers.payload, framed, and given to the port. */
+/* This file sends replies. The app encodes each reply into app->buffers.payload, makes a frame of it, and
+ * gives the frame to the port. */
 #include "firmware/app/app_internal.h"
 
 void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
@@ -14,7 +15,7 @@ void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
         app->link.transmit_dropped++;
 }
 
-/* Sends like crn_app_send, but a message for which the pipe had no space may be offered again, because its
+/* Sends a message like crn_app_send. A message for which the pipe had no space may be sent again, because its
  * frame number is not used up. */
 bool crn_app_offer(crn_app *app, uint16_t type, size_t payload_bytes)
 {
@@ -27,7 +28,7 @@ bool crn_app_offer(crn_app *app, uint16_t type, size_t payload_bytes)
     return false;
 }
 
-/* Encodes `value` as message `name` and sends it. */
+/* Encodes `value` as the message `name` and sends the message. */
 #define SEND(app, name, value)                                                                               \
     do {                                                                                                     \
         crn_wire_writer writer = crn_wire_writer_make((app)->buffers.payload, sizeof(app)->buffers.payload); \
@@ -105,7 +106,8 @@ static void put_treatment(const crn_app *app, crn_wire_nodes *nodes)
     nodes->lesions_open_q15_count = (uint16_t)count;
 }
 
-/* A picture shows the nodes beyond the introducer sheath and the first node inside it. */
+/* The picture of the tools shows the nodes beyond the introducer sheath and the first node inside the sheath.
+ */
 void crn_app_send_nodes(crn_app *app)
 {
     crn_wire_nodes *nodes = &app->buffers.reply.nodes;

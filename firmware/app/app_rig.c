@@ -1,5 +1,6 @@
-/* Configuration of the tracks. A request is checked as a whole, and the host can read back the values that
- * are in force. A host may always lower limits, but may raise them only while the local unlock is closed. */
+/* Configuration of the tracks. The app checks a request for settings as a whole, and the host can read back
+ * the values that are in force. A host may always lower force limits, but may raise them only while the local
+ * unlock is closed. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -25,10 +26,10 @@ static bool in_range(uint32_t value, uint32_t low, uint32_t high)
     return value >= low && value <= high;
 }
 
-/* A gain above one multiplies the stiffness that the hand feels of a coupling. A scale that states more
- * travel per count than is known has the same effect. Returns the product of both factors in 1/1000, rounded
- * up. Overflow: the product wraps for values that are out of their ranges and refused anyway; otherwise it is
- * below 2^41. */
+/* A force gain above one multiplies the stiffness of the coupling that the hand feels. An encoder scale with
+ * more travel per count than the known value has the same effect. Returns the product of the force gain and
+ * the scale factor in 1/1000, rounded up. Overflow: the product wraps for values that are out of their ranges
+ * and refused anyway; otherwise it is below 2^41. */
 static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t known)
 {
     const uint64_t gain_milli =
@@ -37,11 +38,11 @@ static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t k
     return crn_divide_u64(gain_milli * said + known - 1, known);
 }
 
-/* The condition b > G (K (T / 2 + t) + B) limits a sampled spring K and damper B on a rig with damping b
- * whose force comes t late and is multiplied by G (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N
- * s/m, G in 1/1000; both sides in 1e-9 N s/m. Overflow is impossible: G is below 2^32 (4 000 x 5 x 10^5, the
- * range of scales), and 10^5 x 2^32 x 20 500 and 10^6 x 2^32 are below 2^63. A track without a coupling has
- * no limit of this kind. */
+/* The condition b > G (K (T / 2 + t) + B) limits a spring K and a damper B that are computed once in each
+ * tick of length T. The rig itself has the damping b; its force comes late by t and is multiplied by G
+ * (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N s/m, G in 1/1000; both sides in 1e-9 N s/m.
+ * Overflow is impossible: G is below 2^32 (4 000 x 5 x 10^5, the range of scales), and 10^5 x 2^32 x 20 500
+ * and 10^6 x 2^32 are below 2^63. For a track without a coupling there is no limit of this kind. */
 static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us,
                        uint64_t factor_milli)
 {
@@ -74,8 +75,8 @@ static const crn_wire_track first = {
 
 /* --- who may state what --- */
 
-/* A rule defines what a host may state about a track without confirmation by a person at the rig. The rule
- * compares the host's value with the value that the rig's builder stated. */
+/* A rule defines which values of a track's setting a host may send without confirmation by a person at the
+ * rig. The rule compares the host's value with the value that the rig's builder gave. */
 typedef enum step_rule {
     STEP_SCALE, /* a quarter up or down, as sensors differ among themselves */
     STEP_UP_TO, /* anything up to the builder's value: less is safer */
@@ -103,13 +104,14 @@ static bool is_coupled(const crn_wire_track *wire)
     return wire->coupling_N_per_m > 0 || wire->coupling_uN_m_per_rad > 0;
 }
 
-/* This table contains all of these rules. A force sensor's scale that is too small makes every force look
- * small, and an encoder's scale that is too small makes every speed look small; then no check detects a large
- * one. A scale that is too large, a gain, a stated damping that does not exist, or a concealed lag makes the
- * coupling stiffer than the rig can render. An encoder that is stated to count in the wrong direction turns a
- * spring into a push. A track without a coupling is never driven, so a host may state anything about it
- * except the force sensor's scale, because that sensor is checked in every state. A value that a person at
- * the rig has confirmed may be stated again. False: *field names the offender. */
+/* This table contains all of these rules. A scale that is too small hides large values from every check: a
+ * force sensor's makes every force look small, and an encoder's makes every speed look small. The coupling
+ * becomes stiffer than the rig can render when an encoder's scale is too large, when the gain is high, when
+ * the claimed damping does not exist, or when a lag is concealed. When the host gives the wrong counting
+ * direction for an encoder, every spring becomes a push. A track without a coupling is never driven, so a
+ * host may set any of its values except the force sensor's scale, because that sensor is checked in every
+ * state. The host may send again a value that a person at the rig has confirmed. False: *field names the
+ * offender. */
 static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *present, uint32_t *field)
 {
     const crn_wire_track *vouched = &present->vouched, *built = &present->built;
@@ -150,8 +152,8 @@ static bool track_is_good(const crn_wire_track *wire, const crn_app_track *prese
 {
     const crn_wire_track *limits =
         rights.raises_limits ? &first : &present->wire; /* the largest allowed now */
-    /* A value that a person at the rig states for a count is accepted. Otherwise the true travel of a count
-     * may be less than stated. */
+    /* The travel per count that a person at the rig enters is accepted. Without this person, the true travel
+     * per count may be less than the value that the host sent. */
     const uint64_t along_milli = loop_milli(wire, rights.states_all ? 0 : wire->translation_pm_per_count,
                                             present->scale_pm_per_count),
                    about_milli = loop_milli(wire, rights.states_all ? 0 : present->scale_counts_per_turn,
@@ -205,7 +207,7 @@ static uint32_t stated(uint32_t built, uint32_t otherwise)
     return built != 0 ? built : otherwise;
 }
 
-/* At power-up a track has the settings that its builder stated, but its stated damping does not count as
+/* At power-up a track has the settings that its builder gave, but the given damping does not count as
  * reliable. */
 void crn_app_track_default(crn_app_track *track, const crn_port *port)
 {

@@ -1,5 +1,5 @@
 /* This file runs the ticks of a session. A tick computes, in this order, the hands' positions from the
- * encoders, the coupling, crn_step, the forces, and the results for the host. */
+ * encoders, the virtual coupling, the core's step (crn_step), the forces, and the results for the host. */
 #include "firmware/app/app_internal.h"
 
 /* --- one tick --- */
@@ -35,7 +35,7 @@ static crn_wire_tool_state tool_state(const crn_handle *handle, const crn_port_m
     };
 }
 
-/* The result is rounded. The result cannot overflow, because a balloon's radius is below 2^24. */
+/* The result is rounded. The result cannot overflow, because a balloon's radius in Q30 m is below 2^24. */
 static uint16_t um_from_q30(int32_t length_m_q30)
 {
     return (uint16_t)(((int64_t)length_m_q30 * 15625 + (1 << 23)) >> 24);
@@ -76,8 +76,8 @@ static int32_t kPa_of(int32_t inflator_raw)
     return inflator_raw < 0 ? 0 : (inflator_raw > most ? most : inflator_raw);
 }
 
-/* When `encoders` is NULL, the positions of the hands are unknown, and the hands are treated as at rest.
- * Returns false when the state is FAULT and no tick was computed. */
+/* When `encoders` is NULL, the positions of the user's hands are unknown, and the app treats the hands as at
+ * rest. Returns false when the state is FAULT and no tick was computed. */
 static bool tick(crn_app *app, const crn_app_encoders *encoders, const crn_app_order_set *orders,
                  crn_output *output)
 {
@@ -124,8 +124,8 @@ static crn_app_encoders encoders_from_wire(const crn_wire_tick_input *wire)
 
 /* --- LOCKSTEP --- */
 
-/* Replies are sent in this order: hash64 while the ticks run, nodes if they were requested, and ticks last.
- * After a fault or a STOP, the message `ticks` has fewer ticks than were requested. */
+/* The app sends its replies in this order: `hash64` while the ticks run, `nodes` if the host requested them,
+ * and `ticks` last. After a fault or a STOP, the message `ticks` has fewer ticks than the host requested. */
 void crn_app_step(crn_app *app, const uint8_t *payload, size_t length)
 {
     static const crn_app_order_set no_orders;
@@ -193,7 +193,7 @@ static uint16_t fade_milli(const crn_app *app)
     return (uint16_t)(crn_watchdog_left_ticks(&app->watchdog) * 1000 / CRN_APP_FADE_ticks);
 }
 
-/* Stores everything that the host needs to replay this tick in LOCKSTEP, and to see what the rig did. */
+/* Stores all data that the host needs to replay this tick in LOCKSTEP, and to see what the rig did. */
 static void note_live(crn_app *app, const crn_app_encoders *encoders, const crn_wire_order_list *orders,
                       const crn_output *output)
 {

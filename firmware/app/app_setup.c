@@ -1,5 +1,5 @@
-/* This file handles the set-up requests for scene, tools and entry. These requests are accepted only in
- * READY; a refused request leaves the old data in place. */
+/* This file handles the set-up requests for scene, tools and entry (the place where the tools enter). The app
+ * accepts these set-up requests only in the state READY; a refused request leaves the old data unchanged. */
 #include "firmware/app/app_internal.h"
 
 /* --- scene --- */
@@ -21,8 +21,8 @@ void crn_app_scene_begin(crn_app *app, const uint8_t *payload, size_t length)
     crn_app_send_status(app, type);
 }
 
-/* Good chunks are not answered, so that an upload need not wait for replies. A bad chunk is refused, and the
- * following scene_end fails, too. */
+/* The app does not answer good chunks of an upload, so that an upload need not wait for replies. The app
+ * refuses a bad chunk of an upload, and the following scene_end fails, too. */
 void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_scene_chunk;
@@ -39,7 +39,7 @@ void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
     for (uint16_t i = 0; i < chunk->data_count; i++) staged[upload->received_bytes++] = chunk->data[i];
 }
 
-/* The uploaded scene is checked as a whole before it replaces the present scene. */
+/* The app checks the uploaded scene as a whole before the scene replaces the present one. */
 void crn_app_scene_end(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_scene_end;
@@ -113,7 +113,8 @@ static void tool_from_wire(const crn_wire_instrument *wire, crn_instrument *tool
     }
 }
 
-/* Refuses a request with the reason why the core builds no model, and with the tool and the knot at fault. */
+/* Refuses a set-up request with the core's reason for not building a model, and with the tool and the knot at
+ * fault. */
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place)
 {
     static const uint16_t codes[] = {
@@ -129,8 +130,8 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
 
 static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}};
 
-/* In READY no model is in use, so its memory is free. The table of tools is checked as a whole by building a
- * model in open space. */
+/* In the state READY no model is in use, so the model's memory is free. The app checks the table of tools as
+ * a whole by building a model in open space. */
 void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_tools;

@@ -1,5 +1,5 @@
-/* A snapshot contains, as bytes, everything on which the next tick depends. A snapshot consists of a head,
- * written by the app, and the core's saved state.
+/* A snapshot contains, as bytes, all data on which the next tick depends. A snapshot consists of a header,
+ * which the app writes, and the core's saved state.
  *
  *   version u32 | tick u32 | tool count u32                                                     = 12 bytes
  *   per tool, always three: hand known u32 | last translation, rotation i32 |
@@ -145,7 +145,8 @@ static bool is_within(int64_t value, int64_t limit)
     return value >= -limit && value <= limit;
 }
 
-/* The sums of counts are bounded, so that no later sum of plausible readings can overflow. */
+/* The restored sums of encoder counts are bounded, so that no later sum of plausible readings can overflow.
+ */
 static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, crn_hand_counts *hand,
                       crn_port_motor *motor)
 {
@@ -163,9 +164,9 @@ static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, c
            is_within(motor->torque_uN_m, track->torque_limit_uN_m);
 }
 
-/* A snapshot is refused when the lead of a spring (hand ahead of tool) exceeds what the axis allows, or the
- * spring's estimate of the tool's stiffness exceeds its largest value. So no product of a later tick can
- * overflow. */
+/* The app refuses a snapshot when a hand's lead over its tool exceeds what the axis allows, or when the
+ * estimate of the tool's stiffness exceeds its largest value. With these limits, no product of a later tick
+ * can overflow. */
 static bool read_spring(crn_wire_reader *reader, const crn_haptics_axis *axis, crn_haptics_spring *spring)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);

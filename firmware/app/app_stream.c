@@ -1,6 +1,6 @@
-/* This file sends the messages that no request asked for, while there is space in the pipe to the host: first
- * ticks of FREE_RUN, then notices, then pictures. Ticks and notices wait in queues; a newer picture replaces
- * one for which there was no space. */
+/* This file sends the messages that no request caused, while there is space in the pipe to the host: first
+ * the ticks of FREE_RUN, then notices, then pictures. Ticks and notices wait in queues; a newer picture
+ * replaces an older picture for which there was no space. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -16,7 +16,7 @@ static bool has_room(const crn_app *app, size_t payload_bytes)
 
 /* --- ticks --- */
 
-/* Appends bytes to the ring, in at most two pieces. */
+/* Appends bytes to the ring buffer, in at most two pieces. */
 static void push_bytes(crn_app_queue *queue, const uint8_t *bytes, uint32_t count)
 {
     const uint32_t end = (queue->begin + queue->used) % CRN_APP_LIVE_QUEUE_BYTES;
@@ -26,7 +26,7 @@ static void push_bytes(crn_app_queue *queue, const uint8_t *bytes, uint32_t coun
     queue->used += count;
 }
 
-/* Copies the oldest bytes, which stay in the ring. */
+/* Copies the oldest bytes of the ring buffer without removing them. */
 static void peek_bytes(const crn_app_queue *queue, uint8_t *bytes, uint32_t count)
 {
     const uint32_t whole = CRN_APP_LIVE_QUEUE_BYTES - queue->begin, first = count < whole ? count : whole;
@@ -61,7 +61,7 @@ static void lose_oldest(crn_app *app)
     crn_app_fault(app, CRN_FAULT_CODE_TICKS_LOST, (int32_t)crn_wire_read(&reader, 4), 0);
 }
 
-/* Puts a tick into the queue; a full queue drops its oldest ticks. */
+/* Puts a tick into the queue for the host; a full queue drops its oldest ticks. */
 void crn_app_stream_live(crn_app *app, const crn_wire_live_tick *live)
 {
     crn_app_queue *queue = &app->queue;
@@ -75,7 +75,7 @@ void crn_app_stream_live(crn_app *app, const crn_wire_live_tick *live)
     push_bytes(queue, app->buffers.payload, bytes);
 }
 
-/* Sends a `live` message of ticks that are already in encoded form. */
+/* Sends a `live` message made of ticks that are already encoded. */
 static bool send_ticks(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -124,7 +124,8 @@ static bool send_notice(crn_app *app)
 
 /* --- pictures --- */
 
-/* Runs after a tick of FREE_RUN. If an older picture still waits, the one that is due now replaces it. */
+/* Runs after a tick of FREE_RUN. If an older picture still waits for space, the picture that is due now
+ * replaces it. */
 void crn_app_stream_tick(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -134,8 +135,8 @@ void crn_app_stream_tick(crn_app *app)
     queue->is_picture_due = true;
 }
 
-/* A picture is sent only if space remains for the next ticks. The picture shows the state at the moment of
- * sending. */
+/* A picture is sent only if space remains for the next ticks. The picture shows the core's state at the
+ * moment of sending. */
 static void send_picture(crn_app *app)
 {
     if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;
@@ -151,8 +152,8 @@ void crn_app_stream_hash64(crn_app *app)
 
 /* --- the stream --- */
 
-/* Runs once per edge, after the outputs are written. A batch of ticks waits until it is full or no further
- * tick will come. */
+/* Runs once per edge of the timer, after the outputs are written. A batch of ticks waits until the batch is
+ * full or no further tick will come. */
 void crn_app_stream_flush(crn_app *app)
 {
     bool is_last = app->state != CRN_WIRE_STATE_RUNNING || app->mode != CRN_WIRE_MODE_FREE_RUN;
@@ -167,7 +168,7 @@ void crn_app_stream_flush(crn_app *app)
     send_picture(app);
 }
 
-/* Discards everything that an old session left in the queues, when a new session begins. */
+/* Discards all messages of an old session that wait in the queues, when a new session begins. */
 void crn_app_stream_clear(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;

@@ -1,5 +1,5 @@
-/* A benchmark program needs a table of cases and a main that follows the convention of docs/bench.md; both
- * are declared here. */
+/* A benchmark program consists of a table of cases and a main that follows the convention of docs/bench.md;
+ * this header declares the table and the function that runs it. */
 #ifndef CRN_BENCH_H
 #define CRN_BENCH_H
 
@@ -30,14 +30,14 @@ struct bench_case {
     int argument; /* free for the case's own use */
 };
 
-/* Ends the program with exit code 1 and a message when a case cannot be measured. */
+/* Ends the program with exit code 1 and a message, for a case that cannot be measured. */
 BENCH_NORETURN void bench_fail(const char *sentence);
 
 /* Monotonic clock in microseconds. */
 double bench_now_us(void);
 
-/* Runs the program's command line, where `list` prints the cases and `run N` runs case N. Returns the exit
- * code: 0 ok, 2 usage. */
+/* Runs the benchmark program's command line, where `list` prints the cases and `run N` runs case N. Returns
+ * the exit code: 0 ok, 2 usage. */
 int bench_main(int argc, char **argv, const bench_case *cases, size_t case_count);
 
 #ifdef __cplusplus

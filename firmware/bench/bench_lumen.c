@@ -1,12 +1,13 @@
-/* This benchmark counts the instructions of one lumen sample by callgrind: of the cheap distance and of the
- * contact sample. The points lie near the wall of a straight tube of 8 mm radius (level 0) and of a refined
- * one (level 1), which are the most expensive paths through the code. */
+/* This benchmark counts, by callgrind, the instructions of one lumen sample, for the cheap distance function
+ * and for the contact function. The sampled points lie near the wall of a straight tube of 8 mm radius (level
+ * 0) and of a refined tube (level 1); such points take the most expensive paths through the code. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/lumen.h"
 
 enum { CALLS = 1000, POINTS = 64 };
 
-/* The lumen is one coarse brick whose wall is the plane x = 4 voxels, and the same brick refined. */
+/* The first lumen is one coarse brick whose wall is the plane x = 4 voxels; the second is the same brick
+ * refined. */
 static int8_t samples[2 * CRN_LUMEN_BRICK_SAMPLES];
 static const uint16_t index_entries[2] = {2, 0x8000};
 static const uint16_t children[8] = {3, 3, 3, 3, 3, 3, 3, 3};
@@ -14,7 +15,8 @@ static const crn_lumen lumen = {{0, 0, 0}, {2, 1, 1}, 1, 2, index_entries, child
 static crn_vec3 points[POINTS];
 static volatile int32_t sink;
 
-/* Fills in the coefficients of a slightly bent wall, and points that are spread over the brick of `level`. */
+/* Fills a brick with the coefficients of a slightly bent wall, and makes points that are spread over the
+ * brick of `level`. */
 static void fill(int level)
 {
     for (int i = 0; i < 2 * CRN_LUMEN_BRICK_SAMPLES; i++) {

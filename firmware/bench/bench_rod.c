@@ -1,14 +1,14 @@
-/* This benchmark measures the cost of one tick and the accuracy of the elastica (docs/bench.md names the
- * rows).
+/* This benchmark measures the cost of one tick and the accuracy of large bending by the elastica
+ * (docs/bench.md names the rows).
  *
- * The scene `bends` is a super stiff wire (EI 1.85e-3 N m^2, 3 mm elements) pushed through a tube of 2 mm
- * radius with three bends. The scene `floor` is a soft wire (EI 2e-6 N m^2) on the floor of a straight narrow
- * tube, so that every node touches except the few that hang from the sheath's distal end. `bends` also runs
- * with a vessel that beats at 90 /min, either all of it or, as in a heart, only its last 200 mm. `coronary`
- * is a 0.014 in wire in a vessel of 1.5 mm radius on a beating sphere (tests/reference/moving_tube.h).
- * `balloon` is a wire in a balloon catheter of 256 elements in the three bends. The catheter's balloon of 3 x
- * 20 mm is folded, or fills the vessel at 8 bar. A row fails when its scene has fewer contacts than the row
- * states. */
+ * In the scene `bends`, a very stiff wire (EI 1.85e-3 N m^2, 3 mm elements) is pushed through a tube of 2 mm
+ * radius with three bends. In the scene `floor`, a soft wire (EI 2e-6 N m^2) lies on the floor of a straight
+ * narrow tube, so that every node touches the wall except the few that hang from the sheath's distal end. The
+ * scene `bends` also runs in a vessel that beats 90 times a minute, either along its whole length or, as in a
+ * heart, only in its last 200 mm. In the scene `coronary`, a 0.014 in wire lies in a vessel of 1.5 mm radius
+ * on a beating sphere (tests/reference/moving_tube.h). In the scene `balloon`, a wire lies in a balloon
+ * catheter of 256 elements in the three bends. The catheter's balloon of 3 x 20 mm is either folded, or fills
+ * the vessel at 8 bar. A row of the benchmark fails when its scene has fewer contacts than the row states. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"
@@ -49,14 +49,16 @@ static const scene scenes[] = {{256, 0, 57, 1, 0, 0, 0},
                                {256, 0, 50, 2, 0, 800, 1},
                                {256, 0, 50, 2, HEART_BEATS, 800, 1}};
 
-/* callgrind counts crn_step as called from this file, which excludes the ticks of the insertion. The tools
- * slide and turn against each other, so that no result is kept from tick to tick. */
+/* The tool callgrind counts crn_step as called from this file, which excludes the ticks of the insertion. The
+ * tools slide and turn against each other, so that the core must compute their combined properties anew in
+ * every tick. */
 static BENCH_MEASURED void measured_step(void)
 {
     crn_step(&model, &state, &input, &output);
 }
 
-/* Makes one of three tools: it is thin, and tapers over 200 mm to a shaft that is 1.5 times as stiff. */
+/* Makes one of three nested tools: it is thin, and tapers over 200 mm to a shaft that is 1.5 times as stiff.
+ */
 static void make_coaxial(crn_instrument *tool, uint32_t radius_um, uint32_t bore_um)
 {
     tool->knot_count = 3;
@@ -97,8 +99,8 @@ static int nearest_point(const reference_tube *tube, uint32_t node)
     return best;
 }
 
-/* At the middle of the balloon, 22 mm of the vessel yield by 0.4 mm all round. The path has one point per
- * millimetre. */
+/* Around the middle of the balloon, a stretch of 22 mm of the vessel widens by 0.4 mm all round. The vessel's
+ * path has one point per millimetre. */
 static void put_lesion(reference_tube *tube)
 {
     enum { STATIONS = 23 };
@@ -136,7 +138,7 @@ static void put_lesion(reference_tube *tube)
     tube->lumen.lesions = &lesion;
 }
 
-/* Makes a lattice with a spacing of 7.8 mm around the path, beginning at `from`. */
+/* Makes a displacement lattice with a spacing of 7.8 mm around the vessel's path, beginning at `from`. */
 static void make_beat(reference_tube *tube, uint32_t from)
 {
     double low[3] = {9, 9, 9}, high[3] = {-9, -9, -9};
@@ -149,7 +151,7 @@ static void make_beat(reference_tube *tube, uint32_t from)
     tube->lumen.motion = &reference_waves_make(low, high, 23)->motion;
 }
 
-/* Starts a rhythm of 90 beats a minute. */
+/* Starts a heart rhythm of 90 beats a minute. */
 static void begin_beating(void)
 {
     input.rhythm = (crn_rhythm_order){CRN_RHYTHM_HEART_RATE, 90};
@@ -159,8 +161,8 @@ static void begin_beating(void)
     input.rhythm = (crn_rhythm_order){0, 0};
 }
 
-/* Pushes the wire in at 0.1 m/s until the scene's number of edges is outside the sheath, then waits for half
- * a second. */
+/* Pushes the wire in at 0.1 m/s until the scene's number of mesh edges is outside the sheath, then waits for
+ * half a second. */
 static void insert(const scene *s)
 {
     const reference_piece straight = {0.85, 0, 0};
@@ -204,8 +206,8 @@ static void insert(const scene *s)
         bench_fail("the balloon does not fill the vessel");
 }
 
-/* Returns the depth of a coronary wire's deepest contact in mm. Argument 0 selects the insertion at rest, and
- * argument 1 the following 60 s at 90 beats a minute. */
+/* Returns the depth in mm of the deepest contact of the coronary wire. The benchmark's argument 0 selects the
+ * insertion at rest, and argument 1 the following 60 s at 90 beats a minute. */
 static double run_coronary(const bench_case *self)
 {
     reference_tube *tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);
@@ -267,8 +269,8 @@ static double run_us(const bench_case *self)
     return fastest;
 }
 
-/* Returns the largest error over the six tip loads PL2/EI of 0.5 .. 10. The argument is elements * 10 + index
- * of the stiffness. */
+/* Returns the largest error of the tip's position over the six tip loads PL2/EI of 0.5 .. 10. The benchmark's
+ * argument is the number of elements * 10 + the index of the stiffness. */
 static double run_elastica(const bench_case *self)
 {
     static const double bend_N_m2[] = {2e-6, 1e-5, 1e-4, 1.85e-3, 4.9e-3};

@@ -1,6 +1,7 @@
-/* This header describes one measured case as a file, which budget_make.c (on the PC) writes and
- * budget_image.c (on the Cortex-M7) reads. Both programs use the same words: structs of 32-bit words,
- * little-endian. This header contains all calls of the core that measure its budget of instructions. */
+/* This header describes the file of one measured case, which budget_make.c (on the PC) writes and
+ * budget_image.c (on the Cortex-M7) reads. The two programs use the same words, namely structs of 32-bit
+ * words, little-endian. This header contains all calls of the core that measure its budget of instructions.
+ */
 #ifndef CRN_BUDGET_CASE_H
 #define CRN_BUDGET_CASE_H
 
@@ -8,7 +9,7 @@
 
 enum { BUDGET_MAGIC = 0x42444731, BUDGET_TICKS_MAX = 1000 };
 
-/* Behind the header follow index (padded to words), children (padded), samples (padded), state, and one
+/* After the file's header follow index (padded to words), children (padded), samples (padded), state, and one
  * crn_input per tick. */
 typedef struct budget_case {
     uint32_t magic;
@@ -27,7 +28,7 @@ static inline uint32_t budget_padded(uint32_t bytes)
     return (bytes + 3u) & ~3u;
 }
 
-/* Holds addresses inside a case that has been read into memory. */
+/* Holds the addresses of the parts of a case that has been read into memory. */
 static inline const uint8_t *budget_state(const budget_case *c)
 {
     return (const uint8_t *)(c + 1) + budget_padded(c->index_bytes) + budget_padded(c->children_bytes) +
@@ -38,8 +39,8 @@ static inline const crn_input *budget_inputs(const budget_case *c)
     return (const crn_input *)(const void *)(budget_state(c) + c->state_bytes);
 }
 
-/* Builds the model of a case; returns false when the core refuses it. `lumen` and the case must outlive the
- * model. */
+/* Builds the model of a case; returns false when the core refuses it. `lumen` and the case's memory must
+ * exist as long as the model is used. */
 static inline bool budget_build(const budget_case *c, crn_lumen *lumen, crn_model *model)
 {
     const uint8_t *field = (const uint8_t *)(c + 1);

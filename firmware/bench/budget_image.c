@@ -32,7 +32,8 @@ typedef struct counts {
     uint32_t sum, most, least, most_twice, twice, contacts;
 } counts;
 
-/* Runs one tick between two readings of the counter; a reading itself takes less than half a count. */
+/* Runs one tick between two readings of the instruction counter; a reading itself takes less than half a
+ * count. */
 static void __attribute__((noinline)) step(const crn_input *input, crn_output *output, counts *c)
 {
     uint32_t start = systick_now();

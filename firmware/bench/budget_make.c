@@ -1,6 +1,7 @@
-/* This program prepares the cases of the Cortex-M7 budget on the PC. It puts a wire into a lumen, and lets
- * the wire settle or drives it until a tick needs a second solve. Then it writes the state before the
- * measured ticks with everything they need (budget_case.h). usage: budget_make list | make CASE FILE */
+/* This program prepares, on the PC, the cases that the Cortex-M7 measures. The program puts a wire into a
+ * lumen, and lets the wire settle or moves it until a tick needs a second solve. Then it writes the state
+ * before the measured ticks with everything they need (budget_case.h). usage: budget_make list | make CASE
+ * FILE */
 #include "firmware/bench/bench.h"
 #include "firmware/bench/budget_case.h"
 #include "firmware/tests/reference/random.h"
@@ -110,7 +111,7 @@ static void feed(int32_t step_m_q30)
     for (int k = 0; k < CRN_TOOL_MAX; k++) input.hands[k].feed_m_q30 += step_m_q30;
 }
 
-/* Pushes the tools in at 0.1 m/s until the scene's number of edges is outside the sheath, then waits. */
+/* Pushes the tools in at 0.1 m/s until the scene's number of mesh edges is outside the sheath, then waits. */
 static void insert(const scene *s)
 {
     for (int rest = 0; rest < REST_TICKS;) {
@@ -123,7 +124,8 @@ static void insert(const scene *s)
     }
 }
 
-/* The tools move against each other, so that no result is kept from tick to tick. */
+/* The tools move against each other, so that the core must compute their combined properties anew in every
+ * tick. */
 static void slide(void)
 {
     for (int k = 1; k < CRN_TOOL_MAX; k++) {
@@ -148,7 +150,7 @@ static crn_input drive(uint32_t tick, int32_t middle_m_q30)
     return input;
 }
 
-/* Records the measured ticks of a scene whose hands rest or keep feeding. */
+/* Records the measured ticks of a scene in which the hands rest or keep feeding. */
 static void record(const scene *s, budget_case *c)
 {
     if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
@@ -163,7 +165,7 @@ static void record(const scene *s, budget_case *c)
 }
 
 /* Of all ticks with a second solve, records the one that has the most contacts, and the tick before it.
- * Prints how many ticks had a second solve. */
+ * Prints the number of ticks that had a second solve. */
 static void record_worst(budget_case *c)
 {
     size_t bytes = crn_state_bytes();

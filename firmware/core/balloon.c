@@ -132,8 +132,9 @@ void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tools, ui
 
 /* --- the maker's table ---------------------------------------------------------------------------------- */
 
-/* Returns y at x on the straight line through two points. Overflow is impossible: steps between points of a
- * table are below 2^23 in x and y, and beyond the last point the result is at most a few times that. */
+/* Returns y at x on the straight line through two points. Overflow is impossible: neighbouring points of a
+ * table differ by less than 2^23 in x and in y. Beyond the last point, the result is at most a few times as
+ * large. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
     return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
@@ -167,8 +168,8 @@ int32_t crn_balloon_own_pressure(const crn_balloon_model *model, int32_t radius_
 
 /* --- where the balls are -------------------------------------------------------------------------------- */
 
-/* Describes where one of the balloon's balls (spheres) lies on the line of tools, at the predicted
- * configuration. */
+/* Describes the position of one of the balloon's balls (spheres) on the tools' common centreline, at the
+ * predicted configuration. */
 typedef struct place {
     uint32_t node;     /* the place lies between this node and the next */
     int32_t share_q30; /* of the next */
@@ -177,8 +178,9 @@ typedef struct place {
     crn_vec3 along_q30; /* unit vector towards the hand */
 } place;
 
-/* Finds the place of one of the balloon's balls. The search goes towards the hand and starts at `from`, a
- * node at or before the place. */
+/* Finds the position of one of the balloon's balls (spheres) on the tools' common centreline. The search
+ * starts at the node `from`, which lies at or before the ball's position, and goes towards the user's hand.
+ */
 static place place_of(const crn_model *model, const crn_state *state, uint32_t ball, uint32_t from)
 {
     const crn_balloon_model *balloon = &model->balloon;
@@ -207,14 +209,15 @@ static place place_of(const crn_model *model, const crn_state *state, uint32_t b
     return at;
 }
 
-/* Converts a place from world coordinates to the reference pose, in which the lumen is described. */
+/* Converts a point from world coordinates to the reference pose, in which the lumen is described. */
 static crn_vec3 in_reference(const crn_model *model, crn_state *state, const crn_vec3 *place_m_q30)
 {
     const crn_motion *motion = model->lumen->motion;
     return motion == NULL ? *place_m_q30 : crn_motion_pull(motion, &state->scratch.pose, place_m_q30);
 }
 
-/* `section` describes the open lesion that contains the place; NULL means that no open lesion contains it. */
+/* `section` describes the opened lesion that contains the point; NULL means that no opened lesion contains
+ * the point. */
 static int32_t wall_distance(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                              const crn_vec3 *place_m_q30)
 {
@@ -233,16 +236,16 @@ static int32_t wall_distance(const crn_model *model, crn_state *state, const crn
 
 /* --- growing -------------------------------------------------------------------------------------------- */
 
-/* Outer radius of a ball. A ball inside the introducer sheath or inside another tool has the radius 0 in the
- * state and counts as folded. */
+/* Outer radius of a ball. A ball (sphere) of the balloon that is still inside the introducer sheath or inside
+ * another tool has the radius 0 in the state and counts as folded. */
 static int32_t radius_of(const crn_model *model, const crn_balloon_ball *ball)
 {
     const int32_t folded = model->balloon.radius_m_q30[0];
     return ball->radius_m_q30 > folded ? ball->radius_m_q30 : folded;
 }
 
-/* Returns the ball's centre before it grows in this tick. A ball that a wall holds moves with the wall; any
- * other ball follows the line. */
+/* Returns the centre of one of the balloon's balls before the ball grows in this tick. A ball that the vessel
+ * wall holds moves with the wall; any other ball follows the tools' centreline. */
 static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_balloon_ball *ball,
                         const place *at)
 {
@@ -266,9 +269,9 @@ static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_ball
     return centre;
 }
 
-/* Returns the force N = p 2 pi r ds of a ball on the wall. Format: Pa, Q30 m -> Q22 N. Overflow: r below 2^24
- * and ds below 2^22, so their product is below 2^26 in Q40; times 2 pi below 2^29, times 2^22 Pa below
- * 2^51. */
+/* Returns the force N = p 2 pi r ds with which a ball of the balloon presses on the vessel wall. Format: Pa,
+ * Q30 m -> Q22 N. Overflow: r below 2^24 and ds below 2^22, so their product is below 2^26 in Q40; times 2 pi
+ * below 2^29, times 2^22 Pa below 2^51. */
 static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t length_m_q30)
 {
     int64_t area_q40 = ((int64_t)radius_m_q30 * length_m_q30) >> 20;
@@ -277,8 +280,9 @@ static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t len
     return force > BALL_MAX_N_Q22 ? BALL_MAX_N_Q22 : (int32_t)force;
 }
 
-/* Computes two directions at right angles to each other and to the line. These directions turn by 45 degrees
- * from tick to tick, so that two ticks together probe the wall in eight directions. */
+/* Computes two directions that are perpendicular to each other and to the tools' centreline. These two
+ * directions turn by 45 degrees from tick to tick, so that two successive ticks together probe the wall in
+ * eight directions. */
 static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_q30[2])
 {
     int least = 0;
@@ -300,9 +304,10 @@ static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_
     }
 }
 
-/* Returns the signed distance from the wall to the ball's surface in one direction; it is positive when the
- * surface lies beyond the wall. The distance field is accurate at a wall. It is not accurate on the axis of a
- * narrow vessel, because the spline rounds off the ridge of the distance there. */
+/* Returns the signed distance from the vessel wall to the surface of one of the balloon's balls, in one
+ * direction. The distance is positive when the surface lies beyond the wall. The distance field is accurate
+ * at a wall. The distance field is not accurate on the axis of a narrow vessel, because the spline rounds off
+ * the ridge that the distance has there. */
 static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            const crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
@@ -313,9 +318,9 @@ static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_l
     return crn_clamp(wall_distance(model, state, section, &surface), -FELT_M_Q30, FELT_M_Q30);
 }
 
-/* Moves the ball away from the two walls that lie ahead and behind in one direction. Returns half of the
- * difference between the ball's diameter and the clearance between these walls; the value is negative where
- * the vessel is wider than the ball. */
+/* Moves the ball away from the two parts of the vessel wall that lie ahead of it and behind it in one
+ * direction. Returns half of the difference between the ball's diameter and the clearance between the two
+ * walls. The value is negative where the vessel is wider than the ball. */
 static int32_t fit_between(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
@@ -336,8 +341,9 @@ static int32_t fit_between(const crn_model *model, crn_state *state, const crn_l
     return (ahead + back) / 2;
 }
 
-/* Advances one ball by one tick. `length_m_q30` is the length of wall that the ball represents. Returns the
- * pressure with which the ball presses on the wall. */
+/* Advances one of the balloon's balls (spheres) by one tick. `length_m_q30` is the length of the vessel wall
+ * that the ball represents. Returns the pressure with which a ball of the balloon presses on the vessel wall.
+ */
 static int32_t grow(const crn_model *model, crn_state *state, uint32_t number, const place *at,
                     int32_t pressure_Pa, int32_t length_m_q30)
 {
@@ -381,8 +387,9 @@ static void fold(const crn_model *model, crn_balloon_state *words, uint32_t numb
         (crn_balloon_ball){at->point_m_q30, at->is_free ? model->balloon.radius_m_q30[0] : 0, 0};
 }
 
-/* Adds the spring between a ball and the line to the matrix. Each of the two nodes gets its share of the
- * spring without the coupling between them, which is never softer than the exact spring. */
+/* Adds to the matrix the spring that ties a ball of the balloon to the tools' centreline. The two nodes
+ * beside the ball get their parts of the spring's stiffness. The coupling between the nodes is left out, and
+ * the result is never softer than the exact spring. */
 static void tie(const crn_model *model, crn_state *state, const place *at)
 {
     const int32_t stiffness = STIFFNESS_N_m << model->stiffness_exponent;
@@ -456,9 +463,9 @@ void crn_balloon_forces(const crn_model *model, crn_state *state)
     }
 }
 
-/* Returns N dr/ds, the force with which the wall pushes the balloon along the line where the balloon's radius
- * changes. The slope dr/ds is the central difference between the neighbouring balls. A positive force points
- * towards the hand. */
+/* Returns N dr/ds, the axial force with which the wall pushes the balloon where the balloon's radius changes.
+ * The slope dr/ds is the central difference between the neighbouring balls. A positive force points towards
+ * the user's hand. */
 static int32_t taper_force(const crn_model *model, const crn_state *state, uint32_t j)
 {
     const crn_balloon_ball *balls = state->words.balloon.balls;
@@ -470,7 +477,8 @@ static int32_t taper_force(const crn_model *model, const crn_state *state, uint3
     return crn_scale_q30(balls[j].wall_N_q22, slope_q28) * 4;
 }
 
-/* Moves a ball along the line until the force on it no longer exceeds the friction of the wall. */
+/* Moves a ball of the balloon along the tools' centreline until the force on the ball no longer exceeds the
+ * friction of the wall. */
 static void slip(const crn_model *model, crn_state *state, uint32_t j, const place *at)
 {
     crn_balloon_ball *ball = &state->words.balloon.balls[j];

@@ -1,37 +1,39 @@
-/* This header models an angioplasty balloon on a tool as a row of balls (spheres) along the line of tools.
- * The balls grow against the wall with the inflator's pressure.
+/* This header models an angioplasty balloon on a tool as a row of balls (spheres) along the tools' common
+ * centreline. The balls that represent the balloon grow against the vessel wall with the inflator's pressure.
  *
- * Ball j lies at a fixed arc length of its tool. A spring ties its centre c to the line at this place. Its
- * radius follows the maker's table of pressure and diameter as long as the vessel leaves space. In every tick
- * a ball grows a little and is moved off any wall that it touches. Where this leaves no space, the ball is
+ * Ball j of the balloon lies at a fixed arc length of the tool that carries the balloon. A spring ties the
+ * ball's centre c to the tools' centreline at this arc length. The ball's radius follows the manufacturer's
+ * table of pressure and diameter as long as the vessel leaves space. In every tick a ball of the balloon
+ * grows a little and is moved away from any wall that it touches. Where this leaves no space, the ball is
  * confined: it fills the vessel, presses on the wall with the pressure that remains after stretching the
  * balloon itself, and holds by friction,
  *
  *     N = (p - p_table(r)) 2 pi r ds          |K e_t + N dr/ds| <= mu (N + K |e_n|)
  *
- * e is the vector from c to the line, e_t its component along the line and e_n across it. The term N dr/ds
- * drives a balloon out of a tapered vessel (docs/balloon.md). Private to firmware/core. */
+ * The vector e leads from the ball's centre c to the tools' centreline; e_t is the component of e along the
+ * centreline, and e_n is the component across. The term N dr/ds is the force that drives a balloon out of a
+ * tapered vessel (docs/balloon.md). Private to firmware/core. */
 #ifndef CRN_BALLOON_H
 #define CRN_BALLOON_H
 
 #include "firmware/core/rod.h"
 
-/* Set-up. crn_balloon_check returns CRN_BUILD_BALLOON for an invalid table, or for more than one tool with a
- * balloon. */
+/* Set-up. The function crn_balloon_check returns CRN_BUILD_BALLOON for an invalid balloon table, or when more
+ * than one tool has a balloon. */
 crn_build_status crn_balloon_check(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place);
 void crn_balloon_build(crn_balloon_model *balloon, const crn_instrument *tools, uint32_t tool_count);
 
 /* Returns the radius of a balloon that no wall confines. Format: Pa -> Q30 m. Overflow is impossible, because
  * pressures are limited to CRN_PRESSURE_MAX_Pa. */
 int32_t crn_balloon_free_radius(const crn_balloon_model *balloon, int32_t pressure_Pa);
-/* Returns the pressure at which an unconfined balloon has this radius; this pressure is the load on the
- * balloon's own wall. Format: Q30 m -> Pa; 0 while it unfolds. */
+/* Returns the pressure at which an unconfined balloon has this radius. This pressure is the load that the
+ * balloon's own wall bears. Format: Q30 m -> Pa; 0 while it unfolds. */
 int32_t crn_balloon_own_pressure(const crn_balloon_model *balloon, int32_t radius_m_q30);
 
-/* crn_balloon_find runs before the solve, after the contacts were found: it lets the balls grow against the
- * wall at the predicted configuration, and adds their springs to the matrix. Then crn_balloon_forces adds the
- * forces of these springs. After the solve, crn_balloon_finish moves each ball along the line where the force
- * on it exceeds the friction of the wall. */
+/* The function crn_balloon_find runs before the solve, after the contacts were found: it lets the balloon's
+ * balls grow against the wall at the predicted configuration, and adds their springs to the matrix. Then
+ * crn_balloon_forces adds the forces of the balls' springs. After the solve, crn_balloon_finish moves each
+ * ball along the tools' centreline where the force on the ball exceeds the friction of the wall. */
 void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator_Pa);
 void crn_balloon_forces(const crn_model *model, crn_state *state);
 void crn_balloon_finish(const crn_model *model, crn_state *state, crn_output *output);

@@ -1,5 +1,5 @@
-/* This is the core's public header. The core simulates one line of up to three coaxial tools in one lumen,
- * and advances it in ticks of 1 ms.
+/* This is the core's public header. The core simulates one set of up to three nested (coaxial) tools in one
+ * lumen, and advances the simulation in ticks of 1 ms.
  *
  *   crn_model_build()  tools + lumen + entry -> constants                 (set-up, once)
  *   crn_state_init()   rest state with the tools in the inserter
@@ -8,8 +8,8 @@
  *
  * Tools are numbered from the innermost (0, the wire) to the outermost and share one centreline where they
  * overlap. The tool whose tip is farthest in the vessel is the leading tool; any tool may lead. Node 0 is the
- * leading tip; indices grow towards the hand. In the patient frame, +x points to the patient's left, +y to
- * the head, and +z to the front (anterior). */
+ * tip of the leading tool; the node numbers increase towards the user's hand. In the patient frame, +x points
+ * to the patient's left, +y to the head, and +z to the front (anterior). */
 #ifndef CRN_CORE_H
 #define CRN_CORE_H
 
@@ -33,9 +33,9 @@ enum {
     CRN_TICK_us = 1000,
 };
 
-/* A knot states the properties of an instrument at one arc length. Properties are interpolated linearly
- * between knots by arc length, which counts from the distal tip; two knots at the same arc length make a
- * step. All values are checked by crn_model_build. */
+/* A knot gives the properties of an instrument at one arc length. Between knots, properties are interpolated
+ * linearly by arc length, which is measured from the distal tip. Two knots at the same arc length make a
+ * step. The function crn_model_build checks all values of an instrument's knots. */
 typedef struct crn_knot {
     uint32_t arc_um;                /* 0 .. 2 000 000 from the tip, non-decreasing, first is 0 */
     uint32_t bend_stiffness_nN_m2;  /* EI: 100 (1e-7 N m^2) .. 30 000 000 (3e-2 N m^2) */
@@ -51,8 +51,8 @@ typedef struct crn_knot {
     int32_t rest_curvature2_per_m_milli; /* turning towards d2 */
 } crn_knot;
 
-/* A balloon on a tool. Only one of a line's tools may have a balloon. The table gives the balloon's diameters
- * where no vessel confines it. */
+/* A balloon on a tool. Only one of the nested tools may have a balloon. The table gives the diameter of the
+ * unconfined balloon at each pressure. */
 typedef struct crn_balloon {
     uint32_t point_count; /* points of the table, 2 .. CRN_BALLOON_POINT_MAX; 0: the tool has no balloon */
     uint32_t distal_um, proximal_um;              /* working length from the tool's tip: 2 to 60 mm */
@@ -97,29 +97,29 @@ typedef enum crn_build_status {
     CRN_BUILD_BALLOON,  /* invalid position or table of a balloon, or a second balloon */
 } crn_build_status;
 
-/* Names the cause when a model is refused: the tool, and the knot within the tool where a knot is at fault
- * (else 0). */
+/* Names the cause when crn_model_build refuses a model: the tool, and the number of the faulty knot in the
+ * tool (0 when no knot is at fault). */
 typedef struct crn_build_place {
     uint32_t tool, knot;
 } crn_build_place;
 
-/* The input of one tick contains the position (not the velocity) of each hand, and the orders for heart,
- * breath, lesions and struts. */
+/* The input of one tick contains the position (not the velocity) of each of the user's hands, and the
+ * commands for heart, breath, lesions and stent struts. */
 typedef struct crn_hand_pose {
     int32_t feed_m_q30; /* position along the inserter axis since the start, + into the patient */
     uint32_t turn32;    /* angle, one turn = 2^32, + right-handed about the direction of insertion */
 } crn_hand_pose;
 
-/* Orders a stent to hold the stations `first` to `last` of a lesion open to the extent `open_q30`. */
+/* Commands a stent to hold the points `first` to `last` of a lesion open to the extent `open_q30`. */
 typedef struct crn_scaffold {
     uint32_t lesion, first, last;
     int32_t open_q30; /* 0 means that there is no order, and 1 is the largest value. An order for a station
                          that does not exist has no effect */
 } crn_scaffold;
 
-/* Orders one strut ring of a deployed stent, which is a circle placed in the lumen's reference pose. Joined
- * rings of consecutive numbers form one stent. An existing ring moves towards the ordered place by at most 5
- * um a tick. */
+/* Commands the position of one strut ring of a deployed stent. A ring is a circle in the lumen's reference
+ * pose. Rings with consecutive numbers that are marked as joined form one stent. An existing strut ring moves
+ * towards its commanded position by at most 5 um a tick. */
 typedef struct crn_strut_order {
     uint32_t number;      /* 1 .. CRN_STRUT_RING_MAX; 0: no order, and all other fields are 0 */
     int32_t centre_um[3]; /* at most 1 900 000 */
@@ -138,7 +138,8 @@ typedef struct crn_input {
                             CRN_PRESSURE_MAX_Pa */
 } crn_input;
 
-/* Holds the forces on the hand of one tool, and how far the tool is inserted. */
+/* Holds the force and the torque that one tool exerts on the user's hand, and the length of the tool that is
+ * inserted. */
 typedef struct crn_handle {
     int32_t axial_N_q22;    /* force on the hand, + pushes it back out */
     int32_t torque_N_m_q24; /* torque on the hand, + opposes positive rotation */
@@ -178,13 +179,14 @@ enum {
 
 enum { CRN_BALLOON_BURST = 1u << 0 };
 
-/* These functions return sizes in bytes, for callers that allocate the memory. */
+/* These functions return the sizes of the model and of the state in bytes, for callers that allocate the
+ * memory. */
 size_t crn_model_size(void);
 size_t crn_state_size(void);
 
 /* Derives all constants of `tool_count` tools, which are listed from the innermost to the outermost. `lumen`
  * may be NULL (free space) and must outlive the model; the tools are copied. On any status other than
- * CRN_BUILD_OK the model is unusable, and *place names the tool and knot at fault. */
+ * CRN_BUILD_OK, nothing may use the model, and *place names the tool and the knot that caused the refusal. */
 crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, uint32_t tool_count,
                                  const crn_lumen *lumen, const crn_entry *entry, crn_build_place *place);
 
@@ -192,18 +194,18 @@ crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, 
  * patient who lies on the back. */
 void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2);
 
-/* Makes a state at rest in which the length inserted_um[k] of each tool k lies beyond the introducer sheath,
- * straight along the sheath's axis. The longest of these lengths is brought into the range that the line
- * allows, which is at least a few elements. */
+/* Makes a state in which nothing moves. The length inserted_um[k] of each tool k lies beyond the introducer
+ * sheath, straight along the sheath's axis. The longest inserted length is limited to the range that the
+ * tools allow; the lower limit is the length of a few elements. */
 void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *inserted_um);
 
-/* Advances the state by one tick. The step never fails: a value that cannot be represented saturates and sets
- * a fault bit. */
+/* Advances the state by one tick. The function crn_step never fails: a value that its number format cannot
+ * hold saturates, and a fault bit is set. */
 void crn_step(const crn_model *model, crn_state *state, const crn_input *input, crn_output *output);
 
-/* These functions save the state to 32-bit words, stored as little-endian bytes, and restore it from them.
- * The function crn_state_restore checks ranges and structure, because the bytes are hostile until checked,
- * and leaves the state unchanged when it returns false. */
+/* These functions save the state as 32-bit words, stored as little-endian bytes, and restore the state from
+ * such bytes. The function crn_state_restore checks the ranges and the structure of the bytes, which may come
+ * from an attacker, and leaves the state unchanged when it returns false. */
 size_t crn_state_bytes(void);
 void crn_state_save(const crn_state *state, uint8_t *bytes);
 bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *bytes);
@@ -225,33 +227,35 @@ int32_t crn_state_inserted(const crn_state *state, uint32_t tool); /* Q30 m; the
 
 /* Computes the force of the wall on a free node in the present state, in Q22 N: the normal force along the
  * wall's inward normal, plus friction. Where the node does not touch the wall, the function returns false and
- * a force of zero. */
+ * sets the force to zero. */
 bool crn_state_contact_force(const crn_model *model, const crn_state *state, uint32_t node,
                              crn_vec3 *force_N_q22);
 
-/* Returns the deepest contact depth of the free nodes in Q30 m. The depth is negative while all of them are
- * inside the lumen, and INT32_MIN without a lumen. Set-up uses this function to check whether a start is
- * possible, and tests use it too; crn_step reports its own depth in the output. */
+/* Returns the contact depth (in Q30 m) of the free node that is deepest in the wall. The depth is negative
+ * while all free nodes are inside the lumen; it is INT32_MIN when the model has no lumen. Set-up uses
+ * crn_state_depth to check whether a start is possible, and tests use it too; crn_step reports its own depth
+ * in the output. */
 int32_t crn_state_depth(const crn_model *model, const crn_state *state);
-/* Reports the balloon for pictures: the radii of its balls from the distal end, and in `arc_m_q30` the arc
- * length of that end from the leading tip. Returns the number of balls, which is 0 when no tool has a
- * balloon. */
+/* Reports the balloon's shape for pictures: the radii of its balls (spheres), beginning at the distal end,
+ * and in `arc_m_q30` the arc length from the leading tip to the balloon's distal end. Returns the number of
+ * balls (spheres) that represent the balloon; the number is 0 when no tool has a balloon. */
 uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
                            int32_t radii_m_q30[CRN_BALLOON_BALL_MAX], int32_t *arc_m_q30,
                            int32_t *spacing_m_q30);
 
-/* crn_state_open returns how far a lesion of the lumen is open at one of its stations, in Q30: 0 as baked, 1
- * as the healthy vessel, and 0 where there is no such station. The function crn_model_stations returns the
- * number of stations of a lesion that gives way, or 0 where no lesion has that number. The function
- * crn_state_scaffold holds stations open, at once and permanently; it returns false when there is no such
- * station. */
+/* The function crn_state_open returns how far a lesion of the lumen is open at one point of the lesion, in
+ * Q30. The value 0 is the wall as prepared by the scene's baker, and 1 is the healthy vessel. The function
+ * also returns 0 where the lesion has no such point. The function crn_model_stations returns the number of
+ * points along a lesion that a balloon can open, or 0 where no lesion has that number. The function
+ * crn_state_scaffold opens points of a lesion at once and holds them open permanently. The function returns
+ * false when the lesion has no such points. */
 int32_t crn_state_open(const crn_state *state, uint32_t lesion, uint32_t station);
 uint32_t crn_model_stations(const crn_model *model, uint32_t lesion);
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order);
 
-/* crn_strut_order_is_valid returns whether the order is well-formed; having no order is valid, too. The
- * function crn_state_strut applies an order; when the order is invalid, it returns false and changes
- * nothing. */
+/* The function crn_strut_order_is_valid returns whether a command for a strut ring is well-formed; a command
+ * with the number 0, which has no effect, is also valid. The function crn_state_strut applies a command for a
+ * strut ring; when the command is invalid, the function returns false and changes nothing. */
 bool crn_strut_order_is_valid(const crn_strut_order *order);
 bool crn_state_strut(crn_state *state, const crn_strut_order *order);
 

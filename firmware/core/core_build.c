@@ -1,5 +1,5 @@
-/* During set-up, this file derives the constants of the model from the tools. This happens once per line of
- * tools, so slow operations such as bit-by-bit division are acceptable. */
+/* During set-up, this file derives the constants of the model from the tools. The constants are derived once
+ * for each set of nested tools, so slow operations such as bit-by-bit division are acceptable. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/core_check.h"
 
@@ -31,8 +31,8 @@ typedef struct mesh_plan {
     int32_t total, tip, shaft, fine; /* Q30 m */
 } mesh_plan;
 
-/* The mesh gets the length of the longest tool, the shortest elements of any tool, and the longest finely
- * meshed part of any tool. */
+/* The mesh, which all tools share, gets the length of the longest tool, the shortest elements of any tool,
+ * and the longest finely meshed part of any tool. */
 static mesh_plan plan_mesh(const crn_instrument *tools, uint32_t tool_count)
 {
     uint32_t total = 0, tip = UINT32_MAX, shaft = UINT32_MAX, fine = 0;
@@ -54,8 +54,8 @@ static int32_t inverse_per_m_q18(int32_t length_m_q30)
                                    (uint32_t)length_m_q30);
 }
 
-/* Builds the cells of the nodes. A cell reaches half an edge to either side of its node; the tip's cell has
- * only one half. */
+/* Builds the cells of the mesh, one for each node. The cell of a node reaches half an edge to either side of
+ * the node; the cell of the tip has only one half. */
 static void build_cells(crn_model *model)
 {
     int32_t begin = 0;
@@ -69,9 +69,10 @@ static void build_cells(crn_model *model)
     }
 }
 
-/* Chooses the lengths of the elements, which are short at the tip and grow by a factor of at most 1.5 from
- * one to the next, up to the shaft's length. Lengths never decrease towards the base, which keeps |W| = |V -
- * I| <= 2 in the solve (rod_solve.c). The line ends at the last whole element. */
+/* Chooses the lengths of the mesh's elements. Elements are short at the tip; each is at most 1.5 times as
+ * long as the one before, up to the element length of the shaft. The lengths of the elements never decrease
+ * towards the base. This order keeps |W| = |V - I| <= 2 in the solve (rod_solve.c). The mesh ends at the last
+ * whole element. */
 static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 {
     int32_t length = plan->tip;
@@ -95,7 +96,7 @@ static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
     if (model->node_count < 8) {
         return CRN_BUILD_LENGTH;
     }
-    /* Adds edges behind the last node, so that the solve may read the rows there. */
+    /* Adds further edges to the mesh behind the last node, so that the solve may read the rows there. */
     for (uint32_t i = node; i <= node + 1; i++) {
         model->mesh[i] = model->mesh[node - 1];
         model->mesh[i].arc_m_q30 = arc;
@@ -172,8 +173,9 @@ static int32_t bend_at(const crn_tool *tool, uint32_t span, int32_t arc_m_q30)
     return crn_span_value(s, CRN_BEND_N_M2_Q35, crn_span_fraction(s, arc_m_q30));
 }
 
-/* Returns the largest EI that tool k can have at arc length `arc_m_q30` behind the leading tip, wherever the
- * tool is. This is the maximum of EI from the tool's own tip to that arc length. */
+/* Returns the largest bending stiffness EI that tool k can have at arc length `arc_m_q30` behind the leading
+ * tip, for any position of the tool. The result is the maximum of EI from the tool's own tip to that arc
+ * length. */
 static int32_t stiffest_until(const crn_tool *tool, int32_t arc_m_q30)
 {
     int32_t most = 0;
@@ -208,15 +210,15 @@ static stiffness_range range_at(const crn_model *model, uint32_t node)
     return range;
 }
 
-/* Returns the bending stiffness W of a node's cell in which EI is uniform. Format: Q35 N m^2 x Q18 1/m -> Q26
- * N m in 64 bits. */
+/* Returns the bending stiffness W of a node's cell for a bending stiffness EI that is uniform in the cell.
+ * Format: Q35 N m^2 x Q18 1/m -> Q26 N m in 64 bits. */
 static int64_t cell_stiffness_q26(const crn_model *model, uint32_t node, int32_t bend_N_m2_q35)
 {
     return ((int64_t)bend_N_m2_q35 * model->mesh[node].inverse_cell_per_m_q18) >> 27;
 }
 
-/* Chooses the exponent of the number format so that the stiffest diagonal stays below 2^29 and the softest
- * block keeps enough bits. */
+/* Chooses the exponent of the number format of the matrix so that the stiffest diagonal entry stays below
+ * 2^29 and the softest block keeps enough bits. */
 static crn_build_status choose_exponent(crn_model *model)
 {
     int64_t worst_q8 = 0;
@@ -240,8 +242,8 @@ static crn_build_status choose_exponent(crn_model *model)
         int64_t soft = crn_bend_spring_q8((int32_t)cell_stiffness_q26(model, i, range.softest_q35), c, c);
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
-    /* rod_feed.c keeps the diagonal of a joint that is clipped by more than CRN_CLIP_SURE below 2^28; the
-     * other terms must leave room for it. */
+    /* The file rod_feed.c keeps the diagonal entry of a joint that is clipped by more than CRN_CLIP_SURE
+     * below 2^28; the other terms must leave room for this entry. */
     worst_q8 = worst_q8 > 2 * unclipped_q8 ? worst_q8 : 2 * unclipped_q8;
     worst_q8 += (int64_t)(2 * LOAD_RESERVE_N_m) << 8;
     uint32_t exponent = 14;
@@ -255,8 +257,9 @@ static crn_build_status choose_exponent(crn_model *model)
 
 /* --- what the mesh can bear of each tool ---------------------------------------------------------------- */
 
-/* Checks the cell of node i for a tool that leads. The tool's rest rotation (the angle of its stress-free
- * shape within the cell) and its twist stiffness must fit their formats. */
+/* Checks the cell of node i for the case that this tool leads, that is, has its tip farthest in the vessel.
+ * The tool's rest rotation (the angle of its stress-free shape within the cell) and the tool's twist
+ * stiffness must fit their number formats. */
 static crn_build_status check_cell(const crn_model *model, const crn_span *span, uint32_t i,
                                    int32_t arc_m_q30)
 {
@@ -284,8 +287,8 @@ static uint32_t knot_before(const crn_instrument *tool, int32_t arc_m_q30)
     return knot;
 }
 
-/* Checks that a tool can be inserted as far as the shortest possible line, and that its rest shape and twist
- * stiffness fit its own cells. */
+/* Checks that a tool can be inserted as far as the shortest length that the simulation allows, and that its
+ * stress-free shape and twist stiffness fit its own cells. */
 static crn_build_status check_reach(const crn_model *model, uint32_t k, const crn_instrument *instrument,
                                     crn_build_place *place)
 {

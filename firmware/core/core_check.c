@@ -1,4 +1,5 @@
-/* This file checks external input before any constant is derived from it. */
+/* This file checks the tools and the entry that come from outside, before any constant is derived from them.
+ */
 #include "firmware/core/core_check.h"
 
 static bool in_range(uint32_t value, uint32_t low, uint32_t high)
@@ -59,8 +60,8 @@ static crn_build_status check_tool(const crn_instrument *tool, crn_build_place *
     return CRN_BUILD_OK;
 }
 
-/* Returns whether the thickest place of `inner` passes through the tightest place of `outer`; the knot at
- * that place goes to *knot. */
+/* Returns whether the thickest part of the tool `inner` passes through the narrowest part of the tool
+ * `outer`. *knot receives the number of the narrowest knot. */
 static bool fits_inside(const crn_instrument *inner, const crn_instrument *outer, uint32_t *knot)
 {
     uint32_t thickest_um = 0;

@@ -1,16 +1,16 @@
-/* The model holds the constants of the tools of one line in one lumen, that is, everything that crn_step()
+/* The model holds the constants of one set of nested tools in one lumen, that is, all data that crn_step()
  * reads and never writes.
  *
  *      leading tip                                                 inserter
  *   node 0 --edge 0-- node 1 --edge 1-- node 2  ...  node na-1 --edge na-1-- node na --edge na-- node na+1
  *                     joint 1           joint 2                              joint na
  *
- * One mesh serves all tools: node i lies at the rest arc length S[i] behind the leading tip, whichever tool
- * leads. Tool k, whose tip is `offset` behind the leading one, is sampled at its own arc length S[i] - offset
- * (rod_line.c). A joint lies on the node between two edges, and its cell reaches half an edge to either side.
- * Stiffness entries of the matrix are in Q(a) N/m with one exponent a for the whole line
- * (`stiffness_exponent`). The exponent is chosen so that no assembled diagonal can reach 2^29 wherever the
- * tools are. */
+ * One mesh serves all tools: node i lies at the unstretched arc length S[i] behind the leading tip, whichever
+ * tool leads. The tip of tool k is the length `offset` behind the leading tip; the properties of tool k at
+ * node i are those at its own arc length S[i] - offset (rod_line.c). A joint lies on the node between two
+ * edges, and the joint's cell reaches half an edge to either side. The stiffness entries of the matrix are in
+ * Q(a) N/m with one exponent a for the whole mesh (`stiffness_exponent`). The exponent is chosen so that no
+ * assembled diagonal entry can reach 2^29, for any positions of the tools. */
 #ifndef CRN_CORE_MODEL_H
 #define CRN_CORE_MODEL_H
 
@@ -19,7 +19,8 @@
 
 enum { CRN_ARRAY_NODES = CRN_NODE_MAX + 4 };
 
-/* These are physical constants of the contact and the hand; docs/rod.md states the source of each. */
+/* These are the physical constants of the contact and of the user's hand; docs/rod.md gives the source of
+ * each constant. */
 enum {
     CRN_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
     CRN_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond CRN_CONTACT_DEEP */
@@ -56,7 +57,8 @@ enum {
     CRN_WITHDRAWN_M_Q30 = -5368709,
 };
 
-/* Lists the properties of a tool at an arc length; the values are indices into the arrays of a span. */
+/* Lists the properties of a tool at an arc length; the values of this list are indices into the arrays of a
+ * span. */
 typedef enum crn_property {
     CRN_BEND_N_M2_Q35,    /* EI */
     CRN_TWIST_N_M2_Q35,   /* GJ */
@@ -69,7 +71,8 @@ typedef enum crn_property {
     CRN_PROPERTY_COUNT
 } crn_property;
 
-/* A span is the stretch of a tool between two knots of different arc length; properties are linear in it. */
+/* A span is the part of a tool between two knots of different arc length; all properties are linear in a
+ * span. */
 typedef struct crn_span {
     int32_t begin_m_q30, end_m_q30;
     int32_t inverse_mantissa; /* 1 / length = mantissa 2^-shift in units of 1 / LSB */
@@ -100,7 +103,8 @@ typedef struct crn_mesh_node {
                                   to the next tool */
 } crn_mesh_node;
 
-/* Springs of 2e5 N/m hold the tip, for validation cases (the end conditions of Euler and Greenhill). */
+/* Springs of 2e5 N/m hold the tip in validation cases that need such an end condition (Euler and Greenhill).
+ */
 typedef struct crn_tip_hold {
     bool pinned;     /* node 0 is held at position_m_q30[0] */
     uint32_t second; /* when not 0: this node is held too, at position_m_q30[1]; the farther away it is, the
@@ -114,7 +118,7 @@ typedef struct crn_tip_hold {
 
 enum { CRN_BALLOON_UNFOLD_Pa = 50000 }; /* at this pressure the balloon is unfolded */
 
-/* Describes the balloon of one of the tools; a ball_count of 0 means that there is none. */
+/* Describes the balloon of one of the tools; a ball_count of 0 means that no tool has a balloon. */
 typedef struct crn_balloon_model {
     uint32_t tool, ball_count;
     int32_t distal_m_q30, spacing_m_q30;
@@ -143,8 +147,8 @@ struct crn_model {
     crn_mesh_node mesh[CRN_ARRAY_NODES];
 };
 
-/* For validation cases, crn_model_set_tip_load puts a constant load on the tip, in newtons (Q22), in the
- * patient frame, of at most 100 N along each axis. */
+/* The function crn_model_set_tip_load, for validation cases, puts a constant force on the tip. The force is
+ * given in newtons (Q22), in the patient frame, and is at most 100 N along each axis. */
 void crn_model_set_tip_load(crn_model *model, crn_vec3 load_N_q22);
 void crn_model_set_tip_hold(crn_model *model, const crn_tip_hold *hold);
 

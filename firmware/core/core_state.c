@@ -1,7 +1,8 @@
-/* This file initialises, saves, restores, hashes and reads the state, which consists of 32-bit words.
+/* This file initialises, saves, restores, hashes and reads the core's state, which consists of 32-bit words.
  *
- * Nodes beyond free_count + 2 are in the introducer sheath, and their values follow from the other words.
- * They are zero in a saved state and are not hashed. */
+ * Nodes with numbers above free_count + 2 are in the introducer sheath, and their values follow from the
+ * other words of the state. The values of the nodes inside the introducer sheath are zero in a saved state
+ * and are not hashed. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"
@@ -43,8 +44,8 @@ static int32_t inserted_q30(uint32_t um)
     return (int32_t)crn_divide_u64((uint64_t)bounded_um << 30, 1000000u);
 }
 
-/* Places the tools: each inserted length is limited to what its tool allows, and the longest one is at least
- * that of the shortest possible line. */
+/* Sets the inserted lengths of the tools: each length is limited to what its tool allows, and the longest
+ * length is at least the shortest one that the simulation allows. */
 static void place_tools(const crn_model *model, crn_state_words *words, const uint32_t *inserted_um)
 {
     const int32_t least = crn_least_inserted(model);
@@ -136,8 +137,8 @@ static bool within(int32_t value, int32_t most)
     return value >= -most && value <= most;
 }
 
-/* Checks bounds that the tick's own arithmetic keeps: steps of 3.9 mm (3.1 are possible), bristles of 62 mm,
- * and rotations of half a radian a tick. */
+/* Checks the bounds that the arithmetic of a tick guarantees: a node's step of 3.9 mm (3.1 mm are possible),
+ * a friction displacement (bristle) of 62 mm, and a rotation of half a radian a tick. */
 static bool node_is_valid(const crn_node_state *node)
 {
     enum { STEP_MAX_M_Q33 = 1 << 25, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
@@ -150,7 +151,7 @@ static bool node_is_valid(const crn_node_state *node)
            is_small(&node->position_m_q30, CRN_POSITION_MAX_M_Q30) && node->contact <= CRN_CONTACT_STICKS;
 }
 
-/* No edge may be longer than twice its rest length, because no tick leaves a longer edge. */
+/* No edge may be longer than twice its unstretched length, because no tick leaves a longer edge. */
 static bool edge_is_valid(const crn_model *model, const crn_node_state *node, uint32_t i)
 {
     const int64_t most = 2 * (int64_t)model->mesh[i].length_m_q30; /* below 2^25 */
@@ -165,8 +166,8 @@ static bool edge_is_valid(const crn_model *model, const crn_node_state *node, ui
     return square <= most * most;
 }
 
-/* Nodes in the introducer sheath must lie on the sheath's axis, where place_inside() of rod_feed.c puts them;
- * the last tick may have moved them by no more than a rounding. */
+/* Nodes in the introducer sheath must lie on the sheath's axis, where place_inside() of rod_feed.c puts them.
+ * The last tick may have moved them by no more than a rounding error. */
 static bool held_is_valid(const crn_model *model, const crn_node_state *node, int32_t beyond_m_q30)
 {
     enum { ROUNDING = 16 };
@@ -253,8 +254,8 @@ bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *
 
 /* --- hashes --------------------------------------------------------------------------------------------- */
 
-/* Names the two ranges of words that enter a hash. Absent strut rings are left out of the hash, and their
- * words are 0 (`used` gives the number of rings). */
+/* Names the two ranges of the state's words over which a hash is computed. Strut rings that do not exist are
+ * left out of the hash, and their words are 0 (`used` gives the number of rings). */
 typedef struct hashed_range {
     size_t first, end;
 } hashed_range;
@@ -266,9 +267,9 @@ static void hashed_words(const crn_state_words *words, hashed_range ranges[2])
 }
 
 /* Computes two 32-bit polynomials, one over the even words and one over the odd words: the sum of word[i]
- * m^(n-i) with the odd FNV prime m. These polynomials cost two operations a word and are computed in every
- * tick. Each step is a one-to-one function of the running sum and of the word, so a single wrong word is
- * always detected. */
+ * m^(n-i) with the odd FNV prime m. These two polynomials cost two operations a word and are computed in
+ * every tick. Each step of the hash is a one-to-one function of the running sum and of the word, so a single
+ * wrong word is always detected. */
 static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t lane[2])
 {
     uint32_t even = lane[0], odd = lane[1];

@@ -1,8 +1,8 @@
-/* The state of one line. `crn_state_words` holds everything that matters from one tick to the next: 32-bit
- * words without pointers or padding, which are hashed, saved and compared as such. The state also contains
- * two work areas, so that the core needs neither heap nor a deep stack. `crn_line` holds the sum of the tools
- * at their present positions; it is derived from words and model, and kept while no tool slides against
- * another. `crn_scratch` is dead between ticks. */
+/* The state of one line. `crn_state_words` holds all data that pass from one tick to the next. These 32-bit
+ * words, without pointers or padding, are hashed, saved and compared directly. The state also contains two
+ * work areas, so that the core needs neither a heap nor a large stack. `crn_line` holds the combined
+ * properties of all tools at their present positions. These values are derived from the state's words and the
+ * model, and are kept while no tool slides against another. `crn_scratch` is dead between ticks. */
 #ifndef CRN_CORE_STATE_H
 #define CRN_CORE_STATE_H
 
@@ -56,7 +56,8 @@ typedef struct crn_lesion_state {
     int32_t kept_q30[CRN_LESION_MAX][CRN_LESION_STATION_MAX];
 } crn_lesion_state;
 
-/* A strut ring has a present position and an ordered one. All fields are 0 for an absent ring. */
+/* A strut ring has a present position and the position to which a command has sent it. All fields of a strut
+ * ring are 0 when the ring does not exist. */
 typedef struct crn_strut_ring {
     crn_vec3 centre_m_q30, wanted_m_q30;
     int32_t inside_m_q30, wanted_inside_m_q30;
@@ -91,7 +92,7 @@ typedef struct crn_state_words {
     crn_node_state nodes[CRN_ARRAY_NODES];
 } crn_state_words;
 
-/* Describes all tools together at one node: the joint, the edge behind the node, the mass and the surface. */
+/* Describes the combined tools at one node: the joint, the edge behind the node, the mass and the surface. */
 typedef struct crn_joint {
     int32_t bend_N_m_q26; /* W = 1 / integral ds/EI over the cell, EI of all tools there */
     int32_t p, q, r;      /* W a^2, W a c, W c^2 in Q(a) N/m; a, c = 1 / edge before and after */
@@ -129,8 +130,8 @@ typedef struct crn_sym3 {
     int32_t m[6];
 } crn_sym3;
 
-/* These fields are no longer needed once the matrix is assembled: the results of the elimination take their
- * place. */
+/* These assembled terms are no longer needed once the matrix is complete, so the results of the elimination
+ * overwrite them. */
 typedef struct crn_assembly {
     crn_vec3 stretch_q30;             /* edge: (x*[i+1] - x*[i]) / length */
     crn_vec3 axis1_q30[CRN_TOOL_MAX]; /* edge: axis d1 of a tool, where its rest shape needs it */
@@ -182,7 +183,7 @@ typedef struct crn_work {
     };
 } crn_work;
 
-/* Describes the second contact of a node that is confined between struts and wall. */
+/* Describes the second contact of a node that lies between stent struts and vessel wall and touches both. */
 typedef struct crn_second_contact {
     uint32_t node;
     int32_t depth_m_q30; /* at x* */

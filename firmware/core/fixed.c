@@ -24,7 +24,7 @@ uint64_t crn_divide_u64(uint64_t a, uint64_t b)
     uint64_t quotient = 0;
     uint64_t rest = 0;
     for (int bit = 63; bit >= 0; bit--) {
-        /* `rest` holds at most the top 63 - bit bits of a, so the shift loses nothing. */
+        /* The remainder `rest` has at most the top 63 - bit bits of a, so the shift loses no bits. */
         rest = (rest << 1) | ((a >> bit) & 1u);
         if (rest >= b) {
             rest -= b;
@@ -34,8 +34,8 @@ uint64_t crn_divide_u64(uint64_t a, uint64_t b)
     return quotient;
 }
 
-/* Horner's scheme. Format: coefficients and z Q31, |value| < 1 throughout -> Q31. The error is 1/2 LSB of Q31
- * per step. */
+/* Horner's scheme. Format: coefficients and z Q31, |value| < 1 throughout -> Q31. The rounding error is 1/2
+ * LSB of Q31 per step. */
 static int32_t polynomial_q31(const int32_t *coefficients, int count, int32_t z_q31)
 {
     int32_t value = coefficients[count - 1];
@@ -67,7 +67,7 @@ void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30
     int32_t left = left_turn32 > INT32_MAX ? -(int32_t)(~left_turn32) - 1 : (int32_t)left_turn32;
     int32_t sine = 0;
     int32_t cosine = 0;
-    /* The remainder in radians is x = 2 pi left / 2^32, which is left * pi in Q31. */
+    /* The remainder of the angle, in radians, is x = 2 pi left / 2^32, which is left * pi in Q31. */
     sincos_octant(crn_mul(left, pi_q29, 29), &sine, &cosine);
 
     switch (quarter) {

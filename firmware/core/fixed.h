@@ -1,10 +1,12 @@
-/* Fixed-point operations of the core. This is the only file that shifts, rounds and saturates.
+/* Fixed-point operations of the core. This header (with fixed.c) is the only code of the core that shifts,
+ * rounds and saturates numbers.
  *
- * The suffix of a number's name is its format: `x_m_q30` is metres times 2^30 in an int32_t. Every function
- * states what it does, its Format, what happens on Overflow, and its Error (bound in LSB of the result,
- * checked against double in firmware/tests/test_fixed.c). Rounding is to nearest with ties toward +infinity,
- * written as an addition and an arithmetic shift. The Cortex-M7 DSP instructions (SMMULR) round in the same
- * way, so every machine agrees bit for bit. */
+ * The suffix of a variable's name is its number format: `x_m_q30` is a length in metres times 2^30, stored in
+ * an int32_t. The comment of every function gives its action, its number formats ("Format"), its behaviour
+ * when a result does not fit ("Overflow"), and its error bound ("Error"). The error bound is in LSB of the
+ * result and is checked against double in firmware/tests/test_fixed.c. All functions round to the nearest
+ * value, and ties towards +infinity, by an addition and an arithmetic shift. The Cortex-M7 DSP instructions
+ * (SMMULR) round in the same way, so every machine gives the same bits. */
 #ifndef CRN_FIXED_H
 #define CRN_FIXED_H
 
@@ -22,7 +24,8 @@ static inline int64_t crn_asr64(int64_t a, unsigned n)
     return a >> n;
 }
 
-/* Does the same as crn_asr64 for 32 bits, 0 <= n <= 31. */
+/* Shifts a possibly negative 32-bit value right arithmetically, for 0 <= n <= 31, like crn_asr64 for 64 bits.
+ */
 static inline int32_t crn_asr32(int32_t a, unsigned n)
 {
     return a >> n;
@@ -45,17 +48,16 @@ static inline int32_t crn_sat32(int64_t a)
     return a < 0 ? INT32_MIN : INT32_MAX;
 }
 
-/* The Cortex-M7's DSP instructions do some of the following operations in one step; on other machines C
- * computes the same values. */
+/* The Cortex-M7's DSP instructions perform some of the following operations in one step; on other processors,
+ * C code computes the same values. */
 #if defined(__ARM_FEATURE_DSP) && defined(__thumb__)
 #define CRN_HIGH_WORDS_BY_DSP 1
 #else
 #define CRN_HIGH_WORDS_BY_DSP 0
 #endif
 
-/* These return the saturating sum and difference (QADD, QSUB). Format: same format in and out. Overflow:
- * saturates. Error:
- * exact in range. */
+/* These functions return the saturating sum and difference of two numbers (instructions QADD, QSUB). Format:
+ * same format in and out. Overflow: saturates. Error: exact in range. */
 static inline int32_t crn_add_sat(int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -86,8 +88,8 @@ static inline int32_t crn_sub_sat(int32_t a, int32_t b)
 }
 
 /* Returns a >> n, limited to the range -most .. most. Format: 64 bit -> 32 bit, floor, `most_high` being the
- * high word of `most` << n, 1 <= n <= 31. Overflow: the value is limited, and a bit of `flag` is set in
- * `*flags`. On a 32-bit machine the code examines only the high word. */
+ * high word of `most` << n, 1 <= n <= 31. Overflow: the result is limited, and a bit of `flag` is set in
+ * `*flags`. On a 32-bit machine the code examines only the high word of the 64-bit number. */
 static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
 {
     int64_t most = (int64_t)most_high << (32 - n);
@@ -119,7 +121,8 @@ static inline int64_t crn_product(int32_t a, int32_t b)
 #endif
 }
 
-/* Returns sum + a b (instruction SMLAL). Overflow: the caller states why the sum fits 64 bits. */
+/* Returns sum + a b (instruction SMLAL). Overflow: a comment at each call explains why the sum fits 64 bits.
+ */
 static inline int64_t crn_product_add(int64_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -132,7 +135,7 @@ static inline int64_t crn_product_add(int64_t sum, int32_t a, int32_t b)
 
 /* Returns the product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit
  * intermediate, 1 <= n <= 62. Overflow: saturates. Error: 1/2 LSB in range. On a 32-bit machine the code
- * examines only the upper word. */
+ * examines only the upper word of the 64-bit number. */
 static inline int32_t crn_mul(int32_t a, int32_t b, unsigned n)
 {
     int64_t sum = crn_product(a, b) + ((int64_t)1 << (n - 1));
@@ -167,7 +170,7 @@ static inline int32_t crn_mulh(int32_t a, int32_t b)
 }
 
 /* Returns the sum of `sum` and the rounded high word of a b (instruction SMMLAR). Format: sum in Q(a+b-32).
- * Overflow: the caller states why the sum fits 32 bits. Error: 1/2 LSB. */
+ * Overflow: a comment at each call explains why the sum fits 32 bits. Error: 1/2 LSB. */
 static inline int32_t crn_mulh_add(int32_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -179,8 +182,8 @@ static inline int32_t crn_mulh_add(int32_t sum, int32_t a, int32_t b)
 #endif
 }
 
-/* Returns `sum` less the rounded high word of a b (instruction SMMLSR). Everything else is as in
- * crn_mulh_add. Error: 1/2 LSB. */
+/* Returns `sum` less the rounded high word of a b (instruction SMMLSR). The rounding, format and overflow are
+ * those of crn_mulh_add. Error: 1/2 LSB. */
 static inline int32_t crn_mulh_sub(int32_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -192,24 +195,25 @@ static inline int32_t crn_mulh_sub(int32_t sum, int32_t a, int32_t b)
 #endif
 }
 
-/* Returns the product with a factor of at most one, without saturation; such factors are components of unit
- * vectors, sines and ratios. Format: Qa x Q30 -> Qa in steps of 4 LSB, the high word shifted back. Overflow
- * is impossible while |b| <= 1 + 2^-10 and |a| < 2^31 (1 - 2^-9); the caller states why both hold. Error: 2
- * LSB. */
+/* Returns the product of a number and a factor of at most one, without saturation. Such factors are
+ * components of unit vectors, sines and ratios. Format: Qa x Q30 -> Qa in steps of 4 LSB, the high word
+ * shifted back. Overflow is impossible while |b| <= 1 + 2^-10 and |a| < 2^31 (1 - 2^-9); a comment at each
+ * call explains why both conditions hold. Error: 2 LSB. */
 static inline int32_t crn_scale_q30(int32_t a, int32_t b_q30)
 {
     return crn_mulh(a, b_q30) * 4;
 }
 
-/* High word. Format: 64 bit -> 32 bit, floor(a / 2^32). The casts keep a 32-bit compiler from continuing with
- * 64 bits. */
+/* High word. Format: 64 bit -> 32 bit, floor(a / 2^32). The casts to 32 bits keep a 32-bit compiler from
+ * computing with 64 bits. */
 static inline int32_t crn_high64(int64_t a)
 {
     return (int32_t)(uint32_t)((uint64_t)a >> 32);
 }
 
 /* High word, rounded. Format: 64 bit -> 32 bit, floor(a / 2^32 + 1/2). Overflow: |a| must be below 2^63 -
- * 2^31. On a 32-bit machine the low word's top bit is added to the high word. Error: 1/2 LSB. */
+ * 2^31. On a 32-bit machine the function rounds by adding the low word's top bit to the high word. Error: 1/2
+ * LSB. */
 static inline int32_t crn_round_high64(int64_t a)
 {
     if (sizeof(void *) > 4) {
@@ -218,9 +222,10 @@ static inline int32_t crn_round_high64(int64_t a)
     return crn_high64(a) + (int32_t)((uint32_t)a >> 31);
 }
 
-/* Returns the low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: higher bits
- * are lost, and the caller states why there are none. Error: exact floor. A 32-bit machine needs three
- * instructions for this function, and nine for the shift. */
+/* Returns the low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: the bits
+ * above the 32nd are lost, and a comment at each call explains why there are no such bits. Error: exact
+ * floor. A 32-bit machine needs three instructions for this function, and nine instructions for a full 64-bit
+ * shift. */
 static inline int32_t crn_narrow64(int64_t a, unsigned n)
 {
     if (sizeof(void *) > 4) {
@@ -229,7 +234,8 @@ static inline int32_t crn_narrow64(int64_t a, unsigned n)
     return (int32_t)((uint32_t)((uint64_t)a >> 32) << (32 - n) | (uint32_t)a >> n);
 }
 
-/* Returns the number of leading zero bits; for zero this is the width of the type. */
+/* Returns the number of leading zero bits of an integer. For the integer zero, the result is the width of the
+ * type. */
 static inline unsigned crn_clz32(uint32_t a)
 {
     return a == 0 ? 32u : (unsigned)__builtin_clz(a);
@@ -251,9 +257,9 @@ extern const crn_line_q30 crn_reciprocal_lines[128];
 extern const crn_line_q30 crn_rsqrt_lines[192];
 extern const int32_t crn_asin_coefficients_q31[7];
 
-/* Returns the value of a line at `fraction` (a number of `bits` bits) of its interval. Format: Q30. Overflow:
- * impossible (drop < 2^25). The relative error is that of the table, 2^-16.4 at most; the Newton step of the
- * caller squares it. */
+/* Returns the value of a straight line at `fraction` (a number of `bits` bits) of its interval. Format: Q30.
+ * Overflow: impossible (drop < 2^25). The relative error is that of the table, at most 2^-16.4; the Newton
+ * step of the caller squares this error. */
 static inline uint32_t crn_line_at(const crn_line_q30 *line, uint32_t fraction, unsigned bits)
 {
     return line->value - (uint32_t)(((uint64_t)line->drop * fraction) >> bits);
@@ -262,7 +268,8 @@ static inline uint32_t crn_line_at(const crn_line_q30 *line, uint32_t fraction, 
 /* Returns the reciprocal of a positive normalised mantissa, by a linear table and one Newton step y + y (1 -
  * m y). No divide. Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]. The caller normalises;
  * another m gives a wrong number but still reads inside the table. Overflow: the result 1/0.5 = 2 does not
- * fit, so m = 2^30 gives 2^31 - 1. The error is at most 1 LSB of Q30 (0.63 LSB in the test). */
+ * fit, so m = 2^30 gives 2^31 - 1. The error of the reciprocal is at most 1 LSB of Q30 (0.63 LSB in the
+ * test). */
 static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
 {
     const crn_line_q30 *line = &crn_reciprocal_lines[(m_q31 >> 23) & 127u];
@@ -277,7 +284,7 @@ static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
 /* Returns the reciprocal square root of a mantissa, by a linear table and one Newton step y + y (1 - m y y) /
  * 2. No divide. Format: m in [2^30, 2^32) read as Q32 in [0.25, 1) -> Q30 in [1, 2]. The caller normalises: a
  * smaller m reads before the table. Overflow: the result 1/sqrt(0.25) = 2 does not fit, so m = 2^30 gives
- * 2^31 - 1. The error is at most 1.5 LSB of Q30 (1.39 LSB in the test). */
+ * 2^31 - 1. The error of the reciprocal square root is at most 1.5 LSB of Q30 (1.39 LSB in the test). */
 static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
 {
     const crn_line_q30 *line = &crn_rsqrt_lines[(m_q32 >> 24) - 64u];
@@ -291,21 +298,23 @@ static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
 }
 
 /* Returns the square root of a 64-bit integer. Format: Q2n -> Qn, rounded. Overflow: the result saturates at
- * 2^31 - 1. The error is at most 1/2 LSB + 2^-29 of the root; a = 0 gives 0. */
+ * 2^31 - 1. The error is at most 1/2 LSB + 2^-29 of the square root; the root of 0 is 0. */
 int32_t crn_sqrt64(uint64_t a);
 
-/* Returns the quotient for set-up code, bit by bit in 64 steps; no library function for division is needed.
- * Format: floor(a / b). b = 0 gives UINT64_MAX. Error: exact floor. */
+/* Returns the quotient of two 64-bit integers, bit by bit in 64 steps; only set-up code uses this function,
+ * because it is slow but needs no library function for division. Format: floor(a / b). b = 0 gives
+ * UINT64_MAX. Error: exact floor. */
 uint64_t crn_divide_u64(uint64_t a, uint64_t b);
 
-/* Computes sine and cosine of a binary angle. The angle is reduced to the nearest quarter turn, and the
- * Taylor series to x^11 and x^12 are used for the remainder. Format: one turn = 2^32 -> Q30. Overflow:
- * impossible, |result| <= 2^30. The error is at most 1.5 LSB of Q30 (1.27 LSB in the test). */
+/* Computes sine and cosine of a binary angle. The function reduces the angle to the nearest quarter turn, and
+ * uses the Taylor series up to x^11 and x^12 for the remaining angle. Format: one turn = 2^32 -> Q30.
+ * Overflow: impossible, |result| <= 2^30. The error of sine and cosine is at most 1.5 LSB of Q30 (1.27 LSB in
+ * the test). */
 void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30);
 
 /* Returns the arc sine by a polynomial for |a| <= 1/2, and as pi/2 - 2 asin(sqrt((1 - |a|)/2)) beyond that.
  * Format: Q30 in [-1, 1] (beyond: clamped) -> Q29 radians in [-pi/2, pi/2]. Overflow: impossible. The error
- * is at most 1.5 LSB of Q29, that is, 2.8e-9 rad (1.37 LSB in the test). */
+ * of the arc sine is at most 1.5 LSB of Q29, that is, 2.8e-9 rad (1.37 LSB in the test). */
 int32_t crn_asin_q29(int32_t a_q30);
 
 #endif

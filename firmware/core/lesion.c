@@ -1,4 +1,4 @@
-/* This file computes the wall of lesions that give way to a balloon (lesion.h, docs/lesions.md). */
+/* This file computes the vessel wall at lesions that a balloon can open (lesion.h, docs/lesions.md). */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 
@@ -32,7 +32,8 @@ static segment segment_at(const crn_lesion *lesion, int32_t arc_m_q30)
                      beyond << (30 - lesion->spacing_log2_q30)};
 }
 
-/* Overflow is impossible, because a and b differ by less than 2^31 (checked when a scene is loaded). */
+/* Overflow is impossible, because the coordinates a and b differ by less than 2^31 (checked when a scene is
+ * loaded). */
 static inline int32_t between(int32_t a, int32_t b, int32_t share_q30)
 {
     return a + crn_scale_q30(b - a, share_q30);
@@ -54,9 +55,9 @@ static bool is_near(const crn_lesion *lesion, const crn_vec3 *p)
     return true;
 }
 
-/* The first guess of the arc length is taken along the chord; two corrections follow along the centreline's
- * own direction. Each correction reduces an error e to about e times the curvature times the offset from the
- * centreline; in a vessel this factor is below a half. */
+/* The first estimate of the arc length is measured along the chord; two corrections then follow the
+ * centreline's own direction. Each correction reduces an error e to about e times the curvature times the
+ * distance from the centreline; in a vessel, curvature times distance is below a half. */
 bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32_t *arc_m_q30)
 {
     if (!is_near(lesion, place_m_q30)) {
@@ -82,7 +83,7 @@ bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32
 
 /* --- the wall of an open lesion ------------------------------------------------------------------------- */
 
-/* Holds the map of a station, X = c + k (x - middle). */
+/* Holds the map X = c + k (x - middle) that widens the lesion at one of its points. */
 typedef struct station_map {
     int32_t ratio_q30; /* k */
     crn_vec3 middle_m_q30;
@@ -96,15 +97,15 @@ static station_map map_of(const crn_lesion_station *station, int32_t open_q30)
     return (station_map){now > r ? crn_quotient(r, now, 30) : CRN_ONE_Q30, point_between(c, h, open_q30)};
 }
 
-/* Returns the change of k times a distance across the vessel, divided by the spacing of the stations. Format:
- * Q30, Q30 m -> Q26. */
+/* Returns the change of the scale factor k times a distance across the vessel, divided by the spacing of the
+ * lesion's points. Format: Q30, Q30 m -> Q26. */
 static int32_t steepness(int32_t change_q30, int32_t across_m_q30, uint32_t spacing_log2)
 {
     int64_t product = crn_asr64((int64_t)change_q30 * across_m_q30, spacing_log2 + 4);
     return crn_clamp(crn_sat32(product), -STEEP_Q26, STEEP_Q26);
 }
 
-/* Converts a sample of the narrowed wall to a sample of the opened one. */
+/* Converts a sample of the narrowed vessel wall to a sample of the opened wall. */
 static crn_lumen_sample mapped(crn_lumen_sample sample, const crn_vec3 *slope_q26, int32_t ratio_q30,
                                const crn_vec3 *along_q30)
 {
@@ -239,7 +240,8 @@ bool crn_lesion_wall(const crn_model *model, const crn_state_words *words, crn_m
 
 /* --- giving way ----------------------------------------------------------------------------------------- */
 
-/* Moves the opening of each station of a lesion towards the opening that belongs to the pressure there. */
+/* Moves the opening of each point of a lesion towards the opening that belongs to the pressure at this point.
+ */
 static void step(const crn_lesion *lesion, crn_lesion_state *lesions, uint32_t index,
                  const int32_t pressure_Pa[CRN_LESION_STATION_MAX])
 {
@@ -261,7 +263,7 @@ static void step(const crn_lesion *lesion, crn_lesion_state *lesions, uint32_t i
     lesions->bits = (lesions->bits & ~(1u << index)) | (any != 0 ? 1u << index : 0);
 }
 
-/* Computes the places of the balloon's balls in the reference pose. */
+/* Computes the positions of the balloon's balls (spheres) in the reference pose. */
 static void places_of(const crn_model *model, crn_state *state, crn_vec3 places_m_q30[])
 {
     const crn_motion *motion = model->lumen->motion;
@@ -271,7 +273,8 @@ static void places_of(const crn_model *model, crn_state *state, crn_vec3 places_
     }
 }
 
-/* Interpolates the pressure of two neighbouring balls at the stations between them. */
+/* Interpolates the pressure of two neighbouring balls of the balloon at the points of a lesion between the
+ * two balls. */
 static void press_between(const crn_lesion *lesion, int32_t from_m_q30, int32_t from_Pa, int32_t to_m_q30,
                           int32_t to_Pa, int32_t pressure_Pa[CRN_LESION_STATION_MAX])
 {

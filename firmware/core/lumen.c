@@ -1,8 +1,10 @@
-/* This file samples the lumen; docs/lumen.md has the layout, the equations and their errors.
+/* This file samples the lumen's distance field; docs/lumen.md describes the memory layout, the equations and
+ * their errors.
  *
- * Both samplers take the same steps: world point -> coarse brick -> finer brick where refined -> position in
- * the brick in voxels (Q20) -> 27 int8 coefficients of one brick. The work is fixed: two refinements and 27
- * coefficients (taps). */
+ * Both sampling functions take the same steps. From a world point, these functions find the coarse brick,
+ * then a finer brick where the lattice is refined, then the point's position in the brick in voxels (Q20).
+ * Last, they read 27 int8 coefficients of this brick. The work of a sample does not depend on the data: two
+ * refinements and 27 coefficients (taps). */
 #include "firmware/core/lumen.h"
 
 enum {
@@ -14,8 +16,8 @@ enum {
     IN_BRICK_MASK = (1 << BRICK_LOG2) - 1,
 };
 
-/* Describes the place of a point: its brick, its position in the brick in voxels (Q20, 0 .. 8), and the
- * brick's level. */
+/* Describes the position of a point in the lattice: its brick, its coordinates in the brick in voxels (Q20, 0
+ * .. 8), and the brick's level of refinement. */
 typedef struct lumen_place {
     const int8_t *brick; /* set once the brick was found */
     uint32_t x_q20, y_q20, z_q20;
@@ -23,7 +25,7 @@ typedef struct lumen_place {
     int32_t far_m_q30;
 } lumen_place;
 
-/* Returns the entry of one refinement; bit `bit_index` of each coordinate selects the octant. */
+/* Returns the index entry after one refinement; bit `bit_index` of each coordinate selects the octant. */
 static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint32_t x, uint32_t y, uint32_t z,
                                    unsigned bit_index)
 {
@@ -33,8 +35,9 @@ static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint3
 }
 
 /* Finds the brick. Returns false where the point lies in no brick and `far_m_q30` is its distance. Overflow:
- * the validated lattice lies within the Q30 range. A difference modulo 2^32 is therefore the true difference
- * inside the lattice, and fails the comparison outside it. */
+ * the lattice, which was checked before, lies within the Q30 range. A coordinate difference modulo 2^32 is
+ * therefore the true difference for points inside the lattice; for points outside, it fails the comparison
+ * with the lattice's size. */
 static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
 {
     place->level = 0;
@@ -68,9 +71,10 @@ static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *
     return true;
 }
 
-/* Holds the weights of the quadratic B-spline at the fraction u of a voxel: first (1-u)^2/2, last u^2/2, and
- * between them the remainder to one. The weights of the slope per voxel are -(1-u), 1-2u and u. The fast
- * integer types have the width that the machine multiplies fastest; the values fit 32 bits. */
+/* Holds the three weights of the quadratic B-spline at the fraction u of a voxel: the first is (1-u)^2/2, the
+ * last is u^2/2, and the middle one is the remainder to one. The three weights of the spline's slope per
+ * voxel are -(1-u), 1-2u and u. The fast integer types have the width that the processor multiplies fastest;
+ * the weights fit 32 bits. */
 typedef struct lumen_weights {
     int_fast32_t low, middle, high;
     int_fast32_t fall, rise; /* 1-u and u */
@@ -82,9 +86,9 @@ static inline int32_t half_square_q29(uint32_t v_q20)
     return crn_mulh((int32_t)(v_q20 << 10), (int32_t)(v_q20 << 10));
 }
 
-/* Format: fraction Q20 -> values Q30, slopes Q29. The error of each weight is at most 1 LSB; the weights of a
- * value sum exactly to one, and those of a slope exactly to zero. Overflow is impossible, because no weight
- * is above one. */
+/* Format: fraction Q20 -> values Q30, slopes Q29. The error of each weight is at most 1 LSB. The three
+ * weights of a value sum exactly to one, and the three weights of a slope sum exactly to zero. Overflow is
+ * impossible, because no weight is above one. */
 static inline lumen_weights weights_at(uint32_t x_q20)
 {
     const uint32_t u_q20 = x_q20 & VOXEL_MASK_Q20, v_q20 = (1u << 20) - u_q20;
@@ -93,8 +97,8 @@ static inline lumen_weights weights_at(uint32_t x_q20)
 }
 
 /* These functions return the high words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32).
- * Error: 1 LSB (floor). Overflow is impossible. The weights of a value sum to one; those of a slope, whose
- * format has one bit less, sum to two in magnitude; so sums stay below 2^31 * 2^30. */
+ * Error: 1 LSB (floor). Overflow is impossible. The weights of a value sum to one. The weights of a slope
+ * have one fraction bit less and sum to two in magnitude. Sums therefore stay below 2^31 * 2^30. */
 static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
     return crn_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);
@@ -104,15 +108,15 @@ static inline int_fast32_t slope(int_fast32_t a, int_fast32_t b, int_fast32_t c,
     return crn_high64((int64_t)(b - a) * w->fall + (int64_t)(c - b) * w->rise);
 }
 
-/* Holds the weighted sum of three taps along x, as a value in Q23 and a slope in Q22. The sum is exact.
- * Overflow is impossible: coefficients are within +-128, and the weights of a slope add up to two in
- * magnitude, so the result is at most 2^30. */
+/* Holds the weighted sum of three coefficients (taps) along x, as a value in Q23 and a slope in Q22. The sum
+ * is exact. Overflow is impossible: coefficients are within +-128, and the weights of a slope add up to two
+ * in magnitude, so the result is at most 2^30. */
 typedef struct lumen_row {
     int_fast32_t value, slope;
 } lumen_row;
 
-/* Holds the weights along x in the form in which row_of() multiplies them, and where row_of() begins to
- * read. */
+/* Holds the weights along x in the form in which row_of() multiplies them, and the position at which row_of()
+ * begins to read. */
 typedef struct lumen_row_weights {
 #if CRN_HIGH_WORDS_BY_DSP
     uint32_t value, slope, middle; /* pairs of 16 bits: low and high, -fall and rise, both middles */
@@ -131,8 +135,9 @@ static inline lumen_row_weights row_weights_at(uint32_t x_q20)
     const int32_t middle = (1 << 15) - low - high;
     const int32_t rise = (int32_t)((u_q20 + (1 << 5)) >> 6), fall = (1 << 14) - rise;
 #if CRN_HIGH_WORDS_BY_DSP
-    /* A word that begins one tap early holds the taps in its upper bytes. In the first column such a word
-     * would begin before the brick, so it begins at the brick and is shifted. */
+    /* A 32-bit word that begins one coefficient early holds the three wanted coefficients in its upper bytes.
+     * In the brick's first column such a word would begin before the brick. There the word begins at the
+     * brick and is shifted. */
     return (lumen_row_weights){(uint32_t)low | (uint32_t)high << 16,
                                ((uint32_t)-fall & 0xffffu) | (uint32_t)rise << 16,
                                (uint32_t)middle | (uint32_t)(fall - rise) << 16, x_q20 >> 20 == 0 ? 8 : 0};
@@ -175,7 +180,8 @@ static inline int_fast32_t value_of_row(const int8_t *c, const lumen_row_weights
 static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
 {
     int64_t both = c[0] * w->low + c[1] * w->middle + c[2] * w->high;
-    /* A negative value in the lower half borrows one from the slope in the upper half. */
+    /* When the value in the lower half of the word is negative, it borrows one from the slope in the upper
+     * half. */
     return (lumen_row){(int32_t)(uint32_t)both, crn_asr64(both + ((int64_t)1 << 31), 32)};
 }
 
@@ -206,14 +212,14 @@ static inline lumen_plane plane_of(const int8_t *c, const lumen_row_weights *x, 
 
 /* Sums the 27 weighted coefficients (taps), first along x, then along y, then along z. Overflow is
  * impossible: a value lies between the extremes of its taps, within 2^7, and a slope within twice that range.
- * The weights have an error of 1 LSB of Q15, which causes an error of 15 nm in the value and of 3e-5 in a
- * slope of one. */
+ * Each weight has an error of 1 LSB of Q15. These errors cause an error of 15 nm in the distance, and of 3e-5
+ * in a slope of one. */
 static inline lumen_taps spline_27(const lumen_place *p)
 {
     const lumen_row_weights x = row_weights_at(p->x_q20);
     const lumen_weights y = weights_at(p->y_q20), z = weights_at(p->z_q20);
-    /* The sample nearest to floor(x) is coefficient floor(x) + 1, so the taps are floor(x) .. floor(x) +
-     * 2. */
+    /* The coefficient of the sample nearest to floor(x) is number floor(x) + 1, so the taps are the
+     * coefficients floor(x) .. floor(x) + 2. */
     const int8_t *c = p->brick + ((p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20));
     const lumen_plane a = plane_of(c, &x, &y), b = plane_of(c + SLICE, &x, &y),
                       d = plane_of(c + 2 * SLICE, &x, &y);
@@ -224,8 +230,9 @@ static inline lumen_taps spline_27(const lumen_place *p)
 }
 
 /* Returns the inward unit normal, which is -g / |g|, or zero where the gradient is zero. Format: Q18 -> Q30.
- * Overflow is impossible: |g| < 2^27, so the squares sum to less than 2^55, and |n| <= 1. The error is at
- * most 4 LSB of Q30, in addition to the error of g. */
+ * Overflow is impossible: the gradient g is below 2^27, so the squares sum to less than 2^55, and the normal
+ * n is at most 1. The error of the normal is at most 4 LSB of Q30, in addition to the error of the gradient
+ * g. */
 static inline crn_vec3 inward(const lumen_taps *taps)
 {
     int32_t x = taps->slope_x, y = taps->slope_y, z = taps->slope_z;

@@ -1,24 +1,27 @@
-/* The lumen is a sparse signed-distance field of the inner vessel wall, and is read-only during a session.
+/* The lumen is described by a sparse signed-distance field of the inner vessel wall, which is read-only
+ * during a session.
  *
  * The signed distance phi, in metres in Q30, is negative inside the lumen (where blood is), and positive in
- * the wall and beyond. A wire of radius r has the contact depth phi + r. The inward normal is n =
+ * the wall and beyond. The contact depth of a wire of radius r is phi + r. The inward normal is n =
  * -grad(phi)/|grad(phi)|.
  *
  * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. The voxel edge of level L is 2^(20-L)
- * Q30 units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm), so a world coordinate becomes voxel
- * and fraction by shift and mask. An entry of the coarse index has one of the following values.
+ * Q30 units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm). A shift and a mask therefore split a
+ * world coordinate into voxel number and fraction. An entry of the coarse index has one of the following
+ * values.
  *     0                     far outside the lumen
  *     1                     deep inside the lumen, farther than the field's band from any wall
  *     2 .. 0x7fff           brick number + 2 of a level-0 brick
  *     0x8000 | row          this brick is refined: children[row][8] hold entries of the same kind for its 8 octants
  *                           (x fastest), one level down. At most CRN_LUMEN_LEVELS - 1 refinements.
- * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of phi in units of voxel/32
- * (int8, saturated at +-127, that is +-3.97 voxels). Coefficient (i,j,k) belongs to the sample at voxel
- * centre (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. The sample
- * values themselves are never stored. The baker filters them beforehand, so that the spline passes through
- * the true distances.
+ * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of the distance phi. The
+ * coefficients are int8 numbers in units of voxel/32, saturated at +-127, that is +-3.97 voxels. Coefficient
+ * (i,j,k) belongs to the sample at (i-1, j-1, k-1) + 1/2 voxels from the corner of this brick, so that bricks
+ * overlap by one sample on every side. The distances at the sample points themselves are never stored. The
+ * program that bakes a scene filters the distances beforehand, so that the spline passes through the true
+ * distances.
  *
- * shared/scene validates the data before use (they are hostile until checked). */
+ * The code in shared/scene validates the data before use, because they may come from an attacker. */
 #ifndef CRN_LUMEN_H
 #define CRN_LUMEN_H
 
@@ -37,8 +40,9 @@ enum {
 
 struct crn_motion;
 
-/* A lesion that gives way (lesion.h) has stations along the healthy centreline, at a spacing of
- * 2^spacing_log2_q30 by arc length. The stations are read in place from a scene. */
+/* A lesion that a balloon can open (lesion.h) is described by points along the healthy centreline, called
+ * stations, at a spacing of 2^spacing_log2_q30 by arc length. The lesion's points (stations) are read
+ * directly from the bytes of a scene. */
 typedef struct crn_lesion_station {
     int32_t healthy_m_q30[3], healthy_radius_m_q30;
     int32_t channel_m_q30[3], channel_radius_m_q30; /* remaining channel, in the plane across the vessel */
@@ -68,8 +72,8 @@ typedef struct crn_lumen {
     const uint16_t *index;           /* brick_count_xyz product entries, x fastest */
     const uint16_t *children;        /* child_row_count x 8 entries */
     const int8_t *samples;           /* brick_count x CRN_LUMEN_BRICK_SAMPLES */
-    const struct crn_motion *motion; /* This is the motion (motion.h), or NULL when the vessel does not move.
-                                        The samplers below ignore it */
+    const struct crn_motion *motion; /* This pointer leads to the motion of the vessel (motion.h), or is NULL
+                                        when the vessel does not move. The samplers below ignore it */
     uint32_t lesion_count; /* lesions that give way, at most CRN_LESION_MAX. The samplers ignore them too */
     const crn_lesion *lesions;
 } crn_lumen;
@@ -79,13 +83,14 @@ typedef struct crn_lumen_sample {
     crn_vec3 normal_q30;    /* inward unit normal; zero where the gradient vanishes (no contact there) */
 } crn_lumen_sample;
 
-/* Returns the distance that crn_lumen_contact gives, bit for bit, without the normal. This distance decides
- * whether a node can touch the wall at all. Format: Q30 m -> Q30 m. The distance is +2^24 (15.6 mm) outside
- * the lattice and in OUTSIDE bricks, and -2^24 in INSIDE bricks. */
+/* Returns the same distance to the wall as crn_lumen_contact, bit for bit, but without computing the normal.
+ * This distance alone shows whether a node can touch the wall. Format: Q30 m -> Q30 m. The distance is +2^24
+ * (15.6 mm) outside the lattice and in bricks marked OUTSIDE, and -2^24 in bricks marked INSIDE. */
 int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
-/* Returns the value and the inward normal of the triquadratic B-spline (27 taps, C1), for contact. Far from
- * the wall the values are those of crn_lumen_distance. */
+/* Returns the distance and the inward normal from the triquadratic B-spline (27 coefficients, continuous
+ * first derivative), for contact. Far from the wall the function returns the distances of crn_lumen_distance.
+ */
 crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
 #endif

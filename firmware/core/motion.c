@@ -1,13 +1,15 @@
-/* This file looks up displacements in the lattices of a moving vessel (motion.h, docs/heart.md). The work of
- * a look-up is fixed. For the heartbeat it blends three coefficients for each of three components at the 8
- * corners of a cell, once for the present and once for the change in the tick. For breath it reads 8 corners.
- * The blend of a cell is kept for the next point in the same cell, which changes no result. The file
- * motion_wall.c computes the displacement of the wall in a tick. */
+/* This file looks up the displacements of a moving vessel in its two lattices, one for the heartbeat and one
+ * for breath (motion.h, docs/heart.md). Every look-up takes the same amount of work. For the heartbeat, a
+ * look-up blends three coefficients for each of three components at the 8 corners of a cell. This blending
+ * runs once for the present displacement and once for the change in the tick. For breath, a look-up reads the
+ * displacements at 8 corners. The blended displacements of a cell are kept for the next point in the same
+ * cell; keeping them does not change any result. The file motion_wall.c computes the displacement of the wall
+ * in a tick. */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
-/* Returns the weights of the quadratic B-spline at the fraction f between two half keyframes: first
- * (1-f)^2/2, last f^2/2, and between them the remainder to one. */
+/* Returns the three weights of the quadratic B-spline at the fraction f between two half keyframes: the first
+ * is (1-f)^2/2, the last is f^2/2, and the middle one is the remainder to one. */
 crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
 {
     uint64_t place_q32 = (uint64_t)heart_phase32 * CRN_MOTION_KEYFRAMES + ((uint64_t)1 << 31);
@@ -63,7 +65,7 @@ void crn_motion_pose_begin(const crn_motion *motion, crn_motion_pose *pose, cons
     pose->before = crn_motion_moment_at(before->heart_phase32, before->breath_phase32);
 }
 
-/* Blends the present displacements at a cell's corners. */
+/* Blends the displacements at a cell's corners for the present phase of the heartbeat. */
 static void enter_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->beat.ways);
@@ -86,8 +88,8 @@ static inline int32_t product(int32_t a_q31, int32_t b_q31)
     return crn_high64((int64_t)a_q31 * b_q31) * 2;
 }
 
-/* Finds the cell in which a point lies, and the point's place in this cell. As in lumen.c, a difference
- * modulo 2^32 is the true difference inside the lattice. */
+/* Finds the lattice cell that contains a point, and the point's position in this cell. As in lumen.c, a
+ * coordinate difference modulo 2^32 is the true difference for points inside the lattice. */
 typedef enum found { OUTSIDE, SAME_CELL, OTHER_CELL } found;
 
 static inline void place_in_cell(crn_motion_field *field, uint32_t log2, uint32_t x, uint32_t y, uint32_t z)
@@ -134,15 +136,16 @@ static inline found find(const crn_lattice *lattice, crn_motion_field *field, co
     return find_other(lattice, field, p, node);
 }
 
-/* Finds the tetrahedron of a cell that holds the point. The edges of a tetrahedron lead from the low node
- * first along the axis with the largest fraction, then along the axis with the next largest. */
+/* Finds the tetrahedron of a cell that holds the point. The edges of a tetrahedron start at the cell's low
+ * node. They lead first along the axis with the point's largest fraction, then along the axis with the next
+ * largest fraction. */
 static inline uint32_t tetrahedron_at(const int32_t *p_q31)
 {
     return (p_q31[1] >= p_q31[2] ? 4u : 0u) | (p_q31[2] >= p_q31[4] ? 2u : 0u) |
            (p_q31[1] >= p_q31[4] ? 1u : 0u);
 }
 
-/* Returns where the point would be with the chest at the end of expiration. */
+/* Returns the position that the point would have with the chest at the end of expiration. */
 static inline crn_vec3 exhale(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30)
 {
     crn_motion_field *field = &pose->breath;
@@ -173,7 +176,8 @@ static inline crn_vec3 exhale(const crn_motion *motion, crn_motion_pose *pose, c
     return rest;
 }
 
-/* Returns whether the point is beyond both lattices. As in find(), differences are modulo 2^32. */
+/* Returns whether the point is outside both lattices (heartbeat and breath). As in find(), coordinate
+ * differences are modulo 2^32. */
 static inline bool stands_still(crn_motion_pose *pose, const crn_vec3 *p)
 {
     const bool is_beyond = (uint32_t)p->v[0] - (uint32_t)pose->low_m_q30[0] >= pose->size_m_q30[0] ||
@@ -216,10 +220,10 @@ crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const 
     return stands_still(pose, world_m_q30) ? *world_m_q30 : pull_inside(motion, pose, world_m_q30);
 }
 
-/* Adds the largest |difference|^2 of neighbours along one axis to `squares`, for each of the `row` numbers
- * that a node's three components hold. Format: coefficients. Overflow is impossible: neighbours differ by at
- * most 2^13 (checked when a scene is loaded), so one axis adds at most 3 x 2^26, and three axes add less than
- * 2^30. */
+/* Adds to `squares` the largest |difference|^2 of neighbouring nodes along one axis, for each of the `row`
+ * numbers that a node has for each of its three components. Format: coefficients. Overflow is impossible: the
+ * displacements of neighbouring nodes differ by at most 2^13 (checked when a scene is loaded). One axis
+ * therefore adds at most 3 x 2^26, and three axes add less than 2^30. */
 static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint32_t row, uint32_t axis,
                         uint32_t *squares)
 {
@@ -244,8 +248,8 @@ static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint
     }
 }
 
-/* Computes an upper bound of |J| for each number of a row, for one lattice. Format: Q28. Overflow: 5/8
- * sqrt(3). */
+/* Computes an upper bound of the steepness |J| of one lattice, for each of the numbers in a row of
+ * coefficients. Format: Q28. Overflow: 5/8 sqrt(3). */
 static void steepness_of(const crn_lattice *lattice, const int16_t *numbers, uint32_t row,
                          int32_t *steepness_q28)
 {
@@ -282,17 +286,18 @@ int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_m
     return crn_scale_q30(crn_quotient(one, one + beat_q28, 30), crn_quotient(one, one + breath_q28, 30));
 }
 
-/* Returns a derivative along one axis. It is the sum of the term of this axis, the two terms of this axis
- * with one other, and the term of all three. Overflow: as value_here's. */
+/* Returns the derivative of a displacement component along one axis. The derivative is the sum of the term of
+ * this axis, the two mixed terms of this axis with one other axis, and the term of all three axes. Overflow:
+ * as value_here's. */
 static inline int32_t slope_here(int32_t axis, int32_t with_b, int32_t b_q31, int32_t with_c, int32_t c_q31,
                                  int32_t with_both, int32_t both_q31)
 {
     return axis + from_q31((int64_t)with_b * b_q31 + (int64_t)with_c * c_q31 + (int64_t)with_both * both_q31);
 }
 
-/* Computes the gradient I + dw_i/dx_j in the cell of the last point; outside the lattice it is the identity.
- * Format: Q34 m per spacing -> Q28. Overflow is impossible, because entries are at most 1 5/8 (checked when a
- * scene is loaded). */
+/* Computes the gradient I + dw_i/dx_j of the map in the cell of the last point; outside the lattice the
+ * gradient is the identity. Format: Q34 m per spacing -> Q28. Overflow is impossible, because entries of the
+ * gradient are at most 1 5/8 (checked when a scene is loaded). */
 static void gradient_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t *p = pose->beat.powers_q31;
@@ -317,8 +322,8 @@ static inline int32_t size_of(int32_t a)
     return a < 0 ? -a : a;
 }
 
-/* Returns an upper bound of the norm of a matrix. The square of the norm is at most the largest column sum of
- * magnitudes times the largest row sum. */
+/* Returns an upper bound of the norm of a matrix. The square of a matrix's norm is at most the largest column
+ * sum of magnitudes times the largest row sum of magnitudes. */
 static inline int32_t norm_at_most(const int32_t m[3][3])
 {
     int32_t most = 0;
@@ -332,15 +337,16 @@ static inline int32_t norm_at_most(const int32_t m[3][3])
     return most;
 }
 
-/* Returns a lower bound of 1 / |I + J|, at most 1. Format: Q28 -> Q30. Overflow is impossible: norms are at
- * most 1 + 3 x 5/8 (checked when a scene is loaded), which is 2.9 in Q28. */
+/* Returns a lower bound of 1 / |I + J|, at most 1. Format: Q28 -> Q30. Overflow is impossible: matrix norms
+ * are at most 1 + 3 x 5/8 (checked when a scene is loaded), which is 2.9 in Q28. */
 static inline int32_t shrink_of_gradient(const int32_t gradient_q28[3][3])
 {
     const int32_t one = 1 << 28, norm = norm_at_most(gradient_q28);
     return norm > one ? crn_quotient(one, norm, 30) : 1 << 30;
 }
 
-/* Returns 1 / (1 + |J|) for breath, which is computed once for all points of a tetrahedron. Format: Q30. */
+/* Returns the factor 1 / (1 + |J|) for breath; the factor is computed once for all points of a tetrahedron.
+ * Format: Q30. */
 static int32_t shrink_of_breath(const crn_motion *motion, crn_motion_pose *pose)
 {
     crn_motion_field *field = &pose->breath;
@@ -358,8 +364,8 @@ static int32_t shrink_of_breath(const crn_motion *motion, crn_motion_pose *pose)
     return field->shrink_q30;
 }
 
-/* Returns a lower bound of 1 / |I + J| at the last point, with the factors of heartbeat and breath. Format:
- * Q30. */
+/* Returns a lower bound of 1 / |I + J| at the last point, as the product of a factor for the heartbeat and a
+ * factor for breath. Format: Q30. */
 static int32_t shrink_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t beat_q30 = shrink_of_gradient((const int32_t(*)[3])pose->gradient_q28);
@@ -370,8 +376,8 @@ enum {
     ROUNDING_M_Q30 = 32
 }; /* bounds the quotients here and in crn_motion_contact, for distances up to 15.6 mm */
 
-/* Computes the distance for a point that lies within a lattice. This is a separate function, so that it costs
- * nothing for a node that lies outside both lattices. */
+/* Computes the distance to the wall for a point that lies within a lattice. This function is separate from
+ * its caller, so that it costs nothing for a node that lies outside both lattices. */
 CRN_APART static int32_t distance_inside(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose, const crn_vec3 *world_m_q30,
                                          int32_t shrink_q30, int32_t far_m_q30)
@@ -399,8 +405,8 @@ int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, cr
     return distance_inside(lumen, motion, pose, world_m_q30, shrink_q30, far_m_q30);
 }
 
-/* Returns (I + dw/dx)^T n for a unit normal n. Format: Q30 -> Q26. Overflow is impossible: a component is at
- * most 1 + 5/8 sqrt(3), below the format's 8. Error: 2 LSB. */
+/* Returns the mapped normal (I + dw/dx)^T n for a unit normal n. Format: Q30 -> Q26. Overflow is impossible:
+ * a component of the result is at most 1 + 5/8 sqrt(3), below the format's 8. Error: 2 LSB. */
 static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3 *normal_q30)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;
@@ -412,8 +418,8 @@ static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3
     return mapped;
 }
 
-/* Applies (I + depth db/dx)^T to the mapped normal. Overflow is impossible: components grow by a factor of at
- * most 1 + 3/8 sqrt(3), and stay below the format's 8. */
+/* Multiplies the mapped normal by (I + depth db/dx)^T. Overflow is impossible: the components of the normal
+ * grow by a factor of at most 1 + 3/8 sqrt(3), and stay below the format's 8. */
 static inline void map_by_breath(const crn_motion *motion, const crn_motion_pose *pose, crn_vec3 *mapped_q26)
 {
     const crn_vec3 beaten_q26 = *mapped_q26;

@@ -1,23 +1,25 @@
-/* This header describes vessels that move. It finds where a point of the present world lies in the reference
- * pose, in which the lumen is described.
+/* This header describes vessels that move. Its functions find the position in the reference pose, in which
+ * the lumen is described, of a point of the present world.
  *
- * Two coarse lattices hold displacements, one for the heartbeat (w) and one for breath (b). The displacement
- * by breath is undone first, then that by the heartbeat, because the chest carries the beating heart.
+ * Two coarse lattices hold displacements: w for the heartbeat and b for breath. The functions first undo the
+ * displacement by breath and then that by the heartbeat, because the chest carries the beating heart.
  *
  *     X1 = x + depth b(x),  X = X1 + w(X1)
  *
- * Look-ups alone therefore map a world point to the reference pose, without iteration, and the wall is where
- * phi(X) = 0. In a cell, w is trilinear. The displacement b is smooth, and is linear in each of the cell's
- * six tetrahedra (Kuhn), which takes a third of the work. As a function of time, w is the periodic quadratic
- * B-spline of 24 coefficients (C1). The baker filters them beforehand, so that the spline passes through the
- * keyframes. Outside a lattice, and on its boundary, w = 0 and b = 0.
+ * Look-ups alone therefore map a world point to the point X of the reference pose, without iteration, and the
+ * vessel wall is where phi(X) = 0. In a lattice cell, the heartbeat's displacement w is trilinear. The
+ * displacement b by breath is smooth. In each of the cell's six tetrahedra (Kuhn) it is linear, and a linear
+ * look-up takes a third of the work. As a function of time, the heartbeat's displacement w is a periodic
+ * quadratic B-spline with 24 coefficients (C1). The program that bakes a scene filters the coefficients
+ * beforehand, so that the spline passes through the keyframes. Outside a lattice, and on its boundary, the
+ * displacements w and b are 0.
  *
  *     gradient of the depth used    g = (I + depth db/dx)^T (I + dw/dx)^T grad phi
  *     step of the wall in a tick    -(I + depth db/dx)^-1 ((I + dw/dx)^-1 (w now - w before)
  *                                                          + (depth now - depth before) b)
  *
- * docs/heart.md has the equations and their cost. shared/scene checks the data before use (they are hostile
- * until checked). */
+ * The document docs/heart.md has the equations and their cost. The code in shared/scene checks the data
+ * before use, because they may come from an attacker. */
 #ifndef CRN_MOTION_H
 #define CRN_MOTION_H
 
@@ -42,16 +44,19 @@ typedef struct crn_lattice {
 
 typedef struct crn_motion {
     crn_lattice beat;
-    /* The rows follow node by node, x fastest, with three components each. A component holds the coefficients
-     * of keyframes 23, 0, 1 .. 23, 0. Neighbouring nodes differ by at most 5/8 of a spacing. */
+    /* The rows of coefficients are stored node by node, x fastest, with three components for each node. Each
+     * component of a node has the coefficients of the keyframes 23, 0, 1 .. 23, 0 in this order. The
+     * displacements of neighbouring nodes differ by at most 5/8 of the lattice spacing. */
     const int16_t *rows;
     crn_lattice breath;
-    /* The displacements b follow node by node, x fastest, with three components each; neighbouring nodes
-     * differ by at most 3/8 of a spacing. NULL means that breath does not move the vessel. */
+    /* The displacements b are stored node by node, x fastest, with three components for each node. The
+     * displacements of neighbouring nodes differ by at most 3/8 of the lattice spacing. The pointer is NULL
+     * when breath does not move the vessel. */
     const int16_t *inhaled;
 } crn_motion;
 
-/* Describes a moment of heart and breath, by three coefficients of a row and their weights. */
+/* Describes heart and breath at one moment: which three coefficients of a row to blend, and with which
+ * weights. */
 typedef struct crn_motion_moment {
     uint32_t first; /* in a row, 0 .. 23 */
     int32_t weights_q15[3];
@@ -65,14 +70,14 @@ typedef struct crn_motion_cell {
     crn_vec3 corners_m_q34[8];
 } crn_motion_cell;
 
-/* Keeps the values that were derived from one lattice for the last point. */
+/* Keeps the values that were derived from one lattice for the point that was looked up last. */
 typedef struct crn_motion_field {
     uint32_t corner_rows[8]; /* numbers from a cell's low node to its corners */
     crn_motion_cell ways; /* displacements from the corners back to the reference pose; for breath: those of a
                              full breath */
-    /* The same displacements as polynomials. For the heartbeat, the terms belong to 1, x, y, xy, z, xz, yz,
-     * xyz. For breath, the terms 0, 1, 2 and 4 belong to 1, x, y and z in the tetrahedron of the last point,
-     * and the others are not used. */
+    /* The same displacements as polynomials. For the heartbeat, the polynomial's terms belong to 1, x, y, xy,
+     * z, xz, yz and xyz. For breath, the polynomial's terms 0, 1, 2 and 4 belong to 1, x, y and z in the
+     * tetrahedron of the last point, and the other terms are not used. */
     int32_t terms_m_q34[3][8];
     int32_t low_m_q30[3];  /* position of the cell's low node */
     int32_t powers_q31[8]; /* x, y, xy, z, xz, yz, xyz of the last point pulled back, from [1] on */
@@ -81,8 +86,9 @@ typedef struct crn_motion_field {
     bool is_inside;        /* the point lay in the lattice */
 } crn_motion_field;
 
-/* Holds the moments at the beginning and the end of a tick, and the values that were last derived from the
- * lattices for them. Successive nodes of a wire lie in the same cell and reuse these values. */
+/* Holds the phases of heart and breath at the beginning and the end of a tick, and the values that were last
+ * derived from the lattices for these two moments. Successive nodes of a wire usually lie in the same cell,
+ * so they reuse the derived values. */
 typedef struct crn_motion_pose {
     crn_motion_moment now, before;
     crn_motion_field beat, breath;
@@ -90,8 +96,8 @@ typedef struct crn_motion_pose {
     crn_vec3 inhaled_m_q34;  /* b at the last point */
     int32_t low_m_q30[3];    /* a box around both lattices: nothing moves beyond it */
     uint32_t size_m_q30[3];
-    /* This is the place in the reference pose to which the last point was mapped, after crn_motion_distance
-     * or crn_motion_contact. */
+    /* This field is the position in the reference pose to which the last call of crn_motion_distance or
+     * crn_motion_contact mapped its point. */
     crn_vec3 reference_m_q30;
     int32_t gradient_q28[3][3]; /* I + dw_i/dx_j there, once it has_gradient */
     bool has_gradient;
@@ -99,24 +105,24 @@ typedef struct crn_motion_pose {
 
 crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32);
 
-/* Begins a tick that leads from one moment to another. */
+/* Begins a tick, in which heart and breath go from the moment `before` to the moment `now`. */
 void crn_motion_pose_begin(const crn_motion *motion, crn_motion_pose *pose, const crn_rhythm *before,
                            const crn_rhythm *now);
 
-/* Returns the place in the reference pose of the point that is now at `world_m_q30`. Format: Q30 m. Overflow:
- * saturates. The error against the exact spline of the stored coefficients is 1 um, from weights of 15 bits
- * (firmware/tests/test_motion.c). */
+/* Returns the position in the reference pose of the point that is now at `world_m_q30`. Format: Q30 m.
+ * Overflow: saturates. Compared with the exact spline of the stored coefficients, the position has an error
+ * of 1 um, caused by weights of 15 bits (firmware/tests/test_motion.c). */
 crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30);
 
-/* Holds upper bounds of the steepness |J| of a motion anywhere, for each coefficient in a row and for a full
- * breath. The square of |J| is at most the sum, over the axes, of the square of the longest difference of
- * neighbours along that axis. Format: Q28, at most 1.1. */
+/* Holds upper bounds of the steepness |J| that a motion has at any place, for each coefficient in a row and
+ * for a full breath. The square of |J| is at most a sum over the three axes; each axis adds the square of the
+ * largest difference of neighbouring nodes along this axis. Format: Q28, at most 1.1. */
 typedef struct crn_motion_steepness {
     int32_t beat_q28[CRN_MOTION_ROW];
     int32_t breath_q28;
 } crn_motion_steepness;
 
-/* This function reads all of the lattices, so it is for set-up only. */
+/* The function crn_motion_steepness_make reads all of the lattices, so it is for set-up only. */
 void crn_motion_steepness_make(const crn_motion *motion, crn_motion_steepness *steepness);
 
 /* The reciprocal of a bound on how much the motion lengthens a gradient at a moment: |(I + J)^T n| <= 1 + |J|
@@ -124,26 +130,27 @@ void crn_motion_steepness_make(const crn_motion *motion, crn_motion_steepness *s
  * 1]. */
 int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_motion_moment *now);
 
-/* Returns a lower bound of the distance that crn_motion_contact gives at the same place; at or beyond the
- * wall it is at least 0. Inside the lumen, the bound is the distance in the reference pose divided by a limit
- * on how much the motion lengthens a gradient. The reciprocal of this limit is `shrink_q30`, which holds
- * everywhere. Where that gives no less than `far_m_q30`, the limit at this place is used instead. */
+/* Returns a lower bound of the distance that crn_motion_contact gives at the same point; at the wall or
+ * beyond the wall, this bound is at least 0. Inside the lumen, the bound is the distance in the reference
+ * pose divided by a limit on the factor by which the motion lengthens a gradient. The reciprocal of a limit
+ * that holds everywhere is given as `shrink_q30`. Where this general limit gives a distance of `far_m_q30` or
+ * more, the function uses the limit at this point instead. */
 int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                             const crn_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30);
 
 /* Like crn_lumen_contact for the moved wall: distance phi / |g| (exact at the wall), normal -g / |g|. */
 crn_lumen_sample crn_motion_contact(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                                     const crn_vec3 *world_m_q30);
-/* Does the same at the place of the last call of crn_motion_distance. */
+/* Samples the moved wall as crn_motion_contact does, at the point of the last call of crn_motion_distance. */
 crn_lumen_sample crn_motion_contact_here(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose);
 
-/* Converts a sample of the wall from the reference pose to the world, at the place of the last call of
+/* Converts a sample of the vessel wall from the reference pose to the world, at the point of the last call of
  * crn_motion_pull. */
 crn_lumen_sample crn_motion_carry(const crn_motion *motion, crn_motion_pose *pose, crn_lumen_sample sample);
 
-/* Returns the displacement of the wall in this tick at the place of the last contact. Format: Q33 m, limited
- * to CRN_MOTION_WALL_STEP_MAX. */
+/* Returns the displacement of the vessel wall in this tick at the point of the last contact. Format: Q33 m,
+ * limited to CRN_MOTION_WALL_STEP_MAX. */
 crn_vec3 crn_motion_wall_step(const crn_motion *motion, crn_motion_pose *pose);
 
 #endif

@@ -1,11 +1,12 @@
-/* This header contains the cells of the lattices of a moving vessel, for the look-up (motion.c) and the step
- * of the wall (motion_wall.c). */
+/* This header has the code for one cell of a lattice of a moving vessel; the look-up (motion.c) and the
+ * wall's step (motion_wall.c) share this code. */
 #ifndef CRN_MOTION_CELL_H
 #define CRN_MOTION_CELL_H
 
 #include "firmware/core/motion.h"
 
-/* Code that few nodes need stays in a separate function, so that it costs the other nodes no registers. */
+/* Code that only a few nodes need stays in a separate function, so that it takes no processor registers when
+ * the other nodes are computed. */
 #define CRN_APART __attribute__((noinline))
 
 enum {
@@ -22,8 +23,8 @@ typedef struct corner_list {
     uint32_t count;
 } corner_list;
 
-/* Moves on to another cell. When the new cell is the neighbour along one axis, the values of the four shared
- * corners move to their new places. Returns the other corners. */
+/* Moves on to another cell. When the new cell is the neighbour of the old one along one axis, the function
+ * moves the values of the four shared corners to their new indices. Returns the other corners. */
 static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_motion_cell *cell)
 {
     /* corners on the low and the high side along x, y, z */
@@ -47,9 +48,9 @@ static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_m
     return (corner_list){all, 8};
 }
 
-/* Converts corner values to polynomial terms, by differences along one axis after the other. Overflow is
- * impossible: neighbours differ by at most 5/8 of a spacing (checked when a scene is loaded), so that the
- * last term is at most 5/2 of a spacing, which is below 2^30. */
+/* Converts the values at a cell's corners to polynomial terms, by taking differences along one axis after the
+ * other. Overflow is impossible: the values of neighbouring nodes differ by at most 5/8 of a spacing (checked
+ * when a scene is loaded), so the last term is at most 5/2 of a spacing, which is below 2^30. */
 static inline void make_terms(crn_motion_field *field)
 {
     const crn_vec3 *c = field->ways.corners_m_q34;
@@ -69,9 +70,9 @@ static inline void make_terms(crn_motion_field *field)
     }
 }
 
-/* Returns the weighted sum of three coefficients of a component. Format: Q15 x 2^-19 m -> Q34 m. Overflow is
- * impossible: coefficients are at most 2^14 in magnitude (checked when a scene is loaded) and the weights sum
- * to 2^15, so the result is at most 2^29. */
+/* Returns the weighted sum of three coefficients of one displacement component. Format: Q15 x 2^-19 m -> Q34
+ * m. Overflow is impossible: coefficients are at most 2^14 in magnitude (checked when a scene is loaded) and
+ * the weights sum to 2^15, so the result is at most 2^29. */
 static inline int32_t blend(const int16_t *taps, const crn_motion_moment *weights)
 {
     return taps[0] * weights->weights_q15[0] + taps[1] * weights->weights_q15[1] +
@@ -92,22 +93,23 @@ static inline void enter_breathing_cell(const crn_motion *motion, crn_motion_fie
     }
 }
 
-/* Returns the share `part_q15` of a value that belongs to a full breath. Format: that of `full`. Error: 1/2
- * LSB. Overflow is impossible, because shares are at most 1 = 2^15. */
+/* Returns the fraction `part_q15` of a value that is given for a full breath. Format: that of `full`. Error:
+ * 1/2 LSB. Overflow is impossible, because the fraction is at most 1 = 2^15. */
 static inline int32_t breathed(int32_t full, int32_t part_q15)
 {
     return (int32_t)crn_rshift_round64(crn_product(full, part_q15), FRACTION_BITS);
 }
 
-/* Drops the lowest 31 bits of a sum that has 31 additional fraction bits. Error: 1 LSB (floor). */
+/* Rounds a sum that has 31 additional fraction bits, and drops these bits. Error: 1 LSB (floor). */
 static inline int32_t from_q31(int64_t sum)
 {
     return (int32_t)(uint32_t)((uint64_t)sum >> 31);
 }
 
-/* Evaluates a polynomial at the last point. Format: that of the terms. Overflow is impossible: the terms are
- * at most 3 x 5/8, 3 x 5/4 and 5/2 of a spacing of at most 2^28, and powers are below 2^31, so sums stay
- * below 8.2 x 2^59. The value itself lies between the values at the corners. */
+/* Evaluates a cell's polynomial at the last point. Format: that of the terms. Overflow is impossible: the
+ * polynomial's terms are at most 3 x 5/8, 3 x 5/4 and 5/2 of a spacing of at most 2^28, and powers are below
+ * 2^31, so sums stay below 8.2 x 2^59. The polynomial's value lies between the values at the cell's corners.
+ */
 static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31)
 {
     const int32_t *t = terms, *p = powers_q31;
@@ -116,8 +118,9 @@ static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31
                            (int64_t)t[7] * p[7]);
 }
 
-/* Computes the linear function in a tetrahedron, which has one difference along each axis. Overflow is
- * impossible, because neighbours differ by at most 3/8 of a spacing (checked when a scene is loaded). */
+/* Computes the linear function in a tetrahedron of a cell, from one difference along each axis. Overflow is
+ * impossible, because the values of neighbouring nodes differ by at most 3/8 of a spacing (checked when a
+ * scene is loaded). */
 static inline void make_plane(crn_motion_field *field, uint32_t tetrahedron)
 {
     /* corners on the path from 0 to 7; two of the eight orders are impossible */

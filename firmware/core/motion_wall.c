@@ -12,8 +12,8 @@ enum {
     FASTEST_Q15 = 1 << 13
 };
 
-/* Returns the change of a displacement at a corner in a tick that began before a keyframe and ended after
- * it. */
+/* Returns the change of a corner's displacement in a tick that began before a keyframe and ended after this
+ * keyframe. */
 static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
 {
     const int32_t change =
@@ -21,9 +21,9 @@ static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
     return crn_clamp(change, -MOST_M_Q34, MOST_M_Q34);
 }
 
-/* Computes the changes of the displacements at a cell's corners in this tick. Usually both moments lie
- * between the same keyframes; then the change of the weights, which sums to zero, gives the result. Overflow
- * is impossible, because the sum has two products of 2^15 and 2^13. */
+/* Computes the changes of the displacements at a cell's corners in this tick. Usually the tick begins and
+ * ends between the same two keyframes; then the change of the weights, which sums to zero, gives the result.
+ * Overflow is impossible, because the sum has two products of a number up to 2^15 and a number up to 2^13. */
 static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->changes);
@@ -45,13 +45,14 @@ static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose,
     }
 }
 
-/* Interpolates between two corners or edges. Overflow: they are below 2^29. */
+/* Interpolates between the values of two corners or of two edges of a cell. Overflow: they are below 2^29. */
 static inline int32_t between(int32_t a, int32_t b, int32_t share_q31)
 {
     return a + from_q31((int64_t)(b - a) * share_q31);
 }
 
-/* Returns the change of w in this tick at the last point, limited to 2 mm. Q39 m. */
+/* Returns the change of the heartbeat's displacement w in this tick at the last point, limited to 2 mm. Q39
+ * m. */
 static inline crn_vec3 change_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     if (pose->changes.node != pose->beat.ways.node) {
@@ -68,7 +69,7 @@ static inline crn_vec3 change_here(const crn_motion *motion, crn_motion_pose *po
     return change;
 }
 
-/* Returns the high words of a cross product. Format: Qa x Qb -> Q(a+b-32). Error: 1 LSB. */
+/* Returns the high words of the components of a cross product. Format: Qa x Qb -> Q(a+b-32). Error: 1 LSB. */
 static inline crn_vec3 cross_high(const crn_vec3 *a, const crn_vec3 *b)
 {
     return crn_vec3_make(crn_mulh_sub(crn_mulh(a->v[1], b->v[2]), a->v[2], b->v[1]),
@@ -76,11 +77,11 @@ static inline crn_vec3 cross_high(const crn_vec3 *a, const crn_vec3 *b)
                          crn_mulh_sub(crn_mulh(a->v[0], b->v[1]), a->v[1], b->v[0]));
 }
 
-/* Solves (I + dw/dx) step = -change for `step` by Cramer's rule, where w is the displacement. With the
- * columns a, b and c, the products b x c and change x a contain all four determinants. Overflow is
- * impossible: columns are at most 2 in a component, so b x c is below 2^27 (Q24), the determinant below 2^26
- * (Q20), and change x a below 2^29 (Q35). Before the division, steps are below 2^29 (Q31), which is 250
- * mm. */
+/* Solves (I + dw/dx) step = -change for `step` by Cramer's rule, where w is the displacement by the
+ * heartbeat. With the matrix columns a, b and c, the two products b x c and change x a contain all four
+ * determinants that the rule needs. Overflow is impossible: a component of a column is at most 2, so b x c is
+ * below 2^27 (Q24), the determinant is below 2^26 (Q20), and change x a is below 2^29 (Q35). Before the
+ * division, the components of the step are below 2^29 in Q31, which is 250 mm. */
 static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;
@@ -103,9 +104,10 @@ static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
     return step;
 }
 
-/* Computes (I + J)^-1 u with u = step - change of breath, by the series u - J (u - J u). The result is off by
- * |J|^3, a twentieth where breath is as steep as it may be, and 0.3 % in the shipped heart. Overflow is
- * impossible: u is at most 4 mm and the sum is below 6 mm, which is 2^26. */
+/* Computes the wall's step with breath, (I + J)^-1 u with u = step - change of breath, by the series u - J (u
+ * - J u). The relative error of the step is |J|^3: a twentieth where breath is as steep as it may be, and 0.3
+ * % in the shipped heart. Overflow is impossible: u is at most 4 mm, and the sum of the series is below 6 mm,
+ * which is below 2^26 in Q33 m. */
 static void step_with_breath(const crn_motion *motion, crn_motion_pose *pose, crn_vec3 *step_m_q33)
 {
     enum {

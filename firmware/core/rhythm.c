@@ -1,6 +1,6 @@
-/* The length of each heartbeat is chosen when the beat begins. The phase advances evenly to the end of
- * systole, and evenly from there to the next beat. Orders change the lengths of beats, never the phase
- * itself, so the phase has no jumps. */
+/* The length of each heartbeat is chosen when the beat begins. The phase of the heart advances evenly from
+ * the beginning of a beat to the end of systole, and evenly from there to the next beat. Commands from the
+ * host change the lengths of heartbeats, never the phase itself, so the phase has no jumps. */
 #include "firmware/core/rhythm.h"
 
 enum {
@@ -23,7 +23,7 @@ static uint32_t mean_interval_ms(const crn_rhythm *rhythm)
     return (uint32_t)crn_divide_u64(MINUTE_ms, rhythm->rate_per_min);
 }
 
-/* Returns a random number, -32 768 .. 32 767, by xorshift32 (Marsaglia 2003, 13-17-5). */
+/* Returns a random number in the range -32 768 .. 32 767, by xorshift32 (Marsaglia 2003, 13-17-5). */
 static int32_t next_random_q15(crn_rhythm *rhythm)
 {
     uint32_t x = rhythm->random;
@@ -34,8 +34,8 @@ static int32_t next_random_q15(crn_rhythm *rhythm)
     return (int32_t)(x >> 16) - 32768;
 }
 
-/* The sum of three uniform random numbers of -1 .. 1 has a variance of 1, and never exceeds three standard
- * deviations. */
+/* The sum of three uniform random numbers in the range -1 .. 1 has a variance of 1, and never exceeds three
+ * standard deviations. */
 static uint32_t varied_interval_ms(crn_rhythm *rhythm)
 {
     uint32_t mean = mean_interval_ms(rhythm);
@@ -48,8 +48,8 @@ static uint32_t varied_interval_ms(crn_rhythm *rhythm)
     return bounded(interval < 0 ? 0 : (uint32_t)interval, INTERVAL_MIN_ms, INTERVAL_MAX_ms);
 }
 
-/* Shortens the present interval to the coupling interval of the ordered premature beat, if there is still
- * time. */
+/* Shortens the present interval between two heartbeats to the coupling interval of a commanded premature
+ * beat, if the beat still has enough time left. */
 static void place_premature(crn_rhythm *rhythm)
 {
     uint32_t cut = mean_interval_ms(rhythm) * rhythm->premature_milli / 1000u;
@@ -66,8 +66,8 @@ static void place_premature(crn_rhythm *rhythm)
     rhythm->bits |= CRN_RHYTHM_NEXT_PREMATURE;
 }
 
-/* The interval before a premature beat is short, and the pause after it brings the rhythm back into step:
- * both intervals together are two mean intervals. */
+/* The interval before a premature beat is short, and the pause after the premature beat brings the rhythm
+ * back into step: the two intervals together are as long as two mean intervals. */
 static void begin_premature(crn_rhythm *rhythm)
 {
     uint32_t before = rhythm->interval_ms;
@@ -101,8 +101,9 @@ static void begin_beat(crn_rhythm *rhythm)
     }
 }
 
-/* Each remaining tick gets an equal share of the remaining phase; the last tick gets all of it.
- * Format: 2^-32 cycle. Overflow: impossible, 2^32 x 2^31. Error: 4 LSB. */
+/* Each remaining tick of systole or diastole advances the phase by an equal part of the remaining phase; the
+ * last tick takes all of the remainder. Format: 2^-32 cycle. Overflow: impossible, 2^32 x 2^31. Error: 4 LSB.
+ */
 static uint32_t share_of(uint32_t left, uint32_t ticks)
 {
     if (ticks <= 1) {
@@ -113,7 +114,7 @@ static uint32_t share_of(uint32_t left, uint32_t ticks)
     return (uint32_t)((left * inverse) >> (61 - lead));
 }
 
-/* Advances the heartbeat's phase by one tick. Overflow is impossible, because 2^32 less a phase above 0 fits
+/* Advances the heartbeat's phase by one tick. Overflow is impossible, because 2^32 less a positive phase fits
  * 32 bits. */
 static void go_on(crn_rhythm *rhythm)
 {
@@ -211,7 +212,8 @@ void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order)
     }
 }
 
-/* Checks that the phase lies in the part of the cycle that beat_ms implies. */
+/* Checks that the phase lies in the part of the heart's cycle that the time since the beat began, beat_ms,
+ * implies. */
 static bool phase_is_valid(const crn_rhythm *rhythm)
 {
     if ((rhythm->bits & CRN_RHYTHM_IS_RESTING) != 0) {

@@ -1,11 +1,11 @@
-/* This header defines the rhythm of heartbeat and breath: where heart and chest are in their cycles at a tick
- * (docs/heart.md, "rhythm").
+/* This header defines the rhythm of heartbeat and breath, that is, the phase of heart and chest in their
+ * cycles at each tick (docs/heart.md, "rhythm").
  *
- * One cycle of heart or breath is a phase of 2^32. The heart's phase 0 is the beginning of the QRS complex
- * (end of filling); CRN_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate. Systole and
- * diastole each have their own length, and the phase is linear in time within each. Phase 0 of breath is the
- * end of expiration, and phase 2^31 is the end of inspiration. Keyframe k of a scene's motion belongs to the
- * phase k / 24 of a cycle, so that keyframe 10 is the end of systole. */
+ * One whole cycle of heart or breath is a phase of 2^32. The heart's phase 0 is the beginning of the QRS
+ * complex (end of filling). The phase CRN_PHASE_SYSTOLE_END is the closure of the aortic valve at every heart
+ * rate. Systole and diastole have separate lengths, and within each of them the phase is linear in time.
+ * Phase 0 of breath is the end of expiration, and phase 2^31 is the end of inspiration. Keyframe k of a
+ * scene's motion belongs to the phase k / 24 of a cycle, so that keyframe 10 is the end of systole. */
 #ifndef CRN_RHYTHM_H
 #define CRN_RHYTHM_H
 
@@ -28,8 +28,8 @@ enum {
 };
 #define CRN_RHYTHM_SEED 2463534242u /* of the beat-to-beat variability */
 
-/* Lists the orders to the rhythm that a tick's input may contain. The numbers are used in the wire protocol
- * and in recordings. */
+/* Lists the commands to heart and breath that the input of a tick may contain. The numbers of these commands
+ * are used in the wire protocol and in recordings. */
 typedef enum crn_rhythm_action {
     CRN_RHYTHM_KEEP = 0,        /* nothing; value 0 */
     CRN_RHYTHM_HEART_RATE = 1,  /* beats per minute, from the next beat on */
@@ -54,7 +54,8 @@ enum {
     CRN_RHYTHM_HOLDS_BREATH = 1u << 4,
 };
 
-/* Holds the rhythm, which is part of the core's state and consists of words only. */
+/* Holds the rhythm of heart and breath, which is part of the core's state and consists of 32-bit words only.
+ */
 typedef struct crn_rhythm {
     uint32_t heart_phase32;
     uint32_t breath_phase32;
@@ -70,26 +71,28 @@ typedef struct crn_rhythm {
     uint32_t bits;   /* CRN_RHYTHM_* */
 } crn_rhythm;
 
-/* Sets the rhythm to its start, where a beat and a breath have just begun. */
+/* Sets the rhythm to its initial values, with which a heartbeat and a breath have just begun. */
 void crn_rhythm_init(crn_rhythm *rhythm);
 
-/* Returns whether this is a known action with a value in its range. */
+/* Returns whether the command is a known action whose value is in its range. */
 bool crn_rhythm_order_is_valid(const crn_rhythm_order *order);
 
-/* Advances the rhythm by one tick of 1 ms. An invalid order has no effect. */
+/* Advances the rhythm of heart and breath by one tick of 1 ms. An invalid command to heart or breath has no
+ * effect. */
 void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order);
 
-/* Returns whether crn_rhythm_step could have produced this rhythm. The check is for states that come from
- * outside the core. */
+/* Returns whether crn_rhythm_step could have produced this rhythm. The caller uses this check for states that
+ * come from outside the core. */
 bool crn_rhythm_is_valid(const crn_rhythm *rhythm);
 
 /* Returns the depth of inspiration, from 0 at the end of expiration to 1 at the end of inspiration. The depth
- * is sin^4(pi phase), which dwells at the end of expiration (Lujan et al., Med Phys 1999;26:715, n = 2).
- * Format: phase -> Q15. Error: 1 LSB. */
+ * of inspiration is sin^4(pi phase), which stays near 0 around the end of expiration (Lujan et al., Med Phys
+ * 1999;26:715, n = 2). Format: phase -> Q15. Error: 1 LSB. */
 int32_t crn_breath_depth_q15(uint32_t breath_phase32);
 
-/* Returns the time from the QRS to the closure of the aortic valve in ms: 540 - 2.1 rate. This is the mean of
- * the formulas for men and women (Boudoulas et al., Chest 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
+/* Returns the time from the QRS complex to the closure of the aortic valve in ms, which is 540 - 2.1 rate (in
+ * beats a minute). This formula is the mean of the formulas for men and women (Boudoulas et al., Chest
+ * 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
 static inline uint32_t crn_systole_ms(uint32_t rate_per_min)
 {
     return (5400u - 21u * rate_per_min) / 10u;

@@ -5,8 +5,8 @@
 
 #include "firmware/core/core_state.h"
 
-/* Marks functions that must not be inlined into the loops that call them, so that rare cases cost the common
- * cases no registers. */
+/* Marks functions that the compiler must not inline into the loops that call them, so that rare cases take no
+ * processor registers from the common cases. */
 #define CRN_RARE __attribute__((noinline, cold))
 
 /* Returns the quotient num / den for den > 0. Format: same Q in -> Q(q), q <= 30. Overflow: saturates. Error:
@@ -25,7 +25,8 @@ static inline int32_t crn_clamp(int32_t value, int32_t low, int32_t high)
 
 /* --- a tool's properties along its arc length ----------------------------------------------------------- */
 
-/* Returns where an arc length lies within a span, as a fraction in Q30, clamped to the span's ends. */
+/* Returns the position of an arc length within a span of a tool, as a fraction in Q30, limited to the span's
+ * ends. */
 static inline int32_t crn_span_fraction(const crn_span *span, int32_t arc_m_q30)
 {
     int32_t beyond = arc_m_q30 - span->begin_m_q30;
@@ -43,17 +44,17 @@ static inline int32_t crn_span_value(const crn_span *span, crn_property which, i
     return span->from[which] + crn_scale_q30(span->delta[which], fraction_q30);
 }
 
-/* Returns the spring stiffness W a c in N/m with 8 fractional bits. Overflow is impossible: W < 2^31, and a c
- * <= 2.5e7 (2^28.6 in Q4), so the product is below 2^60. */
+/* Returns the spring stiffness W a c of a joint in N/m, with 8 fractional bits. Overflow is impossible: W is
+ * below 2^31 and a c is at most 2.5e7 (2^28.6 in Q4), so the product is below 2^60. */
 static inline int64_t crn_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q18, int32_t c_per_m_q18)
 {
     int64_t ac_q4 = ((int64_t)a_per_m_q18 * c_per_m_q18) >> 32;
     return (ac_q4 * bend_N_m_q26) >> 22;
 }
 
-/* Returns EA / length of an edge between joints of which the softer one has the bending stiffness W. The
- * result is limited to the cap, and to 512 W a^2, because far above that the determinant of a block loses its
- * bits. The unit is N/m with 8 fractional bits. */
+/* Returns the axial spring stiffness EA / length of an edge; the softer of the edge's two joints has the
+ * bending stiffness W. The result is limited to the cap, and to 512 W a^2, because far above that the
+ * determinant of a block loses its bits. The result has the unit N/m with 8 fractional bits. */
 static inline int64_t crn_axial_spring_q8(const crn_model *model, uint32_t edge, int32_t bend_N_m_q26)
 {
     int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;
@@ -62,15 +63,15 @@ static inline int64_t crn_axial_spring_q8(const crn_model *model, uint32_t edge,
     return most < cap ? most : cap;
 }
 
-/* Converts a value with 8 fractional bits to Q(a), rounded. */
+/* Converts a stiffness with 8 fractional bits to Q(a), rounded. */
 static inline int32_t crn_to_exponent(int64_t value_q8, unsigned exponent)
 {
     return crn_sat32(exponent >= 8 ? value_q8 << (exponent - 8) : crn_rshift_round64(value_q8, 8 - exponent));
 }
 
-/* Returns m / h^2 in Q(a) N/m, a <= 14; a mass in Q40 kg times 1e6 2^10 / 2^32 is N/m in Q18. The matrix and
- * the right side need the same rounded value, because a difference of 2 % would cancel the damping. Overflow:
- * impossible, below 2^29. */
+/* Returns the inertia term m / h^2 in Q(a) N/m, a <= 14. A mass in Q40 kg times 1e6 2^10 / 2^32 is N/m in
+ * Q18. The matrix and the right side must contain the same rounded inertia, because a difference of 2 % would
+ * cancel the damping. Overflow: impossible, below 2^29. */
 static inline int32_t crn_line_inertia(const crn_model *model, const crn_line_node *line)
 {
     return crn_asr32(crn_mulh(line->mass_kg_q40, 1024000000), 18 - model->stiffness_exponent);
@@ -78,8 +79,8 @@ static inline int32_t crn_line_inertia(const crn_model *model, const crn_line_no
 
 /* --- parts of the tick ---------------------------------------------------------------------------------- */
 
-/* Returns the length of the shortest possible line: three elements beyond the introducer sheath's distal
- * end. */
+/* Returns the smallest inserted length that the simulation allows: three elements beyond the introducer
+ * sheath's distal end. */
 static inline int32_t crn_least_inserted(const crn_model *model)
 {
     return model->mesh[3].arc_m_q30 + 1024;
@@ -95,7 +96,8 @@ static inline int32_t crn_lead_inserted(const crn_model *model, const crn_state_
     return lead;
 }
 
-/* Returns the leading tool, which is the innermost of those that are farthest in. */
+/* Returns the leading tool, which is the tool whose tip is farthest in the vessel; of several such tools it
+ * is the innermost. */
 static inline uint32_t crn_lead_tool(const crn_model *model, const crn_state_words *words)
 {
     uint32_t lead = 0;
@@ -105,18 +107,19 @@ static inline uint32_t crn_lead_tool(const crn_model *model, const crn_state_wor
     return lead;
 }
 
-/* Returns a set of bits: bit k says that tool k has a rest shape at one of the joints of edge j, so that the
- * tool's material frame must be known there. */
+/* Returns a set of bits: bit k is 1 when tool k has a stress-free shape that is not straight at one of the
+ * joints of edge j, so that the tool's material frame must be known there. */
 static inline uint32_t crn_edge_curved(const crn_state *state, uint32_t j)
 {
     return state->line.nodes[j].joint.curved | state->line.nodes[j + 1].joint.curved;
 }
 
-/* Computes joints, edges and surfaces of all tools together at their present positions (rod_line.c). The
- * function does nothing while no tool slides against another. */
+/* Computes the combined joints, edges and surfaces of all tools at their present positions (rod_line.c). The
+ * function crn_line_update does nothing while no tool slides against another. */
 void crn_line_update(const crn_model *model, crn_state *state);
 
-/* Returns the axial compliance of the line from its tip to node i, Q40 m/N, saturated. */
+/* Returns the axial compliance of the combined tools from the leading tip to node i, in Q40 m/N, saturated.
+ */
 static inline int32_t crn_line_compliance(const crn_line *line, uint32_t i)
 {
     if (i <= line->steady) {
@@ -126,63 +129,63 @@ static inline int32_t crn_line_compliance(const crn_line *line, uint32_t i)
                      (int64_t)(i - line->steady) * line->edge_compliance_m_N_q40);
 }
 
-/* Converts the hands' motion to feeds and base angles, frees or captures nodes, and computes the predicted
- * configuration and the inertia (rod_feed.c). */
+/* Converts the motion of the user's hands to feeds and base angles of the tools, frees or captures nodes at
+ * the introducer sheath, and computes the predicted configuration and the inertia (rod_feed.c). */
 void crn_rod_feed(const crn_model *model, crn_state *state, const crn_input *input);
 
-/* crn_rod_stretch computes tangents, strain and axial forces of the edges at the predicted configuration.
- * Once the twisting moments are known, crn_rod_bend computes the forces of bending and twist
+/* The function crn_rod_stretch computes tangents, strains and axial forces of the edges at the predicted
+ * configuration. Once the twisting moments are known, crn_rod_bend computes the bending and twisting forces
  * (rod_force.c). */
 void crn_rod_stretch(const crn_model *model, crn_state *state);
 void crn_rod_bend(const crn_model *model, crn_state *state);
 
 /* Returns the number of nodes from the tip that move as one rigid body in this tick, at most free_count - 1
- * (rod_tip.c). The function also predicts the displacement of each of these nodes by the tip's rotation, in
- * `slide_m_q33` of the scratch. */
+ * (rod_tip.c). The function also predicts how far the tip's rotation displaces each of these nodes, and
+ * writes the displacement to `slide_m_q33` of the scratch memory. */
 uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free_count);
 
-/* Adds a correction to the shift of the nodes ahead of edge i, so that the edge is as long at the predicted
- * configuration x* as at the present one, x (rod_length.c). `slide_m_q33` is node i's slide without this
- * correction; node i + 1 is already at x*. */
+/* Adds a correction to the shift of the nodes between the tip and edge i. With this correction the edge is as
+ * long at the predicted configuration x* as at the present configuration x (rod_length.c). `slide_m_q33` is
+ * node i's slide without this correction; node i + 1 is already at x*. */
 void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint32_t i,
                            const crn_vec3 *slide_m_q33, crn_vec3 *shift_m_q33);
 
-/* Does the same for the deviation that the solve found, from the hand to the tip (rod_length.c). The caller
- * passes the deviation's largest component. */
+/* Corrects the lengths of edges in the deviation that the solve found, from the hand to the tip
+ * (rod_length.c). The caller passes the largest component of the deviation. */
 void crn_rod_keep_lengths(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 
-/* Returns the joint at node i for this tick; for i = na-1 and na the joint is clipped at the introducer
- * sheath's distal end. */
+/* Returns the joint at node i for this tick. For i = na-1 and i = na, the introducer sheath's distal end
+ * clips the joint. */
 static inline const crn_joint *crn_rod_joint(const crn_state *state, uint32_t i)
 {
     uint32_t na = state->words.free_count;
     return i + 1 < na ? &state->line.nodes[i].joint : &state->scratch.mouth[i + 1 - na];
 }
 
-/* Computes one edge's half of tool k's rest rotation at a joint, times the share `release_q30` that is
- * applied. The rest rotation is the angle between the two edges of the joint in the tool's stress-free shape.
- * Format: Q30 rad. */
+/* Computes the half of tool k's rest rotation at a joint that belongs to one edge, times the fraction
+ * `release_q30` that is applied now. The rest rotation is the angle between the two edges of the joint in the
+ * tool's stress-free shape. Format: Q30 rad. */
 void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q30, const crn_vec3 *axis1,
                        const crn_vec3 *tangent, crn_vec3 *half);
 
 /* Returns the displacement of the surface of a tool of this radius when the tool turns. Format: Q30 m x Q30
- * rad -> Q33 m. Overflow is impossible: the displacement is at most 2 mm x 0.5 rad = 1 mm. */
+ * rad -> Q33 m. Overflow is impossible: the displacement of the surface is at most 2 mm x 0.5 rad = 1 mm. */
 static inline int32_t crn_surface_way(int32_t radius_m_q30, int32_t turn_q30)
 {
     return (int32_t)(((int64_t)radius_m_q30 * turn_q30 + (1 << 26)) >> 27);
 }
 
-/* These functions return the rest rotation of joint i in this tick's frames: that of one tool, and that of
- * all tools with a rest shape at the joint. Format: Q30 rad. */
+/* These two functions return the rest rotation of joint i in the frames of this tick: the first for one tool,
+ * the second for all tools that have a curved rest shape at the joint. Format: Q30 rad. */
 crn_vec3 crn_rod_tool_turn(const crn_state *state, const crn_joint *joint, uint32_t tool, uint32_t i);
 crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const crn_joint *joint,
                            uint32_t i);
 
-/* Computes the reference axes from the introducer sheath to the tip, and the material axes where a rest shape
- * needs them (rod_frames.c). */
+/* Computes the edges' reference axes from the introducer sheath to the tip, and the tools' material axes at
+ * edges where a curved rest shape needs them (rod_frames.c). */
 void crn_frames_carry(const crn_model *model, crn_state *state);
-/* Makes the axis orthogonal to t and of unit length, to first order. The remaining error is the square of the
- * initial error. */
+/* Makes the axis orthogonal to the tangent t and of unit length, to first order. The remaining error of the
+ * axis is the square of its initial error. */
 void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent);
 
 /* Computes the rotations and twisting moments of the tools at the predicted configuration, against the
@@ -190,42 +193,44 @@ void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent);
 void crn_rod_twist(const crn_model *model, crn_state *state);
 
 /* These functions compute the forces between tools, and on the hands of tools that do not lead (rod_tools.c).
- * The function crn_tools_grip (how hard tools press on each other) runs before the twist, crn_tools_turned
- * after the twist, crn_tools_handles before the solve, and crn_tools_slide after the solve. */
+ * The functions run in this order: crn_tools_grip (how hard tools press on each other) before the twist,
+ * crn_tools_turned after the twist, crn_tools_handles before the solve, and crn_tools_slide after the solve.
+ */
 void crn_tools_grip(const crn_model *model, crn_state *state);
 void crn_tools_turned(const crn_model *model, crn_state *state);
 void crn_tools_handles(const crn_model *model, crn_state *state);
 void crn_tools_slide(const crn_model *model, crn_state *state);
 
-/* Samples the wall as it is at the state's moment, for callers outside a tick. */
+/* Samples the vessel wall at the moment of the given state, for callers outside a tick. */
 crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
                                  const crn_vec3 *position_m_q30);
 
-/* crn_contact_find finds contacts and their stiffnesses at the predicted configuration. Once the rotation of
- * the surface is known, crn_contact_forces computes their forces (rod_contact.c). */
+/* The function crn_contact_find finds the contacts with the wall and their stiffnesses at the predicted
+ * configuration. Once the rotation of the tool's surface is known, crn_contact_forces computes the forces of
+ * the contacts (rod_contact.c). */
 void crn_contact_find(const crn_model *model, crn_state *state);
 void crn_contact_forces(const crn_model *model, crn_state *state);
-/* Looks for contacts that the prediction missed, from the solution and the solution's largest component;
- * returns how many contacts it added. */
+/* Looks for contacts that the predicted configuration did not show, from the solution and its largest
+ * component. Returns the number of contacts that were added. */
 uint32_t crn_contact_missed(const crn_model *model, crn_state *state, int32_t largest_m_q33);
-/* Returns the part of the solution, at most 1, that may be applied before a node with a missed contact is 0.1
- * mm deep. The caller passes the largest component of the solution that is applied in any case. Format:
- * Q30. */
+/* Returns the factor, at most 1, by which the solution may be multiplied before a node with a missed contact
+ * is 0.1 mm deep in the wall. The caller passes the largest component of the part of the solution that is
+ * applied in any case. Format: Q30. */
 int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t largest_m_q33);
-/* Updates the friction bristles after the solve and fills the output's contact fields. */
+/* Updates the friction displacements (bristles) after the solve, and fills the output's contact fields. */
 void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *output);
 
-/* Solves the linear system by block LDL^T, from tip to base and back (rod_solve.c). The solution is in the
- * scratch, in Q33 m. */
+/* Solves the linear system of the tick by block LDL^T, from tip to base and back (rod_solve.c). The solution
+ * is written to the scratch memory, in Q33 m. */
 void crn_rod_solve(const crn_model *model, crn_state *state);
-/* Returns the force of the line on the two nodes that the introducer sheath holds, along the sheath's axis,
- * after the solve; a positive force pushes outwards. Q22 N. */
+/* Returns the axial force that the tools exert on the two nodes inside the introducer sheath, after the
+ * solve; a positive force pushes outwards, towards the hand. Q22 N. */
 int32_t crn_rod_handle_axial(const crn_model *model, const crn_state *state);
 
-/* Computes the new positions and fills the output's length error (rod_advance.c). */
+/* Computes the new positions of the nodes and fills the output's length error (rod_advance.c). */
 void crn_rod_advance(const crn_model *model, crn_state *state, crn_output *output);
 
-/* Computes the cheap hash of every tick (core_state.c). */
+/* Computes the hash of the state that costs little enough for every tick (core_state.c). */
 void crn_state_hash_lanes(const crn_state *state, uint32_t lane[2]);
 
 #endif

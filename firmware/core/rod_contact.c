@@ -1,21 +1,22 @@
-/* This file computes wall contact and friction (docs/rod.md, "contact").
+/* This file computes contact and friction of the tools on the vessel wall (docs/rod.md, "contact").
  *
- * At the predicted configuration x* a node has the contact depth phi + r and the inward normal n. The node
- * touches the wall when its depth is positive or when its drift will make the depth positive.
+ * At the predicted configuration x*, a node of radius r has the contact depth phi + r and the inward normal n
+ * of the wall. The node touches the wall when its depth is positive or when its drift will make the depth
+ * positive.
  * - Normal direction: k_n n n^T goes into the matrix, and k_c depth (+ k_deep beyond 0.2 mm) along n into the
  *   right side.
  * - Friction: the bristle z has the stiffness k_f = min(k_t, mu N / |z + displacement|) (lagged secant: true
  *   stick, no chatter). While it does not stick, mu N is limited to some times its value after the last
  *   solve.
  *
- * The displacement of a tool's surface is that of the node, plus the slide of the outer tool against the
- * line, plus r theta along n x t for the tool's rotation theta. One limit mu N therefore bounds sliding and
- * turning together, and a wire that slides turns freely. After the solve, the displacement is added to the
- * bristle z, which is then limited to mu N / k_t.
+ * The displacement of a tool's surface is the displacement of the node, plus the slide of the outer tool
+ * along the common centreline, plus r theta along n x t for the tool's rotation theta. One friction limit mu
+ * N therefore bounds sliding and turning together, and a wire that slides turns freely. After the solve, the
+ * surface's displacement is added to the friction displacement z (bristle), which is limited to mu N / k_t.
  *
- * Struts of a stent (strut.h) are treated like the wall. A node between struts and wall has two contacts.
- * Both normals are in the matrix, the bristle belongs to the deeper contact, and friction uses the sum of
- * both forces. */
+ * Stent struts (strut.h) are treated like the vessel wall. A node that touches both stent struts and vessel
+ * wall has two contacts. The matrix contains the normals of a node's two contacts. The bristle belongs to the
+ * deeper contact, and friction uses the sum of the two normal forces. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 #include "firmware/core/rod_friction.h"
@@ -27,8 +28,7 @@ enum {
     NORMAL_MAX_N_Q22 = 1 << 29, /* 128 N: bounds a bristle to 66 mm, below 2^30 in Q33 */
 };
 
-/* Component along n. Format: Q33 . Q30 -> Q33. Overflow is impossible, because displacements stay below 2^30
- * (125 mm). */
+/* Component along n. Format: Q33 . Q30 -> Q33. Overflow is impossible: displacements are below 2^30. */
 static inline int32_t along(const crn_vec3 *a, const crn_vec3 *n)
 {
     return crn_vec3_dot_unit(a, n);
@@ -46,8 +46,8 @@ static inline crn_vec3 tangential(const crn_vec3 *a, const crn_vec3 *n)
 }
 
 /* Returns the normal force at a depth d: k_c d + k_deep max(0, d - 0.2 mm). Format: Q30 m -> Q22 N; negative
- * depths give the linear part only (it closes the gap in the same solve). Overflow: the force is limited in
- * both directions. A depth of -1 m would give -5000 N, but a surface so far from the wall has no contact. */
+ * depths give the linear part only (it closes the gap in the same solve). Overflow: the force is limited. A
+ * depth of -1 m would give -5000 N, but a surface so far from the wall has no contact. */
 static inline int32_t normal_force(int32_t depth_m_q30)
 {
     int64_t force = (int64_t)depth_m_q30 * CRN_CONTACT_STIFFNESS_N_m;
@@ -61,7 +61,7 @@ static inline int32_t normal_force(int32_t depth_m_q30)
     return force > 0 ? NORMAL_MAX_N_Q22 : -NORMAL_MAX_N_Q22;
 }
 
-/* Returns the slide of the outer tool along the line at node i, in Q33 m, positive towards the tip. */
+/* Returns the slide of the outermost tool along the centreline at node i, in Q33 m, positive to the tip. */
 static inline int32_t surface_slide(const crn_state *state, const crn_line_node *line)
 {
     int32_t under = state->scratch.slide_m_q33[line->under];
@@ -69,8 +69,9 @@ static inline int32_t surface_slide(const crn_state *state, const crn_line_node 
     return under + (int32_t)(more >> 15);
 }
 
-/* Returns the bristle plus the surface's displacement, without the node's deviation and without the tool's
- * rotation. Overflow is impossible: bristles stay below 2^29.1 (NORMAL_MAX) and slides below 2^24. */
+/* Returns friction displacement plus surface displacement, without the node's deviation and the tool's
+ * rotation. Overflow is impossible: friction displacements are below 2^29.1 (NORMAL_MAX), slides below 2^24.
+ */
 static inline crn_vec3 surface_way(const crn_model *model, const crn_state *state, const crn_node_state *node,
                                    const crn_work *work, const crn_line_node *line)
 {
@@ -81,7 +82,7 @@ static inline crn_vec3 surface_way(const crn_model *model, const crn_state *stat
     return slide != 0 ? without(&way, &node->tangent_q30, slide) : way;
 }
 
-/* Returns the surface displacement at node i by the outer tool's last rotation, along normal x tangent. */
+/* Returns the surface's displacement at node i by the tool's last rotation, along normal x tangent. */
 static inline int32_t surface_roll(const crn_node_state *node, const crn_line_node *line)
 {
     return crn_surface_way(line->radius_m_q30, node->spin_q30[line->outer]);
@@ -94,8 +95,8 @@ static inline void add_roll(crn_vec3 *way, const crn_vec3 *around_q30, int32_t r
     }
 }
 
-/* The bristle is attached to the wall. The wall's own motion at the node that was sampled last is therefore
- * subtracted from the displacement of the surface. Overflow: 2^24. */
+/* The friction displacement (bristle) is measured relative to the wall. The wall's own motion at the node
+ * that was sampled last is therefore subtracted from the displacement of the surface. Overflow: 2^24. */
 static void take_wall_step(const crn_model *model, crn_state *state, crn_vec3 *way)
 {
     crn_vec3 wall = crn_motion_wall_step(model->lumen->motion, &state->scratch.pose);
@@ -114,8 +115,8 @@ static inline const crn_second_contact *second_of(const crn_state *state, const 
     return &state->scratch.second[work->touching - 2];
 }
 
-/* Returns the sum of the forces of a node's first and second contact after a deviation. Overflow: the sum is
- * limited like the force of a single contact. Format: Q22 N, Q33 m -> Q22 N. */
+/* Returns the sum of the normal forces of a node's two contacts after the node has moved by a deviation.
+ * Overflow: the sum is limited like the force of a single contact. Format: Q22 N, Q33 m -> Q22 N. */
 CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work, int32_t force_N_q22,
                                     const crn_vec3 *deviation_m_q33)
 {
@@ -124,11 +125,11 @@ CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work
     return crn_clamp(force_N_q22 + (depth > 0 ? normal_force(depth) : 0), 0, NORMAL_MAX_N_Q22);
 }
 
-/* Sets the stiffnesses of node i's contact for the expected motion. `expected` is the node's deviation (it
- * may share memory with `around`, which replaces it), and `inwards` is its part along the normal.
- * `predicted_m_q30` is the contact depth after the deviation. Overflow is impossible: the held displacement
- * is below 2^29.2, deviations are below 2^29 and the roll is below 2^23, so the reach is below 2^30.5 in
- * every component. */
+/* Sets the stiffnesses of node i's contact for the motion expected in this tick. `expected` is the node's
+ * deviation from its slide (its memory may be that of `around`, which replaces it), and `inwards` is the
+ * deviation's component along the normal. `predicted_m_q30` is the contact depth of the node after the
+ * deviation. Overflow is impossible: the friction displacement is below 2^29.2, deviations are below 2^29 and
+ * the displacement by rolling is below 2^23, so every component of their sum is below 2^30.5. */
 static inline void touch(const crn_model *model, crn_state *state, const crn_node_state *node, crn_work *work,
                          const crn_line_node *line, int32_t predicted_m_q30, const crn_vec3 *expected,
                          int32_t inwards)
@@ -168,8 +169,8 @@ static inline void touch(const crn_model *model, crn_state *state, const crn_nod
     work->touching = work->touching > 1 ? work->touching : 1;
 }
 
-/* Adds the forces of contact and friction to the right side, in newtons Q22, once the rotation of the surface
- * is known. Overflow: a bristle's force is below 2000 N/m x 180 mm; the sum saturates. */
+/* Adds the forces of contact and friction to the right side, in newtons (Q22), once the rotation of the
+ * tool's surface is known. Overflow: a friction force is below 2000 N/m x 180 mm; the sum saturates. */
 static inline void push_node(const crn_model *model, const crn_node_state *node, crn_work *work,
                              const crn_line_node *line)
 {
@@ -200,7 +201,7 @@ CRN_RARE static void push_second(crn_state *state, const crn_second_contact *sec
     }
 }
 
-/* Samples the wall at a node; `placed` says that wall_distance() has looked up the same place last. */
+/* Samples the wall at a node; `placed` means that wall_distance() looked up the same point last. */
 static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state, const crn_work *work,
                                        bool placed)
 {
@@ -217,7 +218,7 @@ static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state,
                   : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
 }
 
-/* Computes depth and normal at the predicted configuration; returns false where the field has no gradient. */
+/* Computes a node's depth and normal at x*; returns false where the distance field has no gradient. */
 static inline bool sample(const crn_model *model, crn_state *state, crn_work *work, const crn_line_node *line,
                           bool placed)
 {
@@ -241,9 +242,9 @@ static void clear(crn_node_state *node)
     node->contact = CRN_CONTACT_NONE;
 }
 
-/* Returns the distance to the wall at the predicted configuration as if no lesion were open, which is a lower
- * bound of the distance with open lesions. For a moving wall the function returns a lower bound of the
- * distance that the sample will give, or at least 0. */
+/* Returns the node's distance to the wall at the predicted configuration as if all lesions were closed. With
+ * open lesions the true distance is at least as large. For a moving wall the function returns a lower bound
+ * of the distance that the sample will give, or a value of at least 0. */
 static inline int32_t wall_distance(const crn_model *model, crn_state *state, const crn_work *work,
                                     int32_t far_m_q30)
 {
@@ -254,8 +255,7 @@ static inline int32_t wall_distance(const crn_model *model, crn_state *state, co
                                      state->scratch.wall_shrink_q30, far_m_q30);
 }
 
-/* A node that touched in the last tick is sampled at once; another node is sampled only when its distance
- * allows contact. */
+/* A node that touched the wall in the last tick is sampled at once, any other only when near enough. */
 static inline bool may_touch(const crn_model *model, crn_state *state, const crn_node_state *node,
                              crn_work *work, const crn_line_node *line)
 {
@@ -270,15 +270,15 @@ static inline bool may_touch(const crn_model *model, crn_state *state, const crn
     return sample(model, state, work, line, placed);
 }
 
-/* Returns the depth of a contact at the predicted configuration or after the drift, whichever is greater. */
+/* Returns the depth of a contact at x* (the predicted configuration) or after the drift, if greater. */
 static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, const crn_vec3 *drift_m_q33)
 {
     const int32_t predicted = crn_sub_sat(depth_m_q30, along(drift_m_q33, normal_q30) >> 3);
     return predicted > depth_m_q30 ? predicted : depth_m_q30;
 }
 
-/* Where a node is deeper in struts than in the wall, the struts become its first contact; the shallower
- * surface, if it also touches, becomes its second contact. */
+/* Where a node is deeper in stent struts than in the wall, the struts become its first contact; the shallower
+ * surface becomes its second contact if the node touches it, too. */
 CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_work *work,
                                  const crn_line_node *line, bool is_at_wall)
 {
@@ -330,7 +330,7 @@ static inline void find_node(const crn_model *model, crn_state *state, crn_node_
     touch(model, state, node, work, line, predicted, &work->drift_m_q33, inwards);
 }
 
-/* The springs of a held tip take the place of a contact. */
+/* When springs hold the tip (in a validation case), these springs take the place of a contact. */
 static void hold_node(const crn_model *model, crn_state *state, uint32_t i, const crn_vec3 *anchor_m_q30)
 {
     crn_work *work = &state->scratch.nodes[i];
@@ -410,9 +410,9 @@ CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_wor
     return true;
 }
 
-/* Returns whether node i ends deeper than 0.1 mm although no contact was found at the predicted
- * configuration. If so, the function also returns the node's inward displacement. `reach` is twice the
- * largest component of the deviation, less the 0.1 mm. */
+/* Returns whether node i ends deeper than 0.1 mm in the wall although no contact was found at the predicted
+ * configuration. When a contact was missed, the function also returns the node's inward displacement. `reach`
+ * is twice the largest component of the deviation, less the allowed depth of 0.1 mm. */
 static inline bool was_missed(const crn_model *model, crn_state *state, uint32_t i, int32_t reach_m_q30,
                               int32_t *inwards_m_q33)
 {
@@ -474,8 +474,8 @@ int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t larg
     return share_q30;
 }
 
-/* Adds the displacement to the bristle z and limits the sum to mu N / k_t; the contact sticks when no limit
- * was necessary. `inwards_m_q33` is the deviation along the normal. */
+/* Adds the surface's displacement to the friction displacement (bristle) z and limits the sum to mu N / k_t;
+ * the contact sticks when the sum is within this limit. `inwards_m_q33` is the deviation along the normal. */
 static inline void move_bristle(const crn_state *state, crn_node_state *node, const crn_work *work,
                                 const crn_line_node *line, int32_t depth_m_q30, int32_t inwards_m_q33)
 {
@@ -503,8 +503,8 @@ static inline void move_bristle(const crn_state *state, crn_node_state *node, co
     node->bristle_m_q33 = way;
 }
 
-/* Adds the friction along the line, -k_t z, to the axial load of the tool that touches the wall. Format: N/m
- * x Q33 m -> Q22 N. */
+/* Adds the friction along the centreline, -k_t z, to the axial load of the tool that touches the wall.
+ * Format: N/m x Q33 m -> Q22 N. */
 static void charge_outer_tool(crn_state *state, const crn_node_state *node, const crn_line_node *line)
 {
     int32_t way_m_q33 = along(&node->bristle_m_q33, &node->tangent_q30);
@@ -540,7 +540,7 @@ void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *ou
     }
 }
 
-/* Samples the wall at the state's moment; the function sets the pose to that moment. */
+/* Samples the wall at the moment of the given state; the function sets the vessel's pose to that moment. */
 static crn_lumen_sample wall_now(const crn_model *model, const crn_state *state, crn_motion_pose *pose,
                                  const crn_vec3 *position_m_q30)
 {

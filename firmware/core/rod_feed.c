@@ -1,8 +1,9 @@
-/* This file leads from the hands to the predicted configuration. It computes how far each tool is fed in this
- * tick, and which nodes the feed frees or captures. It also computes where every node would be if the line
- * only slid along itself: x* = x - T ds, where ds is the displacement of the leading tip. The solve then
- * finds the deviation from this slide, so a fast feed adds no force of its own to the right side
- * (docs/rod.md, "feed"). */
+/* This file computes the predicted configuration of the tools from the positions of the user's hands. The
+ * code computes the length by which each tool is fed in this tick, and which nodes this feed frees from the
+ * introducer sheath or captures in it. The code also computes the position that every node would have if the
+ * tools only slid along their centreline: x* = x - T ds, where ds is the displacement of the leading tip. The
+ * solve then finds each node's deviation from this slide, so a fast feed adds no force of its own to the
+ * right side (docs/rod.md, "feed"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -13,10 +14,10 @@ enum {
     TURN32_TO_Q30_RAD = 1686629713, /* pi / 2 in Q30 */
 };
 
-/* Returns the feed that brings the force H on the handle to its limit F_max: (F_max - H) times the compliance
- * of the free part of the line and the wall. Beyond the limit the feed is negative, and the tool slips back
- * slowly through the hand. Format: N Q22 x m/N Q40 -> m Q30. Overflow: the result saturates at the feed
- * limit. */
+/* Returns the feed of a tool that brings the force H on its handle to the limit F_max. The feed is (F_max -
+ * H) times the compliance of the free part of the tool and the wall. When the force exceeds its limit, the
+ * feed is negative, and the tool slips back slowly through the hand. Format: N Q22 x m/N Q40 -> m Q30.
+ * Overflow: the feed saturates at the largest feed of a tick. */
 static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 {
     const int32_t slip_max = CRN_FEED_MAX_M_Q30 / 16;
@@ -28,11 +29,11 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
     return limit > CRN_FEED_MAX_M_Q30 ? CRN_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
-/* Returns the displacement of the hand per newton, in Q40 m/N (a compliance). It is the compliance of the
- * free part of the line and the wall, or a smaller value that the last ticks have shown. The value is smaller
- * when the wall's friction holds the front of a wire, so that the hand moves only the stiff rest. The
- * observed value may grow by 1/128 a tick, so that one soft tick (a snap, a pause) does not hide a stiff line
- * (docs/rod.md, "stall"). */
+/* Returns the compliance that the hand meets: its displacement per newton, in Q40 m/N. This value is the
+ * compliance of the free part of the tool and the wall, or a smaller compliance that was observed in the last
+ * ticks. The observed compliance is smaller when the wall's friction holds the front of a wire, so that the
+ * hand moves only the stiff part behind. The observed compliance may grow by 1/128 a tick, so that a single
+ * soft tick (a snap, a pause) does not hide a stiff tool (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
@@ -53,8 +54,9 @@ static uint32_t line_compliance(const crn_state *state)
     return most > LEAST_m_N_Q40 ? most : LEAST_m_N_Q40;
 }
 
-/* Limits a tool's feed by its hand's force limit. The leading tip is also limited by the force of all hands
- * together. Otherwise two tips at one wall would increase each other's share of the force, tick by tick. */
+/* Limits a tool's feed so that the force on the hand stays within its limit. The feed of the leading tip is
+ * also limited, so that the forces of all hands together stay within their limit. Without this second limit,
+ * two tools whose tips touch one wall would raise each other's part of the force, tick by tick. */
 static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32_t k, int32_t feed_m_q30)
 {
     const crn_state_words *words = &state->words;
@@ -68,9 +70,9 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
     return crn_clamp(feed_m_q30, -pull, push < line ? push : line);
 }
 
-/* Returns the feed of one tool in this tick, in Q30 m. The hand may be ahead of the tool by four times the
- * largest feed of a tick. Beyond that the hand slips, like a hand on a wire or a wire in the rig's rollers. A
- * tool stalls when it pushes or pulls as hard as a hand can. */
+/* Returns the feed of one tool in this tick, in Q30 m. The hand may move ahead of its tool by four times the
+ * largest feed of a tick. When a hand moves farther ahead, it slips, like a hand on a wire or a wire in the
+ * rig's rollers. A tool stalls (is not fed further) when it pushes or pulls as hard as a hand can. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
@@ -92,8 +94,8 @@ static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k,
     return allowed - tool->inserted_m_q30;
 }
 
-/* Feeds every tool. The line never gets shorter than a few elements, so the last tool to be withdrawn stops
- * there. */
+/* Feeds every tool. The inserted length never gets shorter than a few elements, so the last tool to be
+ * withdrawn stops at this length. */
 static void feed_tools(const crn_model *model, crn_state *state, const crn_input *input)
 {
     crn_state_words *words = &state->words;
@@ -122,8 +124,8 @@ static void feed_tools(const crn_model *model, crn_state *state, const crn_input
     }
 }
 
-/* Turns the tools' material frames in the introducer sheath towards the hands' angles, by a quarter of the
- * difference in each tick, and at most 20 rad/s. */
+/* Turns the tools' material frames in the introducer sheath towards the angles of the user's hands. In each
+ * tick the frames turn by a quarter of the difference, and at most at 20 rad/s. */
 static void turn_bases(const crn_model *model, crn_state *state, const crn_input *input)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
@@ -135,8 +137,8 @@ static void turn_bases(const crn_model *model, crn_state *state, const crn_input
     }
 }
 
-/* Returns the position of a node inside the introducer sheath: on the sheath's axis, at the distance arc - s
- * behind its distal end. */
+/* Returns the position of a node inside the introducer sheath, which lies on the sheath's axis, at the
+ * distance arc - s behind the sheath's distal end. */
 static crn_vec3 position_inside(const crn_model *model, int32_t inserted_m_q30, uint32_t node)
 {
     int32_t behind = model->mesh[node].arc_m_q30 - inserted_m_q30;
@@ -147,8 +149,8 @@ static crn_vec3 position_inside(const crn_model *model, int32_t inserted_m_q30, 
     return p;
 }
 
-/* Places node i and the edge behind it inside the introducer sheath, where the line is straight and unloaded
- * and moves with the feed. */
+/* Places node i and the edge behind it inside the introducer sheath, where the tools are straight and
+ * unloaded and move with the feed. */
 static void place_inside(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     crn_node_state *node = &state->words.nodes[i];
@@ -173,7 +175,8 @@ static void place_inside(const crn_model *model, crn_state *state, int32_t inser
     work->force_N_q22 = (crn_vec3){{0, 0, 0}};
 }
 
-/* Carries the rounding error of each node's weight to the next node, so that the total weight is exact. */
+/* Carries the rounding error of each node's weight (gravity) to the next node, so that the total weight is
+ * exact. */
 typedef struct weight_carry {
     int64_t rest[3];
 } weight_carry;
@@ -190,8 +193,9 @@ static void add_weight(const crn_model *model, const crn_line_node *line, weight
     }
 }
 
-/* Frees a node in this tick. Its predicted place x* is on the sheath's axis at the new feed, its previous
- * place is x* less the slide, and its weight acts from now on. */
+/* Frees a node from the introducer sheath in this tick. The freed node's predicted position x* is on the
+ * sheath's axis at the new feed, its previous position is x* less the slide, and its weight acts from now on.
+ */
 static void free_node(crn_state *state, uint32_t i)
 {
     crn_work *work = &state->scratch.nodes[i];
@@ -201,8 +205,8 @@ static void free_node(crn_state *state, uint32_t i)
     }
 }
 
-/* Computes the mean T of the two tangents at a node. Returns the square of T in Q28, which is cos^2 of half
- * the joint's angle. */
+/* Computes the mean T of the tangents of the two edges at a node. Returns the square of the mean tangent T in
+ * Q28, which is cos^2 of half the joint's angle. */
 static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 *mean_q30)
 {
     const crn_vec3 *ahead = &state->words.nodes[i > 0 ? i - 1 : 0].tangent_q30;
@@ -215,9 +219,10 @@ static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 
     return square_q28;
 }
 
-/* Computes the slide T / T^2 ds of a node in a fold (a sharp bend), which moves the node along both edges as
- * far as their other ends move. From a right angle on, the slide is limited to twice its normal value.
- * Overflow is impossible, because a slide of 0.5 mm becomes at most 0.71 mm. */
+/* Computes the slide T / T^2 ds of a node in a fold (a sharp bend). This slide moves the node along each of
+ * its two edges as far as the other end of the edge moves. For bends of a right angle or more, the slide is
+ * limited to twice its normal value. Overflow is impossible, because a slide of 0.5 mm becomes at most 0.71
+ * mm. */
 CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 {
     const int32_t factor_q28 = square_q28 > 1 << 27 ? crn_quotient(1 << 28, square_q28, 28) : 1 << 29;
@@ -226,10 +231,10 @@ CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
     }
 }
 
-/* Puts node i at x* = x + slide, and the inertia m/h^2 ((1 - gamma h) u - slide) on the right side. Overflow
- * is impossible. Slides stay below 2^24 in Q33 m (feed 0.71, turn 0.6, shift 0.5 mm), displacements per tick
- * below 2^25 (1.25 mm more by cap and shift), their differences below 2^26, and eight times these below
- * 2^29. */
+/* Puts node i at its predicted position x* = x + slide, and adds the inertia m/h^2 ((1 - gamma h) u - slide)
+ * to the right side. Overflow is impossible. Slides stay below 2^24 in Q33 m (feed 0.71 mm, turn 0.6 mm,
+ * shift 0.5 mm). Displacements per tick are below 2^25 (1.25 mm more by cap and shift), their differences
+ * below 2^26, and eight times these differences below 2^29. */
 static inline void predict_node(const crn_model *model, crn_state *state, uint32_t i,
                                 const crn_vec3 *slide_m_q33)
 {
@@ -248,15 +253,16 @@ static inline void predict_node(const crn_model *model, crn_state *state, uint32
     }
 }
 
-/* Holds the shift of the nodes ahead of folds, which keeps the length of the edges in these folds. */
+/* Holds the shift of the nodes on the tip's side of folds (sharp bends); this shift keeps the length of the
+ * edges in these folds. */
 typedef struct fold_shift {
     crn_vec3 shift_m_q33;
     bool was_fold;  /* the node behind belongs to a fold, */
     bool is_passed; /* some node behind belongs to a fold */
 } fold_shift;
 
-/* Computes the slide of a node in a fold or ahead of a fold. `is_inside` says that the edge behind the node
- * slides, too, and is not part of the rigid tip. */
+/* Computes the slide of a node that lies in a fold (a sharp bend) or between a fold and the tip. `is_inside`
+ * is true when the edge behind the node also slides and is not part of the rigid tip. */
 CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state, uint32_t i, bool is_inside,
                                  int32_t square_q28, fold_shift *fold, crn_vec3 *slide_m_q33)
 {
@@ -274,9 +280,9 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
     fold->is_passed |= is_fold;
 }
 
-/* Moves nodes 0 .. count-1 by the slide -T ds. The first `rigid` nodes slide like node `rigid`, plus the
- * displacement by the tip's rotation that the scratch holds. The loop starts at the hand, so that where the
- * line is folded the nodes ahead follow the edges behind them. */
+/* Moves nodes 0 .. count-1 by the slide -T ds. The first `rigid` nodes move like node `rigid`, and in
+ * addition by the displacement from the tip's rotation, which the scratch memory holds. The loop starts at
+ * the hand, so that where the tool is folded the nodes nearer to the tip follow the edges behind them. */
 static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count, uint32_t rigid)
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
@@ -297,9 +303,9 @@ static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count
     }
 }
 
-/* Returns the factor by which a joint's stiffness may grow when its cell is clipped. The joint's entries in
- * the matrix must stay below 2^26, because four of them add up in a diagonal below 2^29 (core_build.c), and W
- * must stay below 16 N m. */
+/* Returns the factor by which a joint's stiffness may grow when the introducer sheath's end clips the joint's
+ * cell. The joint's entries in the matrix must stay below 2^26, because four of them add up in a diagonal
+ * below 2^29 (core_build.c), and W must stay below 16 N m. */
 static int32_t clip_room(const crn_joint *joint)
 {
     int32_t entry = joint->p > joint->r ? joint->p : joint->r;
@@ -311,10 +317,11 @@ static int32_t clip_room(const crn_joint *joint)
     return room > CRN_CLIP_SURE ? room : CRN_CLIP_SURE;
 }
 
-/* Each of the two joints at the introducer sheath's distal end represents only the part of its cell that lies
- * outside the sheath. Its stiffness W therefore grows by cell / part, and its rest rotation shrinks by part /
- * cell. The number format sets the smallest part of a cell that may remain. Where the part is smaller than
- * that, the joint bends as if the line outside the sheath were longer by the difference. */
+/* Each of the two joints at the introducer sheath's distal end represents only that part of its cell that
+ * lies outside the sheath. The stiffness W of a clipped joint therefore grows by cell / part, and the joint's
+ * rest rotation shrinks by part / cell. The number format sets the smallest part of a cell that may remain.
+ * Where the remaining part of a cell is smaller than this limit, the joint bends as if the tool outside the
+ * sheath were longer by the difference. */
 static void clip_joint(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     crn_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];
@@ -339,7 +346,7 @@ static void clip_joint(const crn_model *model, crn_state *state, int32_t inserte
 }
 
 /* Returns the number of nodes beyond the introducer sheath's distal end once the tip has advanced to arc
- * length s. A tick's feed passes at most eight nodes. */
+ * length s beyond this end. A tick's feed passes at most eight nodes. */
 static uint32_t count_free(const crn_model *model, uint32_t count, int32_t inserted_m_q30)
 {
     for (int step = 0; step < 8 && model->mesh[count].arc_m_q30 < inserted_m_q30; step++) {

@@ -5,8 +5,9 @@
  *             S = (k_s - k_g) t t^T + k_g I,  k_g = max(F, 0) / l plus what twist adds there, at most k_s
  *     joint   b = w[i] - w[i-1],  v = W (b - g),  f[i-1] -= a v,  f[i] += (a + c) v,  f[i+1] -= c v
  *
- * The vector g is the sum of the tools' rest rotations, which are the angles of their stress-free shapes.
- * The tools' twisting moment tau bends the line by F = tau kb / 2 with kb = 2 t x t' / (1 + t.t'). */
+ * The vector g is the sum of the tools' rest rotations, that is, of the angles of their stress-free shapes.
+ * The twisting moment tau of the tools bends their common centreline by F = tau kb / 2 with kb = 2 t x t' /
+ * (1 + t.t'). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -16,21 +17,21 @@ enum {
     W_MAX_Q30 = 1503238553,        /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
     TENSION_MAX_N_Q22 = 240 << 22, /* edge force, clamped: forty times the force of a hand */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
-    /* Limits the force of one joint on one node. A 6F guiding catheter's curve of R = 7 mm in elements of 1
-     * mm needs 52 N to be straightened. Forces of 91 N were seen where hands push such a curve out of a
-     * sheath that bends it the other way. Twice this fits 32 bits. */
+    /* Limits the force of one joint on one node. A joint needs a force of 52 N to straighten the curve of a
+       6F guiding catheter (R is 7 mm) in elements of 1 mm. Twice this fits 32 bits. */
     PART_MAX_N_Q22 = 240 << 22,
 };
 
-/* Adds one force component. Overflow: the sum saturates at 512 N, which is more than the solve accepts
- * (rod_solve.c states its limit). */
+/* Adds one force component. Overflow: the sum of the forces saturates at 512 N, which is more than the solve
+ * accepts (rod_solve.c states its limit). */
 static inline void add(crn_vec3 *sum, int k, int32_t value)
 {
     sum->v[k] = crn_add_sat(sum->v[k], value);
 }
 
-/* These functions return the strain sqrt(1 + 2e) - 1 and the inverse length of an edge from e = (|w|^2 - 1) /
- * 2. The error e^4 * 5/8 is at most 2.4e-3 at a strain of 25 %, 1.5e-4 at 12.5 %, and below 1e-9 at 1 %. */
+/* These two functions return the strain sqrt(1 + 2e) - 1 and the inverse length of an edge from e = (|w|^2 -
+ * 1) / 2. The error e^4 * 5/8 of the series is at most 2.4e-3 at a strain of 25 %, 1.5e-4 at 12.5 %, and
+ * below 1e-9 at 1 %. */
 static int32_t strain_of(int32_t e)
 {
     int32_t e2 = crn_scale_q30(e, e);
@@ -42,9 +43,9 @@ static int32_t inverse_stretch_of(int32_t e)
     return CRN_ONE_Q30 - e + e2 + (e2 >> 1) - ((crn_scale_q30(e2, e) * 5) >> 1);
 }
 
-/* Returns the vector w of the edge between two positions: their difference divided by the edge's rest length
- * l. Format: positions Q30 m, 1/l Q18 -> Q30 (floor: the same in all directions, so that it bends no joint).
- * Overflow: saturates component by component. */
+/* Returns the vector w of the edge between two positions, which is the difference of the positions divided by
+ * the edge's unstretched length l. Format: positions Q30 m, 1/l Q18 -> Q30 (floor: the same in all
+ * directions, so that it bends no joint). Overflow: saturates component by component. */
 static crn_vec3 relative(int32_t inverse_per_m_q18, const crn_vec3 *from, const crn_vec3 *to)
 {
     crn_vec3 w;
@@ -56,8 +57,8 @@ static crn_vec3 relative(int32_t inverse_per_m_q18, const crn_vec3 *from, const 
     return w;
 }
 
-/* Computes w, the tangent t and the strain of the edge between two positions. The square of |w| is at most 3
- * x 2^62, which fits 64 bits without a sign. */
+/* Computes the vector w, the tangent t and the strain of the edge between two positions. The square of the
+ * length of w is at most 3 x 2^62, which fits 64 bits without a sign. */
 static int32_t stretch_of(int32_t inverse_per_m_q18, const crn_vec3 *from, const crn_vec3 *to, crn_vec3 *w,
                           crn_vec3 *t, uint32_t *fault_bits)
 {
@@ -86,7 +87,8 @@ static int32_t stretch_of(int32_t inverse_per_m_q18, const crn_vec3 *from, const
     return strain_of(e);
 }
 
-/* Returns the geometric stiffness k_g in Q(a), which is tension / length, and 0 in compression. */
+/* Returns the geometric stiffness k_g of an edge in Q(a), which is its tension / length, and 0 when the edge
+ * is in compression. */
 static int32_t geometric_stiffness(int32_t tension_N_q22, int32_t inverse_per_m_q18, unsigned exponent)
 {
     if (tension_N_q22 <= 0) {
@@ -123,7 +125,7 @@ void crn_rod_stretch(const crn_model *model, crn_state *state)
     for (uint32_t i = 0; i < na; i++) {
         edge_forces(model, state, i);
     }
-    /* The edge behind node na is straight inside the introducer sheath. */
+    /* The edge behind node na (the last free node) is straight inside the introducer sheath. */
     state->scratch.nodes[na].u.a.stretch_q30 = state->words.nodes[na].tangent_q30;
 }
 
@@ -140,9 +142,10 @@ void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q3
 }
 
 /* Computes 1 / (1 + c) and `lack` = 1 - c in Q30, where c is the cosine of the angle between two edges. For
- * small angles the series is 1/2 + lack/4 + lack^2/8, accurate to 1e-4 at 40 degrees. Beyond a right angle
- * both results keep their values at a right angle. The cosine of nearly straight edges may be rounded to more
- * than one, so `lack` is limited to 0 .. 1. Overflow: impossible, 7/8 at most. */
+ * small angles, 1 / (1 + c) is the series 1/2 + lack/4 + lack^2/8, which is accurate to 1e-4 at 40 degrees.
+ * For angles beyond a right angle, the two results keep their values at a right angle. Rounding may make the
+ * cosine of nearly straight edges more than one, so `lack` is limited to 0 .. 1. Overflow: impossible, 7/8 at
+ * most. */
 static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
 {
     const int32_t lack = CRN_ONE_Q30 - crn_clamp(cosine_q30, 0, CRN_ONE_Q30);
@@ -150,8 +153,8 @@ static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
     return (CRN_ONE_Q30 >> 1) + (lack >> 2) + (crn_scale_q30(lack, lack) >> 3);
 }
 
-/* Returns tau kb / 2 = tau (t x t') / (1 + t.t'), by which the twisting moment tau bends the line. Format:
- * tau Q30 N m -> Q30 N m. Overflow is impossible, because the factor is at most 7/8. */
+/* Returns the force term tau kb / 2 = tau (t x t') / (1 + t.t'), by which the twisting moment tau bends the
+ * tool. Format: tau Q30 N m -> Q30 N m. Overflow is impossible, because the factor of tau is at most 7/8. */
 static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, const crn_vec3 *after)
 {
     int32_t lack = 0;
@@ -165,13 +168,14 @@ static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, cons
 }
 
 /* Tilting the two edges of a bent joint by d and d', out of the plane of the joint, twists the joint by |kb|
- * / 2 times the length of d + d'. Where a rest shape holds the frames, the twist stiffness GJ resists this
- * twist. The force of this resistance is on the right side; the matrix gets k |kb|^2 / 4 (|d|^2 + |d'|^2).
- * This is at least half of the resistance, so that an oscillation does not grow and the other terms in the
- * matrix damp it. Without it a J of 1.5 mm oscillated by 11 um for ever (docs/rod.md, "rows"). Tools without
- * a rest shape at the joint turn freely and add nothing. Overflow is impossible: the sum is limited to 32
- * bits, its product with a factor of at most 7/8 fits, and the total with k_g is limited to the edge's
- * spring. */
+ * / 2 times the length of d + d'. Where a tool's curved rest shape fixes its material frames, the twist
+ * stiffness GJ resists this twist. The force of this twist resistance is on the right side; the matrix gets k
+ * |kb|^2 / 4 (|d|^2 + |d'|^2). This matrix term is at least half of the twist resistance, so that an
+ * oscillation does not grow and the other terms in the matrix damp it. Without the matrix term, a J-shaped
+ * wire tip of 1.5 mm oscillated by 11 um for ever (docs/rod.md, "rows"). Tools that are straight at the joint
+ * when free of stress turn freely and add nothing to the twist resistance. Overflow is impossible: the sum of
+ * the tools' moments is limited to 32 bits, its product with a factor of at most 7/8 fits, and the total with
+ * the geometric stiffness k_g is limited to the spring of the edge. */
 static void resist_twist(const crn_model *model, crn_state *state, const crn_joint *joint, uint32_t i)
 {
     const crn_node_state *node = &state->words.nodes[i];
@@ -193,16 +197,16 @@ static void resist_twist(const crn_model *model, crn_state *state, const crn_joi
     }
 }
 
-/* Returns v / l, one component of a joint's force on a neighbouring node. It is limited to 240 N, thirty
- * times the force that a hand can cause by bending. Format: Q30 N m x Q18 -> Q22 N, rounded. */
+/* Returns v / l, one component of a joint's force on a neighbouring node. The force is limited to 240 N,
+ * thirty times the force that a hand can cause by bending. Format: Q30 N m x Q18 -> Q22 N, rounded. */
 static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, uint32_t *fault_bits)
 {
     int64_t force = (int64_t)moment_N_m_q30 * inverse_per_m_q18 + (1 << 25);
     return crn_limit64(force, 26, PART_MAX_N_Q22 / 64, CRN_FAULT_SATURATED, fault_bits);
 }
 
-/* Returns the moment W b of a joint. Format: Q26 N m x Q28 -> Q30 N m, floor. Overflow: the moment saturates
- * at 2 N m, which gives 240 N on an edge of 8 mm. */
+/* Returns the bending moment W b of a joint. Format: Q26 N m x Q28 -> Q30 N m, floor. Overflow: the moment
+ * saturates at 2 N m, which gives 240 N on an edge of 8 mm. */
 static inline int32_t moment_of(int32_t bend_N_m_q26, int32_t turn_q28)
 {
     uint32_t unseen = 0; /* the force reports it */
@@ -233,8 +237,8 @@ crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const
 }
 
 /* Adds the forces of bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q28 -> v Q30 N m;
- * a Q18 x v Q30 -> Q22 N. b loses two bits of the edges' Q30, below the step of a position. Both ends of an
- * edge get the same rounded force, so momentum is exactly conserved. */
+ * a Q18 x v Q30 -> Q22 N. b loses two bits of the edges' Q30, below the step of a position. The two ends of
+ * an edge get the same rounded force with opposite signs, so momentum is exactly conserved. */
 static void joint_forces(const crn_model *model, crn_state *state, uint32_t i)
 {
     crn_work *here = &state->scratch.nodes[i];

@@ -1,8 +1,9 @@
 /* This file computes the reference and material axes of the edges at the predicted configuration.
  *
- * A reference axis u is carried without rotation about the tangent from the edge in the introducer sheath to
- * the tip (Bishop frame); all tools share it. A tool's material axis is d1 = cos(angle) u + sin(angle) (t x
- * u), so a joint's twist is just the difference of two angles (docs/rod.md, "twist"). */
+ * Each edge has a reference axis u, which all tools share. The axis is carried from the edge in the
+ * introducer sheath to the tip without rotation about the tangent (Bishop frame). A tool's material axis is
+ * d1 = cos(angle) u + sin(angle) (t x u), so the twist of a joint is simply the difference of two angles
+ * (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -10,7 +11,7 @@ enum {
     FOLD_Q30 = 1 << 28,      /* 1 + t.t' below 1/4 (beyond 139 degrees): no transport, only a projection */
 };
 
-/* Vectors here have unit length and amounts are below one, so sums and products stay inside Q30. */
+/* All vectors of this file have unit length and all factors are below one, so sums and products fit Q30. */
 static void add_scaled(crn_vec3 *sum, const crn_vec3 *direction_q30, int32_t amount)
 {
     for (int k = 0; k < 3; k++) {
@@ -27,8 +28,8 @@ void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent)
     }
 }
 
-/* Transports the axis across a sharp bend. The exact factor is used up to 139 degrees; beyond that the old
- * axis is only projected. */
+/* Carries the reference axis across a sharp bend. Up to a bend of 139 degrees the exact factor is used;
+ * beyond that angle the old axis is only projected. */
 static crn_vec3 transport_sharply(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to, int32_t tilt,
                                   int32_t lack)
 {
@@ -46,7 +47,8 @@ static crn_vec3 transport_sharply(crn_vec3 axis, const crn_vec3 *from, const crn
     return axis;
 }
 
-/* Returns u - (u.t') / (1 + t.t') (t + t'), which is the parallel transport of u from t to t'. */
+/* Returns u - (u.t') / (1 + t.t') (t + t'), which is the parallel transport of the axis u from the tangent t
+ * to the tangent t'. */
 static crn_vec3 transport(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to)
 {
     int32_t tilt = crn_vec3_dot_unit(&axis, to);
@@ -78,8 +80,8 @@ static void material_axis(const crn_vec3 *reference, const crn_vec3 *tangent, ui
     crn_frames_orthonormalise(axis1, tangent);
 }
 
-/* Computes the reference axes from the introducer sheath to the tip, and the material axes where a rest shape
- * needs them. */
+/* Computes the edges' reference axes from the introducer sheath to the tip, and the tools' material axes at
+ * edges where a curved rest shape needs them. */
 void crn_frames_carry(const crn_model *model, crn_state *state)
 {
     crn_node_state *nodes = state->words.nodes;

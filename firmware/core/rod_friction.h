@@ -1,5 +1,5 @@
-/* This header computes the friction of one node on the wall: its limit and its stiffness in the matrix
- * (docs/rod.md, "Contact"). */
+/* This header computes the friction of one node on the vessel wall: its largest force and its stiffness in
+ * the matrix (docs/rod.md, "Contact"). */
 #ifndef CRN_CORE_ROD_FRICTION_H
 #define CRN_CORE_ROD_FRICTION_H
 
@@ -23,19 +23,19 @@ static inline int32_t friction_of(const crn_node_state *node, const crn_line_nod
     return node->contact == CRN_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
-/* Returns the length of a bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 /
- * 2^20. Overflow: impossible, 128 N. */
+/* Returns the length of the friction displacement (bristle) at which friction reaches its limit mu N / k_t.
+ * Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. Overflow: impossible, 128 N. */
 static inline int32_t bristle_limit(int32_t limit_N_q22)
 {
     return limit_N_q22 + crn_mulh(limit_N_q22, 25166 << 12);
 }
 
-/* Returns the limit of friction while a node does not stick. In each tick the limit is CRN_FRICTION_GROWTH
- * times k_t |z|, plus CRN_FRICTION_FRESH; the product k_t |z| is mu N after the last solve (|z| is taken up
- * to a sixth too long). The friction mu N of the predicted depth alone would be wrong: a node that hops on
- * the wall by micrometres would rub with many times its real force (5 mN for each micrometre). Such friction
- * would make neighbouring nodes hop in turn: a soft wire fed at 40 mm/s then felt six times as hard to push.
- * Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
+/* Returns the limit of the friction force on a node that slips. In each tick this limit is
+ * CRN_FRICTION_GROWTH times k_t |z|, plus CRN_FRICTION_FRESH. The product k_t |z| is mu N after the last
+ * solve (|z| is taken up to a sixth too long). A friction limit mu N from the predicted depth alone would be
+ * wrong, because a node that hops on the wall by micrometres would rub with many times its real force (5 mN
+ * for each micrometre). Such friction would also make neighbouring nodes hop: a soft wire fed at 40 mm/s then
+ * needed six times the push. Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
 static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_q22)
 {
     const int64_t last_m_q33 = length_at_most(&node->bristle_m_q33);
@@ -52,8 +52,9 @@ static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
     return crn_rsqrt_q30((uint32_t)(((uint64_t)square << lead) >> 32));
 }
 
-/* Returns the stiffness k_f in Q(a): k_t while the bristle's reach is within its limit, else mu N / reach.
- * Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62) 2^(11 + a). */
+/* Returns the friction stiffness k_f in Q(a), which is k_t while the reach of the friction displacement is
+ * within its limit, and mu N / reach otherwise. Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62)
+ * 2^(11 + a). */
 static inline int32_t friction_stiffness(const crn_model *model, int32_t limit_N_q22,
                                          const crn_vec3 *reach_m_q33)
 {

@@ -1,8 +1,8 @@
-/* This file makes edges keep their length while they turn fast (docs/rod.md, "Turning edges"). When both ends
- * of an edge move along straight lines while the edge turns by a small angle, the edge gets longer by the
- * fraction angle^2 / 2 of its length. In a line with an axial stiffness of some kN, this elongation causes a
- * tension of many newtons. The excess length is taken back by moving the nodes ahead of the edge, towards the
- * tip. */
+/* This file makes edges of the mesh keep their length while they turn fast (docs/rod.md, "Turning edges").
+ * When both ends of an edge move along straight lines while the edge turns by a small angle, the edge gets
+ * longer by the fraction angle^2 / 2 of its length. In a tool with an axial stiffness of some kN, this
+ * elongation would cause a tension of many newtons. The code takes back the excess length by moving the nodes
+ * between the edge and the tip towards the tip. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -11,8 +11,8 @@ enum {
     SHIFT_MAX_M_Q33 = 1 << 22,
 };
 
-/* Adds the displacement `way_m_q33` along `along_q30` to the shift of the nodes ahead. Overflow is
- * impossible: the sum is clamped, and both terms are below 2^31 - 2^22. */
+/* Adds the displacement `way_m_q33` in the direction `along_q30` to the shift of the nodes nearer to the tip.
+ * Overflow is impossible: the sum is limited, and its two terms are below 2^31 - 2^22. */
 static void shift_on(crn_vec3 *shift_m_q33, int32_t way_m_q33, const crn_vec3 *along_q30)
 {
     for (int k = 0; k < 3; k++) {
@@ -22,14 +22,14 @@ static void shift_on(crn_vec3 *shift_m_q33, int32_t way_m_q33, const crn_vec3 *a
 }
 
 /* Returns a displacement that is a fraction of an edge's length. Format: Q30 x Q30 m -> Q33 m. Overflow is
- * impossible, because a length is below 2^25 and the fraction at most 0.4. */
+ * impossible, because an edge's length is below 2^25 and the fraction is at most 0.4. */
 static int32_t way_of(int32_t part_q30, int32_t length_m_q30)
 {
     return crn_mulh(part_q30, length_m_q30 * 32);
 }
 
-/* Returns one component of an edge divided by the edge's rest length. Format: Q30 m x Q18 1/m -> Q30.
- * Overflow: the result saturates; the sum of two such results is still correct in 64 bits. */
+/* Returns one component of an edge vector divided by the edge's unstretched length. Format: Q30 m x Q18 1/m
+ * -> Q30. Overflow: the result saturates; the 64-bit sum of two such results is still correct. */
 static int32_t over_length(int32_t from_m_q30, int32_t to_m_q30, int32_t inverse_per_m_q18)
 {
     return crn_sat32(crn_asr64((int64_t)crn_sub_sat(to_m_q30, from_m_q30) * inverse_per_m_q18, 18));
@@ -57,7 +57,7 @@ void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint3
 }
 
 /* Returns whether the deviations of an edge's two ends differ along any axis by more than a sixteenth of the
- * edge's length. Below this limit, the edge gets 0.4 % longer at most. */
+ * edge's length. When the deviations differ by less, the edge gets 0.4 % longer at most. */
 static inline bool is_fast(const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, int32_t length_m_q30)
 {
     const int32_t most = length_m_q30 / 2; /* a sixteenth in Q33 */
@@ -69,8 +69,9 @@ static inline bool is_fast(const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q3
     return beyond >> 31 != 0;
 }
 
-/* Returns the rotation of an edge in the deviation that the solve found: the displacement of the edge's end
- * relative to its front, divided by its length. Each component is at most 1. */
+/* Returns the rotation of an edge by the deviation that the solve found. The rotation is the displacement of
+ * the edge's rear end relative to its front end, divided by the edge's length. Each component of the rotation
+ * is at most 1. */
 static crn_vec3 turn_of(const crn_model *model, uint32_t i, const crn_vec3 *front_m_q33,
                         const crn_vec3 *end_m_q33)
 {
@@ -83,8 +84,8 @@ static crn_vec3 turn_of(const crn_model *model, uint32_t i, const crn_vec3 *fron
     return turn_q30;
 }
 
-/* Takes back the length that edge i gains by turning, along the edge's final direction. The gain is the
- * fraction angle^2 / 2 of the edge's length. */
+/* Takes back the length that edge i gains by turning, along the direction that the edge has after turning.
+ * The gained length is the fraction angle^2 / 2 of the edge's length. */
 CRN_RARE static void take_back(const crn_model *model, crn_state *state, uint32_t i,
                                const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, crn_vec3 *shift_m_q33)
 {

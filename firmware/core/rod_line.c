@@ -1,25 +1,27 @@
-/* This file sums the tools at their present positions to joints, edges, masses and surfaces of the line
+/* This file combines the tools at their present positions into one set of joints, edges, masses and surfaces
  * (docs/rod.md, "tools").
  *
- * Node i lies at arc length S behind the leading tip, and tool k is sampled at its own arc length S -
- * offset(k). Within a cell the compliance is averaged, not the stiffness ("series"), because arithmetic
- * averages of the stiffness across a tool's tip or a step give force spikes at the handle.
+ * Node i lies at arc length S behind the leading tip, where tool k is at its own arc length S - offset(k).
+ * Within a node's cell, the code averages the compliance, not the stiffness ("series"). Arithmetic averages
+ * of the stiffness across a tool's tip or a step in stiffness give force spikes at the handle.
  *   1/W = integral ds / EI,  EI = sum EI_k;   turn_k = integral (EI_k / EI) kappa_k ds
- * A cell that a tip divides is summed piece by piece, so all values change smoothly as tools slide. */
+ * A cell that contains a tool's tip is summed piece by piece, so all values change smoothly as the tools
+ * slide. */
 #include "firmware/core/rod.h"
 
 enum {
     TWIST_MAX_N_m_Q26 = CRN_TWIST_MAX_N_m << 26
 }; /* limit for one joint; two of them fit a pivot (rod_twist.c) */
 
-/* Holds the state of one walk along the line: the span that each tool is in. */
+/* Holds the state of one walk along the mesh: the span (part between two knots) of each tool at the present
+ * cell. */
 typedef struct walk {
     const crn_model *model;
     crn_line *line;
     uint32_t span[CRN_TOOL_MAX];
 } walk;
 
-/* Holds integrals over a stretch of one tool. */
+/* Holds integrals of properties over a part of one tool. */
 typedef struct stretch {
     int64_t bend_q32,
         twist_q32; /* ds / EI, ds / GJ: 1 / (N m); in a divided cell bend is the share of ds in EI_k / EI */
@@ -30,8 +32,8 @@ typedef struct cell {
     int32_t begin, end; /* Q30 m behind the leading tip */
 } cell;
 
-/* length / stiffness. Format: Q30 m / Q35 N m^2 -> Q32 1 / (N m). Overflow is impossible, because 8 mm / 1e-7
- * N m^2 is only 2^49. */
+/* length / stiffness. Format: Q30 m / Q35 N m^2 -> Q32 1 / (N m). Overflow is impossible, because the largest
+ * compliance, 8 mm / 1e-7 N m^2, is only 2^49. */
 static int64_t compliance_q32(int32_t length_m_q30, int32_t stiffness_q35)
 {
     unsigned lead = crn_clz32((uint32_t)stiffness_q35) - 1; /* at most 19: stiffness >= 1e-7 N m^2 */
@@ -51,8 +53,9 @@ static int32_t inverse_of(int64_t value, unsigned q)
     return shift > 62 ? 0 : crn_sat32(crn_rshift_round64(inverse, (unsigned)shift));
 }
 
-/* Returns length / compliance, which is the series average of a stiffness. Format: Q30 m / Q32 1/(N m) -> Q35
- * N m^2. Overflow: saturates. The relative error is that of the compliance, 1 in `compliance`. */
+/* Returns length / compliance, which is the series average of a stiffness over this length. Format: Q30 m /
+ * Q32 1/(N m) -> Q35 N m^2. Overflow: saturates. The relative error is that of the compliance, which is 1
+ * part in `compliance`. */
 static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
 {
     unsigned lead = crn_clz64((uint64_t)compliance);
@@ -61,9 +64,10 @@ static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
     return shift <= 0 ? INT32_MAX : crn_sat32(crn_rshift_round64(length_m_q30 * inverse, (unsigned)shift));
 }
 
-/* Limits a cell's rest rotation to 1.2 rad, which the number format and the limit of the joint's own force
- * permit; core_build.c refuses a tool whose own cells turn farther. A hook-shaped tip reaches the limit only
- * inside a stiffer tool that leads, in the long cells of that tool's shaft. */
+/* Limits the rest rotation of a cell to 1.2 rad, which the number format and the limit of the joint's force
+ * permit. The file core_build.c refuses a tool whose stress-free shape turns by more in one of its own cells.
+ * A hook-shaped tip reaches this limit only inside a stiffer tool that leads, where the mesh has the long
+ * cells of that tool's shaft. */
 static int32_t limit_turn(int32_t turn_q30)
 {
     return crn_clamp(turn_q30, -CRN_TURN_OF_CELL_MAX_Q30, CRN_TURN_OF_CELL_MAX_Q30);
@@ -74,9 +78,10 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
     return crn_mul(per_m_q20, length_m_q30, 20);
 }
 
-/* Returns the rest rotation g with which two unit edges rest at the angle `turn`. At this angle the edges
- * differ by 2 sin(turn / 2), and g is applied along the mean of their axes, which has the length cos(turn /
- * 2). So g is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). The error is 0.1 % at 1 rad. */
+/* Returns the rest rotation g of a joint at which the direction of the unit edges changes by `turn` when free
+ * of stress. At the angle `turn` the unit edges differ by 2 sin(turn / 2), and g is applied along the mean of
+ * their axes, whose length is cos(turn / 2). The rest rotation g is therefore 2 tan(turn / 2) = turn (1 +
+ * turn^2 / 12 + turn^4 / 120). The error of this series is 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);
@@ -91,8 +96,8 @@ static void seek(const crn_tool *tool, uint32_t *span, int32_t arc_m_q30)
     }
 }
 
-/* Returns the integrals of a tool between two of its own arc lengths; the part in each span is evaluated at
- * the part's middle. */
+/* Returns the integrals of a tool's properties between two of its own arc lengths. In each span between two
+ * knots, the property in the middle of the part counts. */
 static stretch integrate(const crn_tool *tool, uint32_t span, int32_t from, int32_t to)
 {
     stretch sum = {0, 0, 0, 0};
@@ -112,8 +117,8 @@ static stretch integrate(const crn_tool *tool, uint32_t span, int32_t from, int3
     return sum;
 }
 
-/* Computes, for each pair of neighbouring tools, the share of the inner tools in the joint's bending
- * stiffness, in Q15. Q15. */
+/* Computes, for each pair of neighbouring tools, the fraction (in Q15) of the joint's bending stiffness that
+ * belongs to the inner tools. Q15. */
 static void share_stiffness(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], crn_joint *joint)
 {
     if (w->model->tool_count < 2) {
@@ -132,7 +137,8 @@ static void share_stiffness(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], 
 
 /* --- cells that no tip divides -------------------------------------------------------------------------- */
 
-/* Evaluates tool k over a whole cell: its own W, its twist stiffness and its rest rotations. */
+/* Evaluates tool k over a whole cell: its own bending stiffness W, its twist stiffness and its rest
+ * rotations. */
 static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c, crn_joint *joint)
 {
     const crn_tool *tool = &w->model->tools[k];
@@ -157,7 +163,7 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
 
 /* --- cells that one or more tips divide ----------------------------------------------------------------- */
 
-/* Adds the piece [from, to] of a cell, throughout which the same tools are present. */
+/* Adds the piece [from, to] of a cell; no tool begins or ends within the piece. */
 static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_MAX], int64_t *compliance)
 {
     stretch part[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
@@ -186,7 +192,8 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_M
     }
 }
 
-/* Integrates a cell piece by piece, from tip to tip. At most CRN_TOOL_MAX tips lie in a cell. */
+/* Integrates the tools' properties over a cell, piece by piece from one tool's tip to the next. At most
+ * CRN_TOOL_MAX tips lie in a cell. */
 static void divided_cell(walk *w, cell c, crn_joint *joint)
 {
     stretch sums[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
@@ -214,8 +221,8 @@ static void divided_cell(walk *w, cell c, crn_joint *joint)
         }
         int64_t least = 1;
         if (w->line->offset_m_q30[k] > c.begin) {
-            /* The compliance of at least a tenth of the cell counts, so that a tip that just enters the cell
-             * does not make a rigid joint. */
+            /* The compliance of at least a tenth of the cell is used, so that a tip that has just entered the
+             * cell does not make a rigid joint. */
             int32_t tip_q35 = w->model->tools[k].spans[0].from[CRN_TWIST_N_M2_Q35];
             least = compliance_q32((c.end - c.begin) / 10, tip_q35);
         }
@@ -237,7 +244,8 @@ static bool is_divided(const walk *w, cell c)
     return false;
 }
 
-/* Where there are several tools, the rest rotation of each one counts by its share of the stiffness. */
+/* Where there are several tools, the rest rotation of each tool is weighted with the tool's fraction of the
+ * stiffness. */
 static void share_turns(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], crn_joint *joint)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -291,7 +299,7 @@ static void build_joint(walk *w, uint32_t i, cell c)
     }
 }
 
-/* Returns the part of the cell that tool k covers, in Q30. */
+/* Returns the fraction of the cell's length that tool k covers, in Q30. */
 static int32_t cover_of(const walk *w, uint32_t k, cell c)
 {
     int32_t offset = w->line->offset_m_q30[k];
@@ -306,9 +314,9 @@ static int32_t blend(int32_t under, int32_t over, int32_t share_q30)
     return under + crn_scale_q30(over - under, share_q30);
 }
 
-/* Computes the mass and the surface of a node. Masses add, and the outermost tool touches the wall. In the
- * cell of the outermost tool's tip, radius and friction are blended, because a hard switch would cause a jump
- * (docs/rod.md). */
+/* Computes the mass and the surface of a node. The masses of all tools add up, and the outermost tool touches
+ * the wall. In the cell with the outermost tool's tip, the radii and friction of two tools are blended,
+ * because a sudden change would cause a jump (docs/rod.md). */
 static void build_surface(walk *w, uint32_t i, cell c)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -342,8 +350,8 @@ static void build_surface(walk *w, uint32_t i, cell c)
     node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
-/* Sets EA of edge i to the value that the softer of its two joints permits in the number format, but at most
- * to the cap. */
+/* Sets the axial stiffness EA of edge i to the value that the softer of its two joints permits in the number
+ * format, but at most to the cap. */
 static void build_edge(walk *w, uint32_t i)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -366,8 +374,9 @@ static bool is_straight(const crn_span *s)
             s->delta[CRN_CURVE2_PER_M_Q20]) == 0;
 }
 
-/* Returns whether the cell is plain: each tool is either absent or straight, without its tip, in one span. As
- * a side effect, the walk advances to the span in which each tool is at this cell. */
+/* Returns whether the cell is plain, that is, whether each tool is absent from the cell, or is straight
+ * there, does not end there, and stays in one span between two knots. As a side effect, the walk along the
+ * mesh advances to the span in which each tool is at this cell. */
 static bool is_plain(walk *w, cell c)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -386,7 +395,8 @@ static bool is_plain(walk *w, cell c)
     return true;
 }
 
-/* Computes joint, mass and surface of a plain cell from one place in each tool's span. */
+/* Computes joint, mass and surface of a plain cell (one without a curve, tip or knot) from the properties of
+ * each tool at one point. */
 static void build_plain(walk *w, uint32_t i, cell c)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -415,7 +425,7 @@ static void build_plain(walk *w, uint32_t i, cell c)
         outer = k;
         outer_fraction = fraction;
     }
-    /* The leading tool is present everywhere, so there is always an outermost tool. */
+    /* The leading tool is present in every cell, so there is always an outermost tool. */
     const crn_span *s = &w->model->tools[outer].spans[w->span[outer]];
     node->joint.bend_N_m_q26 = bend;
     share_stiffness(w, own_q26, &node->joint);
@@ -429,8 +439,8 @@ static void build_plain(walk *w, uint32_t i, cell c)
 
 /* --- the whole line ------------------------------------------------------------------------------------- */
 
-/* Returns whether node i equals node i-1: the elements are equally long, and each tool is absent or in one
- * span of constant properties over both cells. */
+/* Returns whether node i has the same properties as node i-1: the elements are equally long, and each tool is
+ * absent or has constant properties over the two cells. */
 static bool repeats(const walk *w, uint32_t i)
 {
     const crn_mesh_node *mesh = &w->model->mesh[i];
@@ -450,8 +460,8 @@ static bool repeats(const walk *w, uint32_t i)
     return true;
 }
 
-/* Returns the arc length behind the leading tip from which on every tool is in its last span, if that span
- * has constant properties, as most of a shaft has. */
+/* Returns the arc length behind the leading tip beyond which every tool is in its last span and that span has
+ * constant properties, as most of a shaft has. */
 static int32_t steady_arc(const crn_model *model, const crn_line *line)
 {
     int32_t arc = 0;
@@ -463,7 +473,8 @@ static int32_t steady_arc(const crn_model *model, const crn_line *line)
     return arc;
 }
 
-/* Returns the first node that equals all nodes behind it, or `count` when there is none. */
+/* Returns the first node that has the same properties as all nodes behind it, or `count` when there is no
+ * such node. */
 static uint32_t steady_node(const crn_model *model, const crn_line *line, uint32_t count)
 {
     int32_t arc = steady_arc(model, line);
@@ -479,7 +490,7 @@ static uint32_t steady_node(const crn_model *model, const crn_line *line, uint32
     return i < count ? i : count;
 }
 
-/* Returns the first node whose two edges in front are as long as all edges behind it. */
+/* Returns the first node for which the two edges in front are as long as all edges behind. */
 static uint32_t uniform_node(const crn_model *model)
 {
     uint32_t i = model->node_count + 2;

@@ -1,22 +1,23 @@
-/* This file solves the implicit step A delta = r by block LDL^T, from tip to base. The blocks are 3x3, and
- * each row has two blocks to the right of its diagonal block.
+/* This file solves the implicit step A delta = r for the nodes' deviations delta by block LDL^T, from tip to
+ * base. The blocks of the matrix are 3x3, and each row has two blocks to the right of its diagonal block.
  *
  *   A[i][i] = D = R + S,  A[i][i+1] = Q - S,  A[i][i+2] = kb I
  *
- * Nodes na and na+1 do not deviate from the slide (delta = 0). S is the stiffness of the edge behind the
- * node, and R is that of everything else that acts on the node. Further, T = R + Q, V = D^-1 T (so that D^-1
- * (Q - S) is V - I), and P = kb D^-1.
+ * The two nodes na and na+1, which the introducer sheath holds, do not deviate from the slide (delta = 0). In
+ * the diagonal block of a node, S is the stiffness of the edge behind the node, and R is the stiffness of
+ * everything else that acts on the node. Further, T = R + Q, V = D^-1 T (so that D^-1 (Q - S) is V - I), and
+ * P = kb D^-1.
  *
  *   R[i+1] += R + Q + Q^T - T^T V     R[i+2] -= kb P      Q[i+1] += kb (I - V^T)
  *   r[i+1] += r - V^T r               r[i+2] -= P r
  *   back: delta[i] = D^-1 r[i] + delta[i+1] - V delta[i+1] - P delta[i+2]
  *
- * In this form no terms of the size of S cancel, and the bending factor of a free rod, which is 1, -2, 1, is
- * exact from the tip on. Each node takes one reciprocal by Newton's method and no division. Each row gathers
- * the contributions of the two rows before it, so that a sum of up to six products is rounded once and no
- * intermediate result is stored. Operands have 32 bits and sums have 64 bits, so each product takes one SMLAL
- * instruction on the Cortex-M7. The formats are Q(a) N/m below 2^29 for D, R, S, Q, T and kb, Q29 for V and
- * P, Q22 N for r, and Q33 m for delta. */
+ * In this form no terms as large as S cancel, and the bending pattern 1, -2, 1 of a free rod is exact from
+ * the tip on. The solve needs one reciprocal by Newton's method for each node and no division. Each row of
+ * the matrix adds the contributions of the two rows before it, so that a sum of up to six products is rounded
+ * once and no intermediate result is stored. Factors have 32 bits and sums have 64 bits, so each product
+ * takes one SMLAL instruction on the Cortex-M7. The number formats are Q(a) N/m below 2^29 for D, R, S, Q, T
+ * and kb, Q29 for V and P, Q22 N for r, and Q33 m for delta. */
 #include "firmware/core/rod.h"
 
 /* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */
@@ -39,7 +40,7 @@ static inline int32_t limit(int64_t value, int32_t most)
     return value > 0 ? most : -most;
 }
 
-/* Returns the number of leading zeros of a non-zero value. */
+/* Returns the number of leading zero bits of a non-zero 64-bit value. */
 static inline unsigned clz64(uint64_t a)
 {
     return (unsigned)__builtin_clzll(a);
@@ -50,10 +51,11 @@ static inline int64_t minor(int32_t a, int32_t b, int32_t c, int32_t d)
     return (int64_t)a * b - (int64_t)c * d;
 }
 
-/* Adjugate over determinant. Format: D Q(a), |D| < 2^29, positive definite. The adjugate is exact in 64 bits
- * (2 x 2^58). The adjugate is cut to 30 bits by its largest diagonal entry, which bounds every entry of a
- * positive definite matrix. The determinant keeps 22 bits or more while k_s / w <= 2^9. Overflow is
- * impossible, because the determinant is below 3 * 2^29 * 2^30. */
+/* Adjugate over determinant. Format: D Q(a), |D| < 2^29, positive definite. The adjugate matrix is computed
+ * exactly in 64 bits (2 x 2^58). The adjugate matrix is shifted to 30 bits according to its largest diagonal
+ * entry, which bounds every entry of a positive definite matrix. The determinant keeps 22 bits or more while
+ * the stiffness ratio k_s / w is at most 2^9. Overflow is impossible, because the determinant is below 3 *
+ * 2^29 * 2^30. */
 static inline void invert(const crn_sym3 *d, inverse3 *inverse)
 {
     const int32_t xx = d->m[XX], xy = d->m[XY], xz = d->m[XZ], yy = d->m[YY], yz = d->m[YZ], zz = d->m[ZZ];
@@ -66,8 +68,8 @@ static inline void invert(const crn_sym3 *d, inverse3 *inverse)
         m[k] = crn_narrow64(n[k], cut);
     }
     int64_t determinant = (int64_t)xx * m[XX] + (int64_t)xy * m[XY] + (int64_t)xz * m[XZ];
-    /* The determinant of an instrument far softer than the format's step could fall below this value; the
-     * limit keeps every shift in range. */
+    /* For an instrument far softer than the step of the number format, the determinant could fall below this
+     * value; the limit keeps every shift in range. */
     const int64_t least = (int64_t)1 << 31;
     determinant = determinant < least ? least : determinant;
     unsigned lead = clz64((uint64_t)determinant); /* 3 .. 32 */
@@ -86,8 +88,8 @@ static inline int32_t row_times(int_fast32_t a, int_fast32_t b, int_fast32_t c, 
     return crn_narrow64((int64_t)a * t[0] + (int64_t)b * t[3] + (int64_t)c * t[6], shift);
 }
 
-/* Computes V = D^-1 T in Q29, column by column. Overflow is impossible: the sum is at most 3 * 2^29 * 2^29,
- * and |W| = |V - I| <= 2 for meshes whose elements grow towards the base. */
+/* Computes V = D^-1 T in Q29, column by column. Overflow is impossible: a sum is at most 3 * 2^29 * 2^29, and
+ * |W| = |V - I| is at most 2 for meshes whose elements grow towards the base. */
 static inline void times(const inverse3 *inverse, const int_fast32_t *t, int32_t *v_q29)
 {
     const int_fast32_t *n = inverse->m;
@@ -128,7 +130,7 @@ static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigne
     z->v[2] = row_apply(n[XZ], n[YZ], n[ZZ], r, shift);
 }
 
-/* Computes P = kb D^-1 in Q29. Overflow is impossible: |P| <= 1, because kb is the bending part of D's
+/* Computes P = kb D^-1 in Q29. Overflow is impossible: P is at most 1, because kb is the bending part of D's
  * smallest eigenvalue. */
 static inline void second_neighbour(const inverse3 *inverse, int32_t second, crn_sym3 *p_q29)
 {
@@ -138,7 +140,7 @@ static inline void second_neighbour(const inverse3 *inverse, int32_t second, crn
     }
 }
 
-/* Adds k v v^T to a block. Overflow: |k| < 2^29. */
+/* Adds the matrix k v v^T to a block. Overflow: |k| < 2^29. */
 static inline void add_along(const crn_vec3 *v_q30, int32_t stiffness, crn_sym3 *d)
 {
     int32_t x = 4 * crn_mulh(4 * stiffness, v_q30->v[0]);
@@ -153,7 +155,7 @@ static inline void add_along(const crn_vec3 *v_q30, int32_t stiffness, crn_sym3 
 }
 
 /* Adds the stiffness S of the edge behind node i, in Q(a). Format: (4 k) t keeps the fraction that k t in
- * Q(a) would lose. Overflow is impossible, because |S| <= k_s < 2^29. */
+ * Q(a) would lose. Overflow is impossible, because the entries of S are at most k_s, which is below 2^29. */
 static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
 {
     const crn_vec3 *t = &state->words.nodes[i].tangent_q30;
@@ -165,10 +167,11 @@ static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
 }
 
 /* Adds the stiffness of a touching node, k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T), where t' is
- * the tangent across n. A step across both n and t' turns the normal force, because the wall is round.
- * Without k_r = N / r, such a step would oscillate for ever where there is no friction (docs/rod.md,
- * "contact"). With b = n x t and c = n.t the last bracket is b b^T + c^2 (I - n n^T). A tip that touches the
- * wall head on has no t', and k_r then acts in all directions across n. */
+ * the tangent across n. A step across the normal n and the tangent t' turns the direction of the normal
+ * force, because the wall is round. Without k_r = N / r, such a step would oscillate for ever where there is
+ * no friction (docs/rod.md, "contact"). With b = n x t and c = n.t, the last bracket I - n n^T - t' t'^T is b
+ * b^T + c^2 (I - n n^T). When a tip touches the wall head on, there is no tangent t' across n, and k_r then
+ * acts in all directions across n. */
 static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_sym3 *d)
 {
     const crn_vec3 *n = &work->normal_q30;
@@ -184,8 +187,9 @@ static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_s
     add_along(n, work->wall_normal - across, d);
 }
 
-/* Holds the contributions of two rows to the next row, besides their V and P. The last row contributes T, R +
- * Q + Q^T, kb and r, and the row before it contributes kb and r. */
+/* Holds the contributions of the two previous rows to the next row of the matrix, besides the previous rows'
+ * blocks V and P. The last row contributes T, R + Q + Q^T, kb and r; the row before it contributes kb and r.
+ */
 typedef struct given {
     int_fast32_t t[9];
     crn_sym3 rest;
@@ -198,7 +202,7 @@ typedef struct joints3 {
     const crn_joint *before, *here, *after;
 } joints3;
 
-/* Assembles R of row i from joints, inertia, wall and balloon. */
+/* Assembles the block R of row i from joints, inertia, wall and balloon. */
 static inline crn_sym3 load_rest(const crn_model *model, const crn_state *state, uint32_t i,
                                  const joints3 *joint)
 {
@@ -217,8 +221,8 @@ static inline crn_sym3 load_rest(const crn_model *model, const crn_state *state,
     return rest;
 }
 
-/* Returns one entry of T^T V + kb P, the part that elimination subtracts. Overflow is impossible, because 3 *
- * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
+/* Returns one entry of T^T V + kb P, which the elimination subtracts from a diagonal block. Overflow is
+ * impossible, because the sum is at most 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
 static inline int32_t taken(const int_fast32_t *t, const int32_t *v_q29, int_fast32_t second, int32_t p_q29)
 {
     int64_t sum = (int64_t)t[0] * v_q29[0] + (int64_t)t[3] * v_q29[3] + (int64_t)t[6] * v_q29[6] +
@@ -240,8 +244,8 @@ static inline void gather_rest(crn_sym3 *rest, const given *from, const int32_t 
     rest->m[ZZ] += r[ZZ] - taken(t + 2, v_q29 + 2, second, p_q29[ZZ]);
 }
 
-/* Computes Q = next I + kb' (I - V'^T). Overflow is impossible: kb < 2^27, because a diagonal holds W (a +
- * c)^2 >= 4 kb, so that 8 kb fits. */
+/* Computes Q = next I + kb' (I - V'^T). Overflow is impossible: kb is below 2^27, because a diagonal entry
+ * holds W (a + c)^2 >= 4 kb, so 8 kb fits. */
 static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const int32_t *v_q29)
 {
     const int32_t minus_q3 = -8 * second;
@@ -253,9 +257,9 @@ static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const 
     }
 }
 
-/* Returns one component of r + r' - V'^T r' - P'' r'', limited to 256 newtons. Overflow is impossible: forces
- * are within 2^30, and the magnitudes of a row of V^T and of a row of P add up to less than 2^31 and 2^30, so
- * sums stay below 2^62. */
+/* Returns one component of the force r + r' - V'^T r' - P'' r'', limited to 256 newtons. Overflow is
+ * impossible: forces are within 2^30, and the magnitudes of a row of V^T and of a row of P add up to less
+ * than 2^31 and 2^30, so sums stay below 2^62. */
 static inline int32_t gather_force(int64_t sum_N_q22, const int32_t *v_q29, const int_fast32_t *r, int32_t p0,
                                    int32_t p1, int32_t p2, const int_fast32_t *r_before)
 {
@@ -265,7 +269,7 @@ static inline int32_t gather_force(int64_t sum_N_q22, const int32_t *v_q29, cons
     return limit(sum_N_q22 - (sum >> 29), FORCE_MAX_N_Q22);
 }
 
-/* Keeps the values that the next two rows need. */
+/* Keeps the values of an eliminated row that the next two rows need. */
 static inline void give(given *from, const int32_t *q, const int32_t *t, const int32_t *r, int32_t second)
 {
     from->rest = (crn_sym3){{t[0] + q[0], t[1] + q[3], t[2] + q[6], t[4] + q[4], t[5] + q[7], t[8] + q[8]}};
@@ -280,8 +284,9 @@ static inline void give(given *from, const int32_t *q, const int32_t *t, const i
     from->second = second;
 }
 
-/* Eliminates row i, where V' and P'' are those of the two rows before. The assembled forces stay unchanged,
- * so that a second solve can start from them. Returns true when a force had to be limited. */
+/* Eliminates row i of the matrix, where V' and P'' are those of the two rows before. The assembled forces
+ * stay unchanged, so that a second solve can start from these forces. Returns true when a force had to be
+ * limited. */
 static inline bool eliminate_row(const crn_model *model, crn_state *state, uint32_t i, const joints3 *joint,
                                  const int32_t *v_q29, const int32_t *p_q29, given *from)
 {
@@ -316,7 +321,7 @@ static inline bool eliminate_row(const crn_model *model, crn_state *state, uint3
     return largest >= FORCE_MAX_N_Q22;
 }
 
-/* Eliminates all rows in one pass from tip to base. */
+/* Eliminates all rows of the matrix in one pass from tip to base. */
 static void eliminate(const crn_model *model, crn_state *state)
 {
     static const crn_factor none = {{0}, {{0}}};
@@ -336,8 +341,8 @@ static void eliminate(const crn_model *model, crn_state *state)
     }
 }
 
-/* Back substitution. Format: Q29 x Q33 -> Q33. Overflow is impossible: results are limited to 62 mm, so the
- * sums stay below 2^62. */
+/* Back substitution. Format: Q29 x Q33 -> Q33. Overflow is impossible: displacements are limited to 62 mm, so
+ * the sums stay below 2^62. */
 static void substitute(crn_state *state)
 {
     uint32_t na = state->words.free_count;
@@ -367,9 +372,9 @@ void crn_rod_solve(const crn_model *model, crn_state *state)
     substitute(state);
 }
 
-/* Returns the axial force of the line on the two nodes that the introducer sheath holds, from f - A delta.
- * Bending is included, because the force of the edge alone jumps when a node is freed, and is too low when
- * the line is bent at the sheath's distal end (docs/rod.md). */
+/* Returns the axial force of the tools on the two nodes that the introducer sheath holds, computed from f - A
+ * delta. The force includes bending, because the force of the edge alone jumps when a node is freed, and is
+ * too low when the tools are bent at the sheath's distal end (docs/rod.md). */
 int32_t crn_rod_handle_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;

@@ -1,11 +1,12 @@
-/* A tip with a tight curve moves as a rigid body. It takes the displacement of the node behind it and, while
- * it touches nothing, the rotation of the last tick.
+/* This file treats a tip with a tight curve as a rigid body. A rigid tip takes over the displacement of the
+ * node behind it and, while the tip touches nothing, its rotation of the last tick.
  *
- * If such a tip slid along its own curve, it would turn by ds / R in each tick. If the tip's rotation were
- * not predicted, the tip would lag when the hand turns it, because the matrix keeps rest rotations fixed in
- * space. For a tip of length s on a wire of length L, the solve recovers only about 1 / (kappa^2 s L) of the
- * missing rotation in each tick (docs/rod.md, "feed"). A tip on the wall gets no predicted rotation. There
- * the solve ends the rotation, and a tip for which further rotation is predicted trembles. */
+ * If a tightly curved tip of radius R slid along its own curve by ds, it would turn by ds / R in each tick.
+ * If the tip's rotation were not predicted, the tip would lag when the hand turns it, because the matrix
+ * keeps the directions of rest rotations fixed in space. For a tip of length s and curvature kappa on a wire
+ * of length L, the solve recovers only about 1 / (kappa^2 s L) of the missing rotation in each tick
+ * (docs/rod.md, "feed"). For a tip that touches the wall, no rotation is predicted. At the wall the solve
+ * stops the tip's rotation, and a tip for which further rotation is predicted trembles. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -17,12 +18,13 @@ enum {
     AXIS_LEAST_M_Q24 = 64, /* 4 um: smallest sum of distances that determines a plane */
 };
 
-/* Returns the number of nodes from the tip that move as one rigid body. These nodes reach to the last joint
- * within 40 mm whose rest shape is curved more tightly than 110 / m (a J, a pigtail, the first bend of a
- * guiding catheter). Sliding along its own curve would turn such a tip by ds / R in each tick. The solve,
- * whose matrix keeps rest rotations fixed in space, undoes this only over EI kappa^2 s / (EI / L) ticks. A J
- * of 1.5 mm on 50 mm of soft wire therefore lagged by 20 mm at 30 mm/s. Overflow is impossible: rotations are
- * below 1.3 rad, and a cell is below 2^24 in Q30 m. */
+/* Returns the number of nodes from the tip that move as one rigid body. The rigid part reaches to the last
+ * joint within 40 mm of the tip whose rest shape is curved more tightly than 110 / m (a J, a pigtail, the
+ * first bend of a guiding catheter). Sliding by ds along its own curve of radius R would turn such a tip by
+ * ds / R in each tick. The solve undoes this turning only over EI kappa^2 s / (EI / L) ticks, because its
+ * matrix keeps rest rotations fixed in space. A J-shaped tip of 1.5 mm radius on 50 mm of soft wire therefore
+ * lagged by 20 mm at 30 mm/s. Overflow is impossible: rotations are below 1.3 rad, and the length of a cell
+ * is below 2^24 in Q30 m. */
 static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint32_t free_count)
 {
     uint32_t rigid = 0;
@@ -43,12 +45,12 @@ static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint
     return rigid < free_count ? rigid : free_count - 1;
 }
 
-/* Removes the rotation about an axis through node `root` from the remaining motion of the tip. The part of
- * this rotation that is predicted to go on is added to the slide. `drift_m_q33` holds the tip's motion
- * relative to the root's motion here. The angle follows from least squares: sum (a x r).w / sum (a x r)^2.
- * Returns the sum of the products a x r, in Q24 m. Overflow is impossible: lever arms are below 2^26.7 in Q30
- * (96 mm, where restored edges are twice as long), motions below 2^26.9 in Q33, and there are fewer than 2^8
- * nodes, so sums stay below 2^62. */
+/* Removes the rotation about an axis through node `root` from the remaining motion of the tip. The function
+ * adds the part of this rotation that is predicted to continue to the slide. In this function, `drift_m_q33`
+ * holds the tip's motion relative to the motion of node `root`. The angle of rotation follows from least
+ * squares: sum (a x r).w / sum (a x r)^2. Returns the sum of the products a x r, in Q24 m. Overflow is
+ * impossible: lever arms are below 2^26.7 in Q30 (96 mm, where a restored state has edges twice as long),
+ * motions are below 2^26.9 in Q33, and there are fewer than 2^8 nodes, so sums stay below 2^62. */
 static crn_vec3 turn_about(crn_state *state, uint32_t root, const crn_vec3 *axis_q30)
 {
     const crn_vec3 *centre = &state->words.nodes[root].position_m_q30;
@@ -105,8 +107,8 @@ uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free
     if (touching != CRN_CONTACT_NONE || model->hold.pinned || model->hold.turn) {
         return rigid;
     }
-    /* The tip's rotation is predicted first about the direction of the line behind the tip, then about two
-     * axes across that direction: in the tip's plane, and perpendicular to this plane. */
+    /* The tip's rotation is predicted first about the direction of the wire behind the tip, then about two
+     * axes across that direction: one in the tip's plane, and one perpendicular to this plane. */
     crn_vec3 out = turn_about(state, rigid, &root->tangent_q30);
     int32_t size = 0;
     out = crn_vec3_normalise(out, root->tangent_q30, &size);

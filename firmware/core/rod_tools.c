@@ -1,14 +1,16 @@
-/* This file computes the forces between coaxial tools and on their hands (docs/rod.md, "tools").
+/* This file computes the forces between coaxial tools and the forces on the hands that hold them
+ * (docs/rod.md, "tools").
  *
- * The tools share a centreline, so contact between them is not computed at a wall. Instead, a tool presses on
- * the next one with the force that its bending puts on the nodes they share. Friction mu N then resists
- * sliding (one bristle along the line for each pair) and turning (one bristle for each edge, in rod_twist.c),
- * in both directions.
+ * The tools share one centreline, so the code does not compute a contact between the inner tool and the outer
+ * tool's bore. Instead, a tool presses on the tool around it with the force that its bending puts on the
+ * nodes that the two tools share. Friction mu N then resists sliding (one friction displacement along the
+ * centreline for each pair of tools) and turning (one for each edge, in rod_twist.c), in both directions.
  *
- * The hand of a tool that does not lead feels how the line's elastic energy changes as the tool slides at
- * fixed shape. At a place where the tool's properties change, the force on the hand is the jump of psi = |M +
- * P|^2 / (2 EI) - S / 2. M is the moment; P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 are sums over all
- * tools at this place. This is the configurational force of a rod whose section jumps. */
+ * The hand of a tool that does not lead feels how the elastic energy of all tools changes as its tool slides
+ * at fixed shape. Where the tool's properties change, the force on the hand is the jump of psi = |M + P|^2 /
+ * (2 EI) - S / 2. Here M is the bending moment, and P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 are sums
+ * over all tools at this point. This force on the hand is the configurational force of a rod whose
+ * cross-section changes abruptly. */
 #include "firmware/core/rod.h"
 
 /* --- how hard tools press on each other ----------------------------------------------------------------- */
@@ -18,7 +20,7 @@ enum {
     FORCE_MAX_N_Q22 = 1 << 30,    /* 256 N: three squares fit 64 bits */
 };
 
-/* Format: same in and out. Overflow: the caller keeps |value| and `most` below 2^62. */
+/* Format: same in and out. Overflow: the caller keeps |value| and the limit `most` below 2^62. */
 static inline int32_t limited(int64_t value, int64_t most)
 {
     if ((uint64_t)(value + most) <= (uint64_t)most * 2) { /* one comparison for the usual case */
@@ -28,7 +30,7 @@ static inline int32_t limited(int64_t value, int64_t most)
 }
 
 /* Returns a / 2^n limited to +-2^log2_most, for 32 - log2_most < n < 32. On a 32-bit machine the code
- * examines only the upper word. */
+ * examines only the upper word of the 64-bit number. */
 static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
 {
     if (sizeof(void *) > 4) {
@@ -43,7 +45,7 @@ static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
 }
 
 /* Returns the length of a vector with a relative error of 2^-16. Format: same in and out. Overflow is
- * impossible for components within 2^30. */
+ * impossible for vector components within 2^30. */
 static int32_t length_of(const crn_vec3 *a)
 {
     uint64_t square = (uint64_t)crn_vec3_dot64(*a, *a);
@@ -57,8 +59,8 @@ static int32_t length_of(const crn_vec3 *a)
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
-/* Computes the moments W b of all joints at the predicted configuration, as if the line had no rest shape.
- * Format: b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
+/* Computes the bending moments W b of all joints at the predicted configuration, as if all tools were
+ * straight when free of stress. Format: b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
 static void bending_moments(crn_state *state)
 {
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
@@ -72,7 +74,7 @@ static void bending_moments(crn_state *state)
     }
 }
 
-/* Subtracts W times a rest rotation from a moment. */
+/* Subtracts the stiffness W times a rest rotation from a moment. */
 static void take_turn(const crn_vec3 *turn_q30, int32_t bend_N_m_q26, crn_vec3 *moment)
 {
     for (int c = 0; c < 3; c++) {
@@ -93,8 +95,8 @@ static crn_vec3 inner_turn(const crn_state *state, const crn_joint *joint, uint3
     return turn;
 }
 
-/* Computes the part of joint i's moment that the tools 0 .. `pair` bear: their share of W b, less the part of
- * their rest shapes. Q30 N m. */
+/* Computes the part of joint i's moment that the tools 0 .. `pair` bear: their fraction of W b, less the
+ * moment of their rest shapes. Q30 N m. */
 static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t i, crn_vec3 *moment)
 {
     const crn_joint *joint = crn_rod_joint(state, i);
@@ -109,7 +111,7 @@ static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t 
     }
 }
 
-/* Returns the first edge where both tools of a pair are present. */
+/* Returns the first edge from the tip at which the two tools of a pair are present. */
 static uint32_t first_shared(const crn_model *model, const crn_state *state, uint32_t pair)
 {
     int32_t a = state->line.offset_m_q30[pair];
@@ -123,8 +125,8 @@ static uint32_t first_shared(const crn_model *model, const crn_state *state, uin
 }
 
 /* Returns the force in Q22 N that the bending of the inner tools puts on a node, from the moments of the
- * joints around the node. Overflow is impossible: differences of moments fit 32 bits, and 1 / edge is below
- * 2^31. */
+ * joints around the node. Overflow is impossible: differences of moments fit 32 bits, and 1 / edge length is
+ * below 2^31. */
 static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *here, const crn_vec3 *after,
                                      int32_t a_per_m_q18, int32_t c_per_m_q18)
 {
@@ -137,9 +139,10 @@ static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *her
     return length_of(&force);
 }
 
-/* The length over which a tool bears on the next one depends on clearance and stiffness; it is about 3 mm for
- * a wire in a catheter (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md). Without this length, a finer mesh
- * would give a larger pressing force at a step of the moment. */
+/* The length over which a tool bears on the tool around it depends on clearance and stiffness. For a wire in
+ * a catheter this length is about 3 mm (sqrt(2 EI delta / M) with a clearance delta of 0.05 mm, docs/rod.md).
+ * Without this bearing length, a finer mesh would give a larger pressing force where the moment has a step.
+ */
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
 {
     for (int c = 0; c < 3; c++) {
@@ -147,9 +150,10 @@ static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *a
     }
 }
 
-/* Returns the stiffness of the friction against turning: that of the bristle while the bristle's reach is
- * within the limit mu N r, else limit / reach. The reach follows from the rotations of the last tick.
- * Overflow is impossible, because the quotient is then below 4e-4 N m. */
+/* Returns the stiffness of the friction against turning. The stiffness is that of the friction displacement
+ * (bristle) while its reach is within the limit mu N r, and limit / reach otherwise. The reach of the
+ * friction displacement follows from the rotations of the last tick. Overflow is impossible, because the
+ * quotient limit / reach is then below 4e-4 N m. */
 static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
     int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
@@ -161,8 +165,9 @@ static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair,
     return (uint16_t)crn_quotient(limit_N_m_q30, reach, 26);
 }
 
-/* Computes the limit mu N r against turning and its stiffness for every edge of a pair of tools. It also sums
- * mu N, which limits sliding. */
+/* Computes, for every edge of a pair of tools, the limit mu N r of the friction torque and the friction's
+ * stiffness against turning. The function also sums the friction mu N over the edges, which limits sliding.
+ */
 static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     uint32_t na = state->words.free_count;
@@ -211,14 +216,14 @@ void crn_tools_grip(const crn_model *model, crn_state *state)
 
 /* --- forces on the hand of a tool that does not lead ---------------------------------------------------- */
 
-/* Sums EI, P and S, as defined at the top of this file, over all tools at one place. */
+/* Sums EI, P and S, as defined at the top of this file, over all tools at one point. */
 typedef struct section {
     int32_t bend_q35;
     crn_vec3 curved_N_m_q30; /* P */
     int32_t stored_N_q22;    /* S */
 } section;
 
-/* Adds tool k, at its arc length `arc_m_q30`, to the section of joint i. */
+/* Adds tool k, at its arc length `arc_m_q30`, to the sums for the cross-section at joint i. */
 static void add_tool(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30,
                      uint32_t i, section *sum)
 {
@@ -289,8 +294,9 @@ static int32_t straight_handle(const crn_vec3 *moment_N_m_q30, int32_t before_q3
     return crn_mul(crn_sat32(sum), crn_quotient(change_q35, before_q35, 30), 31);
 }
 
-/* Returns the moment at joint i from the joints around it. Moments are continuous along the line, but the
- * moment of the cell itself lags while a tip slides through the cell. Q30 N m. */
+/* Returns the bending moment at joint i, computed from the neighbouring joints. Bending moments are
+ * continuous along the tools, but the moment that the cell itself gives lags while a tip slides through the
+ * cell. Q30 N m. */
 static crn_vec3 moment_around(const crn_model *model, const crn_state *state, uint32_t i)
 {
     crn_vec3 ahead, behind, moment;
@@ -302,8 +308,8 @@ static crn_vec3 moment_around(const crn_model *model, const crn_state *state, ui
     return moment;
 }
 
-/* Returns joint i's part of the force on tool k's hand: psi where the cell begins less psi where the cell
- * ends. */
+/* Returns joint i's contribution to the force on tool k's hand: psi (defined at the top of this file) where
+ * the cell begins less psi where the cell ends. */
 static int32_t joint_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                             int32_t from, int32_t to)
 {
@@ -327,8 +333,9 @@ static int32_t joint_handle(const crn_model *model, const crn_state *state, uint
     return crn_sub_sat(potential(&before, &moment), potential(&after, &moment));
 }
 
-/* A curved tool that lies in the straight introducer sheath stores elastic energy. Returns the force that
- * this energy per length causes on the tool's hand, at the sheath's distal end. */
+/* A curved tool that lies in the straight introducer sheath stores elastic energy. Returns the force at the
+ * sheath's distal end that the elastic energy per length of a curved tool in the straight sheath causes on
+ * the tool's hand. */
 static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30)
 {
     section own = {0, {{0, 0, 0}}, 0};
@@ -348,8 +355,9 @@ static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i
     return false;
 }
 
-/* Does the same as joint_handle(), for a cell within one span of tool k. EI comes from the joint, and the
- * change of EI from the span. */
+/* Returns joint i's contribution to the force on tool k's hand, like joint_handle(), for a cell within one
+ * span of tool k. The bending stiffness EI comes from the joint, and the change of EI comes from the span
+ * between two knots. */
 static int32_t smooth_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                              const crn_span *span, int32_t from, int32_t to)
 {
@@ -381,7 +389,7 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
     const crn_span *span = tool->spans;
     int32_t sum = 0;
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
-        /* The tip's half cell has no joint of its own: the first joint represents it. */
+        /* The half cell at the tip has no joint of its own, so the first joint represents this half cell. */
         int32_t from = (i > 1 ? model->mesh[i - 1].cell_end_m_q30 : 0) - offset;
         int32_t to = model->mesh[i].cell_end_m_q30;
         to = (to < inserted ? to : inserted) - offset;
@@ -402,10 +410,11 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
     return inserted > offset ? crn_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
 }
 
-/* A bent line pushes on the introducer sheath along the sheath's axis with EI kappa^2 / 2 at the distal end,
- * because the part that is fed in has to be straight. This is the configurational force of a sliding sleeve
- * (Bigoni et al. 2014, Mechanics Research Communications). The joint that the distal end cuts has W = EI /
- * part, and its edges differ by kappa part. Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
+/* Tools that are bent push on the introducer sheath along the sheath's axis with EI kappa^2 / 2 at the distal
+ * end, because the part that is fed in has to be straight. This push is the configurational force of a
+ * sliding sleeve (Bigoni et al. 2014, Mechanics Research Communications). The joint whose cell the sheath's
+ * distal end cuts has W = EI / part, and the angle between its edges is kappa part. Format: Q26 N m x Q30^2
+ * -> Q30 N m, / Q30 m -> Q22 N. */
 static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;
@@ -439,7 +448,7 @@ void crn_tools_handles(const crn_model *model, crn_state *state)
 
 /* --- after the solve ------------------------------------------------------------------------------------ */
 
-/* Updates the elastic rotation of each edge of a pair of tools, limited to mu N r / stiffness. */
+/* Updates the elastic rotation between a pair of tools at each edge, limited to mu N r / stiffness. */
 void crn_tools_turned(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
@@ -455,8 +464,8 @@ void crn_tools_turned(const crn_model *model, crn_state *state)
     }
 }
 
-/* Computes the friction of sliding between neighbouring tools; a bristle along the line puts equal and
- * opposite forces on the two hands. */
+/* Computes the friction of sliding between neighbouring tools. A friction displacement along the centreline
+ * puts equal and opposite forces on the two hands. */
 void crn_tools_slide(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {

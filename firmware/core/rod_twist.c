@@ -1,11 +1,12 @@
-/* This file computes the quasi-static twist of every tool at the predicted configuration.
+/* This file computes the quasi-static twist of every tool along its length at the predicted configuration.
  *
  * The unknown rotations theta of a tool's edges minimise sum k/2 (m + theta[i] - theta[i-1])^2 plus the
- * bending energy. The bending energy depends on the rest curvature, which turns with the frames; this makes a
- * J tip follow the hand. Two kinds of friction resist the rotation: friction of the wall on the tool that
- * touches it, and friction between a tool and the next one. Each tool takes one tridiagonal solve, from its
- * tip to the base. The edge in the introducer sheath is held at the hand's angle, so torque reaches the tip
- * within the tick (docs/rod.md, "twist"). */
+ * bending energy. The bending energy depends on the stress-free curvature of a tool, which turns with the
+ * tool's frames; this dependence makes a J-shaped tip follow the hand. Two kinds of friction resist the
+ * rotation: the friction of the wall on the tool that touches it, and the friction between a tool and the
+ * tool around it. The twist of each tool takes one tridiagonal solve, from the tool's tip to the base. The
+ * edge in the introducer sheath is held at the angle of the user's hand, so torque reaches the tip within the
+ * tick (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -45,15 +46,16 @@ static void curvature_torque(const crn_state *state, uint32_t k, uint32_t i, int
     }
 }
 
-/* Holds the resistance to the rotation theta of an edge, which is torque - stiffness theta. */
+/* Holds the friction torque on an edge, torque - stiffness theta, as a function of the edge's rotation theta.
+ */
 typedef struct resistance {
     int32_t torque_N_m_q30, stiffness_q26;
 } resistance;
 
-/* Returns the wall's friction on the tool that touches it. The surface moves by r theta along n x t in
- * addition to its displacement along the wall, and one bristle represents both (rod_contact.c). Overflow is
- * impossible: k_f r is below 2000 N/m x 2 mm = 2^24 in Q22 and the reach is below 2^30.5, so the torque is
- * below 2^29. */
+/* Returns the wall's friction on the tool that touches it. The tool's surface moves by r theta along n x t in
+ * addition to its displacement along the wall, and one friction displacement represents the two motions
+ * together (rod_contact.c). Overflow is impossible: k_f r is below 2000 N/m x 2 mm = 2^24 in Q22 and the
+ * reach of the friction displacement is below 2^30.5, so the torque is below 2^29. */
 static inline __attribute__((always_inline)) resistance
 wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
 {
@@ -64,9 +66,9 @@ wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
     return (resistance){crn_mulh(lever_N_q28, -work->reach_m_q33) * 2, crn_mulh(lever_N_q28, radius_m_q30)};
 }
 
-/* Returns the friction on tool k at an edge: friction between the tool and its neighbours, with the newest
- * known rotation of the neighbour, and friction of the wall. Overflow is impossible: stiffnesses of pairs of
- * tools are below 2^15, so the torque of a pair is below 2^20. */
+/* Returns the friction on tool k at an edge. The sum contains the friction with the neighbouring tools, at
+ * their newest known rotations, and the friction with the wall. Overflow is impossible: the friction
+ * stiffness of a pair of tools is below 2^15, so the torque between two tools is below 2^20. */
 static inline __attribute__((always_inline)) resistance
 edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *work,
                 const crn_line_node *line, uint32_t k, bool outermost)
@@ -99,7 +101,8 @@ typedef struct twist_carry {
 } twist_carry;
 
 /* Returns right / pivot in Q30, given the reciprocal 2^61 / mantissa, for `right` in Q30 and pivot = mantissa
- * 2^(1 - lead) in Q26. On a 32-bit machine the code examines only the upper word. Overflow: saturates. */
+ * 2^(1 - lead) in Q26. On a 32-bit machine the code examines only the upper word of the 64-bit number.
+ * Overflow: saturates. */
 static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, int32_t reciprocal,
                                                                 unsigned lead)
 {
@@ -117,9 +120,9 @@ static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, i
 }
 
 /* Eliminates the equation of edge j of tool k. Pivots and couplings are in Q26 N m, the right side is in Q30
- * N m, and angles are in Q30 rad. Overflow is impossible: k is below 2^30 (rod_line.c), curvature terms are
- * below 2^29 each, and friction and the hold are below 2^30 + 2^20, so the pivot fits 32 bits without a sign.
- * Moments saturate. */
+ * N m, and angles are in Q30 rad. Overflow is impossible: the twist stiffness k is below 2^30 (rod_line.c),
+ * curvature terms are below 2^29 each, and friction and the stiffness of the hold are below 2^30 + 2^20, so
+ * the pivot fits 32 bits without a sign. Moments saturate. */
 static inline __attribute__((always_inline)) void eliminate_edge(const crn_model *model, crn_state *state,
                                                                  uint32_t k, uint32_t j, bool outermost,
                                                                  twist_carry *carry)
@@ -170,8 +173,8 @@ static void turn_axis(const crn_vec3 *tangent, int32_t angle_q30, crn_vec3 *axis
     crn_frames_orthonormalise(axis1, tangent);
 }
 
-/* Substitutes back from the base to tool k's tip. Edges that the tip is about to reach take the frame of the
- * edge in which the tip lies. */
+/* Solves by back-substitution for the rotations of tool k's edges, from the base to the tip. Edges ahead of
+ * tool k, which its tip is about to reach, take the frame of the edge that contains the tip. */
 static inline __attribute__((always_inline)) void substitute(crn_state *state, uint32_t k, uint32_t first)
 {
     uint32_t na = state->words.free_count;
@@ -201,8 +204,8 @@ static inline __attribute__((always_inline)) void substitute(crn_state *state, u
     }
 }
 
-/* Returns the edge in which tool k's tip lies, or free_count when the tool is still in the introducer
- * sheath. */
+/* Returns the number of the edge that contains tool k's tip, or free_count when the tool is still in the
+ * introducer sheath. */
 static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_t k)
 {
     uint32_t j = 0;
@@ -212,8 +215,8 @@ static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_
     return j;
 }
 
-/* Adds a spring of 16 N m/rad that holds the first edge of tool 0, for validation, in the form of a rest
- * shape's term. */
+/* Adds a spring of 16 N m/rad that holds the first edge of tool 0 in validation cases; the spring has the
+ * same form as the term of a rest shape. */
 static void hold_turn(const crn_model *model, const crn_state *state, twist_carry *carry)
 {
     int32_t miss = (int32_t)(model->hold.turn32 - state->words.nodes[0].angle_turn32[0]);
@@ -221,7 +224,7 @@ static void hold_turn(const crn_model *model, const crn_state *state, twist_carr
     carry->curve_q26 = 16 << 26;
 }
 
-/* The function is inline, so that `k` and `outermost` are constants in the loops. */
+/* The compiler must inline this function, so that `k` and `outermost` are constants in its loops. */
 static inline __attribute__((always_inline)) void twist_tool(const crn_model *model, crn_state *state,
                                                              uint32_t k, bool outermost)
 {

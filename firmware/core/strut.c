@@ -1,4 +1,5 @@
-/* This file moves the rings of struts and computes their contact with a node (strut.h, docs/lesions.md). */
+/* This file moves the rings of a stent's struts and computes their contact with a node (strut.h,
+ * docs/lesions.md). */
 #include "firmware/core/strut.h"
 #include "firmware/core/rod.h"
 
@@ -39,8 +40,8 @@ bool crn_strut_order_is_valid(const crn_strut_order *order)
            order->thickness_um <= THICKNESS_MAX_um && order->is_joined <= 1;
 }
 
-/* 2^30 / 10^6 in Q20. Overflow is impossible: 1.9e6 x 2^30 / 10^6 fits 32 bits, and the product is below
- * 2^52. Error: 1/2 LSB. */
+/* 2^30 / 10^6 in Q20. Overflow is impossible: the largest coordinate, 1.9e6 x 2^30 / 10^6, fits 32 bits, and
+ * the product is below 2^52. Error: 1/2 LSB. */
 static int32_t from_um(int32_t um)
 {
     return (int32_t)crn_rshift_round64((int64_t)um * 1125899907, 20);
@@ -102,7 +103,7 @@ bool crn_state_strut(crn_state *state, const crn_strut_order *order)
     return true;
 }
 
-/* Overflow: both values are below 2^31 in magnitude, and their difference, which is below 2^32, saturates. */
+/* Overflow: the two values are below 2^31 in magnitude; their difference, which is below 2^32, saturates. */
 static int32_t next(int32_t now, int32_t wanted)
 {
     return now + crn_clamp(crn_sub_sat(wanted, now), -PACE_M_Q30, PACE_M_Q30);
@@ -161,15 +162,15 @@ static bool is_joined(const crn_strut_state *struts, uint32_t i)
     return true;
 }
 
-/* Returns the direction of the chain at one of its rings, from the ring before this one to the ring behind.
- * Overflow is impossible, because rings that are joined are less than 2^24 apart. */
+/* Returns the direction of the chain of strut rings at one ring, from the ring before to the ring after.
+ * Overflow is impossible, because joined rings are less than 2^24 (Q30 m) apart. */
 static crn_vec3 along_chain(const crn_strut_state *struts, uint32_t i, bool has_before, bool has_behind)
 {
     const crn_strut_ring *ring = &struts->rings[i];
     return crn_vec3_sub(ring[has_behind ? 1 : 0].centre_m_q30, (ring - (has_before ? 1 : 0))->centre_m_q30);
 }
 
-/* Describes the struts at one place of the chain of rings. */
+/* Describes the struts of a stent at one position along the chain of rings. */
 typedef struct section {
     crn_vec3 centre_m_q30, along_q30;
     int32_t inside_m_q30, thickness_m_q30, slope_q30;
@@ -189,8 +190,8 @@ static crn_vec3 vector_between(const crn_vec3 *a, const crn_vec3 *b, int32_t sha
                          between(a->v[2], b->v[2], share_q30));
 }
 
-/* Returns whether the place is within the box of rings i and i + 1, with a margin for the node. Overflow is
- * impossible, because radii are below 2^25 and places below 2^30.93. */
+/* Returns whether a point is within the box around the strut rings i and i + 1, with a margin for the node.
+ * Overflow is impossible, because radii are below 2^25 and coordinates are below 2^30.93. */
 static bool is_near(const crn_strut_ring *ring, const crn_vec3 *place, int32_t radius_m_q30)
 {
     const int32_t wider =
@@ -219,8 +220,8 @@ static crn_vec3 unit_of(const crn_vec3 *way)
     return crn_vec3_normalise(*way, none, NULL);
 }
 
-/* Returns the section at a place that lies between the planes across the chain at two rings. Overflow is
- * impossible, because a place within the box is less than 2^26 away. */
+/* Returns the struts' cross-section at a point that lies between the two planes across the chain at two
+ * rings. Overflow is impossible, because a point within the box is less than 2^26 away. */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
                                const crn_vec3 *off_a, const crn_vec3 *off_b)
 {
@@ -241,9 +242,9 @@ static section section_between(const crn_strut_ring *ring, const crn_vec3 *first
                      0};
 }
 
-/* Finds the section of the struts between ring i and the next in which a place lies. Returns false when the
- * place lies in another section. The signs of the dot products come first, because they exclude all but one
- * or two of the segments near a place. */
+/* Finds the struts' cross-section for a point that lies between ring i and the next ring. Returns false when
+ * the point does not lie between these two rings. The code tests the signs of the dot products first, because
+ * they exclude all but one or two of the ring pairs near a point. */
 static bool section_at(const crn_strut_state *struts, uint32_t i, const crn_vec3 *place, section *at)
 {
     const crn_strut_ring *a = &struts->rings[i], *b = a + 1;
@@ -272,7 +273,7 @@ static bool section_at(const crn_strut_state *struts, uint32_t i, const crn_vec3
     return true;
 }
 
-/* Returns the contact at the round edge of the chain's end; the contact's normal is tilted at least 45
+/* Returns the contact at the rounded edge at the end of a stent; the contact's normal is tilted at least 45
  * degrees to the side. */
 static crn_lumen_sample beside_edge(const section *at, const crn_vec3 *outwards_q30, int32_t off_middle_m_q30)
 {
@@ -292,8 +293,8 @@ static crn_lumen_sample beside_edge(const section *at, const crn_vec3 *outwards_
     return sample;
 }
 
-/* Returns the contact beside the struts, inside or outside. Overflow is impossible, because slope and unit
- * vector together are below 1.5. */
+/* Returns the contact with the struts' surface, inside or outside the stent. Overflow is impossible, because
+ * the sum of slope and unit vector is below 1.5. */
 static crn_lumen_sample beside_struts(const section *at, const crn_vec3 *outwards_q30, int32_t rho_m_q30,
                                       bool is_inside)
 {
@@ -312,7 +313,7 @@ static crn_lumen_sample beside_struts(const section *at, const crn_vec3 *outward
     return sample;
 }
 
-/* Contact with one shell. Returns false on the shell's axis, where there is no normal. */
+/* Contact with one shell. Returns false on the axis of the stent's shell, where there is no normal. */
 static bool contact_of(const section *at, const crn_vec3 *place, int32_t radius_m_q30,
                        crn_lumen_sample *sample)
 {

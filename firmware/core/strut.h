@@ -1,8 +1,8 @@
 /* This header handles contact between a tool and the struts of deployed stents. A tool inside the stent stays
  * inside; a tool outside the stent is confined between struts and vessel wall.
  *
- * A stent is a chain of rings. A ring is a circle along the inside of the struts, with a thickness, in the
- * reference pose of a vessel that moves:
+ * A stent is represented by a chain of strut rings. A ring is a circle along the inside of the struts, with a
+ * thickness, in the reference pose of a vessel that moves:
  *
  *      ring k        ring k + 1     Between joined neighbours lies a shell of revolution. Axis and radius are
  *        |  ___---====  |           linear in u, the fraction of the distance between the planes across the
@@ -13,30 +13,32 @@
  *        inside the middle of the struts   (rho - R) / g + r                 normal (s t - e) / g
  *        outside                           (R + thickness - rho) / g + r,    the opposite normal
  *
- * The position of a node's centre decides on which side of the struts the node lies. An end of the chain is a
- * round edge. The normal at this edge is tilted at least 45 degrees to one side, so that no friction holds a
- * tip there. Orders move an existing ring by at most 5 um a tick. Where there is no ring, the cost is one
- * comparison for each node. The file docs/lesions.md explains more. */
+ * The position of a node's centre decides on which side of the struts the node lies. Each end of the chain of
+ * strut rings is a rounded edge. The contact normal at the rounded end of a stent is tilted at least 45
+ * degrees to one side, so that no friction holds a tip there. Commands move an existing strut ring by at most
+ * 5 um a tick. Where there is no strut ring, the cost is one comparison for each node. The file
+ * docs/lesions.md explains more. */
 #ifndef CRN_STRUT_H
 #define CRN_STRUT_H
 
 #include "firmware/core/core_state.h"
 
-/* Begins a tick: rings move on towards their ordered places, and a box is put around all of them. */
+/* Begins a tick: the strut rings move on towards their commanded positions, and a box is put around all of
+ * them. */
 void crn_struts_step(crn_state *state);
 
-/* Samples the deepest of the shells around or beside a node of this radius, in the reference pose. The
- * distance is negative on the node's own side, and the normal points away from the struts. Returns false when
- * no shell is within half a millimetre of the node. */
+/* Finds the stent shell that is deepest in contact with a node of this radius, in the reference pose, and
+ * samples its surface. The distance to the struts is negative on the node's own side of them, and the normal
+ * points away from the struts. Returns false when no shell is within half a millimetre of the node. */
 bool crn_struts_contact(const crn_strut_state *struts, const crn_vec3 *place_m_q30, int32_t radius_m_q30,
                         crn_lumen_sample *sample);
 
-/* Does the same at a place in world coordinates, where the vessel may have moved. */
+/* Samples the struts as above at a point in world coordinates, where the vessel may have moved. */
 bool crn_struts_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
                      const crn_vec3 *world_m_q30, int32_t radius_m_q30, crn_lumen_sample *sample);
 
-/* Does the same in a tick, right after the wall was sampled at this place; the tick's box excludes most
- * places at once. */
+/* Samples the struts during a tick, right after the wall was sampled at this point; the tick's box excludes
+ * most points at once. */
 bool crn_struts_here(const crn_model *model, crn_state *state, const crn_vec3 *world_m_q30,
                      int32_t radius_m_q30, crn_lumen_sample *sample);
 

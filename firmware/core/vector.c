@@ -2,7 +2,7 @@
 #include "firmware/core/vector.h"
 
 /* Returns a b - c d, rounded once. Overflow is impossible before saturation, because |a b - c d| <= 2^63 -
- * 2^31; the half is added after the shift so that rounding cannot overflow either. */
+ * 2^31. The rounding half is added after the shift, so that rounding cannot overflow. */
 static int32_t minor_2x2(int32_t a, int32_t b, int32_t c, int32_t d, unsigned n)
 {
     int64_t difference = (int64_t)a * b - (int64_t)c * d;
@@ -18,7 +18,7 @@ crn_vec3 crn_vec3_cross(crn_vec3 a, crn_vec3 b, unsigned n)
 
 crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length)
 {
-    /* Each square is at most 2^62, so the sum fits 64 bits unsigned. */
+    /* The square of each component is at most 2^62, so the sum of three fits 64 bits unsigned. */
     uint64_t square = (uint64_t)((int64_t)a.v[0] * a.v[0]) + (uint64_t)((int64_t)a.v[1] * a.v[1]) +
                       (uint64_t)((int64_t)a.v[2] * a.v[2]);
     if (square == 0) {
@@ -27,7 +27,8 @@ crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length)
         }
         return fallback;
     }
-    /* square = m 2^(32 - shift) with m in [2^30, 2^32); y = 1/sqrt(m) and |a| = 2^(32 - shift/2) / y. */
+    /* The length follows from square = m 2^(32 - shift) with m in [2^30, 2^32): y = 1/sqrt(m) and |a| = 2^(32
+     * - shift/2) / y. */
     unsigned shift = crn_clz64(square) & ~1u;
     uint32_t m_q32 = (uint32_t)((square << shift) >> 32);
     int32_t y_q30 = crn_rsqrt_q30(m_q32);

@@ -1,5 +1,5 @@
-/* Three-component vectors in fixed point. A vector has the format of its components, which is the suffix of
- * its name. */
+/* Three-component vectors in fixed point. A vector's number format is that of its components, and is the
+ * suffix of the variable's name. */
 #ifndef CRN_VECTOR_H
 #define CRN_VECTOR_H
 
@@ -27,9 +27,9 @@ static inline crn_vec3 crn_vec3_sub(crn_vec3 a, crn_vec3 b)
                          crn_sub_sat(a.v[2], b.v[2]));
 }
 
-/* Raw dot product. Format: Qa . Qb -> Q(a+b) in 64 bits. Overflow is impossible while the components of both
- * vectors stay below 2^31 * 0.81 (3 * 0.81^2 < 2), or those of one vector stay within +-2^30 (3 * 2^61 <
- * 2^63). Error: exact. */
+/* Raw dot product. Format: Qa . Qb -> Q(a+b) in 64 bits. Overflow is impossible in two cases: the components
+ * of both vectors stay below 2^31 * 0.81 (3 * 0.81^2 < 2), or the components of one vector stay within +-2^30
+ * (3 * 2^61 < 2^63). Error: exact. */
 static inline int64_t crn_vec3_dot64(crn_vec3 a, crn_vec3 b)
 {
     return crn_product_add(crn_product_add(crn_product(a.v[0], b.v[0]), a.v[1], b.v[1]), a.v[2], b.v[2]);
@@ -42,8 +42,8 @@ static inline int32_t crn_vec3_dot_unit(const crn_vec3 *a, const crn_vec3 *unit_
     return crn_round_high64(crn_vec3_dot64(*a, *unit_q30)) * 4;
 }
 
-/* Returns a b - c d from the rounded high words of the products. Format: Qa x Q30 -> Qa in steps of 4 LSB.
- * Error: 4 LSB. */
+/* Returns the difference a b - c d, computed from the rounded high words of the products. Format: Qa x Q30 ->
+ * Qa in steps of 4 LSB. Error: 4 LSB. */
 static inline int32_t crn_minor_unit(int32_t a, int32_t b_q30, int32_t c, int32_t d_q30)
 {
     return crn_mulh_sub(crn_mulh(a, b_q30), c, d_q30) * 4;
@@ -63,10 +63,10 @@ static inline crn_vec3 crn_vec3_cross_unit(const crn_vec3 *unit_q30, const crn_v
  * saturates. Error: 1/2 LSB. */
 crn_vec3 crn_vec3_cross(crn_vec3 a, crn_vec3 b, unsigned n);
 
-/* Scale to unit length. Format: any Q -> Q30. Overflow: only *length can overflow, and it saturates at its
- * largest value. The error is at most 3 LSB of Q30 per component for a vector of any length >= 1 LSB, and 1/2
- * LSB + 2^-29 relative for *length. For a zero vector, the result is `fallback` and the length 0. If `length`
- * is not NULL, *length receives the length in the input's format. */
+/* Scale to unit length. Format: any Q -> Q30. Overflow: only the result *length can overflow, and it
+ * saturates at its largest value. The error is at most 3 LSB of Q30 per component for a vector of any length
+ * >= 1 LSB, and 1/2 LSB + 2^-29 relative for *length. For a zero vector, the returned direction is `fallback`
+ * and the length is 0. If `length` is not NULL, *length receives the length in the input's format. */
 crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length);
 
 #endif

@@ -6,7 +6,7 @@
 
 enum { CONSOLE_DIGITS_BYTES = 11 }; /* the digits of 2^32 - 1 and the terminator */
 
-/* Writes the digits into `text` and returns the first one. */
+/* Writes the decimal digits into `text` and returns a pointer to the first digit. */
 static inline const char *console_digits(char text[CONSOLE_DIGITS_BYTES], uint32_t value)
 {
     int at = CONSOLE_DIGITS_BYTES - 1;

@@ -1,4 +1,5 @@
-/* This is the complete hardware interface: what a port provides, and which functions of the app it calls.
+/* This header is the complete hardware interface of the app: the functions that a port provides, and the
+ * functions of the app that a port calls.
  *
  * A port owns the memory (one crn_app, two scene slots), the pipe of bytes, and the 1 ms timer:
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
@@ -6,7 +7,7 @@
  *   1 ms passed      crn_app_timer(app)                     from the main loop, per edge of the timer, late ones too
  *
  * In FREE_RUN the timer decides when a tick runs. In every mode and state, the app reads `inputs` and writes
- * `outputs` once per edge of the timer. A port calls nothing else of the app. */
+ * `outputs` once per edge of the timer. A port calls no other function of the app. */
 #ifndef CRN_PORT_H
 #define CRN_PORT_H
 
@@ -20,7 +21,7 @@ enum {
     CRN_PORT_SERIAL_BYTES = 24, /* longest serial */
 };
 
-/* States whether a reading is valid, as judged by the sensor. Only OK readings are used. */
+/* States whether a sensor's reading is valid, as judged by the sensor. Only OK readings are used. */
 typedef enum crn_port_sensor {
     CRN_PORT_SENSOR_OK = 0,
     CRN_PORT_SENSOR_ABSENT, /* not fitted; a motor without a force sensor needs the local unlock */
@@ -33,7 +34,7 @@ typedef struct crn_port_hand {
     int32_t rotation_counts;    /* absolute, may wrap; + right-handed about the direction of insertion */
 } crn_port_hand;
 
-/* Holds what the electronics of one track report, apart from its encoders. */
+/* Holds the readings that the electronics of one track report, apart from its encoders. */
 typedef struct crn_port_track {
     int32_t force_raw; /* axial force on the hand in the sensor's counts, + pushes the hand back out */
     uint8_t translation_sensor; /* CRN_PORT_SENSOR_* */
@@ -42,7 +43,7 @@ typedef struct crn_port_track {
     bool over_current; /* a motor driver of this track limits its current or has tripped */
 } crn_port_track;
 
-/* Holds one sample of the whole rig. */
+/* Holds one set of readings of the whole rig. */
 typedef struct crn_port_inputs {
     crn_port_hand hands[CRN_PORT_TOOL_MAX];
     crn_port_track tracks[CRN_PORT_TOOL_MAX];
@@ -69,7 +70,7 @@ typedef enum crn_port_lamp {
     CRN_PORT_LAMP_FAULT, /* fast blinking */
 } crn_port_lamp;
 
-/* The outputs are written once per edge of the timer, and at once when a fault removes the power. */
+/* The app writes the outputs once per edge of the timer, and at once when a fault removes the motor power. */
 typedef struct crn_port_outputs {
     /* all 0 unless RUNNING in FREE_RUN; 0 for a track without a tool */
     crn_port_motor motors[CRN_PORT_TOOL_MAX];
@@ -80,10 +81,12 @@ typedef struct crn_port_outputs {
 
 typedef struct crn_port {
     void *context; /* passed back in every call */
-    /* Queues one whole frame for the host. Without space it queues nothing, and returns false. */
+    /* Queues one whole frame for the host. Without space for the whole frame, the function queues nothing and
+     * returns false. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
     size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
-    /* Samples the rig. Without a rig it returns false; the app uses `input` messages and powers nothing. */
+    /* Samples the rig. Without a rig the function returns false; the app then uses `input` messages and
+     * powers no motor. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */

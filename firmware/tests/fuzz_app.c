@@ -1,5 +1,5 @@
-/* This fuzz target exposes the whole app to arbitrary hosts and rigs, behind a port of its own. The input is
- * a list of operations, so that the fuzzer gets past the CRC:
+/* This fuzz target exposes the whole app to messages of arbitrary hosts and to readings of arbitrary rigs,
+ * through a test port. The input is a list of operations, so that the fuzzer gets past the CRC:
  *
  *   op u8:  0 .. 0x7f  a message of that type, properly framed: length u8, payload
  *           0x80       raw bytes into the pipe: length u8, bytes
@@ -15,10 +15,11 @@
  *           0x89       an order without a frame, as HID sends it: action u8
  *           0x8a       every millisecond's work takes this long: u8 x 50 us
  *
- * An input has at most 48 operations, so that it ends in time. Devices are built once and copied, because
- * building a line of tools for every input took a hundred times as long as the fuzzed operations. After every
- * write of the outputs the guarantees of docs/faults.md must hold: no power except in FREE_RUN and RUNNING,
- * no force beyond limit and slew limit, and no flips of the drive line without power. */
+ * A fuzz input has at most 48 operations, so that its run ends in a short time. The program builds devices
+ * once and copies them, because building a set of tools for every input took a hundred times as long as the
+ * fuzzed operations. After every write of the outputs, the guarantees of docs/faults.md must hold. The motors
+ * have no power except in FREE_RUN and RUNNING, no force exceeds its limit and slew limit, and the drive line
+ * does not change without power. */
 #include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 
@@ -86,8 +87,8 @@ static int32_t size_of(int32_t value)
     return value < 0 ? -value : value;
 }
 
-/* Checks the limit of a force, and its growth in one write. A force may start and fall at once, and may
- * change its sign within the slew limit. */
+/* Checks that a force stays within its limit, and that one write of the outputs raises it by no more than the
+ * slew limit. A force may start and fall at once, and may change its sign within the slew limit. */
 static void check_motor(int32_t value, int32_t last, int32_t limit, int32_t slew)
 {
     promise(size_of(value) <= limit);
@@ -324,7 +325,8 @@ static void step(input *in, uint8_t count)
     send(CRN_WIRE_TYPE_step, payload, writer.length);
 }
 
-/* Acts as if the chunks had arrived and the CRC were right, so that the checks of head and core decide. */
+/* Acts as if all chunks of an upload had arrived with the right CRC, so that only the checks of header and
+ * core decide. */
 static void restore_damaged(input *in, uint8_t count)
 {
     command(CRN_WIRE_ACTION_STOP, 0);
@@ -434,11 +436,11 @@ enum {
     FREE = CRN_WIRE_ACTION_FREE_RUN
 };
 
-/* Makes an operation of a command with code and tick 0. */
+/* Makes one operation of a fuzz input, which sends a command with its code and tick 0. */
 #define COMMAND(action) 0x16, CRN_WIRE_BYTES_command, action, 0, 0, 0, 0, 0, 0, 0, 0
 
-/* Starts from a device back in READY and sends one long message as an operation; mutations of set-up begin
- * here. */
+/* Starts from a device in the state READY and sends one long message as an operation, so that mutations of
+ * set-up messages begin here. */
 static size_t message_seed(uint8_t type, const crn_wire_writer *writer, uint8_t *bytes)
 {
     const uint8_t begin[] = {0x82, 1,    COMMAND(STOP),           COMMAND(RESET),

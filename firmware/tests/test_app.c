@@ -1,6 +1,6 @@
-/* These tests check the claims about the app through bytes on the sim port: states and modes follow the
- * diagram of app.h, refusals are typed and change nothing, and encoder jumps stop the session. Forces are
- * limited, and snapshots continue bit for bit. */
+/* These tests check the app through the bytes of the simulated port: states and modes follow the diagram of
+ * app.h, refusals have a typed code and change nothing, and encoder jumps stop the session. The tests also
+ * check that forces are limited, and that a session restored from a snapshot continues bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -233,7 +233,8 @@ static void a_step_at_another_tick_is_refused_and_changes_nothing(void **state)
 }
 
 /* The hand moves 20 um per tick for 1000 ticks, which is 20 mm; the first reading only sets the zero. The
- * tolerance is 0.1 mm, because the tool's inertia makes the hand's coupling yield. */
+ * tool's position has a tolerance of 0.1 mm, because the tool's inertia makes the coupling between hand and
+ * tool yield. */
 static void the_instrument_follows_the_encoder(void **state)
 {
     (void)state;
@@ -249,8 +250,8 @@ static void the_instrument_follows_the_encoder(void **state)
     }
 }
 
-/* The same motion gives the same hashes when the encoder's counter starts at any other value and wraps during
- * the motion. */
+/* The same motion of the hand gives the same hashes when the encoder's counter starts at any other value and
+ * wraps during the motion. */
 static void counters_may_wrap(void **state)
 {
     (void)state;
@@ -267,7 +268,8 @@ static void counters_may_wrap(void **state)
     assert_memory_equal(lanes[0], lanes[1], sizeof lanes[0]);
 }
 
-/* A change of 5 mm in a tick is the largest plausible change, at 1 um per count. */
+/* A change of the hand's position by 5 mm in a tick, at 1 um per count, is the largest that the device
+ * accepts as plausible. */
 static void an_encoder_jump_stops_the_session(void **state)
 {
     (void)state;
@@ -315,8 +317,8 @@ static void force_limits_can_be_lowered_but_not_raised(void **state)
     assert_int_equal(reject.detail2, 2);
 }
 
-/* When the hand jerks at a gain of 4, the motor command stays within its limit and grows by at most its slew
- * limit in every tick. */
+/* When the hand jerks at a force gain of 4, the motor command stays within its limit and grows by at most its
+ * slew limit in every tick. */
 static void motor_commands_stay_within_limit_and_slew(void **state)
 {
     (void)state;
@@ -457,8 +459,8 @@ static void a_snapshot_is_refused_while_running(void **state)
     assert_int_equal(host.decoder.header.type, CRN_WIRE_TYPE_reject);
 }
 
-/* The test damages fields of the snapshot's head: unknown flags, a motor beyond its limit, and a tick that
- * differs from the core's. */
+/* The test damages fields of the snapshot's header: it sets unknown flags, a motor force beyond its limit,
+ * and a tick that differs from the core's. */
 static void a_snapshot_with_impossible_contents_leaves_the_state(void **state)
 {
     (void)state;

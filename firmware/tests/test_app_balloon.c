@@ -1,6 +1,7 @@
-/* These tests check claims about balloon and stent on the wire protocol. One count of the inflator is a
- * pressure of one kilopascal in the balloon of the tools that were sent. An invalid table, or a stent where
- * there is no lesion, is refused as a whole. The pressures of a FREE_RUN session replay bit for bit. */
+/* These tests check the wire protocol's messages for balloon and stent. One count of the inflator's sensor is
+ * a pressure of one kilopascal in the balloon. A message with an invalid balloon table, or with a stent where
+ * there is no lesion, is refused as a whole. The balloon pressures that were recorded in a FREE_RUN session
+ * replay bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -46,8 +47,8 @@ static void step_at(uint32_t tick, int32_t inflator_raw)
     assert_true(client_expect_ticks(&b.host, &ticks));
 }
 
-/* In open space the balloon has the table's diameter at 8 bar, within the table's rounding. Pressures below 0
- * have no effect, and the balloon bursts above its limit. */
+/* In open space the balloon has the diameter that its table gives for 8 bar, within the table's rounding.
+ * Pressures below 0 have no effect, and the balloon bursts above its limit. */
 static void a_count_of_the_inflator_is_a_kilopascal(void **state)
 {
     (void)state;
@@ -87,7 +88,7 @@ static void tools_with_a_table_that_is_none_are_refused(void **state)
     }
 }
 
-/* Sends two inputs, of which the second has the order. */
+/* Sends two inputs, of which the second contains the command. */
 static void ask_for_strut(crn_wire_step *step, const crn_wire_strut *strut)
 {
     *step = (crn_wire_step){.tick = 0, .inputs_count = 2};
@@ -117,8 +118,8 @@ static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
     }
 }
 
-/* A ring of struts can be ordered without a scene. An order for an invalid ring is refused before any tick is
- * computed, and the answer names the kind of the order and its place in the list. */
+/* A host can command a ring of stent struts without a scene. A command for an invalid strut ring is refused
+ * before any tick is computed, and the answer names the kind of the command and its position in the list. */
 static void struts_that_are_none_are_refused_whole(void **state)
 {
     (void)state;
@@ -153,8 +154,8 @@ static void place_rings(int ms)
     if (ms == 200) place_ring(2, 1800);
 }
 
-/* In FREE_RUN the message `orders` transmits the orders of struts. Each order is recorded in the input of the
- * tick that applied it, so the record replays. */
+/* In FREE_RUN the message `orders` transmits the commands for stent struts. Each command is recorded in the
+ * input of the tick that applied it, so the recorded session replays. */
 static void struts_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;
@@ -171,8 +172,8 @@ static void struts_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
     replays(count);
 }
 
-/* The pressure of the rig's inflator rises in steps and stays; the record ends while the balloon is
- * inflated. */
+/* The pressure of the rig's inflator rises in steps and then stays constant; the recording ends while the
+ * balloon is inflated. */
 static void pump(int ms)
 {
     b.rig.inflator_raw = ms < 150 ? 5 * ms : 900;

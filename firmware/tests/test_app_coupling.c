@@ -1,8 +1,8 @@
-/* These tests check the claims about the virtual coupling (docs/haptics.md) on the sim port. In free motion
- * the tool follows the hand without lag, and the hand feels no force. A seal is felt as friction and holds
- * without chatter; a blocked tool is felt as a spring. The hand slips at the force limit, and the effects of
- * gain, limit and slew limit are as set. The coupling's state is part of the snapshot. Unexplained energy
- * removes the force. */
+/* These tests check the virtual coupling between hand and tool (docs/haptics.md) on the simulated port. In
+ * free motion the tool follows the hand without lag, and the hand feels no force. The hand feels a seal as
+ * friction, which holds the tool without chatter; the hand feels a blocked tool as a spring. The hand slips
+ * at the force limit, and force gain, force limit and slew limit have the effects that were set. The state of
+ * the virtual coupling is part of the snapshot. Unexplained energy removes the force. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,8 +31,8 @@ static void start_lockstep(const crn_wire_track *track)
     tick_now = 0;
 }
 
-/* Computes one tick in which the hand is at `translation` um and `rotation` x 2^-16 turn. Returns the state
- * of the tool after it. */
+/* Computes one tick in which the hand is at the translation `translation` um and the angle `rotation` x 2^-16
+ * turn. Returns the state of the tool after this tick. */
 static const crn_wire_tool_state *step_to(int32_t translation, int32_t rotation)
 {
     uint8_t payload[64];
@@ -74,8 +74,8 @@ static void a_free_tool_follows_without_lag_or_drag(void **state)
     assert_true(worst_um < 120 && worst_mN < 120);
 }
 
-/* When only the seal acts, the hand feels the seal's friction against the motion in both directions, and the
- * friction settles without chatter. */
+/* When only the friction of the seal acts on the tool, the hand feels this friction against its motion in
+ * both directions, and the friction settles without chatter. */
 static void a_seal_is_felt_as_its_friction_and_does_not_chatter(void **state)
 {
     (void)state;
@@ -109,8 +109,9 @@ static void a_seal_resists_turning_too(void **state)
     assert_in_range(tool->motor_torque_uN_m, 350, 450);
 }
 
-/* With a seal of 2 N and a coupling of 1 N/mm, a lead of 1 mm gives 1 N. A lead of 20 mm gives the 2 N at
- * which the tool slides, and no more. */
+/* In this test the seal's friction is 2 N and the coupling's stiffness is 1 N/mm, so a hand that is 1 mm
+ * ahead of the tool feels a force of one newton. A hand that is 20 mm ahead feels the 2 N at which the tool
+ * slides, and no more. */
 static void a_held_tool_is_felt_as_the_coupling_s_spring(void **state)
 {
     (void)state;
@@ -144,8 +145,8 @@ static void the_hand_slips_at_the_force_limit(void **state)
     assert_true(inserted_um(tool) > end_um + 500);
 }
 
-/* A snapshot is taken while the hand presses against the seal; the session that continues from this snapshot
- * gives the same ticks. */
+/* The test takes a snapshot while the hand presses against the seal; the session that continues from this
+ * snapshot gives the same ticks. */
 static void the_coupling_is_part_of_the_snapshot(void **state)
 {
     (void)state;
@@ -195,9 +196,9 @@ static void shake(int tick)
     bench_tick(&b);
 }
 
-/* A hand that shakes by 0.5 mm from tick to tick gains energy from every sampled spring. The passivity
- * observer detects the energy, removes the force and reports it. When the hand then pushes on, it has
- * returned the energy, and the session continues. */
+/* A hand that shakes by 0.5 mm from tick to tick gains energy from any spring that is computed once a tick.
+ * The passivity observer detects this energy, removes the force and reports the fault. When the hand then
+ * pushes on, it returns the energy, and the session continues. */
 static void forces_that_give_energy_are_reduced(void **state)
 {
     (void)state;
@@ -218,8 +219,8 @@ static void forces_that_give_energy_are_reduced(void **state)
     assert_true(least_mN < begin_mN / 4);
 }
 
-/* In this test the shaking hand continues to shake. After 100 such ticks in a row the power is removed,
- * because a limit cycle would never end by itself. */
+/* In this test the shaking hand continues to shake. After 100 such ticks in a row the motor power is removed,
+ * because the oscillation would never end by itself. */
 static void energy_that_a_track_gives_for_100_ms_takes_the_power(void **state)
 {
     (void)state;

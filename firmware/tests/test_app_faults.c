@@ -1,8 +1,8 @@
-/* These tests check claims about everything that can hurt a finger, with one test per fault of
+/* These tests check the device's reaction to everything that can hurt a finger, with one test per fault of
  * shared/wire/wire_faults.def (tools/check/tests/test_faults.py compares the names). Each test injects a
- * fault at the sensors while a motor gives a force. It counts the time until no motor gives a force any more,
- * in edges of the timer, behind the power stage. This time is at most the value in the table of faults, and
- * the force does not return. */
+ * fault at the sensors while a motor gives a force. Each test counts the edges of the timer until no motor
+ * gives a force any more, measured behind the power stage. The time until the force ends is at most the value
+ * in the table of faults, and the force does not return. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,7 +36,8 @@ static void expect_state(uint8_t expected)
     }
 }
 
-/* Neither time nor START nor a healthy rig restores the power; only RESET and both steps of arming do. */
+/* Neither waiting, nor START, nor a healthy rig restores the motor power; only RESET and the two messages
+ * that arm the motors do. */
 static void expect_latched(crn_fault_code code)
 {
     const crn_port_inputs healthy = crn_sim_healthy_inputs();
@@ -135,8 +136,8 @@ static void a_power_stage_that_does_not_go_off_is_told(void **state)
     expect_latched(CRN_FAULT_CODE_STAGE_STUCK);
 }
 
-/* The state FAULT has another cause, which remains the reported one. The log still records, once, that a
- * person must cut the supply by hand. */
+/* The device is in the state FAULT for another cause, which remains the reported cause. The fault log still
+ * records, once, that a person must switch off the supply by hand. */
 static void a_stage_that_does_not_go_off_in_a_fault_is_told_too(void **state)
 {
     (void)state;
@@ -220,7 +221,8 @@ static void a_lost_force_sensor_takes_the_power(void **state)
     }
 }
 
-/* The hand pushes in the direction in which the encoder moves, so the excess force comes from the motor. */
+/* The hand pushes in the direction in which the encoder moves, so the additional force must come from the
+ * motor. */
 static void a_force_that_was_not_asked_takes_the_power(void **state)
 {
     (void)state;
@@ -236,7 +238,7 @@ static void a_force_that_was_not_asked_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_FORCE_MISMATCH);
 }
 
-/* The test shows this in READY, ARMED and RUNNING while no force is commanded. */
+/* The test checks this fault in READY, ARMED and RUNNING while no force is commanded. */
 static void a_force_while_none_is_asked_takes_the_power(void **state)
 {
     (void)state;
@@ -258,7 +260,7 @@ static void a_force_while_none_is_asked_takes_the_power(void **state)
     }
 }
 
-/* The limit is 1 N, and the sensor reads 1.4 N more than the motor is commanded to give. */
+/* The permitted difference is 1 N, and the sensor reads 1.4 N more than the motor is commanded to give. */
 static void a_force_beyond_the_limit_takes_the_power(void **state)
 {
     (void)state;
@@ -294,8 +296,8 @@ static void one_spike_of_over_current_is_no_fault(void **state)
     expect_state(CRN_WIRE_STATE_RUNNING);
 }
 
-/* The hand releases the handle: nobody opposes the motor's 1.5 N any more, and the carriage of 0.1 kg runs
- * away. */
+/* The hand releases the handle: no hand opposes the motor's 1.5 N any more, and the carriage of 0.1 kg
+ * accelerates. */
 static int released_ms;
 static void release(int encoder_sign)
 {
@@ -412,7 +414,8 @@ static void a_device_that_cannot_keep_up_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_TICK_STALLED);
 }
 
-/* The power stage removes the power by itself, and the firmware reports this as soon as it runs again. */
+/* The power stage removes the motor power by itself, and the firmware reports the removal as soon as it runs
+ * again. */
 static void a_frozen_processor_has_no_power_and_says_so_afterwards(void **state)
 {
     (void)state;

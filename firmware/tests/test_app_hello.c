@@ -1,7 +1,7 @@
-/* These tests check claims about a second program at a rig that has power, and about what feeds a port's
- * watchdog. A conversation that begins in the middle of another one takes nothing away from it, and a
- * conversation that begins after a program has gone works. Only edges that the app has completed count as
- * signs of life. */
+/* These tests check what happens when a second program connects to a rig that has power, and which events
+ * feed a port's watchdog. When a second program connects while another one is in control, the first loses
+ * nothing; when a program has gone, the next one can take over. Only timer edges that the app has completed
+ * count as signs of life for the watchdog. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,8 +42,8 @@ static void a_second_program_is_refused_while_the_first_leads_with_power(void **
     assert_int_equal(bench_status(&b).state, CRN_WIRE_STATE_RUNNING);
 }
 
-/* A refused HELLO does not count as a sign of life of the program in charge, whose silence ends the forces in
- * the usual time. */
+/* A refused HELLO does not count as a sign of life of the program in control; when that program is silent,
+ * the forces end in the usual time. */
 static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state)
 {
     (void)state;
@@ -61,8 +61,8 @@ static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state
     assert_in_range(edges, CRN_APP_HOST_SILENT_ticks, CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks + 1);
 }
 
-/* A program that crashed is forgotten when its silence has ended the forces; the next one sends HELLO and
- * RESET, and begins. */
+/* When the silence of a crashed program has ended the forces, the device forgets this program; the next
+ * program sends HELLO and RESET, and begins. */
 static void after_a_host_that_is_gone_hello_works(void **state)
 {
     (void)state;
@@ -132,8 +132,8 @@ static uint32_t no_time(void *context)
     return 0;
 }
 
-/* To simulate work that never returns, the test leaves the work of an edge in the middle by a jump; the test
- * can then continue. */
+/* To simulate app code that never returns, the test leaves the code that handles an edge by a jump (longjmp);
+ * the test can then continue. */
 static void outputs(void *context, const crn_port_outputs *wanted)
 {
     (void)context;

@@ -1,6 +1,7 @@
-/* These tests check claims about the list of orders of a tick. The list is accepted or refused as a whole,
- * with a code that says which order is wrong, and hostile bytes change nothing. In FREE_RUN the orders of one
- * message share one tick, which reports them. */
+/* These tests check the list of commands ("orders") to the core that the input of a tick can contain. A list
+ * of commands is accepted or refused as a whole, with a code that says which command is wrong, and hostile
+ * bytes change nothing. In FREE_RUN all commands of one message are applied in one tick, and the tick reports
+ * them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,7 +41,7 @@ static void start_free(void)
     bench_drain(&b);
 }
 
-/* Checks that the next `ticks_wanted` ticks have these numbers of orders. */
+/* Checks that the next `ticks_wanted` ticks report these numbers of commands. */
 static void expect_counts(const uint16_t *counts, uint32_t ticks_wanted)
 {
     static crn_wire_live live;
@@ -88,7 +89,7 @@ static void a_good_order_does_not_pass_beside_a_bad_one(void **state)
     expect_counts((const uint16_t[16]){0}, 16);
 }
 
-/* Sends variants of a valid message: cut at every byte, with every invalid kind of order, and with a count
+/* Sends variants of a valid message: cut at every byte, with every invalid kind of command, and with a count
  * that is too large. */
 static void hostile_bytes_are_malformed_and_order_nothing(void **state)
 {
@@ -115,7 +116,7 @@ static void hostile_bytes_are_malformed_and_order_nothing(void **state)
     expect_counts((const uint16_t[16]){0}, 16);
 }
 
-/* These are the messages of protocol 4, which had one order each. */
+/* These messages belong to version 4 of the protocol, in which a message had one command each. */
 static void messages_of_the_protocol_before_are_unknown(void **state)
 {
     (void)state;
@@ -142,8 +143,8 @@ static void orders_have_their_own_message_in_free_run(void **state)
     expect_counts((const uint16_t[16]){0}, 16);
 }
 
-/* The orders of eight ticks can wait. The ninth message is refused and leaves them unchanged, and there is
- * space again after a tick. */
+/* The device can keep the commands of eight future ticks. The device refuses a ninth message with commands
+ * and keeps the first eight unchanged; after a tick there is space again. */
 static void a_full_queue_refuses_and_keeps_what_waits(void **state)
 {
     (void)state;
@@ -162,7 +163,8 @@ static void a_full_queue_refuses_and_keeps_what_waits(void **state)
     expect_counts((const uint16_t[16]){2, 1, 2, 1, 2, 1, 2, 1, 1}, 16);
 }
 
-/* Sends two kinds of orders in one tick, and an order in every tick until the ring of bytes has wrapped. */
+/* Sends two kinds of commands in one tick, and then a command in every tick until the ring buffer of bytes
+ * has wrapped. */
 static void order_all_the_time(int ms)
 {
     const crn_wire_order orders[] = {ring((uint8_t)(ms % 64 + 1)), heart_rate((uint16_t)(60 + ms % 60))};

@@ -1,6 +1,7 @@
-/* These tests check the claims about commands and set-up. Motors need two steps that no stray frame can
- * complete, an interrupted upload can be resumed, settings are read back as they were set, and a refused
- * message changes nothing. The tests use bytes on the sim port only. */
+/* These tests check the commands and the set-up messages of the wire protocol. Powering the motors needs two
+ * steps that no stray frame can complete. An interrupted upload can be resumed, settings read back as they
+ * were set, and a refused message changes nothing. The tests exchange bytes with the device on the simulated
+ * port only. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -70,7 +71,8 @@ static void motors_need_both_steps_in_their_order_and_time(void **state)
     assert_int_equal(crn_sim_read_motors(host->sim).drive, 1);
 }
 
-/* A permission serves for one START; STOP, RESET, another mode and a fault all require both steps again. */
+/* A permission to power the motors is valid for one START; after STOP, RESET, a change of mode or a fault,
+ * the two steps are required again. */
 static void a_permission_is_good_for_one_start(void **state)
 {
     (void)state;
@@ -88,8 +90,8 @@ static void a_permission_is_good_for_one_start(void **state)
     refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
 }
 
-/* A person has confirmed but not pressed START. Neither a host that comes an hour later nor one that sends
- * HELLO now has this permission. */
+/* A person has confirmed the power of the motors but has not pressed START. Neither a host that comes an hour
+ * later nor one that sends HELLO now has this permission. */
 static void a_permission_is_not_left_lying_about(void **state)
 {
     (void)state;
@@ -112,7 +114,7 @@ static void a_permission_is_not_left_lying_about(void **state)
     expect_reject(CRN_REJECT_CODE_WRONG);
 }
 
-/* Every frame of a conversation that powers the motors is sent alone, and sent twice, to an armed device.
+/* The test sends every frame of a conversation that powers the motors alone, and twice, to an armed device.
  * None of these frames powers a motor. */
 static void no_single_frame_powers_a_motor(void **state)
 {
@@ -165,8 +167,8 @@ static void an_unsafe_rig_is_not_armed_and_the_cause_is_named(void **state)
     refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_NO_RIG);
 }
 
-/* Without a sensor, forces cannot be checked. Power is therefore allowed only to a person at the rig, who
- * closes the switch inside. */
+/* Without a sensor, forces cannot be checked. Without a force sensor, power is therefore allowed only when a
+ * person at the rig closes the switch inside the rig. */
 static void a_rig_without_force_sensor_is_powered_only_by_the_local_unlock(void **state)
 {
     (void)state;
@@ -233,9 +235,10 @@ static void begin_upload(uint32_t bytes, uint32_t crc32)
     assert_true(client_expect_status(host, &status));
 }
 
-/* The upload is interrupted after 1,000 of 3,000 bytes. The host returns, requests the number of received
- * bytes, and sends the rest. The CRC over all bytes decides at the end whether an upload is accepted. Here
- * the check of the scene itself fails on purpose, after the CRC was found good. */
+/* The upload is interrupted after 1,000 of 3,000 bytes. The host reconnects, requests the number of received
+ * bytes, and sends the remaining bytes. The CRC over all bytes of an upload decides at the end whether the
+ * upload is accepted. In this test the check of the scene itself fails on purpose, after the CRC was found
+ * correct. */
 static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
 {
     (void)state;
@@ -300,8 +303,8 @@ static void the_rig_is_read_back_as_it_is_in_force(void **state)
     assert_int_equal(rig.tracks[2].force_limit_mN, CRN_APP_FORCE_LIMIT_mN);
 }
 
-/* Each field alone is set out of its range: the message is refused with the field's number, and nothing
- * changes. */
+/* The test sets each field alone out of its range: the device refuses the message with the field's number,
+ * and nothing changes. */
 static void a_rig_that_cannot_be_is_refused_by_field(void **state)
 {
     (void)state;
@@ -330,8 +333,8 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
     }
 }
 
-/* By b > K (T / 2 + t) + B without lag, 1 N s/m less 0.2 N s/m of damping supports 1,600 N/m, but not 1,601
- * N/m. */
+/* By the condition b > K (T / 2 + t) + B without lag, a damping of 1 N s/m less 0.2 N s/m supports a coupling
+ * of 1,600 N/m, but not one of 1,601 N/m. */
 static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 {
     (void)state;
@@ -344,8 +347,9 @@ static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
     expect_reject(CRN_REJECT_RIG_RANGE);
 }
 
-/* A host that states a thousandth of the true value of a sensor's count would defeat every check of forces.
- * The bench's sensors have 1 mN per count, and a host may always state this present value again. */
+/* A host that gives a thousandth of the true force per count of a sensor would defeat every check of forces.
+ * The force sensors of the test bench have 1 mN per count, and a host may always send this present value
+ * again. */
 static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -424,7 +428,8 @@ static void the_sensors_are_read_as_they_are(void **state)
     assert_int_equal(sensors.lines, CRN_WIRE_LINE_SUPPLY);
 }
 
-/* The test uses an app of its own, because a sim hides its app; messages of this app are discarded. */
+/* The test creates its own app, because the simulated device hides its app; the messages of the test's app
+ * are discarded. */
 static crn_app alone;
 static uint32_t frames_sent;
 
@@ -464,7 +469,8 @@ static void hear_hello(uint16_t sequence)
     hear(sequence, CRN_WIRE_TYPE_hello, writer.length, payload);
 }
 
-/* These HID requests come between the frames of the stream, and no frame is counted as missing. */
+/* The HID requests of this test come between the frames of the stream, and the device counts no frame as
+ * missing. */
 static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **state)
 {
     (void)state;

@@ -1,8 +1,9 @@
-/* These tests check claims about a carriage that nobody holds. The force on such a carriage disappears within
- * 32 ms, and the carriage gets no faster than a hand would make it. A motor that accelerates it nevertheless
- * loses its power. A hand that throws the carriage or moves it fast is not mistaken for a motor. A cycle that
- * the control loop sustains in a hand is ended, while a tremor may continue. The test sets the force with
- * which a hand holds the carriage, and the bench's force sensor reads this force. */
+/* These tests check the forces on a carriage (the moving handle of a track) that nobody holds. The motor's
+ * force on a carriage that nobody holds ends within 32 ms, and the carriage gets no faster than a hand would
+ * make it. A motor that accelerates a released carriage nevertheless loses its power. A hand that throws the
+ * carriage or moves it fast is not mistaken for a motor. An oscillation that the control loop sustains in a
+ * hand is ended, while a tremor of the hand may continue. The test sets the force with which a hand holds the
+ * carriage, and the bench's force sensor reads this force. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -30,8 +31,8 @@ static void expect_running(void)
         fail_msg("ended by %s", crn_wire_fault_name(status.fault_code));
 }
 
-/* Runs one edge at which the carriage moved by `um` and the hand holds `held_mN`; the bench adds the motor's
- * force to the sensor. */
+/* Runs one edge of the timer at which the carriage has moved by `um` and the hand holds it with `held_mN`;
+ * the bench adds the motor's force to the sensor's reading. */
 static void edge(int32_t um, int32_t held_mN)
 {
     b.rig.hands[0].translation_counts += um;
@@ -39,8 +40,8 @@ static void edge(int32_t um, int32_t held_mN)
     bench_tick(&b);
 }
 
-/* Starts a session with a wire in a seal of 2 N, and a hand that has pushed in by `um` against the coupling's
- * 1 N/mm and holds. */
+/* Starts a session with a wire in a seal of 2 N friction. A hand has pushed in by `um` against the coupling
+ * of 1 N/mm, and holds. */
 static void push_seal(int32_t um)
 {
     crn_wire_track track = client_plain_track();
@@ -55,9 +56,9 @@ static void push_seal(int32_t um)
     assert_in_range(motor_mN(), um - 100, um + 100);
 }
 
-/* No hand opposes the motor's 0.8 N, and friction keeps the carriage at rest. At first all of the force
- * remains; then it falls from tick to tick until it is less than a hand can feel. The force returns when a
- * hand returns. */
+/* No hand opposes the motor's 0.8 N, and friction keeps the carriage at rest. At first all of the motor's
+ * force remains; then the force falls from tick to tick until it is less than a hand can feel. The motor's
+ * force returns when a hand holds the carriage again. */
 static void a_force_that_nobody_holds_goes(void **state)
 {
     (void)state;
@@ -74,7 +75,8 @@ static void a_force_that_nobody_holds_goes(void **state)
     assert_in_range(motor_mN(), 700, 900);
 }
 
-/* A force of 0.8 N oscillates on a carriage that no hand holds, and after 32 ms the oscillation is gone. */
+/* A motor force of 0.8 N makes a carriage oscillate that no hand holds; after 32 ms the oscillation is gone.
+ */
 static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
 {
     (void)state;
@@ -89,8 +91,8 @@ static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
     assert_true(largest <= LOOSE_mN);
 }
 
-/* The carriage runs away from the wall along its motor's force. When it would reach 0.1 m/s in the next tick,
- * no force remains that a hand does not hold. */
+/* The carriage moves away from the wall in the direction of its motor's force. When the carriage would reach
+ * 0.1 m/s in the next tick, only the force that a hand holds remains. */
 static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 {
     (void)state;
@@ -104,7 +106,7 @@ static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 
 /* --- causes of a stop --- */
 
-/* No hand touches the carriage. With 1.8 N on its motor, the carriage gets 20 to 40 mm/s faster in each
+/* No hand touches the carriage. With 1.8 N from its motor, the carriage gets 20 to 40 mm/s faster in each
  * millisecond, as if the motor gave more force than commanded. */
 static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **state)
 {
@@ -133,8 +135,8 @@ static void a_carriage_that_was_thrown_is_no_fault(void **state)
     expect_running();
 }
 
-/* The hand moves in at 0.25 m/s against a seal that gives way at 0.3 N, and out at 0.5 m/s. Its acceleration
- * of 5 m/s^2 takes 0.4 N for the carriage's 80 g. */
+/* The hand moves in at 0.25 m/s against a seal that slips at 0.3 N, and out at 0.5 m/s. The carriage of 80 g
+ * needs a force of 0.4 N for the hand's acceleration of 5 m/s^2. */
 static void a_fast_hand_is_no_fault(void **state)
 {
     (void)state;
@@ -157,7 +159,7 @@ static void a_fast_hand_is_no_fault(void **state)
 }
 
 /* The hand yields to a force of 0.3 N that oscillates with it at 20 Hz, like a hand that is shaken. In each
- * oscillation, the motor does work on the hand. It ends within 0.2 s. */
+ * oscillation of the hand, the motor does work on the hand. It ends within 0.2 s. */
 static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **state)
 {
     (void)state;
@@ -175,7 +177,7 @@ static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **stat
     assert_in_range(ms, 50, 200);
 }
 
-/* A hand that trembles makes the same motion, but the hand does the work. */
+/* A hand that trembles moves the carriage in the same way, but here the hand does the work. */
 static void a_tremor_goes_on(void **state)
 {
     (void)state;
@@ -189,7 +191,7 @@ static void a_tremor_goes_on(void **state)
     expect_running();
 }
 
-/* A heart at 200 beats a minute moves the wall, and the wall moves the hand. */
+/* A heart at 200 beats a minute moves the vessel wall, and through the tool the wall moves the hand. */
 static void a_heart_in_the_hand_is_no_cycle(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
-/* These tests check claims about a host's orders to heart and breath. In LOCKSTEP the order is part of a
- * tick's input, and a batch with one bad order is refused as a whole. In FREE_RUN a message transmits the
- * order. Each order gets a tick of its own that reports it, and the session replays bit for bit. */
+/* These tests check a host's commands to heart and breath. In LOCKSTEP a command to the heart is part of a
+ * tick's input, and a batch of inputs with one bad command is refused as a whole. In FREE_RUN a separate
+ * message transmits a command to the heart. Each command to the heart is applied in a tick of its own, which
+ * reports the command, and the session replays bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +21,7 @@ static void ask(uint8_t action, uint16_t value)
     client_orders(&b.host, &order, 1);
 }
 
-/* Computes one tick in LOCKSTEP with an order; the tick's result is in `ticks`. */
+/* Computes one tick in LOCKSTEP with a command to the heart; the tick's result is in `ticks`. */
 static void step_asking(uint32_t tick, uint8_t action, uint16_t value)
 {
     static crn_wire_step step;
@@ -31,7 +32,7 @@ static void step_asking(uint32_t tick, uint8_t action, uint16_t value)
     send_step(&step);
 }
 
-/* The second tick orders 140 beats a minute; the beat after the present one is 428 ms long. */
+/* The input of the second tick commands 140 beats a minute; the beat after the present one is 428 ms long. */
 static void an_input_asks_at_its_own_tick(void **state)
 {
     (void)state;
@@ -48,7 +49,7 @@ static void an_input_asks_at_its_own_tick(void **state)
     assert_int_equal(beats, 2);
 }
 
-/* The batch has 20 inputs, of which the 13th orders 161 beats a minute, or an unknown action. */
+/* The batch has 20 inputs, of which the 13th commands 161 beats a minute, or an unknown action. */
 static void a_batch_with_one_bad_request_is_refused_whole(void **state)
 {
     (void)state;

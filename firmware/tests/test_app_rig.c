@@ -1,7 +1,7 @@
-/* These tests check claims about the configuration of the tracks: which couplings a rig can render at a given
- * force gain, and what a host may state about a rig without a person at the rig. The tests use bytes on the
- * sim port, whose rig was built with 1 um per count, 1 N s/m and 2 uN m s/rad of its own damping, and no
- * lag. */
+/* These tests check the configuration of the tracks. They show which couplings a rig can render at a given
+ * force gain, and which data about a rig a host may change without a person at the rig. The tests exchange
+ * bytes with the simulated port. The rig of this port was built with 1 um per count, with 1 N s/m and 2 uN m
+ * s/rad of its own damping, and without lag. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -26,7 +26,7 @@ enum {
     FIELD_COUPLING_ABOUT = 16,
 };
 
-/* Makes a port with motors that sends and receives nothing. */
+/* Makes a port with motors; the port sends and receives no bytes. */
 static bool swallow(void *context, const uint8_t *frame, size_t bytes)
 {
     (void)context;
@@ -76,8 +76,9 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
 
 /* --- couplings that a rig can render --- */
 
-/* By b > G (K (T / 2 + t) + B), a damping of 1 N s/m just supports 800 N/m and 0.2 N s/m at a lag of 0.5 ms.
- * A gain of 2 makes the hand feel 1,600 N/m, so only half of both values is allowed. */
+/* By the condition b > G (K (T / 2 + t) + B), a damping of 1 N s/m just supports a coupling of 800 N/m and
+ * 0.2 N s/m at a lag of 0.5 ms. A force gain of 2 makes the hand feel 1,600 N/m, so only half of the
+ * stiffness and half of the damping are allowed. */
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;
@@ -99,8 +100,8 @@ static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
     expect_refused(&track, FIELD_COUPLING_ALONG);
 }
 
-/* With a gain below one, the tool pushes back less than with true force, but the coupling itself is as stiff
- * as before. */
+/* With a force gain below one, the tool pushes back less than with its true force, but the coupling itself is
+ * as stiff as before. */
 static void a_gain_below_one_allows_nothing_stiffer(void **state)
 {
     (void)state;
@@ -128,7 +129,8 @@ static void a_gain_counts_about_the_line_too(void **state)
 
 /* --- who may state which values --- */
 
-/* Lists values of one field, which are stated one after the other with the local unlock open or closed. */
+/* Lists values of one setting that the host sends one after the other, while the local unlock is open or
+ * closed. */
 typedef struct ask {
     uint32_t value;
     bool is_unlocked, is_taken;
@@ -152,7 +154,7 @@ static void ask_each(crn_wire_track *track, uint32_t *value, uint32_t field, con
         ask_each(&track, &track.field, number, asks, sizeof asks / sizeof asks[0]);                          \
     } while (0)
 
-/* Makes a coupling along the line that every damping and gain below supports. */
+/* Makes a coupling along the insertion axis that every damping and gain of this test supports. */
 static crn_wire_track soft_track(void)
 {
     crn_wire_track track = client_plain_track();
@@ -161,8 +163,8 @@ static crn_wire_track soft_track(void)
     return track;
 }
 
-/* Without a person at the rig, no user gets a force greater than that of the tool. A smaller value is always
- * allowed, and the present value may be stated again. */
+/* Without a person at the rig, no host can make the user feel a force greater than that of the tool. The host
+ * may always set a smaller value, and may send the present value again. */
 static void a_gain_above_one_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -172,7 +174,8 @@ static void a_gain_above_one_needs_the_local_unlock(void **state)
         {1000, false, true}, {4000, false, false}, {4001, true, false});
 }
 
-/* Stated damping that does not exist makes the device accept a coupling that the rig cannot render. */
+/* If a host claims damping that the rig does not have, the device accepts a coupling that the rig cannot
+ * render. */
 static void more_damping_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -185,7 +188,8 @@ static void more_damping_than_was_built_needs_the_local_unlock(void **state)
         {2001, true, true}, {0, false, true});
 }
 
-/* A lag that the host conceals has the same effect. The rig was built with a lag of 700 us. */
+/* If a host conceals the motors' lag, the device also accepts a coupling that the rig cannot render. The rig
+ * was built with a lag of 700 us. */
 static void less_lag_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -213,8 +217,9 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
     }
 }
 
-/* The rule is that of the force sensor: a host may change the scale by a quarter from the built value, and to
- * any value with the unlock. Before this rule a host could change the scale by a factor of 5 x 10^5. */
+/* The rule for the encoder's scale is that for the force sensor: a host may change the scale by a quarter
+ * from the built value, and with the unlock to any value. Before this rule existed, a host could change the
+ * encoder's scale by a factor of 5 x 10^5. */
 static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -229,8 +234,8 @@ static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void 
         {65536, false, true});
 }
 
-/* When a host states a quarter more travel per count than there is, the coupling becomes a quarter stiffer
- * than stated. */
+/* When a host claims a quarter more travel per count than is true, the coupling becomes a quarter stiffer
+ * than its setting. */
 static void a_larger_scale_counts_as_stiffness(void **state)
 {
     (void)state;
@@ -254,7 +259,8 @@ static void a_larger_scale_counts_as_stiffness(void **state)
     expect_taken(&track);
 }
 
-/* An encoder that is stated to count in the wrong direction turns every spring into a push. */
+/* When a host claims the wrong counting direction of an encoder, every spring becomes a push away from its
+ * rest position. */
 static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **state)
 {
     (void)state;
@@ -265,9 +271,9 @@ static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **st
         {CRN_WIRE_OPTION_TRANSLATION_REVERSED, false, false});
 }
 
-/* In LOCKSTEP the host provides the hands' positions, in its own counts, and no motor is driven. Values that
- * a person at the rig stated are still valid when the host sends the rig's settings again. Values that only
- * the host stated are not valid for a coupling. */
+/* In LOCKSTEP the host provides the positions of the user's hands, in its own counts, and no motor is driven.
+ * Values that a person at the rig has confirmed stay valid when the host sends the rig's settings again. A
+ * host's values that no person at the rig has confirmed are not used to judge a coupling. */
 static void a_track_without_a_coupling_may_have_any_scale(void **state)
 {
     (void)state;

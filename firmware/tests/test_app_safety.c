@@ -1,6 +1,6 @@
-/* These tests check the claims about safety and continuation with several tools through bytes on the sim
- * port. Limits, slew limits and faults are per tool, and snapshots hold all of them. In FREE_RUN, neither a
- * hand that moved while the session was stopped nor a silent host does harm. */
+/* These tests check safety and snapshots with several tools, through bytes on the simulated port. Each tool
+ * has its own force limits, slew limits and faults, and snapshots contain all of them. In FREE_RUN, a hand
+ * that moved while the session was stopped does no harm, and neither does a silent host. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -97,7 +97,7 @@ static void start_three(void)
 
 /* --- safety --- */
 
-/* The second hand jumps by 6 mm: all tools stop, and the fault names the tool and the counts. */
+/* The second hand's position jumps by 6 mm: all tools stop, and the fault names the tool and the counts. */
 static void a_jump_of_one_hand_stops_all_and_names_it(void **state)
 {
     (void)state;
@@ -133,8 +133,8 @@ static void send_rig(const uint32_t *limits_mN, uint16_t count)
     client_rig(&host, tracks, count);
 }
 
-/* The third track requests more than is allowed. The first two tracks, which request less, keep their old
- * values all the same. */
+/* The message requests more for the third track than is allowed. The first two tracks, for which the message
+ * requests less, also keep their old values. */
 static void a_rig_is_taken_over_whole_or_not_at_all(void **state)
 {
     (void)state;
@@ -151,14 +151,14 @@ static void a_rig_is_taken_over_whole_or_not_at_all(void **state)
     assert_true(client_expect_status(&host, &status));
 }
 
-/* A force may fall at once, and grows by at most the slew limit. */
+/* A motor's force may fall at once, but grows by at most the slew limit per tick. */
 static bool grows_within(int32_t last, int32_t now, int32_t slew)
 {
     return now <= (last > 0 ? last : 0) + slew && now >= (last < 0 ? last : 0) - slew;
 }
 
-/* All hands jerk at a gain of 4: every motor stays within its own limit and slew limit in every tick, and
- * more than one motor moves. */
+/* All hands jerk at a force gain of 4: every motor stays within its own limit and slew limit in every tick,
+ * and more than one motor moves. */
 static void motors_stay_within_their_own_limit_and_slew(void **state)
 {
     (void)state;
@@ -189,9 +189,9 @@ static void motors_stay_within_their_own_limit_and_slew(void **state)
 
 /* --- snapshots --- */
 
-/* Three heavy tools (100 g/m) are held upright by their hands. Each tool weighs 0.25 N, so every motor is
- * commanded to give 1 N at a gain of 4. A motor that had lost its slew state would need 20 ticks to return to
- * this force. */
+/* The hands hold three heavy tools (100 g/m) upright. Each tool has a weight of 0.25 N, so every motor is
+ * commanded to give four times this weight, 1 N. A motor whose slew state was lost would need 20 ticks to
+ * return to its force. */
 static void start_upright(uint16_t count)
 {
     static crn_wire_tools tools;
@@ -215,7 +215,8 @@ static void expect_weight(int32_t axial_mN)
     if (axial_mN < 800 || axial_mN > 1200) fail_msg("motor = %d mN, expected 981 +- 20 %%", axial_mN);
 }
 
-/* Every result of every tick, including the motors' forces, equals that of the uninterrupted session. */
+/* Every result of every tick in the continued session, including the motors' forces, equals that of the
+ * uninterrupted session. */
 static void a_snapshot_of_three_tools_continues_bit_for_bit(void **state)
 {
     (void)state;
@@ -262,7 +263,8 @@ static void a_lockstep_session_goes_on_after_stop_as_if_it_had_not_stopped(void 
     assert_memory_equal(&last[0], &last[1], sizeof last[0]);
 }
 
-/* Damaged fields of every tool in the head, and a snapshot of fewer tools, are refused. */
+/* The device refuses a snapshot when a field of any tool in its header is damaged, and a snapshot of fewer
+ * tools. */
 static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
 {
     (void)state;
@@ -309,8 +311,8 @@ static void take_ticks(void)
     }
 }
 
-/* One hand was far from zero before the session began, and another one moves while the session is stopped.
- * Neither counts as a jump, and neither moves its tool. */
+/* One hand was far from its zero position before the session began, and another hand moves while the session
+ * is stopped. Neither of these two hand motions counts as a jump, and neither moves its tool. */
 static void what_hands_do_while_stopped_is_no_motion(void **state)
 {
     (void)state;
@@ -336,9 +338,9 @@ static void what_hands_do_while_stopped_is_no_motion(void **state)
     expect_inserted(CATHETER, 50, 0.05);
 }
 
-/* The motor holds the weight of a wire that stands upright. When the host falls silent, the force fades to
- * nothing, after 30 ticks without effect and 20 ticks of fading. The force stays at zero although the weight
- * remains, and returns with the host's next frame. */
+/* The motor holds the weight of an upright wire. When the host falls silent, the motor's force fades to zero:
+ * it stays unchanged for 30 ticks and then fades for 20 ticks. The motor's force stays at zero although the
+ * wire's weight remains, and returns with the host's next frame. */
 static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;

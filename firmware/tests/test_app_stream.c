@@ -1,6 +1,7 @@
-/* These tests check claims about the device's unsolicited messages. When the pipe is full, FREE_RUN loses a
- * picture rather than a tick, and reports the loss. Notices report what happened at which tick, a STOP takes
- * effect at its tick, and the ticks of FREE_RUN replay in LOCKSTEP bit for bit. */
+/* These tests check the messages that the device sends without a request. When the pipe to the host is full,
+ * the device in FREE_RUN drops a picture rather than a tick, and reports the loss. Notices report which event
+ * happened at which tick, a STOP takes effect at its tick, and a replay of FREE_RUN's ticks in LOCKSTEP is
+ * equal bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,8 +18,8 @@ static client *const host = &b.host;
 
 /* --- stream --- */
 
-/* The pipe has space for little more than the ticks: pictures are dropped and counted, but no tick is
- * dropped. */
+/* The pipe to the host has space for little more than the ticks: pictures are dropped and counted, but no
+ * tick is dropped. */
 static void a_slow_host_loses_pictures_and_no_tick(void **state)
 {
     (void)state;
@@ -53,8 +54,8 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     assert_int_equal(status.ticks_lost, 0);
 }
 
-/* The host does not read for a second, then it reads again: 256 ticks were kept, the gap is reported, and the
- * rest is in order. */
+/* The host does not read for a second and then reads again: the device kept 256 ticks, reports the gap, and
+ * all other messages are in order. */
 static void ticks_that_nobody_takes_are_counted_as_lost(void **state)
 {
     (void)state;
@@ -161,8 +162,8 @@ static void a_stop_is_carried_out_at_its_tick(void **state)
 
 static crn_wire_live_tick session[600];
 
-/* The hand pushes, turns and trembles, and feels the tool through the coupling with seal friction. The same
- * inputs in LOCKSTEP give the same hashes, forces and motor values in every tick. */
+/* The hand pushes, turns and trembles, and feels the tool through the coupling and the friction of the seal.
+ * The same inputs in LOCKSTEP give the same hashes, forces and motor values in every tick. */
 static void free_run_replays_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* These tests check the claims about several tools on one line through bytes on the sim port. Each hand moves
- * its own tool, and set-up succeeds or fails as a whole and names the tool at fault. The wall's forces are
- * sent on request. */
+/* These tests check several nested tools through bytes on the simulated port. Each hand moves its own tool;
+ * set-up of the tools succeeds or fails as a whole and names the tool at fault. The device sends the forces
+ * of the vessel wall on request. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -167,7 +167,8 @@ static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(vo
     assert_int_equal(ticks.states[0].tools_count, TOOLS);
 }
 
-/* One wrong value in any place causes the refusal of the whole set, which names the tool and the knot. */
+/* One wrong value in the message causes the refusal of the whole set of tools, and the refusal names the tool
+ * and the knot. */
 static void a_wrong_value_names_its_tool_and_knot(void **state)
 {
     (void)state;
@@ -209,7 +210,8 @@ static void none_and_four_tools_are_refused(void **state)
     assert_int_equal(reject.code, CRN_REJECT_MALFORMED);
 }
 
-/* An entry gives one length per tool; after a change of the number of tools it must be sent again. */
+/* An `entry` message gives one inserted length per tool; when the number of tools changes, the host must send
+ * the message again. */
 static void an_entry_belongs_to_its_number_of_tools(void **state)
 {
     (void)state;
@@ -271,7 +273,7 @@ static void read_contacts(crn_wire_contacts *contacts)
     assert_true(crn_wire_decode_contacts(host.decoder.payload, host.decoder.payload_bytes, contacts));
 }
 
-/* Makes a scene of a tube of 2 mm around the x axis, and the entry at the tube's beginning. */
+/* Makes a scene with a tube of 2 mm radius around the x axis, and an entry at the tube's beginning. */
 static void send_tube(void)
 {
     static uint8_t file[1 << 20], section[1 << 20];
@@ -300,9 +302,9 @@ static void send_tube(void)
     assert_true(client_load_scene(&host, file, (uint32_t)bytes));
 }
 
-/* A straight wire lies on the floor of a horizontal tube. In sum, the wall supports the weight outside the
- * introducer sheath, less the part that the sheath supports. Every force on the wire points up, and the
- * number of forces is the one that the tick reports. */
+/* A straight wire lies on the floor of a horizontal tube. In total, the wall supports the weight of the wire
+ * outside the introducer sheath, less the part of the weight that the sheath supports. Every force of the
+ * wall on the wire points up, and the number of forces is the one that the tick reports. */
 static void contact_forces_carry_the_weight(void **state)
 {
     (void)state;

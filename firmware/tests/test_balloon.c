@@ -1,7 +1,8 @@
-/* These tests check claims about a balloon on a tool (docs/balloon.md). The balloon follows its maker's table
- * where nothing confines it. In a rigid vessel narrower than itself, the balloon fills the vessel, presses on
- * the wall with pressure times area, and holds by friction. The balloon leaves no trace when it is deflated,
- * and it bursts above its limit. The tests compare the results with closed forms. */
+/* These tests check the model of a balloon on a tool (docs/balloon.md). Where nothing confines the balloon,
+ * its diameter follows the manufacturer's table. In a rigid vessel narrower than its free diameter, the
+ * balloon fills the vessel, presses on the wall with pressure times area, and holds by friction. A deflated
+ * balloon has no remaining effect, and a balloon bursts above its pressure limit. The tests compare the
+ * results with closed forms. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -95,9 +96,8 @@ static double diameter_mm(int32_t radius_m_q30)
     return 2e3 * radius_m_q30 / Q30;
 }
 
-/* Bar: 2 %. The balloon's table is linear between its points. Below the first pressure of its table the
- * balloon is still unfolding.
- */
+/* Bar: 2 %. The balloon's table of diameters is linear between its points. Below the first pressure of its
+ * table, the balloon has not unfolded completely. */
 static void a_free_balloon_has_the_diameter_of_its_table(void **state)
 {
     (void)state;
@@ -115,9 +115,9 @@ static void a_free_balloon_has_the_diameter_of_its_table(void **state)
     rig_free(r);
 }
 
-/* The tolerances are 0.1 mm for the diameter, and 5 % of pressure times the covered area, 2 pi r 18 mm, for
- * the wall force. The vessel is narrower than the unfolded balloon, so the balloon's own wall supports no
- * pressure. */
+/* The tolerances are 0.1 mm for the balloon's diameter, and 5 % of the pressure times the covered area, 2 pi
+ * r 18 mm, for the wall force. The vessel is narrower than the unfolded balloon, so the balloon's own wall
+ * supports no pressure. */
 static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_area(void **state)
 {
     (void)state;
@@ -137,8 +137,8 @@ static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_ar
     }
 }
 
-/* When the catheter is pulled at 5 mm/s, it slips once the hand's force reaches friction times wall force; no
- * other part of the catheter presses hard. */
+/* When the catheter is pulled at 5 mm/s, it slips once the hand's force reaches friction times wall force;
+ * only the balloon presses hard on the wall. */
 static void an_inflated_balloon_is_held_by_friction_times_wall_force(void **state)
 {
     (void)state;
@@ -176,7 +176,8 @@ static void look(const rig *r, uint32_t tools, worst *w)
     w->length_pct = fmax(w->length_pct, 100 * fabs(r->output.strain_max_q30 / Q30));
 }
 
-/* Makes a sheath as in a patient, neither at the origin nor on a line through the origin. */
+/* Makes an introducer sheath that is placed as in a patient: neither its end at the origin nor its axis
+ * through the origin. */
 static crn_entry entry_of_a_patient(void)
 {
     const crn_entry entry = {{{(int32_t)(-0.08 * Q30), (int32_t)(-0.3 * Q30), (int32_t)(0.04 * Q30)}},
@@ -198,11 +199,11 @@ static double aside_mm(const rig *r)
     return most;
 }
 
-/* In free space nothing presses on the balloon, so the hand feels only the weight. A ball of the balloon that
- * leaves the sheath or another tool begins on the line at that place. In an earlier version such a ball began
- * at the origin of the patient frame, some 300 mm away, and was tied to the line by 2 N/mm. This error gave
- * 512 N at the hand, 9.5 % of length error, and a depth of 3.5 mm in the wall of the shipped scene. The
- * limits in this test are a few times the printed values. */
+/* In free space no vessel presses on the balloon, so the hand feels only the weight. A ball (sphere) of the
+ * balloon that leaves the sheath or another tool begins on the tools' centreline at that point. In an earlier
+ * version such a ball began at the origin of the patient frame, some 300 mm away, and a spring of 2 N/mm tied
+ * it to the tool. This earlier error gave 512 N at the hand, a length error of 9.5 %, and a depth of 3.5 mm
+ * in the wall of the shipped scene. The limits in this test are a few times the printed values. */
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;
@@ -241,9 +242,10 @@ static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(voi
     }
 }
 
-/* At 20 bar in a bore of 1.2 mm the balloon holds 36 N at a friction of 0.1, more than any hand. When the
- * tool is pushed and pulled at 250 mm/s, it stalls and slips through the hand (docs/rod.md, "Feed"), and no
- * value leaves its range. The limit is 30 N, which a hand's grip can withstand. */
+/* At 20 bar in a bore of 1.2 mm, the friction coefficient of 0.1 lets the balloon hold 36 N, more than any
+ * hand. When the hand pushes and pulls at 250 mm/s, the tool stalls and slips through the hand (docs/rod.md,
+ * "Feed"), and no value leaves its range. The force limit of the test is 30 N, which a hand's grip can
+ * withstand. */
 static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **state)
 {
     (void)state;
@@ -264,9 +266,9 @@ static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **st
     rig_free(r);
 }
 
-/* In an elastic vessel, this test also requires that the words of the balloon are equal exactly, and the
- * nodes within 1 um. The first five inflations are not counted, because they leave some friction that later
- * ones do not change. */
+/* After each inflation in an elastic vessel, the words of the balloon's state must be exactly equal, and the
+ * nodes equal within 1 um. The test does not count the first five inflations, because they leave some
+ * friction that later inflations do not change. */
 static void two_hundred_inflations_leave_nothing_behind(void **state)
 {
     (void)state;
@@ -295,8 +297,8 @@ static void two_hundred_inflations_leave_nothing_behind(void **state)
     rig_free(r);
 }
 
-/* The vessel is narrowed at 105 mm, where the balloon's middle lies when the tip is at 120 mm. The lumen is
- * kept for all tests, because making it takes long. */
+/* The vessel is narrowed at 105 mm, where the balloon's middle lies when the tip is at 120 mm. All tests
+ * share one lumen, because making it takes long. */
 static rig *rig_in_stenosis(uint32_t inserted_um)
 {
     static reference_tube *tube;
@@ -334,8 +336,8 @@ static void across_a_hard_stenosis_it_takes_the_shape_of_a_dog_bone(void **state
     free(r);
 }
 
-/* Only the balloon's distal end is in the stenosis. The slope of the taper, up to 0.18, exceeds what friction
- * holds, which is 0.1. */
+/* In this test only the balloon's distal end is in the stenosis. The slope of the vessel's taper, up to 0.18,
+ * exceeds the slope of 0.1 at which friction holds the balloon. */
 static void badly_placed_it_is_squeezed_out(void **state)
 {
     (void)state;

@@ -1,7 +1,8 @@
 /* This program tests the USB controller driver of the real board (firmware/port/imxrt1062/usb_udc.c) on a
- * model of the controller (board_usb_model.h). Nobody has run this driver on hardware. The claims are: a host
- * on the bus sees exactly what the stack requests, packet by packet, and the host's actions arrive as the
- * events of firmware/port/udc.h. The model cannot show anything that the chip's manual does not state. */
+ * model of the controller (board_usb_model.h). Nobody has run this driver on hardware. The tests show that a
+ * host on the bus sees exactly what the USB stack requests, packet by packet, and that the host's actions
+ * arrive as the events of firmware/port/udc.h. The model of the controller cannot show anything that the
+ * chip's manual does not state. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +24,7 @@ static bool poll(void)
     return udc->poll(udc->context, &event);
 }
 
-/* Puts a powered controller on the bus, after a reset at high speed. */
+/* Connects a powered controller to the bus, after a reset at high speed. */
 static void begin(void)
 {
     memset(&model, 0xa5, sizeof model); /* contents from before the reset have no meaning */
@@ -58,7 +59,7 @@ static uint8_t pattern(uint32_t i)
     return (uint8_t)(i * 167 + i / 251);
 }
 
-/* The buffer of the transfer begins at any place in a page. */
+/* The transfer's buffer begins at any offset in a memory page. */
 static _Alignas(4096) uint8_t area[TRANSFER_BYTES_MAX + 2 * PAGE_BYTES];
 static uint8_t packet[1024];
 static uint32_t count;
@@ -101,7 +102,7 @@ static void a_reset_voids_everything_and_tells_the_speed(void **state)
     }
 }
 
-/* The main loop was busy during a whole reset of the bus. */
+/* In this test the main loop is busy during a whole reset of the bus. */
 static void a_reset_that_is_seen_late_is_one_reset(void **state)
 {
     (void)state;
@@ -161,8 +162,8 @@ static void a_setup_packet_comes_whole_and_voids_endpoint_0(void **state)
     assert_false(poll());
 }
 
-/* The bytes of a setup packet must be those of one packet; here the second packet comes while the first is
- * being read. */
+/* The bytes of a setup packet must all come from one packet; in this test the second packet comes while the
+ * driver reads the first. */
 static void a_setup_packet_that_another_overtakes_is_not_mixed_with_it(void **state)
 {
     (void)state;
@@ -172,8 +173,8 @@ static void a_setup_packet_that_another_overtakes_is_not_mixed_with_it(void **st
     model.next_setup = second;
     assert_true(poll());
     assert_memory_equal(event.setup, second, 8);
-    /* A transfer that was armed for an earlier setup packet is never sent, and the last setup packet is
-     * reported. */
+    /* A transfer that was armed for an earlier setup packet is never sent; the driver reports the last setup
+     * packet. */
     udc->arm(udc->context, 0x80, area, 18);
     assert_int_equal(host_in(0, packet, &count), HOST_NAKED);
     assert_true(poll());
@@ -201,7 +202,7 @@ static void a_stall_of_endpoint_0_ends_with_the_next_setup_packet(void **state)
 }
 
 /* --- transfers ------------------------------------------------------------------------------------------ */
-/* Every byte arrives, for every length and from every place in a page, in packets of 512 bytes and a last
+/* Every byte arrives, for every length and from every offset in a page, in packets of 512 bytes and a last
  * packet that is short or full. */
 static void bytes_leave_as_they_lie_in_memory(void **state)
 {
@@ -271,8 +272,8 @@ static void endpoints_end_in_one_poll_each_and_none_is_lost(void **state)
     assert_int_equal(seen, bit_of(2) | bit_of(0x82) | bit_of(0x81));
 }
 
-/* A transfer that the bus disturbed is started again; a transfer with more bytes than requested is refused
- * permanently. */
+/* The driver restarts a transfer that the bus disturbed; it permanently refuses a transfer with more bytes
+ * than requested. */
 static void a_broken_transfer_is_repeated_and_a_longer_one_stalls(void **state)
 {
     (void)state;
@@ -316,8 +317,8 @@ static void an_endpoint_that_is_opened_begins_afresh(void **state)
     assert_int_equal(host_in(2, packet, &count), HOST_SILENT);
 }
 
-/* If an endpoint number is used in one direction only, the other direction must not be of type control (the
- * manual's note to ENDPTCTRL). */
+/* If only one direction of an endpoint number is used, the other direction must not be of the type control
+ * (the manual's note to ENDPTCTRL). */
 static void no_half_of_an_endpoint_is_left_a_control_one(void **state)
 {
     (void)state;
@@ -356,7 +357,7 @@ static void settle(void)
     }
 }
 
-/* Carries out a whole control transfer without data to the device; returns the bytes of an answer in
+/* Carries out a whole control transfer that sends no data to the device; returns the bytes of an answer in
  * `packet`. */
 static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t length)
 {
@@ -379,8 +380,8 @@ static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t l
     return total;
 }
 
-/* The device is addressed, described and configured, and a frame comes back through the bulk pair, as with
- * the token mailbox (docs/usb.md). */
+/* The host gives the device an address, reads its descriptors and configures it, and a frame returns through
+ * the bulk pair, as with the token mailbox (docs/usb.md). */
 static void the_stack_enumerates_and_talks_on_this_controller(void **state)
 {
     (void)state;

@@ -1,7 +1,8 @@
 /* These tests check that every operation of firmware/core/fixed.h stays within the error that its comment
- * states. Results are compared with exact 128-bit integers where they are exact, otherwise with long double
- * (64-bit mantissa, libm error < 2^-62 relative). The inputs are millions of seeded values and the borders of
- * each range. The seed is fixed: a failure prints its inputs, and running the program again reproduces it. */
+ * states. The tests compare the results with 128-bit integers where these are exact, and otherwise with long
+ * double (64-bit mantissa, libm error < 2^-62 relative). The inputs are millions of seeded values and the
+ * limits of each range. The seed is fixed: a failure prints its inputs, and running the program again
+ * reproduces it. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -59,7 +60,8 @@ static void expect_near(const char *name, int64_t input, int64_t got, long doubl
     }
 }
 
-/* The inputs have the range that crn_scale_q30 states: |a| < 2^31 (1 - 2^-9), |b| <= 1 + 2^-10. */
+/* The inputs have the range that the comment of crn_scale_q30 requires: |a| < 2^31 (1 - 2^-9), |b| <= 1 +
+ * 2^-10. */
 static const int32_t scale_limit = 2143289344;
 static const int32_t scale_factor_max = (1 << 30) + (1 << 20);
 

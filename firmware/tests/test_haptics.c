@@ -1,7 +1,8 @@
-/* These tests check claims about the closed loop of hand, rig, coupling and rod (docs/haptics.md). In each of
- * the five contact situations a hand approaches, holds and leaves, firmly or loosely. There is no limit cycle
- * above 0.05 N, no fault, and no energy beyond the observer's bound. The plant is
- * firmware/tests/reference/haptic_rig.c; its motor lags, its encoder has steps and jitter. */
+/* These tests check the closed loop of hand, rig, virtual coupling and rod (docs/haptics.md). In each of the
+ * five contact situations, a simulated hand approaches the contact, holds, and leaves, with a firm or loose
+ * grip. No situation shows a sustained oscillation above 0.05 N, a fault, or more energy than the passivity
+ * observer's bound. The mechanical model is firmware/tests/reference/haptic_rig.c; its motor lags, and its
+ * encoder has steps and jitter. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -66,7 +67,7 @@ static crn_wire_instrument wire_of(double bend_N_m2)
     return wire;
 }
 
-/* Returns the stiffest track that the device accepts for this rig. */
+/* Returns the settings of the stiffest track that the device accepts for this rig. */
 static crn_wire_track track_of(uint32_t seal_mN)
 {
     return (crn_wire_track){.translation_pm_per_count = 1000000,
@@ -83,7 +84,8 @@ static crn_wire_track track_of(uint32_t seal_mN)
 
 static haptic_rig rig;
 
-/* Holds for `ticks`; returns half the span of the force in the second half. */
+/* Runs `ticks` ticks in which the hand holds still; returns half the range of the force in the second half of
+ * the run. */
 static double hold(double at_m, int ticks, double *mean_N)
 {
     double low = INFINITY, high = -INFINITY, sum = 0;
@@ -167,9 +169,10 @@ static void a_buckled_wire_in_the_aorta_is_quiet(void **state)
     check_both(4);
 }
 
-/* The control case is a coupling of twice the stiffness, which is accepted because the rig's damping was
- * stated wrongly. It oscillates at the end wall in a loose hand. Either the sustained cycle in the hand or
- * the measured force reveals the oscillation, and the power is removed. */
+/* The control case is a coupling of twice the allowed stiffness, which the device accepts because the host
+ * claims more damping than the rig has. This coupling oscillates at the end wall in a loosely gripping hand.
+ * The device detects the oscillation, by the sustained cycle in the hand or by the measured force, and
+ * removes the power. */
 static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
 {
     (void)state;
@@ -192,7 +195,7 @@ static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
     reference_tube_free(tube);
 }
 
-/* No hand holds the handle: the remaining force moves the carriage, which then comes to rest. */
+/* In this test no hand holds the handle: the remaining force moves the carriage, which then comes to rest. */
 static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
 {
     (void)state;

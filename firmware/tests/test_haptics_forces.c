@@ -1,6 +1,6 @@
-/* These tests check claims about the forces that the haptics request, from positions and forces alone,
- * without a rod, a scene or the wire protocol. They cover limits and slew limits of force and torque, the
- * fade at a silent host, the coupling's slip, passivity, and encoder jumps. */
+/* These tests check the forces that the haptics request, from positions and forces alone, without a rod, a
+ * scene or the wire protocol. The tests cover limits and slew limits of force and torque, the fade when the
+ * host is silent, the coupling's slip, passivity, and jumps of an encoder. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,8 +35,8 @@ static void begin(uint32_t stiffness_N_per_m, uint32_t seal_mN)
     crn_haptics_reset(&haptics);
 }
 
-/* Computes one tick in which the tool does not move; returns the position to which the core would have to
- * move the tool. */
+/* Computes one tick in which the tool does not move; returns the position to which the coupling would have
+ * the core move the tool. */
 static crn_hand_position tick(void)
 {
     crn_hand_position followed[CRN_PORT_TOOL_MAX];
@@ -128,8 +128,8 @@ static void a_coupling_takes_hand_and_tool_as_they_are_and_gives_no_force(void *
     }
 }
 
-/* The force is 1 N/mm times 2 mm = 2 N. The tool follows by at most 0.48 mm a tick, so the core's feed is
- * four times that. */
+/* The coupling's force is 1 N/mm times 2 mm = 2 N. The tool follows by at most 0.48 mm a tick, so the lead of
+ * the position given to the core is four times as large. */
 static void a_lead_of_the_hand_is_a_force_on_it_and_a_step_of_the_tool(void **state)
 {
     (void)state;
@@ -142,7 +142,7 @@ static void a_lead_of_the_hand_is_a_force_on_it_and_a_step_of_the_tool(void **st
     assert_in_range(force(), 1999, 2001);
 }
 
-/* The torque is 1 000 uN m/rad times 1 rad. */
+/* The coupling's torque is 1 000 uN m/rad times 1 rad. */
 static void a_lead_about_the_line_is_a_torque(void **state)
 {
     (void)state;
@@ -168,8 +168,8 @@ static void within_the_friction_the_tool_does_not_move(void **state)
     assert_true(tick().feed_m_q30 > 0);
 }
 
-/* The force reaches 8 N after 8 mm; then the hand slips, and when the hand comes back the force is smaller at
- * once. */
+/* The coupling's force reaches 8 N after 8 mm; then the hand slips, and when the hand comes back the force is
+ * smaller at once. */
 static void a_hand_slips_beyond_the_force_limit(void **state)
 {
     (void)state;
@@ -187,8 +187,9 @@ static void a_hand_slips_beyond_the_force_limit(void **state)
 
 /* --- passivity --- */
 
-/* The tool moves outwards and pushes the hand, which yields at the same speed, so the hand receives 2 mJ per
- * tick. More than 10 mJ is reported as a finding in every tick, and 32 ticks later no force is left. */
+/* The tool moves outwards and pushes the hand, which moves with it at the same speed, so the hand receives 2
+ * mJ per tick. The haptics report more than 10 mJ as a finding in every tick, and 32 ticks later no force is
+ * left. */
 static void a_force_that_gives_energy_is_reported_and_reduced_to_nothing(void **state)
 {
     (void)state;
@@ -274,7 +275,7 @@ static void expect_jump(int32_t translation_counts, int32_t rotation_counts, crn
     assert_memory_equal(&hands, &before, sizeof hands);
 }
 
-/* The borders of a plausible reading are 5 mm and a quarter turn in one tick. */
+/* The limits of a plausible encoder reading are a change of 5 mm and of a quarter turn in one tick. */
 static void a_jump_of_one_encoder_is_found_and_no_hand_moves(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* These tests check that an edge keeps its length while it turns fast, both when a folded line slides along
- * itself and in the deviation that the solve finds. The claims are shown by the distances of the nodes. See
- * docs/rod.md, "Turning edges". */
+/* These tests check that an edge of the mesh keeps its length while it turns fast, both when a folded wire
+ * slides along itself and in the deviation that the solve finds. The tests measure the distances between the
+ * nodes. See docs/rod.md, "Turning edges". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +37,8 @@ static rig *folded_rig(double angle_rad)
     return r;
 }
 
-/* Returns the length of edge i between predicted places, plus the deviation of the solve. */
+/* Returns the length of edge i between the predicted positions of its nodes, plus the deviation that the
+ * solve found. */
 static double length_m(const rig *r, int i, bool has_solved)
 {
     double square = 0;
@@ -60,9 +61,9 @@ static double worst_length_error(const rig *r, int edges, bool has_solved)
     return worst;
 }
 
-/* The line is drawn back and pushed by 0.25 mm a tick, as by a hand at 250 mm/s. The tolerance of the edges'
- * length is 12 ppm, and 4 ppm are measured. With a slide along the mean of two tangents alone, the error is
- * 12 % at a right angle. */
+/* The hand pulls and pushes the wire by 0.25 mm a tick, that is, at 250 mm/s. The tolerance of the edges'
+ * length is 12 ppm; the measured error is 4 ppm. If each node slid along the mean of its two tangents alone,
+ * the length error would be 12 % at a right angle. */
 static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
 {
     (void)context;
@@ -78,9 +79,10 @@ static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
     }
 }
 
-/* The corner of a right angle, fed by 10 um a tick, moves as far along both of its edges as the other ends of
- * these edges move. The tolerance is 0.1 um, the square of the feed divided by the length of an edge. With a
- * slide along the mean of two tangents the corner moves half as far. */
+/* The node at a right-angled corner, when the wire is fed by 10 um a tick, moves along each of its two edges
+ * as far as the other end of that edge. The tolerance of the position is 0.1 um, which is the square of the
+ * feed divided by the length of an edge. If the corner slid along the mean of its two tangents, it would move
+ * half as far. */
 static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
 {
     (void)context;
@@ -94,9 +96,9 @@ static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
     free(r);
 }
 
-/* In this test the solve rotates the first two edges by 0.25 rad to the side. The tolerance of the length is
- * 0.4 %; an error of 0.14 % remains from the fourth power of the angle. Without the correction each edge is
- * 3.1 % longer. */
+/* In this test the solve rotates the first two edges by 0.25 rad to the side. The tolerance of the edges'
+ * length is 0.4 %; an error of 0.14 % remains from the fourth power of the angle. Without the correction of
+ * rod_length.c, each edge would be 3.1 % longer. */
 static void edges_that_the_solve_swings_keep_their_length(void **context)
 {
     (void)context;
@@ -114,7 +116,7 @@ static void edges_that_the_solve_swings_keep_their_length(void **context)
     free(r);
 }
 
-/* Makes a rig in which the solve has moved every second node aside by this displacement. */
+/* Makes a wire in which the solve has moved every second node aside by this displacement. */
 static rig *shaken_rig(double way_m)
 {
     rig *r = folded_rig(0);
@@ -126,8 +128,8 @@ static rig *shaken_rig(double way_m)
     return r;
 }
 
-/* Where no edge of 1 mm turns by more than 0.06 rad, the solve's nodes are unchanged to the last bit, and no
- * length is counted as taken back. */
+/* When no edge of 1 mm turns by more than 0.06 rad, the correction leaves the solve's nodes unchanged to the
+ * last bit, and takes no length back. */
 static void a_small_deviation_is_left_as_it_is(void **context)
 {
     (void)context;
@@ -145,8 +147,8 @@ static void a_small_deviation_is_left_as_it_is(void **context)
     free(r);
 }
 
-/* Beyond a right angle the limits of rod_length.c leave a remaining error of the length. The tolerances are
- * three times this error, which is 0.23 % at 120 degrees and 1.4 % at 150 degrees. */
+/* For angles beyond a right angle, the limits of rod_length.c leave a remaining length error. The tolerances
+ * are three times this remaining length error, which is 0.23 % at 120 degrees and 1.4 % at 150 degrees. */
 static void a_sharp_fold_keeps_its_edges_nearly(void **context)
 {
     (void)context;

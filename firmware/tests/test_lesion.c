@@ -1,8 +1,8 @@
-/* Claims about lesions (docs/lesions.md). A fully opened lesion equals the healthy vessel, a partly opened
- * one lies in between, and the normals of its wall match its distances. A balloon opens a lesion by its
- * pressure on the wall. The lesion recoils by its recoil share, completely where it is elastic, and a
- * scaffold holds it open. The tests compare the results with the closed form of a stenosis in a straight
- * tube. */
+/* Claims about lesions (docs/lesions.md). The tests show that a fully opened lesion equals the healthy
+ * vessel, that a partly opened one lies in between, and that the normals of its wall match its distances. The
+ * tests also show that a balloon opens a lesion by its pressure on the wall. After deflation, a lesion
+ * recoils by its recoil fraction (completely where it is elastic), and a stent's scaffold holds it open. The
+ * tests compare the results with the closed form of a stenosis in a straight tube. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -46,8 +46,8 @@ static double channel_m(double x_m)
     return fabs(u) > 0.5 ? healthy_m : healthy_m - (healthy_m - throat_m) * 0.5 * (1 + cos(2 * pi * u));
 }
 
-/* Describes a soft lesion, which begins to open at 2 bar and is completely open at 2 bar more. With a
- * `recoil` of 1 the lesion recoils completely. */
+/* Describes a soft lesion, which begins to open at 2 bar and is completely open at 4 bar. With a `recoil` of
+ * 1 the lesion recoils completely. */
 static void describe(rig *r, double yield_kPa, double recoil)
 {
     for (int i = 0; i < STATIONS; i++) {
@@ -74,7 +74,8 @@ static void describe(rig *r, double yield_kPa, double recoil)
     };
 }
 
-/* Makes a balloon of 3.2 x 18 mm on a catheter of 0.9 mm, with its middle at the minimal lumen diameter. */
+/* Makes a balloon of 3.2 x 18 mm on a catheter of 0.9 mm; the balloon's middle lies at the minimal lumen
+ * diameter. */
 static crn_instrument balloon_catheter(void)
 {
     crn_instrument tool = reference_wire(2e-5, 600000, 4000, 0.1);
@@ -124,7 +125,7 @@ static double open_at(const rig *r, uint32_t station)
     return crn_state_open(&r->state, 0, station) / Q30;
 }
 
-/* Makes a state in which all stations are open to the same share. */
+/* Makes a state in which all points (stations) of the lesion are equally far open. */
 static crn_lesion_state opened(double share)
 {
     crn_lesion_state lesions = {.bits = 1};
@@ -146,8 +147,8 @@ static double distance_mm(const rig *r, const crn_lesion_state *lesions, crn_vec
     return sample.distance_m_q30 * 1e3 / Q30;
 }
 
-/* The distance is checked on the expected wall. The tolerance is 0.02 mm, the error of the field of the
- * narrow channel (docs/lesions.md), times the factor by which the lesion is widened. */
+/* The test checks the distance at points of the expected wall. The tolerance is 0.02 mm (the error of the
+ * narrow channel's distance field, docs/lesions.md) times the factor by which the lesion is widened. */
 static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **state)
 {
     (void)state;
@@ -170,8 +171,9 @@ static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **stat
     free(r);
 }
 
-/* The gradient of the distance, by finite differences over 0.02 mm near the wall, where contact takes place,
- * equals the normal within 4 degrees. The map between stations is linear and has kinks at the stations. */
+/* The gradient of the distance equals the normal within 4 degrees near the wall, where contact takes place.
+ * The test computes the gradient by finite differences over 0.02 mm. The map that widens the lesion is linear
+ * between the lesion's points (stations) and has kinks at these points. */
 static void normals_are_those_of_the_distance(void **state)
 {
     (void)state;
@@ -202,7 +204,7 @@ static void normals_are_those_of_the_distance(void **state)
     free(r);
 }
 
-/* In a vessel that beats, a point on the open wall in the reference pose also lies on the wall in world
+/* In a vessel that beats, a point of the opened wall in the reference pose also lies on the wall in world
  * coordinates, wherever the wall has moved. */
 static void an_open_lesion_goes_with_a_beating_vessel(void **state)
 {
@@ -252,8 +254,8 @@ static void closed_it_is_the_lumen_as_described(void **state)
     free(r);
 }
 
-/* The balloon is as wide as the vessel at 8 bar. The pressure is higher than the lesion withstands, so the
- * lesion opens; after deflation, 30 % of the opening recoils. */
+/* At 8 bar the free balloon is as wide as the vessel. The balloon's pressure is higher than the lesion
+ * withstands, so the lesion opens; after deflation, the lesion loses 30 % of the opening by recoil. */
 static void a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share(void **state)
 {
     (void)state;
@@ -271,7 +273,7 @@ static void a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share(void **s
     free(r);
 }
 
-/* At 8 bar the lesion leaves a waist in the balloon; at 14 bar the lesion gives way. */
+/* At 8 bar the lesion leaves a waist in the balloon; at 14 bar the lesion opens. */
 static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
 {
     (void)state;
@@ -286,8 +288,8 @@ static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
     free(r);
 }
 
-/* A balloon of 2 mm stops growing where its own wall takes the part of the pressure that the lesion does not.
- * The lesion opens no farther than the balloon. */
+/* A balloon of 2 mm stops growing where its own wall bears the part of the pressure that the lesion does not
+ * bear. The lesion opens no wider than the balloon. */
 static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
 {
     (void)state;
@@ -307,8 +309,8 @@ static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
     free(r);
 }
 
-/* This test also requires that the words of an elastic lesion return exactly after every inflation, and the
- * nodes within 1 um. A plastic lesion has its residual opening from the first inflation on. */
+/* After every inflation, the words of an elastic lesion's state must return exactly to their values, and the
+ * nodes within 1 um. A plastic lesion keeps its permanent opening from the first inflation on. */
 static void inflations(int count, double recoil, bool is_elastic)
 {
     rig *r = rig_make(200, recoil);
@@ -354,8 +356,8 @@ static void two_hundred_inflations_leave_a_plastic_lesion_at_its_residual(void *
     inflations(REFERENCE_RUN(200), 0.3, false);
 }
 
-/* When the host orders a scaffold, its stations stay open to the ordered extent once the balloon is deflated.
- * An order for stations that do not exist has no effect. */
+/* When the host commands a stent scaffold, its points stay open to the commanded extent once the balloon is
+ * deflated. A command for points that the lesion does not have has no effect. */
 static void a_scaffold_holds_its_stations(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* These tests check claims about the sum of the tools on the line. The stiffness of a cell is the series
- * average of the tools' compliances wherever a tip lies in the cell. A tool's twist stiffness is its own,
- * whichever tool's tip is near. Tools whose shape, twist stiffness or mass does not fit the line's cells are
- * refused by name. */
+/* These tests check the combined properties of nested tools. The stiffness of a node's cell is the series
+ * average of the tools' compliances, wherever a tool's tip lies in the cell. A tool's twist stiffness at a
+ * point does not depend on which other tool's tip is near. The core refuses tools whose shape, twist
+ * stiffness or mass does not fit the cells of the mesh, and names the tool. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -41,9 +41,9 @@ static crn_build_status build(rig *r, const crn_instrument *tools, uint32_t coun
     return crn_model_build(&r->model, tools, count, NULL, &entry, place);
 }
 
-/* There are two uniform tools, and the tip of the outer one is at 101 places of one cell. The expected value
- * is 1/W = (cell - part) / EI + part / (EI + EI'). The tolerance is 1/1000, for the rounding of the
- * reciprocals and of the cell. */
+/* The test has two uniform tools, and puts the tip of the outer one at 101 positions in one cell. The
+ * expected value is 1/W = (cell - part) / EI + part / (EI + EI'). The tolerance is 1/1000, for the rounding
+ * of the reciprocals and of the cell's length. */
 static void check_divided_cell(double inner_N_m2, double outer_N_m2, uint32_t element_um)
 {
     rig *r = calloc(1, sizeof *r);
@@ -81,8 +81,9 @@ static void a_tip_anywhere_in_a_cell_gives_the_series_average(void **context)
     check_divided_cell(5e-6, 5e-4, 1000);
 }
 
-/* The twist stiffness of a wire grows 500 times over 300 mm, and keeps its value GJ(arc) / cell at the
- * catheter's tip. The tolerance of 2 % is the taper over one cell. */
+/* The twist stiffness of a wire grows 500 times over 300 mm, and keeps its value GJ(arc) / cell at the tip of
+ * the catheter around the wire. The tolerance of 2 % is the change of stiffness by the taper over one cell.
+ */
 static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
 {
     (void)context;
@@ -124,8 +125,8 @@ static void check_refused(const crn_instrument *tools, uint32_t count, crn_build
     free(r);
 }
 
-/* Elements of 4 mm cannot follow a radius of 3 mm, because they would turn by 1.33 rad each. Elements of 3 mm
- * can follow this radius, because they turn by 1 rad each. */
+/* Elements of 4 mm cannot follow a tip of 3 mm radius, because each element would turn by 1.33 rad. Elements
+ * of 3 mm can follow a tip of 3 mm radius, because each element turns by 1 rad. */
 static void a_curve_tighter_than_the_elements_is_refused_at_its_knot(void **context)
 {
     (void)context;
@@ -154,7 +155,7 @@ static void a_tool_that_cannot_reach_the_shortest_line_is_refused(void **context
     check_refused(tools, 2, CRN_BUILD_LENGTH, 0, 0);
 }
 
-/* A stiffness of 3e-2 N m^2 in elements of 1 mm gives 30 N m a joint, beyond the limit of 16 N m. */
+/* A bending stiffness of 3e-2 N m^2 in elements of 1 mm gives 30 N m a joint, beyond the limit of 16 N m. */
 static void a_twist_beyond_the_joints_format_is_refused(void **context)
 {
     (void)context;
@@ -163,8 +164,9 @@ static void a_twist_beyond_the_joints_format_is_refused(void **context)
     check_refused(&tool, 1, CRN_BUILD_OVERFLOW, 0, 0);
 }
 
-/* A stiffness of 1e-7 N m^2 for 100 mm and one of 3e-2 N m^2 behind it are each in range, in elements of 8
- * mm. No single exponent has enough bits for both stiffnesses, and the tip would consist of noise. */
+/* A bending stiffness of 1e-7 N m^2 for 100 mm and one of 3e-2 N m^2 behind it, in elements of 8 mm, are each
+ * in range. No single exponent of the number format has enough bits for the two stiffnesses, and the computed
+ * shape of the tip would be noise. */
 static void a_tip_too_soft_beside_its_shaft_is_refused(void **context)
 {
     (void)context;

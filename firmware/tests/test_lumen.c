@@ -1,6 +1,7 @@
-/* These tests check that the samplers of the lumen are the quadratic B-spline that lumen.h states, at every
- * level. They are continuous across bricks, and safe for every position. The tests compare the results with
- * double precision and with walls whose distance is known in closed form. */
+/* These tests check that the functions that sample the lumen compute the quadratic B-spline of lumen.h at
+ * every level of refinement. The samples are continuous across bricks, and every position is safe to sample.
+ * The tests compare the results with computations in double precision and with walls whose distance is known
+ * in closed form. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +17,7 @@
 
 enum { BRICKS = 32, RANDOM_POINTS = 200000, VOXEL_Q30 = 1 << 20, BRICK_Q30 = 1 << 23 };
 
-/* Makes a lattice of 3 x 2 x 2 coarse bricks, with refinements that the tests write. */
+/* Makes a lattice of 3 x 2 x 2 coarse bricks; the tests write its refinements. */
 static int8_t samples[BRICKS][10][10][10];
 static uint16_t entries[12];
 static uint16_t children[4 * 8];
@@ -51,7 +52,8 @@ static double weight_slope(double t)
     return a < 1.5 ? (t > 0 ? -(1.5 - a) : 1.5 - a) : 0.0;
 }
 
-/* Computes the value (m) and the gradient of the spline of a brick at x voxels from the brick's corner. */
+/* Computes the value (in m) and the gradient of a brick's spline at the position x, in voxels from the
+ * brick's corner. */
 static double reference_spline(int brick, int level, const double *x, double *gradient)
 {
     double value = 0;
@@ -79,8 +81,8 @@ static void random_bricks(reference_random *random)
     }
 }
 
-/* Coarse brick (1,1,0) has level 0; coarse brick (2,1,0) has level 1 and, in its octant 5, level 2; coarse
- * brick (0,0,0) is deep inside. */
+/* In this lattice, coarse brick (1,1,0) has level 0. Coarse brick (2,1,0) has level 1, and level 2 in its
+ * octant 5. Coarse brick (0,0,0) is deep inside the lumen. */
 static void mixed_levels(void)
 {
     for (int i = 0; i < 12; i++) entries[i] = CRN_LUMEN_ENTRY_OUTSIDE;
@@ -100,7 +102,7 @@ typedef struct where {
     crn_vec3 position;
 } where;
 
-/* Returns a random point in a brick of the given level, in the scene that the test makes. */
+/* Returns a random point in a brick of the given level of the scene that the test makes. */
 static where random_point(reference_random *random, int level)
 {
     where w = {0, level, {0, 0, 0}, {{0, 0, 0}}};
@@ -137,14 +139,15 @@ static void contact_is_the_quadratic_b_spline(void **state)
             worst_normal = fmax(worst_normal, fabs(ldexp(got.normal_q30.v[k], -30) + g[k] / length));
         }
     }
-    /* The weights along x have a step of 2^-16. They are tested on random neighbours that differ by up to 8
-     * voxels, whereas those at a wall differ by one voxel. */
+    /* The weights of the spline along x have a step of 2^-16. The test uses random neighbouring values that
+     * differ by up to 8 voxels, whereas neighbours at a wall differ by one voxel. */
     if (worst_m > 2e-7) fail_msg("worst distance error %.3g m, allowed 2e-7", worst_m);
     if (worst_normal > 2e-3) fail_msg("worst normal error %.3g, allowed 2e-3", worst_normal);
 }
 
-/* A point that the cheap distance excludes can never have been a contact. This also holds in vessels as
- * narrow as a voxel, at creases, and in fields that are not distances. */
+/* When the cheap distance function shows that a point is too far from the wall, this point can never have
+ * been a contact. The cheap distance is also safe in vessels as narrow as a voxel, at creases, and in fields
+ * that are not distances. */
 static void distance_is_that_of_contact_bit_for_bit(void **state)
 {
     (void)state;
@@ -158,8 +161,9 @@ static void distance_is_that_of_contact_bit_for_bit(void **state)
     }
 }
 
-/* Fills every level-0 brick from a function of the place in voxels from the lattice corner. The values are
- * filtered beforehand, exactly for quadratic functions: c = f - (second differences) / 8. */
+/* Fills every level-0 brick with values of a function of the position, in voxels from the lattice corner. The
+ * function first filters the values by c = f - (second differences) / 8, which is exact for quadratic
+ * functions. */
 typedef double (*field)(double x, double y, double z);
 static void fill(field f)
 {
@@ -203,7 +207,8 @@ static double uniform(reference_random *random, double from, double to)
     return from + (to - from) * ldexp((double)(reference_random_next(random) >> 11), -53);
 }
 
-/* Returns the largest |contact distance - wall| in voxels, over points within 1.5 voxels of the wall. */
+/* Returns the largest |contact distance - wall distance| in voxels, over points within 1.5 voxels of the
+ * wall. */
 static double worst_distance(field f, reference_random *random)
 {
     double worst = 0;
@@ -233,8 +238,8 @@ static void known_walls_are_met_within_the_rounding_of_the_samples(void **state)
     }
 }
 
-/* Two points on both sides of every brick border are 1 LSB apart. Value and normal may differ only by what a
- * step of 1 nm and the rounding of the weights explain. */
+/* On every border between bricks, the test takes two points 1 LSB apart, one on each side. Between two such
+ * points, value and normal may differ only by what a step of 1 nm and the rounding of the weights explain. */
 static void field_is_smooth_across_bricks_and_voxels(void **state)
 {
     (void)state;

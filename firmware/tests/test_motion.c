@@ -1,7 +1,7 @@
-/* Claims about vessels that move. The lattice reproduces the map from which it was made, and its normal and
- * the displacement of its wall are those of this map. A wire in a beating vessel is carried along, and
- * penetrates the wall no deeper than a wire in a resting vessel. A wall that moves along the wire drags it
- * with mu N. */
+/* Claims about vessels that move. The tests show that the lattice reproduces the map from which it was made,
+ * including the normal and the displacement of the wall. A wire in a beating vessel moves with the vessel,
+ * and penetrates the wall no deeper than a wire in a vessel at rest. A wall that moves along the wire drags
+ * it with mu N. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -48,8 +48,8 @@ static uint32_t phase32(double phase)
     return (uint32_t)(uint64_t)floor((phase - floor(phase)) * 4294967296.0);
 }
 
-/* Makes the pose of a tick that ends at `phase` and began `step` before. The chest is at rest or, at `breath`
- * 1, full. */
+/* Makes the pose of the vessel for a tick that ends at the heart's phase `phase` and began the phase `step`
+ * before. The chest is at the end of expiration or, when `breath` is 1, at the end of inspiration. */
 static crn_motion_pose pose_of(const crn_motion *motion, double phase, double step, double breath)
 {
     crn_rhythm now = {.heart_phase32 = phase32(phase), .breath_phase32 = breath > 0 ? 1u << 31 : 0},
@@ -75,7 +75,7 @@ static double distance_m(const double *a, const double *b)
     return sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
 }
 
-/* Draws a place in the moved lumen: a point of the path, moved by the map. */
+/* Chooses a random point in the moved lumen: a point of the vessel's path, moved by the map. */
 static void draw_place(reference_random *random, double phase, double breath, double *X, double *x)
 {
     const double *p = tube->points_m[40 + reference_random_below(random, tube->point_count - 60)];
@@ -83,8 +83,8 @@ static void draw_place(reference_random *random, double phase, double breath, do
     reference_beating_sphere(X, phase, breath, x);
 }
 
-/* At the nodes and keyframes the lattice equals the map, apart from half a unit of the stored numbers and the
- * rounding of the weights. */
+/* At its nodes and keyframes, the lattice equals the map, apart from half a unit of the stored numbers and
+ * the rounding of the weights. */
 static void the_lattice_passes_through_its_keyframes(void **state)
 {
     (void)state;
@@ -103,7 +103,7 @@ static void the_lattice_passes_through_its_keyframes(void **state)
 }
 
 /* Between nodes and keyframes, a spacing of 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm.
- * They also represent 8 mm of breath within 0.3 mm at any moment of the breath. */
+ * The same spacing and keyframes represent 8 mm of breath within 0.3 mm at any moment of the breath. */
 static void the_lattice_represents_the_map(void **state)
 {
     (void)state;
@@ -128,7 +128,7 @@ static void the_lattice_represents_the_map(void **state)
     assert_true(worst < 0.3e-3 && deepest < 0.3e-3);
 }
 
-/* The cycle closes. From cell to cell and from keyframe to keyframe, no value changes by more than the
+/* The cycle closes. Between neighbouring cells and between keyframes, no value changes by more than the
  * distance between the points explains. */
 static void the_map_is_continuous_in_place_and_time(void **state)
 {
@@ -162,7 +162,7 @@ static void outside_the_lattice_nothing_moves(void **state)
     }
 }
 
-/* Returns the depth that the core computes at a place, in metres. */
+/* Returns the depth beyond the wall that the core computes at a point, in metres. */
 static double depth_at(crn_motion_pose *pose, const double *x)
 {
     crn_vec3 world = to_q30(x);
@@ -170,9 +170,9 @@ static double depth_at(crn_motion_pose *pose, const double *x)
     return crn_lumen_contact(&tube->lumen, &reference).distance_m_q30 / q30_per_m;
 }
 
-/* Central differences of the distance in the reference pose, over 20 um, give the direction of the normal
- * within 1 degree. The distance is phi over the length of the gradient. Near cell borders the difference
- * covers both cells, so 2 % of the points may fail. */
+/* The test computes the direction of the normal within 1 degree by central differences of the distance in the
+ * reference pose, over 20 um. The expected distance is phi divided by the length of the gradient. Near the
+ * border of two cells a difference covers both, so 2 % of the points may fail. */
 static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
 {
     (void)state;
@@ -213,9 +213,10 @@ static int16_t up_to(reference_random *random, int32_t most)
     return (int16_t)((int32_t)reference_random_below(random, 2u * (uint32_t)most + 1) - most);
 }
 
-/* The cheap distance alone decides that a node is far from the wall. So where the contact's distance is not
- * far, the cheap distance must not be far either. The test uses the beating lattice, and one as steep as a
- * scene may be, where neighbours differ at random. */
+/* The cheap distance function alone decides that a node is far from the wall. Where the full contact function
+ * finds a small distance, the cheap function must therefore not return a large one. The test uses the lattice
+ * of the beating vessel, and a random lattice whose neighbouring nodes differ as much as a scene may have
+ * them differ. */
 static void the_cheap_distance_never_hides_a_contact(void **state)
 {
     (void)state;
@@ -262,9 +263,9 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
     }
 }
 
-/* The step of the wall is compared with the displacement of the map's own point in the tick, at 120 beats a
- * minute. The difference must be below 2 um plus 5 % of the fastest wall's step (0.13 mm in a tick). In every
- * second case the chest also moves, at 20 breaths a minute. */
+/* The test compares the displacement of the wall in a tick with the displacement of the map's own point, at
+ * 120 beats a minute. The two displacements must differ by less than 2 um plus 5 % of the fastest wall's
+ * displacement (0.13 mm in a tick). In every second case the chest also moves, with 20 breaths a minute. */
 static void the_wall_step_is_that_of_the_map(void **state)
 {
     (void)state;
@@ -339,8 +340,8 @@ typedef struct beat_figures {
     uint32_t solved_twice, faults;
 } beat_figures;
 
-/* Runs four seconds at 90 beats a minute with breath. `miss` receives the largest distance of a node of the
- * wire from the moved vessel's axis. */
+/* Simulates four seconds at 90 beats a minute with breath. `miss` receives the largest distance of any node
+ * of the wire from the moved vessel's axis. */
 static beat_figures beat_on(crn_input *input)
 {
     beat_figures f = {0};
@@ -388,8 +389,8 @@ static void a_wire_in_a_beating_vessel_is_carried(void **state)
     assert_int_equal(f.faults & ~(uint32_t)CRN_FAULT_STEP_CAPPED, 0);
 }
 
-/* A snapshot in mid-beat continues with the same hashes, so no part of the motion is kept outside the
- * state. */
+/* A session that continues from a snapshot taken in mid-beat has the same hashes, so the state contains all
+ * data about the motion. */
 static void a_beating_state_can_be_saved_and_goes_on_the_same(void **state)
 {
     (void)state;
@@ -410,8 +411,8 @@ static void a_beating_state_can_be_saved_and_goes_on_the_same(void **state)
     }
 }
 
-/* Makes everything move 6 mm along +x at the end of systole, like a floor that slides under a wire lying on
- * it. */
+/* Makes a lattice in which everything moves 6 mm along +x at the end of systole, like a floor that slides
+ * under a wire. */
 static void slide_along(const double *X, double phase, double breath, double *x)
 {
     memcpy(x, X, 3 * sizeof *x);
@@ -430,9 +431,9 @@ static double normal_sum_N(void)
 }
 
 /* A soft wire of 5 g/m lies on the floor of a narrow straight tube, and its hand holds it while the floor
- * slides. The hand feels mu times the weight on the floor, within 2 %, in one direction in systole and in the
- * other in diastole. The floor supports the weight except for the span that hangs at the introducer sheath's
- * distal end. */
+ * slides. The hand feels a force of mu times the weight on the floor, within 2 %, in one direction in systole
+ * and in the other in diastole. The floor supports the wire's weight, except for the span that hangs from the
+ * introducer sheath's distal end. */
 static void a_wall_that_slides_drags_at_mu_N(void **state)
 {
     (void)state;

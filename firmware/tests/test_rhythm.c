@@ -1,7 +1,8 @@
-/* Claims about heartbeat and breath. Heartbeats have the ordered length. The length of systole follows its
- * formula and not the interval, and the phase has no jumps whatever is ordered. Intervals vary as stated, and
- * in the same way on every run. A premature beat is followed by the pause that brings the rhythm back into
- * step. An out-of-range order has no effect. */
+/* Claims about heartbeat and breath. Heartbeats have the ordered length. The tests show that the length of
+ * systole follows its formula and not the interval between beats, and that the phase has no jumps whatever
+ * the host commands. The intervals between heartbeats have the set variability, and vary in the same way on
+ * every run. A premature beat is followed by a pause after which the rhythm is in step again. A command to
+ * the heart with a value out of its range has no effect. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +23,7 @@ static void ask(crn_rhythm *rhythm, uint32_t action, uint32_t value)
     crn_rhythm_step(rhythm, &order);
 }
 
-/* Returns the number of ticks until the next beat begins; the phase must rise throughout. */
+/* Returns the number of ticks until the next heartbeat begins; the phase must rise all the time. */
 static uint32_t to_next_beat(crn_rhythm *rhythm)
 {
     uint32_t ticks = 0, count = rhythm->beat_count, phase = rhythm->heart_phase32;
@@ -37,9 +38,10 @@ static uint32_t to_next_beat(crn_rhythm *rhythm)
     return ticks;
 }
 
-/* The interval is 60 000 / rate ms, within 1 ms. The aortic valve closes 540 - 2.1 rate ms after the QRS: 456
- * ms at 40 beats a minute, 204 ms at 160 beats a minute. Linear scaling with the interval would turn the
- * correct 393 ms at 70 beats a minute into 624 ms at 40 beats a minute. */
+/* The interval between heartbeats is 60 000 / rate ms, within 1 ms. The aortic valve closes 540 - 2.1 rate ms
+ * after the QRS complex: 456 ms at 40 beats a minute, 204 ms at 160 beats a minute. If systole were scaled
+ * linearly with the interval, its correct length of 393 ms at 70 beats a minute would become 624 ms at 40
+ * beats a minute. */
 static void systole_follows_its_formula_and_not_the_interval(void **state)
 {
     (void)state;
@@ -75,9 +77,10 @@ static void the_phase_is_linear_in_systole_and_in_diastole(void **state)
     }
 }
 
-/* The test runs 4000 beats at 75 beats a minute with a variability of 5 %. The mean is within 0.3 % and the
- * standard deviation within 5 % (four standard errors are 0.3 % and 4.5 %). No interval is beyond three
- * deviations, and another run gives the same. */
+/* The test runs 4000 beats at 75 beats a minute with a variability of 5 %. The mean interval is within 0.3 %
+ * of its expected value and the standard deviation within 5 % (four standard errors are 0.3 % and 4.5 %). No
+ * interval differs from the mean by more than three standard deviations, and another run gives the same
+ * intervals. */
 static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
 {
     (void)state;
@@ -102,9 +105,10 @@ static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
     assert_true(fabs(mean - 800) < 2.4 && fabs(deviation - 40) < 2);
 }
 
-/* The premature beat is ordered 100 ms after a QRS with a coupling of 60 %. The next QRS comes at 60 % of the
- * interval, and this beat is marked. The beat after it comes where the second regular beat would have come.
- * The systole of the premature beat is that of its short interval. */
+/* The premature beat is commanded 100 ms after a QRS complex with a coupling interval of 60 %. The next QRS
+ * complex comes at 60 % of the interval, and the output marks this beat as premature. The beat after the
+ * premature one comes when the second regular beat would have come. The systole of the premature beat has the
+ * length that belongs to the beat's short interval. */
 static void a_premature_beat_is_followed_by_its_pause(void **state)
 {
     (void)state;
@@ -122,7 +126,8 @@ static void a_premature_beat_is_followed_by_its_pause(void **state)
     assert_int_equal(to_next_beat(&rhythm), 857);
 }
 
-/* When the order comes late in a beat, no time is left, and the beat after the next QRS is the early one. */
+/* When the command comes late in a beat, no time is left in this beat, and the beat after the next QRS
+ * complex is the premature one. */
 static void a_premature_beat_that_is_asked_for_too_late_comes_in_the_next_cycle(void **state)
 {
     (void)state;
@@ -135,7 +140,7 @@ static void a_premature_beat_that_is_asked_for_too_late_comes_in_the_next_cycle(
     assert_true((rhythm.bits & CRN_RHYTHM_IS_PREMATURE) != 0);
 }
 
-/* The present beat ends; then the heart rests at the end of filling until it is ordered to beat again. */
+/* The present beat ends; then the heart rests at the end of filling until a command starts it again. */
 static void asystole_stands_at_the_end_of_filling(void **state)
 {
     (void)state;
@@ -209,9 +214,9 @@ static void what_is_out_of_range_is_no_order(void **state)
     }
 }
 
-/* The test runs 200,000 ticks, with a random order in 1 of 50 ticks. Every state of this run is valid, so
- * that a snapshot may restore it. The phase goes from one keyframe to the next in no less than 2 ms, which
- * bounds the wall's speed. */
+/* The test runs 200,000 ticks, with a random command in 1 of 50 ticks. The check accepts every state of this
+ * run, so that a snapshot may restore it. The phase goes from one keyframe to the next in no less than 2 ms,
+ * which bounds the wall's speed. */
 static void whatever_is_asked_for_the_phase_has_no_jumps(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* These tests check that the rod bends, hangs, slides and stalls as the equations of docs/rod.md state. They
- * also claim that the state can be hashed, saved and restored, and that bad instruments and states are
- * refused by name. The tests compare the results with closed forms (elastica) and exact tube distances in
- * double precision, and check invariants. */
+/* These tests check that the rod bends, hangs, slides and stalls as the equations of docs/rod.md state. The
+ * tests also check that the state can be hashed, saved and restored, and that the core refuses bad
+ * instruments and states by name. The tests compare the results with closed forms (elastica) and exact tube
+ * distances in double precision, and check invariants. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,8 @@ static const double Q30 = 1073741824.0;
 /* --- elastica: FACTS of docs/validation.md, cases 1 and 2 ----------------------------------------------- */
 
 /* The project allows an error of 0.5 % of the length L at 64 elements; the discretisation alone causes 0.03
- * %. `make bench` runs every stiffness of the range; this test runs the softest and a stiff one. */
+ * %. The program `make bench` runs every stiffness of the range; this test runs the softest rod and a stiff
+ * one. */
 static void tip_loaded_cantilever_takes_the_elastica(void **context)
 {
     (void)context;
@@ -73,7 +74,7 @@ typedef struct insertion {
     double depth_mm, strain_pct, force_N, resting_um;
 } insertion;
 
-/* Holds the worst values of a whole insertion at 0.1 m/s and one second of rest. */
+/* Holds the worst values of a whole insertion at 0.1 m/s and of one second of rest after it. */
 static insertion insert(const reference_tube *tube, double bend_N_m2, double to_m)
 {
     crn_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
@@ -101,8 +102,9 @@ static insertion insert(const reference_tube *tube, double bend_N_m2, double to_
     return worst;
 }
 
-/* A wire is pushed 450 mm through two bends of 51 and 57 mm radius. Its nodes stay within 0.3 mm of the exact
- * wall and its length within 0.45 %, and the wire comes to rest (no chatter above 1 um per tick). */
+/* A wire is pushed 450 mm through two bends of 51 and 57 mm radius. The nodes of the wire stay within 0.3 mm
+ * of the exact wall and its length within 0.45 %, and the wire comes to rest (no chatter above 1 um per
+ * tick). */
 static void wires_pass_the_bends_without_leaving_the_tube(void **context)
 {
     (void)context;
@@ -128,8 +130,8 @@ static void wire_rests_in_a_vessel_of_1_5_mm_radius(void **context)
     reference_tube_free(tube);
 }
 
-/* The end wall blocks the tip: the hand slips at 6 N instead of crushing the wire, with a tolerance of 10 %
- * for the last step. */
+/* The end wall blocks the tip: the hand slips at 6 N instead of crushing the wire. The tolerance is 10 %, for
+ * the last step. */
 static void blocked_tip_stalls_the_feed(void **context)
 {
     (void)context;
@@ -153,10 +155,11 @@ static void blocked_tip_stalls_the_feed(void **context)
 
 /* --- friction ------------------------------------------------------------------------------------------- */
 
-/* A wire rests on the floor of a straight tube of 1.5 mm radius, and is pulled and pushed at constant speed.
- * The force on the handle is mu N, where N is the weight less what the introducer sheath supports. The sheath
- * supports two thirds of the span (72 EI h / w)^(1/4) that hangs from height h. The first 10 mm of travel
- * bring every bristle to its limit. The tolerance is 10 %, because the push bends the hanging span. */
+/* A wire rests on the floor of a straight tube of 1.5 mm radius; the hand pulls and pushes it at constant
+ * speed. The force on the handle is mu N, where N is the weight less what the introducer sheath supports. The
+ * sheath supports two thirds of the span (72 EI h / w)^(1/4) over which the wire, of weight w per length,
+ * hangs from height h. The first 10 mm of travel bring every friction displacement (bristle) to its limit.
+ * The tolerance of the force is 10 %, because the push bends the hanging span. */
 static void sliding_on_the_floor_costs_mu_times_weight(void **context)
 {
     (void)context;
@@ -181,8 +184,8 @@ static void sliding_on_the_floor_costs_mu_times_weight(void **context)
     reference_tube_free(tube);
 }
 
-/* Returns the mean push on a wire that is fed along the floor at 20 mm/s while its weight changes every 3 ms
- * by `share` of itself. */
+/* Returns the mean push on a wire that is fed along the floor at 20 mm/s. The wire's weight changes every 3
+ * ms by the fraction `share` of itself. */
 static double push_when_shaken_N(double share)
 {
     const reference_piece straight = {0.4, 0, 0};
@@ -203,9 +206,9 @@ static double push_when_shaken_N(double share)
 }
 
 /* A wire whose weight alternates between zero and twice its value needs the same push as a wire of constant
- * weight, because friction follows the mean. The tolerance is 20 %, because the nodes hop. When friction used
- * the predicted force of a hopping node (5 mN for each micrometre), the push was 19 times as large as
- * this. */
+ * weight, because friction follows the mean weight. The tolerance of the push is 20 %, because the nodes hop.
+ * When friction was computed from the predicted force of a hopping node (5 mN for each micrometre), the push
+ * was 19 times as large as now. */
 static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 {
     (void)context;
@@ -215,9 +218,9 @@ static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 
 /* --- hostile hand --------------------------------------------------------------------------------------- */
 
-/* A hand jumps at random for 20 s and turns at up to 12 rad/s. The rod stays stable, and leaves the lumen by
- * more than 1 mm in at most 1 of 1000 ticks. The length error stays within 0.6 %, as in the fuzz test of the
- * project's prototype. */
+/* A hand jumps at random for 20 s and turns at up to 12 rad/s. The rod stays stable, and its nodes are more
+ * than 1 mm outside the lumen in at most 1 of 1000 ticks. The length error stays within 0.6 %, as in the fuzz
+ * test of the project's prototype. */
 static void random_hand_does_not_blow_the_rod_up(void **context)
 {
     (void)context;
@@ -247,11 +250,11 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     reference_tube_free(tube);
 }
 
-/* When a tick's prediction has missed a contact, the node is hardly deeper than 0.1 mm at the end of the
- * first of several such ticks. In that tick the deviation of all nodes is scaled down, which costs no second
- * solve. The depth is measured along the normal at the predicted configuration. A displacement of 0.75 mm
- * (the cap) along a wall of 4 mm radius leaves the wall's plane by another 0.07 mm, which is the bound;
- * 0.0135 mm were seen. */
+/* When the prediction misses a contact in several successive ticks, the node is hardly deeper than 0.1 mm at
+ * the end of the first of these ticks. In this first tick the core scales down the deviation of all nodes,
+ * which costs no second solve. The test measures the depth along the wall's normal at the predicted
+ * configuration. A displacement of 0.75 mm (the cap) along the tangent of a wall of 4 mm radius deepens the
+ * node by another 0.07 mm, which is the bound; 0.0135 mm were seen. */
 static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 {
     (void)context;
@@ -288,9 +291,9 @@ static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
     reference_tube_free(tube);
 }
 
-/* Beyond the field there is no normal and so no contact, but a node there counts as the deepest. The whole
- * wire lies 0.1 m beside the tube. The expected depth is the field's far value of 15.6 mm plus the wire's
- * radius. */
+/* Outside the distance field there is no normal and so no contact, but a node there counts as the deepest. In
+ * this test the whole wire lies 0.1 m beside the tube. The expected depth is the value of the distance field
+ * far from walls, 15.6 mm, plus the wire's radius. */
 static void a_node_beyond_the_field_is_the_deepest(void **context)
 {
     (void)context;
@@ -357,8 +360,8 @@ static void restored_state_goes_on_bit_for_bit(void **context)
     reference_tube_free(tube);
 }
 
-/* Every word that a check guards is set to a value that no state can have; the state is then refused and the
- * old state left unchanged. */
+/* The test sets every word that a check guards to a value that no state can have; the core then refuses the
+ * state and leaves the old state unchanged. */
 static void restore_refuses_impossible_words(void **context)
 {
     (void)context;
@@ -446,8 +449,8 @@ static void bad_instruments_are_refused_with_their_knot(void **context)
     assert_int_equal(build(&good, &entry, &place), CRN_BUILD_ENTRY);
 }
 
-/* A tool that is inserted past its end or pulled out completely stops at the end and reports it. The motion
- * of the hand is not stored up: when the hand reverses, the wire follows within 2 mm. */
+/* A tool that the hand pushes in past its end or pulls out completely stops at the end and reports the stop.
+ * The hand's motion beyond the end is not stored up: when the hand reverses, the wire follows within 2 mm. */
 static void feed_stops_at_both_ends(void **context)
 {
     (void)context;

@@ -1,6 +1,7 @@
-/* These tests check claims about the checks of every edge, from samples alone, without a rod, a scene or the
- * wire protocol. Each limit holds on both sides of its border, and each fault has the code and the number of
- * edges that shared/wire/wire_faults.def states. In a rig at rest nothing is found. */
+/* These tests check the safety checks that run at every edge of the timer, from samples alone, without a rod,
+ * a scene or the wire protocol. The tests try each limit just below and just above its value; each fault has
+ * the code and the number of edges that shared/wire/wire_faults.def states. In a rig at rest, the checks find
+ * no fault. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -216,8 +217,8 @@ static void the_sensors_zero_and_scale_are_those_of_the_track(void **state)
 
 /* --- balance --- */
 
-/* A hand pulls with 950 mN, and the carriage moves by `counts` in every edge. The heaviest carriage needs
- * four edges to move 20 um. */
+/* A hand pulls with 950 mN, and the carriage moves by `counts` encoder counts at every edge. The heaviest
+ * carriage needs four edges of the timer to move 20 um. */
 static int pull(int32_t counts)
 {
     safety_bench_drive(&bench);

@@ -1,6 +1,7 @@
-/* These tests check claims about time, from the clock's readings alone, without a rod, a scene or the wire
- * protocol. A processor that stops, or ticks that fall behind, remove the power. A silent host makes the
- * forces fade within 42 ms, and the permission to power motors is spent by any answer and expires. */
+/* These tests check the device's reactions to time, from the clock's readings alone, without a rod, a scene
+ * or the wire protocol. When the processor stops, or ticks fall behind, the device removes the motor power.
+ * When the host is silent, the forces fade within 42 ms. Any answer uses up the code for powering the motors,
+ * and code and permission expire. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +24,7 @@ static void expect(const crn_finding *found, crn_fault_code code, int32_t value1
 
 /* --- the clock --- */
 
-/* Runs two edges that are `gap_us` apart; the clock wraps between them. */
+/* Runs two edges of the timer that are `gap_us` apart; the clock wraps between them. */
 static crn_findings edges_apart(uint32_t gap_us, bool is_driving)
 {
     crn_clock clock = {.has_edge = false};

@@ -1,7 +1,7 @@
-/* These tests check claims about the force that a motor is given, from samples alone, without a rod, a scene
- * or the wire protocol. Limit and slew limit hold, and a carriage that nobody holds loses its force within 32
- * ms. The device stops when a motor drives a carriage too fast, when a track gives energy for 100 ms, and
- * when a motor sustains a cycle. */
+/* These tests check the force that the motors are commanded to give, from samples alone, without a rod, a
+ * scene or the wire protocol. Force limit and slew limit hold, and a carriage that nobody holds loses its
+ * motor force within 32 ms. The device stops when a motor drives a carriage too fast, when a track gives
+ * energy to the hand for 100 ms, and when a motor sustains an oscillation. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -127,8 +127,8 @@ static void a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed(void **
     }
 }
 
-/* The carriage does not move, so its speed does not matter. There are 12 edges of grace, and 20 edges in
- * which the force fades. */
+/* The carriage does not move, so its speed does not matter. The force stays for the first 12 edges of the
+ * timer, and fades in the next 20 edges. */
 static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **state)
 {
     (void)state;
@@ -142,7 +142,8 @@ static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **sta
     }
 }
 
-/* The sensor may be wrong by a quarter, so a hand counts as holding a third more than the measured force. */
+/* The force sensor may be wrong by a quarter, so the code assumes that a hand holds up to a third more than
+ * the measured force. */
 static void a_force_that_a_hand_holds_stays(void **state)
 {
     (void)state;
@@ -158,8 +159,8 @@ static void a_force_that_a_hand_holds_stays(void **state)
 
 /* --- what stops --- */
 
-/* Runs `edges` edges in which the motor gives 40 mN to a carriage at rest that nobody touches; then the
- * carriage moves by `counts`. */
+/* Runs `edges` edges of the timer in which the motor gives 40 mN to a carriage at rest that nobody touches;
+ * then the carriage moves by `counts`. */
 static int run_away(int edges, int32_t counts, int32_t felt_mN)
 {
     safety_bench_drive(&bench);
@@ -173,8 +174,8 @@ static int run_away(int edges, int32_t counts, int32_t felt_mN)
     return 0;
 }
 
-/* A speed follows from one count less than was read: 252 um in 1 ms mean at least 251 mm/s. Over eight edges,
- * 250 um per ms mean just less than 250 mm/s. */
+/* The speed is computed from one count less than was read: a reading of 252 um in 1 ms means at least 251
+ * mm/s. Over eight edges, a reading of 250 um per ms means just less than 250 mm/s. */
 static void a_carriage_that_its_motor_made_fast_stops(void **state)
 {
     (void)state;
@@ -219,8 +220,8 @@ static void energy_that_a_track_gives_stops_at_the_hundredth_edge(void **state)
 }
 
 /* Moves a carriage back and forth by 100 um per tick. The hand's force is `hand_mN` along the motion, and the
- * motor's force is `motor_mN` against the motion. Returns for how many ticks the cycle lasted until it was
- * found. */
+ * motor's force is `motor_mN` against the motion. Returns the number of ticks after which the device detects
+ * the oscillation. */
 static int oscillate(int ticks_per_swing, int32_t hand_mN, int32_t motor_mN, bool is_felt,
                      int narrower_counts)
 {
@@ -240,7 +241,8 @@ static int oscillate(int ticks_per_swing, int32_t hand_mN, int32_t motor_mN, boo
     return 0;
 }
 
-/* The cycle is found at a reversal, once the swings after the first one have lasted 25 ms. */
+/* The device detects the oscillation at a reversal of the carriage, once the swings after the first one have
+ * lasted 25 ms. */
 static void a_cycle_that_the_motor_sustains_is_found(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* These tests check that no snapshot, however wrong, leads to undefined behaviour. Either a snapshot is
- * refused and changes nothing, or its ticks stay within their formats and are the same on every run (the
- * sanitizers are the judges of this test). */
+/* These tests check that no snapshot, however wrong, leads to undefined behaviour. A snapshot is either
+ * refused and changes nothing, or its ticks stay within their number formats and are the same on every run
+ * (the sanitizers are the judges of this test). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +29,7 @@ typedef struct rig {
 static const double stiffness_N_m2[CRN_TOOL_MAX] = {1.85e-3, 4e-4, 1e-3};
 static const uint32_t radius_um[CRN_TOOL_MAX] = {445, 900, 1300}, bore_um[CRN_TOOL_MAX] = {0, 500, 950};
 
-/* The state has three curved, heavy tools that have pushed and turned for 200 ticks. */
+/* The state of this test has three curved, heavy tools that hands have pushed and turned for 200 ticks. */
 static rig *rig_make(void)
 {
     rig *r = calloc(1, sizeof *r);
@@ -96,7 +96,8 @@ static uint64_t run(rig *r)
     return crn_state_hash64(&r->state);
 }
 
-/* Restores the altered bytes and runs an accepted state twice. Returns true when the state was accepted. */
+/* Restores the altered bytes and, when the core accepts them, runs the state twice. Returns true when the
+ * core accepted the state. */
 static bool check_altered(rig *r)
 {
     memcpy(&r->state, &r->start, sizeof r->state);
@@ -129,9 +130,9 @@ static void any_one_word_of_a_snapshot_may_be_wrong(void **context)
     rig_free(r);
 }
 
-/* The test makes a line of its own: zigzags of whole edges along one axis, which fold back by 180 degrees at
- * every node. Velocities, bristles, rotations and forces are random. The line ends with the held nodes
- * unchanged. */
+/* The test makes an extreme shape: whole edges along one axis that fold back by 180 degrees at every node.
+ * The velocities, friction displacements, rotations and forces of this state are random. The last nodes of
+ * this shape, which the introducer sheath holds, are unchanged. */
 static void a_folded_line_with_wild_velocities_stays_defined(void **context)
 {
     (void)context;
@@ -162,7 +163,7 @@ static void a_folded_line_with_wild_velocities_stays_defined(void **context)
     rig_free(r);
 }
 
-/* The straight start of a tool near the border of the coordinate space stays inside it. */
+/* When a tool starts near the border of the coordinate range, its straight shape stays inside this range. */
 static void a_start_beyond_the_border_of_space_is_cut_off_there(void **context)
 {
     (void)context;

@@ -1,10 +1,11 @@
-/* These tests check claims about a wire and the struts of a deployed stent (docs/lesions.md). The struts act
- * on the wire like a wall. A wire inside the stent rests on the inside of the struts, and a wire outside
- * rests on their outside. The wire does not pass through as long as its force is below the force that a cell
- * of the stent withstands. A wire between struts and wall is held by friction on both. An end of the stent
- * deflects a wire's tip to one side. The struts do not act on balloons. The struts are part of the state, and
- * an invalid order changes nothing. The tests compare the results with closed forms of shells in straight
- * tubes. */
+/* These tests check the contact between a wire and the struts of a deployed stent (docs/lesions.md). The
+ * struts act on the wire like a wall. A wire inside the stent rests on the inner surface of the struts, and a
+ * wire outside the stent rests on their outer surface. The wire does not pass through the struts as long as
+ * its force is below the force that a cell of the stent withstands. When a wire lies between struts and
+ * vessel wall, friction on the struts and on the wall holds it. An end of the stent deflects a wire's tip to
+ * one side. The stent's struts do not act on balloons. The stent's struts are part of the core's state, and
+ * an invalid command for them changes nothing. The tests compare the results with closed forms for shells in
+ * straight tubes. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -67,7 +68,7 @@ static void run(rig *r, int ticks)
     for (int t = 0; t < ticks; t++) crn_step(&r->model, &r->state, &r->input, &r->output);
 }
 
-/* Makes a straight stent along x with its middle line at this height, by one order a tick. */
+/* Makes a straight stent whose axis is parallel to x at this height, by one command a tick. */
 static crn_strut_order ring(uint32_t i, int32_t z_um, uint32_t inside_um)
 {
     return (crn_strut_order){i + 1,
@@ -91,7 +92,7 @@ static double place_m(const rig *r, uint32_t node, int axis)
     return crn_state_position(&r->state, node).v[axis] / Q30;
 }
 
-/* Counts nodes between the rings that are at least a millimetre from either end. */
+/* Counts the nodes between the stent's rings that are at least a millimetre from either end. */
 static bool is_in_stent(const rig *r, uint32_t node)
 {
     const double x_m = place_m(r, node, 0);
@@ -120,8 +121,8 @@ static felt feel(const crn_strut_state *struts, double x, double y, double z)
     return f;
 }
 
-/* In a straight stent of 1.5 mm inner radius, distances on both sides and round the edge agree with the
- * closed form to a hundredth of a micrometre. */
+/* In a straight stent of 1.5 mm inner radius, the distances to the struts, inside, outside and round the
+ * edge, agree with the closed form to a hundredth of a micrometre. */
 static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
 {
     (void)state;
@@ -163,8 +164,8 @@ static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
     assert_false(feel(struts, 27e-3, 1.5e-3, -0.7e-3).is_near);
 }
 
-/* A stent in a bend of 20 mm that widens by a tenth follows the torus between its rings. The tolerance covers
- * what chords of 2 mm cut off (25 um) and what the cone's slope adds. */
+/* The struts of a stent in a bend of 20 mm radius, which widens by a tenth, follow the torus between the
+ * stent's rings. The tolerance covers the 25 um that chords of 2 mm cut off, and the slope of the cone. */
 static void a_bent_shell_follows_its_rings(void **state)
 {
     (void)state;
@@ -198,7 +199,7 @@ static void a_bent_shell_follows_its_rings(void **state)
     assert_true(worst_m < 30e-6 && least > cos(3.5 * pi / 180));
 }
 
-/* In a vessel that beats, a point on the struts in the reference pose also lies on the struts in world
+/* In a vessel that beats, a point of the struts in the reference pose also lies on the struts in world
  * coordinates. */
 static void struts_go_with_a_beating_vessel(void **state)
 {
@@ -238,8 +239,9 @@ static void struts_go_with_a_beating_vessel(void **state)
 
 /* --- a wire on one side --------------------------------------------------------------------------------- */
 
-/* The wire is pressed on the inside of the struts by ten times its weight, in a wider tube. The wire's axis
- * rests at the struts' radius less the wire's radius, apart from the penetration that the weight causes. */
+/* A force of ten times its weight presses the wire on the inside of the struts, in a wider tube. The wire's
+ * axis rests at the struts' radius less the wire's radius, apart from the penetration that the weight causes.
+ */
 static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
 {
     (void)state;
@@ -261,8 +263,9 @@ static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
     free(r);
 }
 
-/* The stent lies beneath the wire, which rests on top of it. The wire is stiffer than in the test of a wire
- * inside the stent, so that the span between sheath and stent does not lift the rest of it. */
+/* In this test the stent lies beneath the wire, which rests on the stent's outer surface. This wire is
+ * stiffer than in the test of a wire inside the stent, so that the span between sheath and stent does not
+ * lift the remaining wire. */
 static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 {
     (void)state;
@@ -284,7 +287,8 @@ static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
     free(r);
 }
 
-/* One cell withstands k_c (r + t/2) + k_deep (r + t/2 - 0.2 mm) of one node, which is 3.25 N here. */
+/* One cell of the stent withstands the contact force k_c (r + t/2) + k_deep (r + t/2 - 0.2 mm) of one node,
+ * which is 3.25 N here. */
 static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
 {
     (void)state;
@@ -307,8 +311,8 @@ static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
     }
 }
 
-/* The tip touches the edge of the stent head on and beside it, with a friction of 0.3; it moves on along one
- * side, inside or outside. */
+/* The wire's tip touches the stent's end, head on and off centre, with a friction coefficient of 0.3; the tip
+ * moves on along one side, inside or outside. */
 static void an_end_sends_a_tip_to_one_side(void **state)
 {
     (void)state;
@@ -364,7 +368,8 @@ static uint32_t held_nodes(const rig *r, double *worst_m)
     return count;
 }
 
-/* The wire rests in the middle of the remaining gap, and does not move for 10,000 ticks. */
+/* The wire rests in the middle of the remaining gap between struts and wall, and does not move for 10,000
+ * ticks. */
 static void between_struts_and_wall_it_rests_without_chatter(void **state)
 {
     (void)state;
@@ -384,8 +389,8 @@ static void between_struts_and_wall_it_rests_without_chatter(void **state)
     free(r);
 }
 
-/* When the wire is pulled, it slips at friction times the forces of struts and wall on it; it stays outside
- * the stent. */
+/* When the hand pulls the wire, it slips at friction times the forces of struts and wall on it, and stays
+ * outside the stent. */
 static void pulling_it_out_needs_friction_on_both_sides(void **state)
 {
     (void)state;
@@ -411,8 +416,8 @@ static void pulling_it_out_needs_friction_on_both_sides(void **state)
 
 /* --- balloon, orders, states ---------------------------------------------------------------------------- */
 
-/* A balloon in struts narrower than itself grows as wide as without the struts, because the host opens
- * them. */
+/* A balloon inside a stent narrower than itself grows as wide as without the stent, because the host opens
+ * the struts. */
 static void a_balloon_presses_through(void **state)
 {
     (void)state;
@@ -440,7 +445,7 @@ static void a_balloon_presses_through(void **state)
     assert_true(fabs(widest_m[0] - 1.6e-3) < 2e-6 && fabs(widest_m[1] - widest_m[0]) < 2e-6);
 }
 
-/* A ring moves by 5 um a tick and arrives at its place exactly, to the last bit. */
+/* A strut ring moves by 5 um a tick and reaches its commanded position exactly, to the last bit. */
 static void a_ring_goes_where_it_is_ordered(void **state)
 {
     (void)state;
@@ -494,7 +499,7 @@ static void what_is_no_order_changes_nothing(void **state)
     free(r);
 }
 
-/* A state saved among moving struts continues with the same words and hashes. */
+/* A state that was saved while struts moved continues with the same words and hashes. */
 static void a_restored_state_goes_on_alike(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* These tests check that a wire with a rest shape takes this shape, turns with the hand, keeps the shape
- * while it is fed, and rests on a wall. The tests compare the results with closed forms (circles, the hand's
- * own angle) and check the motion of the wire's nodes. See docs/rod.md, "Feed", "Rows", "Twist". */
+/* These tests check that a wire with a curved rest shape takes this shape, turns with the hand, keeps the
+ * shape while it is fed, and rests on a wall. The tests compare the results with closed forms (circles, the
+ * hand's own angle) and check the motion of the wire's nodes. See docs/rod.md, "Feed", "Rows", "Twist". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,8 +21,8 @@ static rig *rig_in_air(const crn_instrument *wire, uint32_t inserted_um)
     return r;
 }
 
-/* Makes a wire with the softest tip and a half circle of this radius at its end; from 80 to 200 mm EI rises
- * to that of the shaft. */
+/* Makes a wire with the softest tip and a half circle of this radius at its end; between 80 and 200 mm from
+ * the tip, the bending stiffness EI rises to that of the shaft. */
 static crn_instrument make_j(double radius_m, double shaft_N_m2)
 {
     crn_instrument wire = reference_wire(2e-6, 600000, 500, 0.1);
@@ -50,8 +50,9 @@ static double tip_angle_deg(const rig *r)
     return atan2(p.v[2], p.v[1]) * 180 / acos(-1);
 }
 
-/* A J in free space without gravity follows the hand: after three quarters of a turn the tip's offset has
- * turned by 270 degrees. The tolerance of 0.5 degrees is a tenth of what a hand can perceive. */
+/* A J-shaped tip in free space without gravity follows the hand: after three quarters of a turn the tip's
+ * offset has turned by 270 degrees. The tolerance of the angle is 0.5 degrees, a tenth of the angle that a
+ * hand can perceive. */
 static void curved_tip_follows_the_hand_in_free_space(void **context)
 {
     (void)context;
@@ -80,9 +81,10 @@ static void curved_tip_follows_the_hand_in_free_space(void **context)
     free(r);
 }
 
-/* A J of 1.5 mm radius (a Rosen's), 200 mm out of the sheath, is turned at half a turn a second, and its lag
- * behind the hand is measured. The tolerance is 6 degrees. The measured lag is 5.4 degrees, of which the
- * filter of the hand causes 0.7. A tip without predicted rotation lagged by 23 degrees. */
+/* The hand turns a J-shaped tip of 1.5 mm radius (a Rosen wire), 200 mm out of the sheath, at half a turn a
+ * second; the test measures the angle by which the tip lags behind. The tolerance is 6 degrees. The measured
+ * lag of the tip is 5.4 degrees, of which the filter of the hand's angle causes 0.7. When the tip's rotation
+ * was not predicted, the tip lagged by 23 degrees. */
 static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
 {
     (void)context;
@@ -102,8 +104,8 @@ static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
     free(r);
 }
 
-/* The wire has only rest curvature: without load a uniform curve of radius R takes its circular shape. The
- * chord after the arc length s is 2 R sin(s / 2R). */
+/* The wire has only a stress-free curvature: without load, a uniform curve of radius R takes its circular
+ * shape. The chord from the tip to the arc length s is 2 R sin(s / 2R). */
 static void curved_wire_without_load_takes_its_circle(void **context)
 {
     (void)context;
@@ -119,9 +121,10 @@ static void curved_wire_without_load_takes_its_circle(void **context)
     free(r);
 }
 
-/* A half circle of 1.5 mm (a Rosen's J) on soft wire is fed at 30 mm/s through free space and drawn back. Its
- * tip stays 2 R off the axis. The tolerance is 0.1 mm; an error of 0.05 mm remains from settling when the
- * hand starts. A tip that slid along its own curve would swing 50 mm aside. */
+/* The hand feeds a half circle of 1.5 mm radius (a Rosen wire's J) on soft wire at 30 mm/s through free space
+ * and draws it back. The tip of the half circle stays 2 R off the axis. The tolerance of the tip's position
+ * is 0.1 mm; an error of 0.05 mm remains from settling when the hand starts. A tip that slid along its own
+ * curve would swing aside by 50 mm. */
 static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
 {
     (void)context;
@@ -139,9 +142,9 @@ static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
     free(r);
 }
 
-/* A J of 1.5 mm radius lies on the wall of a tube, three seconds after the hand has stopped. No node moves by
- * more than a micrometre a tick, as in a wire without a curved tip (0.1 um is measured). Without the twist's
- * resistance in the matrix the J oscillated by 11 um. */
+/* A J-shaped tip of 1.5 mm radius lies on the wall of a tube, three seconds after the hand has stopped. No
+ * node of the wire moves by more than a micrometre a tick, as in a wire without a curved tip (0.1 um is
+ * measured). Without the twist's resistance in the matrix, the J-shaped tip oscillated by 11 um. */
 static void a_tight_j_rests_on_the_wall(void **context)
 {
     (void)context;

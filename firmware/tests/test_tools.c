@@ -1,7 +1,8 @@
-/* These tests check claims about coaxial tools on one line (docs/rod.md, "tools"). The tools add their
- * stiffness and keep their own feed, rotation and rest shape. The tools press and rub on each other in both
- * directions, and may lead in turn without a jolt. The wall resists turning by Coulomb's law. The tests
- * compare the results with closed forms of composite beams, stored energy, and force balances. */
+/* These tests check nested (coaxial) tools (docs/rod.md, "tools"). Nested tools add their stiffness, and each
+ * tool keeps its own feed, rotation and rest shape. Nested tools press and rub on each other in both
+ * directions, and each may become the leading tool without a jolt. The vessel wall resists the turning of a
+ * tool by Coulomb's law of friction. The tests compare the results with closed forms of composite beams,
+ * stored energy, and force balances. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +24,7 @@ static const double pi = 3.14159265358979;
 
 enum { WIRE, CATHETER, GUIDE };
 
-/* Makes a tool with a bent end: it has rest curvature over the first `bent_mm`, and behind that it is
+/* Makes a tool with a bent end: the tool has rest curvature over the first `bent_mm`, and behind that it is
  * straight and has the stiffness `shaft`. */
 typedef struct tool_plan {
     double tip_N_m2, shaft_N_m2, curve_per_m, bent_mm;
@@ -53,8 +54,8 @@ static crn_instrument make_tool(const tool_plan *plan)
     return tool;
 }
 
-/* From the tip on, the shape is 6 mm straight, 90 degrees of R = 7 mm, 23 mm of arm, and 180 degrees of R =
- * 10 mm in the opposite direction. */
+/* From the tip on, the tool's shape is 6 mm straight, then 90 degrees of R = 7 mm, 23 mm of straight arm, and
+ * 180 degrees of R = 10 mm in the opposite direction. */
 static void judkins(crn_instrument *tool)
 {
     static const uint32_t arc_um[] = {0, 6000, 6000, 17000, 17000, 40000, 40000, 71400, 71400};
@@ -110,8 +111,8 @@ typedef struct journey {
     double work_J, step_mm;
 } journey;
 
-/* Moves one tool by `way_m` at `speed_m_s` and lets it rest for two seconds. Returns the work of all hands
- * and the largest motion of a node. */
+/* Moves one tool by `way_m` at `speed_m_s` and then waits two seconds for the tools to come to rest. Returns
+ * the work of all hands and the largest motion of any node. */
 static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
 {
     journey j = {0, 0};
@@ -133,7 +134,7 @@ static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
     return j;
 }
 
-/* Returns the angle between the first edge and the one at `arc_m`, in degrees. */
+/* Returns the angle between the first edge and the edge at `arc_m`, in degrees. */
 static double turning_deg(const rig *r, double arc_m)
 {
     uint32_t edge = 0;
@@ -169,9 +170,10 @@ static rig *rig_in_air(const tool_plan *wire, const tool_plan *catheter, uint32_
 
 /* --- shapes: a composite beam rests at kappa = sum EI_k kappa_k / sum EI_k ------------------------------ */
 
-/* A wire of EI 1e-4 N m^2, curved by 60/m over 30 mm, lies in a catheter of 4e-4 N m^2. The expected
- * curvature is 60 / 5 = 12/m over 30 mm, that is, 20.6 degrees. The tolerance is 1 degree, because the
- * catheter's frictionless tip is 5 mm beyond the curve. */
+/* A wire with an EI of 1e-4 N m^2, curved by 60/m over 30 mm, lies in a straight catheter with an EI of 4e-4
+ * N m^2. The expected curvature of wire and catheter together is 60 / 5 = 12/m over 30 mm, that is, 20.6
+ * degrees. The tolerance of the angle is 1 degree, because the catheter's frictionless tip is 5 mm beyond the
+ * curve. */
 static void a_catheter_opens_the_j_of_the_wire_inside_it(void **context)
 {
     (void)context;
@@ -183,8 +185,8 @@ static void a_catheter_opens_the_j_of_the_wire_inside_it(void **context)
     free(r);
 }
 
-/* A curvature of 20/m over 60 mm bends the catheter alone by 68.8 degrees; with the straight wire inside it
- * bends by a quarter of that. */
+/* A rest curvature of 20/m over 60 mm bends the catheter alone by 68.8 degrees; with the straight wire
+ * inside, the catheter bends by a quarter of this angle. */
 static void withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape(void **context)
 {
     (void)context;
@@ -200,7 +202,7 @@ static void withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape(void **co
     free(r);
 }
 
-/* The sag of a heavy line under the weight of both tools is (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small
+/* Two nested, heavy tools sag under their common weight by (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small
  * sags. L 100 mm, 1 %. */
 static void stiffness_and_weight_add_where_tools_overlap(void **context)
 {
@@ -218,9 +220,10 @@ static void stiffness_and_weight_add_where_tools_overlap(void **context)
 
 /* --- forces --------------------------------------------------------------------------------------------- */
 
-/* Pushing the catheter over the J stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm = 4.32 mJ of energy.
- * The work of the hands equals this energy, which is returned when the wire is pushed out again. The
- * tolerance of 5 % allows for the drag of the blood on the moving tip. */
+/* Pushing the catheter over the wire's J-shaped tip stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm =
+ * 4.32 mJ of energy. The work of the hands equals this stored energy, which the hands get back when the wire
+ * is pushed out again. The tolerance of 5 % of the work allows for the drag of the blood on the moving
+ * tip. */
 static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
 {
     (void)context;
@@ -234,8 +237,8 @@ static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
     free(r);
 }
 
-/* With friction in the catheter's lumen the same motion costs more work in both directions, and neither
- * direction returns energy. */
+/* With friction in the catheter's lumen, the hands do more work for the same motion in both directions, and
+ * get no energy back in either direction. */
 static void friction_between_tools_takes_work_both_ways(void **context)
 {
     (void)context;
@@ -249,8 +252,8 @@ static void friction_between_tools_takes_work_both_ways(void **context)
     free(r);
 }
 
-/* The catheter slides while the wire is held: the force on one hand increases by as much as the force on the
- * other hand decreases. */
+/* The catheter slides while a hand holds the wire: the force on one hand increases by as much as the force on
+ * the other hand decreases. */
 static void sliding_friction_acts_on_both_hands(void **context)
 {
     (void)context;
@@ -268,8 +271,8 @@ static void sliding_friction_acts_on_both_hands(void **context)
     free(r);
 }
 
-/* A catheter that is turned about a bent wire drags the wire along, with equal and opposite torques at the
- * hands. */
+/* A catheter that a hand turns about a bent wire drags the wire along, with equal and opposite torques at the
+ * two hands. */
 static void turning_friction_acts_on_both_hands(void **context)
 {
     (void)context;
@@ -289,7 +292,7 @@ static void turning_friction_acts_on_both_hands(void **context)
 
 /* --- lead ----------------------------------------------------------------------------------------------- */
 
-/* The largest motion of a node is 0.1 mm, of which the feed itself is 0.05 mm. */
+/* The largest motion of a node is 0.1 mm a tick, of which the feed itself is 0.05 mm. */
 static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **context)
 {
     (void)context;
@@ -308,7 +311,7 @@ static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **contex
     free(r);
 }
 
-/* The catheter follows the wire round three bends. The catheter stays in the tube, and the wire's tip does
+/* The catheter follows the wire through three bends. The catheter stays in the tube, and the wire's tip does
  * not move. */
 static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
 {
@@ -339,8 +342,8 @@ static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
 
 /* --- turning -------------------------------------------------------------------------------------------- */
 
-/* The tools are straight and frictionless, so every edge of either tool has the angle of its own hand. The
- * tolerance is 1e-6 turn = 0.0004 degrees. */
+/* The tools are straight and frictionless, so every edge of each tool has the angle of the hand that holds
+ * this tool. The tolerance of the angle is 1e-6 turn = 0.0004 degrees. */
 static void without_friction_each_tool_follows_its_own_hand(void **context)
 {
     (void)context;
@@ -379,9 +382,9 @@ static double resting_torque(double friction, double sliding_m_s)
     return torque;
 }
 
-/* A wire that lies on the floor of a tube resists turning with mu N r. N is the wire's weight less what the
- * sheath supports, which is two thirds of the span (72 EI h / w)^(1/4) = 123 mm from a height of 2 mm. The
- * tolerance is 8 %. */
+/* A wire that lies on the floor of a tube resists turning with the torque mu N r. The force N is the wire's
+ * weight less the weight that the sheath supports. The sheath supports two thirds of the span (72 EI h /
+ * w)^(1/4) = 123 mm from a height of 2 mm. The tolerance is 8 %. */
 static void the_wall_resists_turning_with_mu_n_r(void **context)
 {
     (void)context;
@@ -391,9 +394,9 @@ static void the_wall_resists_turning_with_mu_n_r(void **context)
     assert_true(fabs(resting_torque(0, 0)) < 1e-7);
 }
 
-/* One limit mu N holds for the combined slip along and around the wire. When a wire is drawn ten times as
- * fast as its surface turns (6.67 mm/s against 0.667 mm/s), it resists turning by only about a tenth, 1 /
- * sqrt(101). */
+/* One friction limit mu N holds for the combined slip along and around the wire. When a hand draws a wire ten
+ * times as fast as the wire's surface turns (6.67 mm/s against 0.667 mm/s), the wire resists turning by only
+ * about a tenth, 1 / sqrt(101). */
 static void a_wire_that_slides_turns_almost_freely(void **context)
 {
     (void)context;
@@ -434,7 +437,7 @@ static const tool_plan three_shaped[] = {{1e-5, 5e-4, 66, 20, 445, 0, 0.1, 0},
                                          {2e-4, 5e-4, 30, 40, 800, 500, 0.1, 0.05},
                                          {5e-4, 8e-4, 15, 40, 1150, 850, 0.1, 0.05}};
 
-/* The long form of this test, a million ticks, is the row hands.length_error_max_pct of `make bench`. */
+/* The long form of this test, with a million ticks, is the row hands.length_error_max_pct of `make bench`. */
 static void random_hands_keep_three_tools_in_the_vessel(void **context)
 {
     (void)context;
@@ -477,8 +480,8 @@ static void three_tools_are_restored_bit_for_bit(void **context)
     free(r);
 }
 
-/* The part of the line that is kept between ticks equals the values that a fresh start computes, wherever the
- * tools slide. */
+/* The combined properties of the tools that the core keeps between ticks equal the values that a fresh start
+ * computes, wherever the tools slide. */
 static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
 {
     (void)context;
@@ -509,10 +512,10 @@ static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
     free(afresh);
 }
 
-/* A 6F Judkins left guiding catheter with a 0.014 in wire and a balloon catheter in it leaves the sheath and
- * enters an artery of 3.6 mm radius. The artery keeps the guiding catheter's primary curve (R = 7 mm, 0.052 N
- * m when straight) from closing, and the sheath's distal end bends it in the opposite direction. The forces
- * exceed 60 N in elements of 1 mm. */
+/* A 6F Judkins left guiding catheter with a 0.014 in wire and a balloon catheter inside leaves the sheath and
+ * enters an artery of 3.6 mm radius. The artery keeps the guiding catheter's primary curve open (R = 7 mm,
+ * 0.052 N m when straight), and the sheath's distal end bends this curve in the opposite direction. The
+ * forces of a joint exceed 60 N in elements of 1 mm. */
 static void a_tight_guide_comes_out_of_the_sheath_without_saturating(void **context)
 {
     (void)context;

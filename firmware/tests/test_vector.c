@@ -1,6 +1,6 @@
 /* These tests check that the vector functions stay within the bounds stated in firmware/core/vector.h. The
- * results are compared with exact 128-bit integers (sums, products) and long double (lengths), on seeded
- * vectors of every magnitude and on extreme ones. */
+ * tests compare the results with exact 128-bit integers (sums, products) and long double (lengths), on seeded
+ * vectors of every magnitude and on extreme vectors. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,7 +25,8 @@ static crn_vec3 random_vector(reference_random *random)
     return a;
 }
 
-/* Returns one corner of the range of numbers for each value of `index` (27 corners in all). */
+/* Returns the vector for one of the 27 combinations of extreme and zero components, for each value of
+ * `index`. */
 static crn_vec3 extreme_vector(unsigned index)
 {
     const int32_t ends[3] = {INT32_MIN, 0, INT32_MAX};

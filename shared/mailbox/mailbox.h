@@ -4,10 +4,11 @@
  *   host writes its half, then counts up `token` (or `bus`)  --->  device sees a new number, acts, writes its half
  *   host reads the answer when `token_done` has its number   <---  and then repeats the number in `token_done`
  *
- * One token at a time is exchanged, as on a real bus. The host never waits longer than its deadline for a
- * device that is busy. Each half has one writer. Every field is a little-endian 32-bit word; the numbers that
- * order the exchange are written with release and read with acquire semantics. Neither side trusts the other:
- * a length is read once and then bounded. A flag simulates lost handshakes, because memory loses nothing.
+ * Host and device exchange one token at a time, as on a real USB bus. The host never waits longer than its
+ * deadline for a device that is busy. Each half has one writer. Every field of the mailbox is a little-endian
+ * 32-bit word; the numbers that order the exchange are written with release and read with acquire semantics.
+ * Host and device do not trust each other: each reads a length once and then limits it. A flag of the mailbox
+ * simulates lost handshakes, because memory loses nothing.
  *
  * C11 (gcc, clang). */
 #ifndef CRN_MAILBOX_H
@@ -25,7 +26,7 @@ enum {
     CRN_MAILBOX_VERSION = 1,
 };
 
-/* Lists the states of the bus that the host sets. */
+/* Lists the states of the bus that the host can set. */
 typedef enum crn_mailbox_bus {
     CRN_MAILBOX_UNPLUGGED = 0, /* no power on the cable */
     CRN_MAILBOX_RESET_FULL,    /* reset that ends at full speed */
@@ -102,13 +103,13 @@ static inline uint32_t crn_mailbox_little(uint32_t value)
 #endif
 }
 
-/* Reads a word of the other side's half: once, and before anything that is read after it. */
+/* Reads a word of the other side's half of the mailbox once, and before any later read. */
 static inline uint32_t crn_mailbox_read(const uint32_t *word)
 {
     return crn_mailbox_little(__atomic_load_n(word, __ATOMIC_ACQUIRE));
 }
 
-/* Writes a word of this side's half, after everything that was written before it. */
+/* Writes a word of this side's half of the mailbox after all earlier writes. */
 static inline void crn_mailbox_write(uint32_t *word, uint32_t value)
 {
     __atomic_store_n(word, crn_mailbox_little(value), __ATOMIC_RELEASE);

@@ -1,13 +1,13 @@
-/* This header reads the scene container; device and host run the same check before they use anything of a
- * scene.
+/* This header declares the functions that read a scene container; device and host run the same check before
+ * they use any part of a scene.
  *
  *   crn_scene_open()   bytes -> status; on OK a view into the bytes (nothing is copied, nothing is kept)
  *   crn_scene_body()   one body of a body file
  *   crn_scene_branch() one vessel of its tree, where it has one
  *
- * A caller that replaces a scene opens the new bytes first, in another place, and switches only when the
- * status is OK. A refused scene thus leaves the old one unchanged. The file docs/scene.md describes every
- * byte.
+ * A caller that replaces a scene first opens the new bytes in another memory area, and switches only when the
+ * status is OK. A refused scene thus leaves the old scene unchanged. The document docs/scene.md describes
+ * every byte of a scene.
  *
  * C11 and C++20. */
 #ifndef CRN_SCENE_H
@@ -152,8 +152,9 @@ typedef struct crn_scene_lumen {
     const int8_t *samples;
 } crn_scene_lumen;
 
-/* Holds the motion of the lumen in the form that crn_motion of firmware/core needs. For each of a node's
- * three components, the heartbeat has a row of CRN_SCENE_MOTION_ROW numbers, and breath has one number. */
+/* Holds the motion of the lumen in the form that crn_motion of firmware/core needs. For each of the three
+ * displacement components of a lattice node, the heartbeat has a row of CRN_SCENE_MOTION_ROW numbers, and
+ * breath has one number. */
 typedef struct crn_scene_motion {
     int32_t origin_m_q30[3];
     uint16_t node_count_xyz[3];
@@ -161,7 +162,7 @@ typedef struct crn_scene_motion {
     const int16_t *rows;
 } crn_scene_motion;
 
-/* A checked file. The scene is valid as long as the bytes are. */
+/* A checked file. The opened scene is valid as long as its bytes are. */
 typedef struct crn_scene {
     crn_scene_kind kind;
     uint32_t hash; /* the header's CRC-32, which covers the CRCs of the sections */
@@ -206,8 +207,8 @@ typedef enum crn_scene_bed {
     CRN_SCENE_BED_COUNT,
 } crn_scene_bed;
 
-/* A branch is a vessel from the place where it leaves its parent to its end. Branch 0 is the root: blood
- * enters at its first point. */
+/* A branch is a part of the vessel tree, from the point where it leaves its parent to its end. Branch 0 is
+ * the root: blood enters at its first point. */
 typedef struct crn_scene_branch_view {
     const char *name;
     int32_t parent;        /* an earlier branch; -1: the root */
@@ -218,7 +219,7 @@ typedef struct crn_scene_branch_view {
     const uint8_t *points;   /* i32 x 3 in um and u32 radius in um each */
 } crn_scene_branch_view;
 
-/* A lesion is a stretch of a branch that disease has narrowed; the branch's points are those of the narrowed
+/* A lesion is a part of a branch that disease has narrowed; the branch's points are those of the narrowed
  * lumen. */
 typedef struct crn_scene_lesion_view {
     const char *name;
@@ -228,7 +229,7 @@ typedef struct crn_scene_lesion_view {
     const uint8_t *healthy_points; /* one for each point: i32 x 3 in um and u32 radius in um */
 } crn_scene_lesion_view;
 
-/* Holds a lesion that gives way, in the form that crn_lesion of firmware/core needs. */
+/* Holds a lesion that a balloon can open, in the form that crn_lesion of firmware/core needs. */
 typedef struct crn_scene_plaque_view {
     int32_t low_m_q30[3], high_m_q30[3], chord_q30[3], stretch_q28;
     uint32_t spacing_log2_q30, station_count;
@@ -237,15 +238,15 @@ typedef struct crn_scene_plaque_view {
                                 along i32[3], 0 */
 } crn_scene_plaque_view;
 
-/* Checks everything. On OK it fills *scene. Otherwise the function leaves *scene alone and, when where_byte
- * is not NULL, stores the byte of the file at which the fault is. The time is linear in the size of the file,
- * and the function needs no memory and no recursion. */
+/* Checks everything. On OK it fills *scene. When the scene is refused, the function leaves *scene unchanged
+ * and, when where_byte is not NULL, stores the position of the faulty byte in the file. The time of the check
+ * is linear in the size of the file, and the check needs no additional memory and no recursion. */
 crn_scene_status crn_scene_open(const uint8_t *bytes, size_t size, crn_scene *scene, uint32_t *where_byte);
 
-/* Returns the meaning of a status and what to do about it, as one line without a full stop. */
+/* Returns one line of text, without a full stop, that explains a status and says how to remove its cause. */
 const char *crn_scene_status_text(crn_scene_status status);
 
-/* Returns body number `index` < body_count of an opened body file. */
+/* Returns the body with the number `index` (< body_count) of an opened body file. */
 crn_scene_body_view crn_scene_body(const crn_scene *scene, uint32_t index);
 
 /* Branch number `index` < branch_count. */

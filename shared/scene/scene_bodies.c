@@ -1,4 +1,4 @@
-/* This file checks BODY sections and gives access to them. */
+/* This file checks the BODY sections of a file and gives access to the bodies. */
 #include "shared/scene/scene_check.h"
 
 crn_scene_body_view crn_scene_body(const crn_scene *scene, uint32_t index)
@@ -67,8 +67,8 @@ static crn_scene_status check_body(crn_scene_check *check, uint32_t index, uint3
     return check_triangles(check, first + 12 * (size_t)vertices, triangles, vertices);
 }
 
-/* Returns whether the path from a body through its parents (the bodies that surround it) ends in air. A path
- * that ends in air has at most body_count steps. */
+/* Returns whether the path from a body through its parents (the bodies that surround it) ends in the
+ * surrounding air. A path that ends in air has at most body_count steps. */
 static bool parents_end(const crn_scene_check *check, uint32_t index, uint32_t body_count)
 {
     int32_t at = (int32_t)index;

@@ -21,26 +21,26 @@ typedef struct crn_scene_span {
     uint32_t size;
 } crn_scene_span;
 
-/* Stores the place of a fault and returns the status. */
+/* Stores the byte position of a fault and returns the status. */
 crn_scene_status crn_scene_fault_at(crn_scene_check *check, crn_scene_status status, size_t where);
 
-/* Returns row `index` of the section table, which is not checked here. */
+/* Returns row `index` of the section table; the function does not check the index. */
 crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index);
 
-/* Checks a text of at most capacity - 1 bytes, filled up with zeros. */
+/* Checks a text of at most capacity - 1 bytes whose remaining bytes must be zeros. */
 crn_scene_status crn_scene_check_text(crn_scene_check *check, size_t where, size_t capacity);
 
 crn_scene_status crn_scene_check_lumen(crn_scene_check *check, crn_scene_span span, crn_scene_lumen *lumen);
-/* Checks MOTION or BREATH, depending on the span's type. */
+/* Checks a MOTION or BREATH section, depending on the span's type. */
 crn_scene_status crn_scene_check_motion(crn_scene_check *check, crn_scene_span span,
                                         crn_scene_motion *motion);
 crn_scene_status crn_scene_check_bodies(crn_scene_check *check, uint32_t body_count);
 crn_scene_status crn_scene_check_tree(crn_scene_check *check, crn_scene_span span, uint32_t *branch_count);
-/* The tree must have passed its own check before. */
+/* The vessel tree must have passed its own check before this check. */
 crn_scene_status crn_scene_check_lesions(crn_scene_check *check, crn_scene_span span, const crn_scene *scene,
                                          uint32_t *lesion_count);
 crn_scene_status crn_scene_check_plaques(crn_scene_check *check, crn_scene_span span, uint32_t *plaque_count);
-/* Checks that a point's coordinates are within reach and its radius is in range. */
+/* Checks that a point's coordinates are not too far from the origin and its radius is in range. */
 crn_scene_status crn_scene_check_tree_point(crn_scene_check *check, size_t at, crn_scene_status fault);
 
 #endif

@@ -1,6 +1,6 @@
-/* Checks the LUMEN section. The child rows form two ranks. Rows that refine coarse bricks come first and may
- * refer to rows of the second rank, which refer to none. Refinement therefore always ends, and no walk
- * through the rows is needed to check this. */
+/* Checks the LUMEN section. The lumen's child rows, which refine bricks, form two ranks. Rows that refine
+ * coarse bricks (the first rank) come first and may refer to rows of the second rank, which refer to no rows.
+ * The refinement of bricks therefore always ends, and the check needs no walk through the rows. */
 #include "shared/scene/scene_check.h"
 
 enum { OUTSIDE_AND_INSIDE = 2, REFINED = 0x8000 };
@@ -22,8 +22,8 @@ static crn_scene_status check_lattice(crn_scene_check *check, const uint8_t *hea
     return CRN_SCENE_OK;
 }
 
-/* The entries [first, first + count) may refer to bricks below brick_count and to rows from row_first to
- * row_end - 1. */
+/* The index entries [first, first + count) may refer to bricks below brick_count and to rows from row_first
+ * to row_end - 1. */
 static crn_scene_status check_entries(crn_scene_check *check, size_t first, size_t count,
                                       uint32_t brick_count, uint32_t row_first, uint32_t row_end)
 {
@@ -69,8 +69,8 @@ crn_scene_status crn_scene_check_lumen(crn_scene_check *check, crn_scene_span sp
     status = check_entries(check, children_at + 16 * (size_t)row_first_rank,
                            8 * (size_t)(rows - row_first_rank), lumen->brick_count, 0, 0);
     if (status != CRN_SCENE_OK) return status;
-    /* The section is used in place: it begins at an offset that is a multiple of 16, and the file lies at an
-     * address that is a multiple of 4. */
+    /* The core reads the section directly from the file: the section begins at an offset that is a multiple
+     * of 16, and the file lies at an address that is a multiple of 4. */
     lumen->index = (const uint16_t *)(const void *)(check->bytes + index_at);
     lumen->children = (const uint16_t *)(const void *)(check->bytes + children_at);
     lumen->samples = (const int8_t *)(check->bytes + span.offset + samples);

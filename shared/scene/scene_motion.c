@@ -1,11 +1,12 @@
-/* This file checks the MOTION and BREATH sections. Every number must be within the range for which the core's
- * arithmetic is proved to be correct. The displacements of neighbouring nodes must be so close that the map
- * is one to one for any wall that a heart has. The nodes on the boundary of a lattice must not move. */
+/* This file checks the MOTION and BREATH sections. Every number of these sections must be within the range
+ * for which the core's arithmetic is proved to be correct. The displacements of neighbouring nodes must be so
+ * similar that the map is one to one for any wall that a heart has. The nodes on the boundary of a lattice
+ * must not move. */
 #include "shared/scene/scene_check.h"
 
 enum { COMPONENTS = 3, COPIES = 2 };
 
-/* Describes the differences between the two lattices. */
+/* Describes the properties in which the lattices of heartbeat and breath differ. */
 typedef struct lattice_rules {
     uint32_t keyframes; /* as stated in the header */
     uint32_t row;       /* numbers of a component */
@@ -38,8 +39,8 @@ static crn_scene_status check_header(crn_scene_check *check, const lattice_rules
     return CRN_SCENE_OK;
 }
 
-/* Checks one component of one node: the numbers are in range, and the copies at the row's ends equal their
- * originals. */
+/* Checks one displacement component of one lattice node: the numbers are in range, and the copies at the
+ * row's ends equal their originals. */
 static bool row_is_valid(const lattice_rules *rules, const int16_t *row)
 {
     for (uint32_t i = 0; i < rules->row; i++) {
@@ -68,8 +69,8 @@ static bool is_still(const int16_t *node, uint32_t count)
     return true;
 }
 
-/* Checks the node at (x, y, z): its rows, the differences from its next neighbours, and that the node does
- * not move where it must not. */
+/* Checks the lattice node at (x, y, z): its rows, the differences from its next neighbours, and that a node
+ * on the boundary does not move. */
 static crn_scene_status check_node(const lattice_rules *rules, const crn_scene_motion *motion,
                                    const uint32_t at[3])
 {
@@ -109,7 +110,7 @@ crn_scene_status crn_scene_check_motion(crn_scene_check *check, crn_scene_span s
     motion->spacing_log2_q30 = crn_scene_u16(header + 18);
     if (span.size != CRN_SCENE_MOTION_HEADER_BYTES + 2 * COMPONENTS * rules.row * nodes)
         return crn_scene_fault_at(check, CRN_SCENE_SECTION_SIZE, span.offset + 12);
-    /* The core uses the rows in place, like the lumen's samples. */
+    /* The core reads the rows directly from the file, like the lumen's samples. */
     const size_t rows_at = span.offset + CRN_SCENE_MOTION_HEADER_BYTES;
     motion->rows = (const int16_t *)(const void *)(check->bytes + rows_at);
     size_t node = 0;

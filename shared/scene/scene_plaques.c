@@ -1,8 +1,9 @@
-/* This file checks the PLAQUES section and gives access to it. Every number must be within the range for
- * which the core's arithmetic is proved to be correct. */
+/* This file checks the PLAQUES section of a scene and gives access to the plaques. Every number of a plaque
+ * must be within the range for which the core's arithmetic is proved to be correct. */
 #include "shared/scene/scene_check.h"
 
-/* The fields are given as bytes from the beginning of a plaque's record and of a station. */
+/* These constants give the fields as byte offsets from the beginning of a plaque's record and from the
+ * beginning of one of its points (stations). */
 enum {
     BOX_AT = 0,
     CHORD_AT = 24,
@@ -79,7 +80,7 @@ static bool record_is_good(const uint8_t *record, uint32_t stations_before)
            crn_scene_u32(record + FIRST_AT) == stations_before;
 }
 
-/* `before` is NULL for the first station. */
+/* `before` is NULL for the first point (station) of a plaque. */
 static bool station_is_good(const uint8_t *record, const uint8_t *station, const uint8_t *before)
 {
     const int64_t spacing = (int64_t)1 << crn_scene_u32(record + SPACING_AT);

@@ -1,4 +1,5 @@
-/* This file has one line for each status, which says what is wrong and what to do. */
+/* This file has one line of text for each status of the scene check, which says what is wrong and what to do.
+ */
 #include "shared/scene/scene.h"
 
 const char *crn_scene_status_text(crn_scene_status status)

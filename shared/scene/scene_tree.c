@@ -1,7 +1,7 @@
-/* This file checks the TREE section of a body file and gives access to it. */
+/* This file checks the TREE section of a body file and gives access to the vessel tree. */
 #include "shared/scene/scene_check.h"
 
-/* The fields of a branch are given as bytes from the branch's beginning. */
+/* These constants give the fields of a branch as byte offsets from the branch's beginning. */
 enum {
     PARENT_AT = 32,
     PARENT_POINT_AT = 36,
@@ -60,7 +60,8 @@ static crn_scene_status check_points(crn_scene_check *check, size_t where, uint3
     return CRN_SCENE_OK;
 }
 
-/* Parents come before their children, so that there is no circle; points follow each other without a gap. */
+/* Parent branches come before their children, so that there is no circle; points follow each other without a
+ * gap. */
 static crn_scene_status check_branch(crn_scene_check *check, const uint8_t *tree, uint32_t index,
                                      uint32_t *points_before)
 {

@@ -1,4 +1,4 @@
-/* This file writes the layout of a scene container (scene_write.h). */
+/* This file writes a scene container: its header, section table and sections (scene_write.h). */
 #include "shared/scene/scene_write.h"
 #include "shared/wire/wire_frame.h"
 
@@ -30,7 +30,7 @@ size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count)
     return (size_t)padded(total);
 }
 
-/* Returns the oldest version of the format that can read this part. */
+/* Returns the oldest version of the scene format whose readers can read this part. */
 static uint16_t minor_of_part(const crn_scene_part *part)
 {
     if (part->type == CRN_SCENE_PARTNER) return 5;
@@ -43,7 +43,7 @@ static uint16_t minor_of_part(const crn_scene_part *part)
     return moves ? 1 : 0;
 }
 
-/* Files without lesions, motion and tree keep their old version. */
+/* Files without lesions, motion and tree keep the version that they had before these sections existed. */
 static uint16_t minor_of(const crn_scene_part *parts, uint32_t part_count)
 {
     uint16_t minor = 0;

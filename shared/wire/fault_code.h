@@ -1,4 +1,5 @@
-/* This header has the codes of faults, without the messages of the wire protocol. C11 and C++20. */
+/* This header has the numeric codes of the device's faults, without the messages of the wire protocol. C11
+ * and C++20. */
 #ifndef CRN_FAULT_CODE_H
 #define CRN_FAULT_CODE_H
 

@@ -12,8 +12,7 @@
  *                                  is unknown
  *   crn_wire_decode_<name>         read a whole payload; false unless it fits to the byte
  *
- * C11 and C++20.
- */
+ * C11 and C++20. */
 #ifndef CRN_WIRE_H
 #define CRN_WIRE_H
 
@@ -108,7 +107,7 @@ enum {
     bool crn_wire_decode_##name(const uint8_t *payload, size_t length, crn_wire_##name *value);
 #include "shared/wire/wire_messages.def"
 
-/* Lists the codes of refusals; the codes of faults are in fault_code.h. */
+/* Lists the codes with which the device refuses a request; the codes of faults are in fault_code.h. */
 #define REJECT(NAME, code, text, remedy) CRN_REJECT_##NAME = code,
 typedef enum crn_reject_code {
     CRN_REJECT_NONE = 0,
@@ -192,11 +191,12 @@ enum {
     CRN_WIRE_PAYLOAD_MAX = CRN_WIRE_BYTES_ticks, /* the longest message; checked by the test */
 };
 
-/* Returns a hash over every name, number, type and unit of wire_messages.def. Two programs whose hashes
- * differ refuse to communicate. */
+/* Returns a hash over every name, number, type and unit of wire_messages.def. Two programs that have
+ * different hashes refuse to communicate. */
 uint64_t crn_wire_schema_hash(void);
 
-/* These functions return texts for people, never NULL. For unknown numbers the texts are "unknown ...". */
+/* These functions return texts for people and never return NULL. For unknown numbers the texts are "unknown
+ * ...". */
 const char *crn_wire_message_name(uint16_t type);
 const char *crn_wire_fault_name(uint16_t code);
 const char *crn_wire_fault_text(uint16_t code);

@@ -1,5 +1,6 @@
-/* This header has bounded reading and writing of little-endian values. A writer that overflows and a reader
- * that runs out of bytes stop for good and report this; neither ever touches a byte outside its buffer. */
+/* This header has functions that read and write little-endian values within the limits of a buffer. A writer
+ * whose buffer is full and a reader that has no more bytes stop for good and report the error; they never
+ * touch a byte outside their buffers. */
 #ifndef CRN_WIRE_BYTES_H
 #define CRN_WIRE_BYTES_H
 
@@ -33,7 +34,7 @@ static inline crn_wire_reader crn_wire_reader_make(const uint8_t *bytes, size_t 
     return reader;
 }
 
-/* Writes by four stores, which a compiler merges into one. */
+/* Writes a 32-bit value by four stores, which a compiler merges into one. */
 static inline void crn_wire_put_u32_at(uint8_t *to, uint32_t value)
 {
     to[0] = (uint8_t)value;
@@ -42,8 +43,8 @@ static inline void crn_wire_put_u32_at(uint8_t *to, uint32_t value)
     to[3] = (uint8_t)(value >> 24);
 }
 
-/* Writes the low `count` bytes (1 .. 8) of `value`. A count of four bytes is the commonest and needs no
- * loop. */
+/* Writes the low `count` bytes (1 .. 8) of `value`. A value of four bytes is the most common case and needs
+ * no loop. */
 static inline void crn_wire_write(crn_wire_writer *writer, uint64_t value, unsigned count)
 {
     if (writer->overflowed || writer->capacity - writer->length < count) {
@@ -59,7 +60,7 @@ static inline void crn_wire_write(crn_wire_writer *writer, uint64_t value, unsig
     for (unsigned i = 0; i < count; i++) to[i] = (uint8_t)(value >> (8 * i));
 }
 
-/* Reads `count` bytes (1 .. 8); returns 0 when there are too few bytes. */
+/* Reads a value of `count` bytes (1 .. 8); returns 0 when the buffer has too few bytes. */
 static inline uint64_t crn_wire_read(crn_wire_reader *reader, unsigned count)
 {
     if (reader->failed || reader->length - reader->position < count) {

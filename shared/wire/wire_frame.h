@@ -1,15 +1,15 @@
-/* Frames carry messages over any pipe of bytes.
+/* A frame carries one message over any pipe of bytes.
  *
  *   frame  = COBS(body) 0x00
  *   body   = sequence u16 | answers u16 | type u16 | length u16 | payload (length bytes) | CRC-32 u32
  *
- * The CRC covers all bytes before it. `sequence` counts the sender's frames; `answers` repeats the sequence
- * of the request in a reply (0 in a message without a request). COBS leaves no zero inside a frame, so a
- * receiver that lost its place finds the next frame behind the next zero byte. The decoder accepts bytes in
- * pieces of any size. The decoder never writes outside its buffer, and counts dropped frames by cause.
+ * The frame's CRC covers all bytes before the CRC. The field `sequence` counts the sender's frames. The field
+ * `answers` repeats, in a reply, the sequence of the request, and is 0 in a message without a request. The
+ * COBS encoding leaves no zero inside a frame, so a receiver that has lost synchronisation finds the next
+ * frame after the next zero byte. The frame decoder accepts bytes in pieces of any size. The frame decoder
+ * never writes outside its buffer, and counts dropped frames by cause.
  *
- * C11 and C++20.
- */
+ * C11 and C++20. */
 #ifndef CRN_WIRE_FRAME_H
 #define CRN_WIRE_FRAME_H
 
@@ -23,7 +23,8 @@ enum {
     CRN_WIRE_HEADER_BYTES = 8,
     CRN_WIRE_CRC_BYTES = 4,
     CRN_WIRE_BODY_MAX = CRN_WIRE_HEADER_BYTES + CRN_WIRE_PAYLOAD_MAX + CRN_WIRE_CRC_BYTES,
-    /* COBS adds one byte for each block of 254 bytes or part of one, and the frame ends with a zero. */
+    /* The COBS encoding adds one byte for each full or partial block of 254 bytes, and a zero byte ends the
+       frame. */
     CRN_WIRE_FRAME_MAX = CRN_WIRE_BODY_MAX + CRN_WIRE_BODY_MAX / 254 + 2,
 };
 
@@ -34,11 +35,11 @@ typedef struct crn_wire_header {
 } crn_wire_header;
 
 /* Returns the CRC-32 of IEEE 802.3 (reflected 0xEDB88320, start and end inverted). `crc` is 0 at the
- * beginning, or the result so far. */
+ * beginning, and later the result for the bytes so far. */
 uint32_t crn_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length);
 
-/* Makes one frame from a header and payload. Returns the number of bytes written to `frame` (with the closing
- * zero), or 0 when the payload exceeds CRN_WIRE_PAYLOAD_MAX or the frame exceeds `capacity`. */
+/* Makes one frame from a header and a payload. Returns the number of bytes written to `frame` (including the
+ * zero at its end), or 0 when the payload exceeds CRN_WIRE_PAYLOAD_MAX or the frame exceeds `capacity`. */
 size_t crn_wire_frame_encode(const crn_wire_header *header, const uint8_t *payload, size_t payload_bytes,
                              uint8_t *frame, size_t capacity);
 

@@ -1,10 +1,10 @@
 /* This file has the schema hash and the texts, made from wire_messages.def and wire_faults.def. */
 #include "shared/wire/wire.h"
 
-/* The hash is FNV-1a over every name, type and unit of wire_messages.def. Each text is hashed with its
- * terminating zero, so that ("ab","c") and ("a","bc") differ; the explaining texts do not count. The hash is
- * a constant, because computing it costs a device 106,000 instructions per HELLO. The program test_wire
- * computes the hash and prints the number to write here when the messages have changed. */
+/* The hash is FNV-1a over every name, type and unit of wire_messages.def. Each name, type and unit is hashed
+ * with its terminating zero, so that ("ab","c") and ("a","bc") differ; the explaining texts do not count. The
+ * schema hash is a constant, because computing it costs a device 106,000 instructions per HELLO. The program
+ * test_wire computes the hash and prints the number to write here when the messages have changed. */
 uint64_t crn_wire_schema_hash(void)
 {
     return 0x6cc533673f6eff5cu;

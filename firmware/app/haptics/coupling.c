@@ -1,5 +1,5 @@
 /* This file implements the virtual coupling between hands and tools: a spring and a damper along and about
- * the line, with the friction of sheath and valve on the tool's side. */
+ * the insertion axis, with the friction of sheath and valve on the tool's side. */
 #include "firmware/app/haptics/haptics.h"
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/core/fixed.h"
@@ -22,14 +22,15 @@ enum {
 
 /* --- constants of a track --- */
 
-/* Overflow is impossible: the stiffness is at most 5 000 x 2^12 along the line and 10^5 x 26 986 about it,
- * and a shifted limit of force stays below 2^61. */
+/* Overflow is impossible: the stiffness is at most 5 000 x 2^12 along the insertion axis and 10^5 x 26 986
+ * about it, and a shifted limit of force stays below 2^61. */
 void crn_haptics_axis_set(crn_haptics_axis *axis, int which, const crn_haptics_coupling *coupling)
 {
     const bool is_along = which == CRN_APP_ALONG;
     const int64_t unit = is_along ? 1 << 12 : ABOUT_SCALE;
     const int64_t stiffness = coupling->stiffness;
-    /* Over a tick of 1 ms, 1 mN s/m equals 1 N/m, and 1 nN m s/rad equals 1 uN m/rad. */
+    /* Over a tick of 1 ms, a damping of 1 mN s/m acts like a stiffness of 1 N/m, and 1 nN m s/rad acts like 1
+     * uN m/rad. */
     const int64_t damping = coupling->damping;
     *axis = (crn_haptics_axis){
         .stiffness = stiffness * unit,
@@ -60,8 +61,8 @@ static int64_t limited(int64_t value, int64_t limit)
 }
 
 /* Format: force / travel x 2^shift times travel. Overflow is impossible: |lead| <= lead_max, so that
- * stiffness x lead is at most the shifted force limit. The damper adds at most the product of this limit and
- * the ratio damping / stiffness, and the sum is limited to four force limits. */
+ * stiffness x lead is at most the shifted force limit. The damper's force is at most the shifted force limit
+ * times the ratio damping / stiffness, and the sum of spring and damper is limited to four force limits. */
 static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t lead_before)
 {
     int64_t elastic = crn_rshift_round64(axis->stiffness * lead, axis->shift);
@@ -70,9 +71,10 @@ static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t 
     return (int32_t)limited(elastic + viscous, 2 * (int64_t)axis->force_max);
 }
 
-/* Returns the travel of the tool in this tick. The tool moves to the place where spring, rod and friction
- * balance again, if the rod is as stiff as in the last ticks (implicit Euler of a tool without mass). While
- * the force is within the friction, the tool does not move at all. */
+/* Returns the travel of the tool in this tick, as the coupling predicts it. The tool moves to the position
+ * where spring, rod and friction balance again, if the rod is as stiff as in the last ticks (implicit Euler
+ * of a tool without mass). While the spring's force is smaller than the friction, the tool does not move at
+ * all. */
 static int32_t step_of(const crn_haptics_axis *axis, const crn_haptics_spring *spring, int32_t force)
 {
     int64_t rest = (int64_t)force - spring->force;
@@ -85,7 +87,7 @@ static int32_t step_of(const crn_haptics_axis *axis, const crn_haptics_spring *s
     return (int32_t)(rest < 0 ? -step : step);
 }
 
-/* Advances the spring; the positions `hand` and `tool` may wrap. */
+/* Advances the coupling's spring by one tick; the positions `hand` and `tool` may wrap. */
 static int32_t step_spring(const crn_haptics_axis *axis, crn_haptics_spring *spring, int32_t hand,
                            int32_t tool)
 {
@@ -101,8 +103,8 @@ static int32_t step_spring(const crn_haptics_axis *axis, crn_haptics_spring *spr
     return step_of(axis, spring, spring_force(axis, kept, spring->lead_before));
 }
 
-/* The core's feed follows the hand by a quarter of the lead, so a lead of four steps moves the tool by one
- * step. */
+/* In each tick the core feeds the tool by a quarter of its lag behind the given position. A lead of four
+ * steps therefore moves the tool by one step. */
 void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
                         crn_hand_position followed[CRN_PORT_TOOL_MAX])
 {
@@ -126,8 +128,8 @@ void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
     }
 }
 
-/* Updates the estimate of the tool's stiffness. A larger observed stiffness is accepted at once, and is
- * forgotten as the tool travels. */
+/* Updates the estimate of the stiffness with which the tool resists. The estimate rises to a larger observed
+ * stiffness at once, and falls again as the tool travels. */
 static void settle_spring(const crn_haptics_axis *axis, crn_haptics_spring *spring, int32_t position,
                           int32_t force)
 {

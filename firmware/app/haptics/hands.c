@@ -56,9 +56,9 @@ bool crn_hands_update(crn_hands *hands, uint32_t tool_count, const crn_port_hand
     return true;
 }
 
-/* Format: counts (int64) x Q46 m -> Q30 m, rounded. A hand beyond +-1.9 m is treated as if it were at that
- * limit, where the core regards the tool as fully inserted or withdrawn. Overflow is impossible: counts are
- * bounded first, so that the product fits 63 bits. */
+/* Format: counts (int64) x Q46 m -> Q30 m, rounded. A hand position beyond +-1.9 m is replaced by this limit,
+ * at which the core regards the tool as fully inserted or withdrawn. Overflow is impossible: the encoder
+ * counts are bounded first, so that the product fits 63 bits. */
 static int32_t feed_m_q30(int64_t counts, uint64_t m_q46_per_count)
 {
     const int64_t limit_m_q46 = (int64_t)19 << 43; /* 2.375 m, above the limit below */
@@ -69,8 +69,8 @@ static int32_t feed_m_q30(int64_t counts, uint64_t m_q46_per_count)
     return crn_limited(crn_rshift_round64(counts * (int64_t)m_q46_per_count, 16), -feed_max, feed_max);
 }
 
-/* Format: counts x 2^-48 turn -> 2^-32 turn modulo one turn. Overflow: the angle wraps on purpose, so that
- * whole turns drop out. */
+/* Format: counts x 2^-48 turn -> 2^-32 turn modulo one turn. Overflow: the angle wraps on purpose, because
+ * whole turns do not matter. */
 static uint32_t turn32(int64_t counts, uint64_t turn48_per_count)
 {
     uint64_t turn48 = (uint64_t)counts * turn48_per_count;

@@ -1,6 +1,6 @@
-/* This header converts encoder counts to the positions of the hands, one per tool. Counts are absolute and
- * may wrap, so their changes are summed in 64 bits. The position is computed from this sum and never summed
- * itself, so that rounding errors do not accumulate. */
+/* This header converts encoder counts to the positions of the user's hands, one hand per tool. The encoders'
+ * counts are absolute and may wrap, so the code sums their changes in 64 bits. The position of a hand is
+ * computed from this sum of counts and is never summed itself, so that rounding errors do not accumulate. */
 #ifndef CRN_HANDS_H
 #define CRN_HANDS_H
 
@@ -28,7 +28,7 @@ typedef struct crn_hands {
     crn_hand_counts counts[CRN_PORT_TOOL_MAX];
 } crn_hands;
 
-/* Holds the position of a hand, or the position that the core shall use in its place. */
+/* Holds the position of a hand, or the position that the core uses instead. */
 typedef struct crn_hand_position {
     int32_t feed_m_q30; /* along the line, + into the patient */
     uint32_t turn32;    /* about it, one turn = 2^32 */
@@ -40,8 +40,8 @@ void crn_hands_reset(crn_hands *hands);
 /* Takes the next reading as the present positions of the hands, not as a motion. */
 void crn_hands_take_reference(crn_hands *hands);
 
-/* Takes a reading for every tool. One implausible jump is a finding; the function then returns false and all
- * hands keep their positions. */
+/* Takes one encoder reading for every tool. When one reading is an implausible jump, the function reports a
+ * finding, returns false, and all hands keep their positions. */
 bool crn_hands_update(crn_hands *hands, uint32_t tool_count, const crn_port_hand now[CRN_PORT_TOOL_MAX],
                       crn_findings *findings);
 

@@ -1,12 +1,13 @@
 /* The haptics consist of a virtual coupling between hands and tools, and of the forces requested from the
- * motors (docs/haptics.md). These files use positions, forces and their own memory. They use neither the app,
- * nor the wire protocol, nor the rod. All results depend only on encoder counts and the core's own results,
- * so they are bit-reproducible; the haptics' memory is part of the snapshot.
+ * motors (docs/haptics.md). The files of the haptics use positions, forces and their own memory. The haptics
+ * use neither the app, nor the wire protocol, nor the rod. All results of the haptics depend only on encoder
+ * counts and the core's results, so a replay gives the same bits; the haptics' memory is part of the
+ * snapshot.
  *
  *   hands, tools before the tick -> crn_haptics_before -> what the core takes for the hands
  *   hands, tools after the tick  -> crn_haptics_after  -> motors (requested), findings
  *
- * crn_safety_drive decides how much of the requested forces the motors are given. */
+ * The function crn_safety_drive decides how much of the requested forces the motors are commanded to give. */
 #ifndef CRN_HAPTICS_H
 #define CRN_HAPTICS_H
 
@@ -14,14 +15,14 @@
 #include "firmware/app/safety/finding.h"
 #include "firmware/app/safety/limits.h"
 
-/* Holds spring, damper and friction of one axis as a rig's owner states them: in N/m, mN s/m and mN along the
- * line, and in uN m/rad, nN m s/rad and uN m about the line. */
+/* Holds spring, damper and friction of one axis of the coupling in the units of a rig's settings. Along the
+ * insertion axis these are N/m, mN s/m and mN; about it they are uN m/rad, nN m s/rad and uN m. */
 typedef struct crn_haptics_coupling {
     uint32_t stiffness, damping, seal;
 } crn_haptics_coupling;
 
-/* Holds the same values in the axis's own units: travel in Q30 m and force in Q22 N, or travel in 2^-32 turn
- * and torque in Q24 N m. The force per travel is stiffness / 2^shift. */
+/* Holds spring, damper and friction of one axis in internal units: travel in Q30 m and force in Q22 N, or
+ * travel in 2^-32 turn and torque in Q24 N m. The spring's force per travel is stiffness / 2^shift. */
 typedef struct crn_haptics_axis {
     int64_t stiffness; /* 0: no coupling */
     int64_t damping;   /* the same format, per travel of one tick */
@@ -90,23 +91,24 @@ typedef struct crn_haptics {
 /* The constants of one axis; `which` is CRN_APP_ALONG or CRN_APP_ABOUT. */
 void crn_haptics_axis_set(crn_haptics_axis *axis, int which, const crn_haptics_coupling *coupling);
 
-/* Resets the coupling: the next tick takes the positions of hands and tools as they are, without lead and
- * without force. */
+/* Resets the virtual coupling: the next tick takes the positions of hands and tools as they are, with no
+ * distance between hand and tool and no force. */
 void crn_haptics_reset(crn_haptics *haptics);
 
-/* Sets the requested forces to zero. */
+/* Sets the forces requested from the motors to zero. */
 void crn_haptics_rest(crn_haptics *haptics);
 
-/* Runs before the core's tick. `followed` starts as the hands' positions, and a coupling replaces them. */
+/* Runs before the core's tick. `followed` contains the hands' positions at first; where a track has a
+ * coupling, the coupling replaces them. */
 void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
                         crn_hand_position followed[CRN_PORT_TOOL_MAX]);
 
-/* Runs after the core's tick. The function computes the coupling's forces and applies gain, passivity, slew
- * limit, force limit and fade. */
+/* Runs after the core's tick. The function computes the forces of the virtual coupling and applies gain,
+ * passivity, slew limit, force limit and fade. */
 void crn_haptics_after(crn_haptics *haptics, const crn_haptics_input *input, crn_findings *findings);
 
-/* Runs as the first half of crn_haptics_after, and computes the forces of the coupling from the motion of the
- * tools (coupling.c). */
+/* Computes the forces of the virtual coupling from the motion of the tools (coupling.c); the function is the
+ * first half of crn_haptics_after. */
 void crn_haptics_settle(crn_haptics *haptics, const crn_haptics_input *input);
 
 #endif

@@ -1,13 +1,13 @@
-/* This header has the arithmetic that the parts around the motors share. */
+/* This header has the arithmetic that the code for hands, haptics and safety shares. */
 #ifndef CRN_ARITHMETIC_H
 #define CRN_ARITHMETIC_H
 
 #include <stdint.h>
 
 /* Returns value / divisor, rounded towards zero, for divisors of at most 65 535 and |value| < 2^63. A 32-bit
- * processor divides 64-bit numbers only by a library function of hundreds of instructions. This function
+ * processor can divide 64-bit numbers only by a library function of hundreds of instructions. This function
  * needs three divisions of 32 bits, one for each digit of 16 bits from the top. A remainder is below the
- * divisor, so that remainder and next digit fit 32 bits and their quotient fits 16. */
+ * divisor, so the remainder and the next digit together fit 32 bits and their quotient fits 16 bits. */
 static inline int64_t crn_quotient(int64_t value, uint32_t divisor)
 {
     const uint64_t size = value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
@@ -44,10 +44,11 @@ static inline int32_t crn_limited(int64_t value, int64_t low, int64_t high)
     return (int32_t)value;
 }
 
-/* Moves from `present` towards `target`. The magnitude grows by no more than `slew` per tick, and never
- * beyond the limit. The magnitude may fall at once, because a force that outlives its cause drives the hand.
- * When the slew limit also applied to decreasing forces, a handle released at 4 N recoiled at 1.2 m/s during
- * the 80 ms that the force took to end. `target` may be far out of range. */
+/* Moves from `present` towards `target`. The magnitude of a force grows by no more than `slew` per tick, and
+ * never beyond the limit. The magnitude of a force may fall at once, because a force that lasts longer than
+ * its cause drives the hand. When the slew limit also applied to decreasing forces, a handle released at 4 N
+ * recoiled at 1.2 m/s during the 80 ms that the force took to end. The requested value `target` may be far
+ * out of its range. */
 static inline int32_t crn_approach(int32_t present, int64_t target, int32_t slew, int32_t limit)
 {
     const int64_t low = present < 0 ? present : 0, high = present > 0 ? present : 0;

@@ -1,7 +1,8 @@
-/* This file protects against a carriage that nobody holds (docs/haptics.md, "A carriage that nobody holds"):
- * its motor's force ends, and the motor makes the carriage no faster than a hand would. The checks run once
- * per edge on this edge's sample, after everything that decides the requested force. The requested force
- * therefore depends on encoder counts and the core alone, and a session can be replayed. */
+/* This file protects the user from a carriage (the moving handle) that nobody holds: its motor's force ends,
+ * and the motor makes the carriage no faster than a hand would (docs/haptics.md, "A carriage that nobody
+ * holds"). The carriage checks run once per edge of the timer on this edge's sensor readings, after all code
+ * that decides the requested force. The requested force therefore depends on encoder counts and the core
+ * alone, and a session can be replayed. */
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/arithmetic.h"
 
@@ -9,14 +10,13 @@ enum {
     LOOSE_mN = 40, /* allowed on a carriage without a hand: below the 50 mN of a cycle that a hand may feel */
     LOOSE_GRACE_ticks = 12, /* a hand meets a wall with as much: the force that brakes it is not held yet */
     LOOSE_FADE_ticks = 20,
-    /* A carriage that moves along its motor's force gets the full requested force up to the first speed. From
-     * the second speed on it gets only the force that the hand holds. One tick and one motor lag later, the
-     * carriage reaches 0.25 m/s. */
+    /* When a carriage moves in the direction of its motor's force, the motor gives the full requested force
+       up to the first of these speeds. From the second speed on, the motor gives only the force that the hand
+       holds. The carriage then reaches 0.25 m/s after one more tick and one motor lag. */
     DRIVEN_FULL_um_s = 30000,
     DRIVEN_NONE_um_s = 100000,
-    /* A carriage that moves against its motor's force has these two speeds instead, provided that its encoder
-     * is right.
-     */
+    /* When a carriage moves against its motor's force, these two speeds apply instead, provided that its
+     * encoder is right. */
     BRAKED_FULL_um_s = 80000,
     BRAKED_NONE_um_s = 180000,
     SPEED_MAX_um_s = 250000,
@@ -37,9 +37,10 @@ int32_t crn_carriage_moved(const crn_safety *safety, const crn_port_inputs *rig,
     return crn_i32_from_u32(safety->tracks[k].is_reversed ? last - now : now - last);
 }
 
-/* Returns the smallest speed that explains the counts, whatever lies between two counts. The speed is taken
- * over one tick, or over eight ticks where counts are coarse. Format: counts x pm / 1000 per ms = um/s.
- * Overflow is impossible: 8 x twice 5 mm in pm is below 2^37, and the result is limited to 10 m/s. */
+/* Returns the smallest speed of the carriage that explains its encoder counts, whatever the position between
+ * two counts is. The speed is computed over one tick, or over eight ticks where counts are coarse. Format:
+ * counts x pm / 1000 per ms = um/s. Overflow is impossible: 8 times twice 5 mm, in pm, is below 2^37, and the
+ * speed is limited to 10 m/s. */
 static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 {
     const crn_safety_watch *watch = &safety->watches[k];
@@ -60,16 +61,17 @@ static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 
 enum { SHARE_ONE = 4096 };
 
-/* Returns which share of a force that no hand holds may remain: all of it up to the value `full`, and none
- * from the value `none` on. */
+/* Returns the fraction of a force not held by a hand that may remain. All of the force remains up to the
+ * value `full`, and no force from the value `none` on. */
 static int32_t share_of(int32_t value, int32_t full, int32_t none)
 {
     if (value <= full) return SHARE_ONE;
     return value >= none ? 0 : (none - value) / 16 * SHARE_ONE / ((none - full) / 16);
 }
 
-/* Returns the share that remains because of the speed. This is the speed that the carriage will have when the
- * force acts, if it gains as much in this tick as in the last one. */
+/* Returns the fraction of the force that the carriage's speed permits. The code uses the speed that the
+ * carriage will have when the force acts, if the carriage gains as much speed in this tick as in the last
+ * one. */
 static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_mN)
 {
     const crn_safety_watch *watch = &safety->watches[k];
@@ -84,8 +86,8 @@ static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_m
                      : share_of(size, DRIVEN_FULL_um_s, DRIVEN_NONE_um_s);
 }
 
-/* The force sensor measures the force of a hand that holds the carriage, with an error of up to a quarter.
- * For a track without a force sensor nothing is known about the hand, and only the speed counts. */
+/* The force sensor measures the force of a hand that holds the carriage; the reading may be wrong by up to a
+ * quarter. For a track without a force sensor, the hand's force is unknown, and only the speed counts. */
 int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t k, int32_t asked_mN)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -107,9 +109,10 @@ int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, ui
 
 /* --- what stops --- */
 
-/* Detects a carriage that its motor drives too fast. A hand may throw a carriage, which is then fast without
- * a motor. A hand may also move the carriage at any speed, but then the sensor measures the hand's force.
- * What remains is a carriage that gained its speed while no hand touched it and a motor pushed. */
+/* Detects a carriage whose motor drives it too fast. A hand may throw a carriage; the carriage is then fast
+ * without its motor. A hand may also move the carriage at any speed, but then the sensor measures the hand's
+ * force. The fault is therefore a carriage that gained its speed while no hand touched it and a motor pushed
+ * it. */
 static bool is_driven_fast(crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -150,8 +153,8 @@ crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *in
                                   int32_t *value)
 {
     crn_safety_watch *watch = &safety->watches[k];
-    /* A change of more than twice the largest believable jump is not a motion; limited to this, the sums
-     * cannot overflow. */
+    /* A change of the counts by more than twice the largest believable jump is not a motion; with this limit
+     * the sums cannot overflow. */
     const int32_t most = 2 * (int32_t)safety->tracks[k].jump_counts;
     const int32_t moved = crn_limited(crn_carriage_moved(safety, input->rig, k), -most, most);
     watch->moved[safety->asked_at] = moved;

@@ -1,6 +1,6 @@
-/* This header measures how long edges and ticks take. During a tick that took too long, the motors held the
- * last force. The following ticks catch up in their unused time, and the state is the same as if the tick had
- * been in time. */
+/* This header measures how long the edges of the timer and the ticks take. While a tick took too long, the
+ * motors kept their last force. The following ticks make up for the delay in their unused time, and the state
+ * is the same as if the tick had been in time. */
 #ifndef CRN_CLOCK_H
 #define CRN_CLOCK_H
 
@@ -11,10 +11,10 @@ typedef struct crn_clock {
     bool has_edge, was_late;
 } crn_clock;
 
-/* Runs when the power comes on: earlier edges no longer count. */
+/* Resets the time measurement when the motor power comes on: earlier timer edges no longer count. */
 void crn_clock_restart(crn_clock *clock);
 
-/* Runs before a tick. A processor that has stood still since the last edge is a finding while motors have
+/* Runs before a tick. A processor that has not run since the last timer edge is a finding while motors have
  * power. */
 void crn_clock_begin(crn_clock *clock, uint32_t now_us, bool is_driving, crn_findings *findings);
 

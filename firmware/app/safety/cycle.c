@@ -1,7 +1,8 @@
-/* This file detects cycles that a motor sustains in a hand (docs/haptics.md, "Cycles"). Between two reversals
- * of the carriage, the hand may put work in, as in a tremor or a deliberate shake. It may also absorb work,
- * as in a cycle that the loop of coupling and motor makes by itself. In such a cycle the carriage oscillates
- * without becoming slower, faster than any heart, while the hand absorbs work. */
+/* This file detects oscillations ("cycles") that a motor sustains in a hand (docs/haptics.md, "Cycles").
+ * Between two reversals of the carriage, the hand may put work in, as in a tremor or a deliberate shake. The
+ * hand may also absorb work, as in an oscillation that the loop of coupling and motor makes by itself. In
+ * such an oscillation the carriage swings faster than any heart and does not slow down, while the hand
+ * absorbs work. */
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/app/safety/carriage.h"
 
@@ -13,8 +14,9 @@ enum {
     LASTS_ticks = 25,      /* beyond the first cycle, which shows that the carriage does not slow down */
 };
 
-/* Limits a sum of one cycle. Overflow is impossible, because one tick adds at most 10^7 nm times 2^31 mN, and
- * sums are limited to 2^44 (17 km, 17 J). A mean force that a sensor may give is below 2^17. */
+/* Limits a sum that was formed over one oscillation. Overflow is impossible, because one tick adds at most
+ * 10^7 nm times 2^31 mN, and sums are limited to 2^44 (17 km, 17 J). The mean force that a sensor may measure
+ * is below 2^17 mN. */
 static int64_t limited(int64_t value)
 {
     const int64_t most = (int64_t)1 << 44;
@@ -26,20 +28,20 @@ static int64_t width_nm(const crn_safety_swing *swing)
     return swing->travel_nm < 0 ? -swing->travel_nm : swing->travel_nm;
 }
 
-/* Returns the hand's work in two swings, from the part of its force that exceeds the mean. The mean must be
- * subtracted, because growing swings do not end where they began, and the force that holds against a wall
- * would then count. Overflow is impossible, because travels are below 2^41 nm and the mean is below 2^31 mN /
- * CYCLE_ticks. */
+/* Returns the hand's work in two swings of the carriage, from the part of the hand's force that exceeds the
+ * mean. The mean must be subtracted, because growing swings do not end where they began, and the force that
+ * holds against a wall would then count. Overflow is impossible, because travels are below 2^41 nm and the
+ * mean is below 2^31 mN / CYCLE_ticks. */
 static int64_t hand_pJ(const crn_safety_swing *now, const crn_safety_swing *last)
 {
     const int64_t mean_mN = crn_quotient(now->hand_mN_ms + last->hand_mN_ms, now->ticks + last->ticks);
     return now->hand_pJ + last->hand_pJ - mean_mN * (now->travel_nm + last->travel_nm);
 }
 
-/* Returns whether two successive swings are one cycle that the motor sustains. The swings must be equally
- * wide (by a factor of 7/8; the damping of an honest rig in the softest hand leaves 0.81), fast, and strong
- * enough to be felt. The hand must also have absorbed more than 1/64 of the product of the cycle's spans of
- * force and travel; the sensor's noise gives a fifth of that. */
+/* Returns whether two successive swings of the carriage are one oscillation that the motor sustains. The two
+ * swings must be fast, strong enough to be felt, and equally wide (by a factor of 7/8; the damping of an
+ * honest rig in the softest hand leaves 0.81). The hand must also have absorbed more work than 1/64 of the
+ * product of the oscillation's ranges of force and travel; the sensor's noise gives a fifth of this work. */
 static bool is_sustained(const crn_safety_swing *now, const crn_safety_swing *last, bool is_felt)
 {
     const int32_t low = now->low_mN < last->low_mN ? now->low_mN : last->low_mN,

@@ -1,4 +1,4 @@
-/* This file switches the power on and off, and sets the forces of the motors. */
+/* This file switches the motor power on and off, and sets the forces of the motors. */
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/safety.h"
@@ -23,8 +23,9 @@ void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs)
     *outputs = (crn_port_outputs){.drive = safety->drive_level};
 }
 
-/* A motor drives a track along or about the line only through a coupling, because the rod itself is stiffer
- * than any rig can render. Along the line, the track is driven only as far as a hand holds it. */
+/* A motor drives a track along or about the insertion axis only through a coupling, because the rod itself is
+ * stiffer than any rig can render. Along the insertion axis, a motor gives only the force that a hand on the
+ * track holds. */
 static crn_port_motor driven(crn_safety *safety, const crn_safety_input *input, uint32_t k,
                              const crn_port_motor *asked)
 {

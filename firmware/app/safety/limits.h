@@ -1,4 +1,4 @@
-/* This header has the limits that protect the hand at the rig, for every part that can move a motor. */
+/* This header has the limits that protect the hand at the rig, for all code that can move a motor. */
 #ifndef CRN_LIMITS_H
 #define CRN_LIMITS_H
 
@@ -17,7 +17,7 @@ enum {
     CRN_APP_GIVEN_MAX_mJ = 10, /* what tools and coupling may give that they held before START */
 };
 
-/* Names the two axes of a track. */
+/* Names the two axes of a track, along and about the direction of insertion. */
 enum { CRN_APP_ALONG, CRN_APP_ABOUT };
 
 #endif

@@ -1,6 +1,6 @@
-/* Two steps are required before START may power the motors: the device answers ARM_MOTORS with a code, and
- * CONFIRM returns it. Code and permission are meant for a person who is about to press START, so both
- * expire. */
+/* Before START may power the motors, the host must take two steps: it sends ARM_MOTORS, which the device
+ * answers with a code, and returns this code by CONFIRM. Code and permission are meant for a person who is
+ * about to press START, so both expire. */
 #ifndef CRN_PERMISSION_H
 #define CRN_PERMISSION_H
 
@@ -18,18 +18,18 @@ typedef struct crn_permission {
  * port's clock. */
 void crn_permission_offer(crn_permission *permission, uint32_t now_us);
 
-/* Checks the answer of CONFIRM and returns whether it was right; any answer spends the code, even a wrong
- * one. */
+/* Checks the code that CONFIRM returned and returns whether it was right; any answer uses up the code, even a
+ * wrong answer. */
 bool crn_permission_answer(crn_permission *permission, uint32_t code);
 
-/* Gives the permission, because the answer was right and the rig is ready: the next START may power the
- * motors. */
+/* Gives the permission to power the motors at the next START, because the answer was right and the rig is
+ * ready. */
 void crn_permission_give(crn_permission *permission);
 
-/* Counts one edge of the timer. */
+/* Counts one edge of the timer for the expiry of code and permission. */
 void crn_permission_age(crn_permission *permission);
 
-/* Makes any code and any permission invalid. */
+/* Makes any code and any permission to power the motors invalid. */
 void crn_permission_spend(crn_permission *permission);
 
 #endif

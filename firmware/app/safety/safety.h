@@ -1,18 +1,18 @@
-/* This header controls the power of the motors and everything else that can hurt a finger. These files use
- * one sample of the rig, a few plain numbers and their own memory. They use neither the app, nor the wire,
- * nor the core.
+/* The functions of this header control the power of the motors and everything else that can hurt a finger.
+ * The files of the safety code use one set of readings of the rig, a few plain numbers and their own memory.
+ * The safety code uses neither the app, nor the wire protocol, nor the core.
  *
  *   sample, tool count, energies -> crn_safety_check -> findings
  *   forces that the haptics ask for -> crn_safety_drive -> what the port writes
  *
- * When a finding stops the device, the app calls crn_safety_off, in one place (app_fault.c). */
+ * When a finding stops the device, the app calls crn_safety_off; only app_fault.c contains this call. */
 #ifndef CRN_SAFETY_H
 #define CRN_SAFETY_H
 
 #include "firmware/app/safety/finding.h"
 #include "firmware/app/safety/limits.h"
 
-/* Describes one track for the checks. */
+/* Describes one track of the rig for the safety checks. */
 typedef struct crn_safety_track {
     uint32_t translation_pm_per_count;
     uint32_t jump_counts; /* largest believable change of the translation in one tick */
@@ -24,7 +24,7 @@ typedef struct crn_safety_track {
     bool is_driven_along, is_driven_about; /* through a coupling; the motor of an axis without one rests */
 } crn_safety_track;
 
-/* Holds the data about this edge that the other parts of the app give to the checks. */
+/* Holds the data about this timer edge that the other parts of the app give to the safety checks. */
 typedef struct crn_safety_input {
     const crn_port_inputs *rig; /* this edge's sample; NULL: no rig */
     uint32_t tool_count;
@@ -32,7 +32,7 @@ typedef struct crn_safety_input {
     int64_t energy_pJ[CRN_PORT_TOOL_MAX]; /* put in by the hand less given back (haptics) */
 } crn_safety_input;
 
-/* Describes a swing, from one reversal of a carriage to the next. */
+/* Describes a swing of a carriage, from one reversal to the next. */
 typedef struct crn_safety_swing {
     uint32_t ticks;
     int32_t low_mN, high_mN;    /* range of the motor's force */
@@ -48,7 +48,7 @@ typedef struct crn_safety_cycle {
     uint32_t driven_ticks; /* duration of the swings that the motor sustained */
 } crn_safety_cycle;
 
-/* Holds the state of one track's checks, which is used only while a rig is attached. */
+/* Holds the state of the safety checks of one track, which is used only while a rig is attached. */
 typedef struct crn_safety_watch {
     int32_t asked_mN[CRN_APP_ASKED_ticks]; /* ring of the forces given to the motor */
     uint32_t over_ticks, current_ticks, mismatch_ticks;
@@ -79,27 +79,28 @@ typedef struct crn_safety {
     crn_safety_watch watches[CRN_PORT_TOOL_MAX];
 } crn_safety;
 
-/* Returns the force that a track's sensor measures in this sample, or 0 without a sample or a working
- * sensor. */
+/* Returns the force that a track's sensor measures in these readings, or 0 without readings or without a
+ * working sensor. */
 int32_t crn_safety_force_mN(const crn_safety *safety, const crn_port_inputs *rig, uint32_t track);
 
-/* Runs at every edge with this edge's sample, and checks lines, sensors, forces and carriages. The function
- * reports at most one finding. */
+/* Checks lines, sensors, forces and carriages at every edge of the timer, with this edge's readings. The
+ * check of one timer edge reports at most one finding. */
 void crn_safety_check(crn_safety *safety, const crn_safety_input *input, crn_findings *findings);
 
 /* May the motors be armed? The first reason against it, or CRN_FAULT_CODE_NONE. */
 crn_fault_code crn_safety_ready(const crn_safety *safety, const crn_safety_input *input);
 
-/* The power comes on. `input` has a sample; all memory of earlier samples is cleared. */
+/* The power comes on. `input` contains readings of the rig; the function clears all memory of earlier
+ * readings. */
 void crn_safety_on(crn_safety *safety, const crn_safety_input *input);
 
-/* Removes the power at once: there is no force, and the drive line no longer flips. The caller sets the lamp
- * of the rig. */
+/* Removes the motor power at once: the motors give no force, and the drive line no longer changes. The caller
+ * sets the lamp of the rig. */
 void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs);
 
-/* Runs once per edge and computes the motors' forces from the forces that the haptics request. While the
- * motors have power, the drive line flips at each edge, which keeps the power stage on for another
- * CRN_PORT_DRIVE_HOLD_ms. The caller sets the lamp of the rig. */
+/* Computes, once per edge of the timer, the motors' forces from the forces that the haptics request. While
+ * the motors have power, the drive line changes its level at each timer edge, which keeps the power stage on
+ * for another CRN_PORT_DRIVE_HOLD_ms. The caller sets the lamp of the rig. */
 void crn_safety_drive(crn_safety *safety, const crn_safety_input *input,
                       const crn_port_motor asked[CRN_PORT_TOOL_MAX], crn_port_outputs *outputs);
 

@@ -10,17 +10,18 @@ typedef struct crn_watchdog {
     uint32_t silent_ticks; /* since the host's last valid frame; no longer counted when the fade has ended */
 } crn_watchdog;
 
-/* Records that a valid frame came. Returns true if the frame ends a silence that had made the forces fade. */
+/* Records that a valid frame came from the host. Returns true if the frame ends a silence of the host that
+ * had made the forces fade. */
 bool crn_watchdog_feed(crn_watchdog *watchdog);
 
-/* One tick of FREE_RUN begins. Counts a tick of silence; the tick in which the limit is reached is a
- * finding. */
+/* One tick of FREE_RUN begins. Counts a tick in which the host is silent; the tick in which the limit is
+ * reached is a finding. */
 void crn_watchdog_tick(crn_watchdog *watchdog, crn_findings *findings);
 
 /* Returns whether the host is silent, so that the forces fade or have faded. */
 bool crn_watchdog_is_fading(const crn_watchdog *watchdog);
 
-/* Returns the number of ticks until no force is left, which is CRN_APP_FADE_ticks while the host is
+/* Returns the number of ticks until no force is left; the number is CRN_APP_FADE_ticks while the host is
  * active. */
 uint32_t crn_watchdog_left_ticks(const crn_watchdog *watchdog);
 

@@ -26,7 +26,7 @@ void crn_usb_pipe_open(crn_usb *usb, crn_usb_pipe pipe)
     const crn_usb_endpoint *row = &crn_usb_endpoints[pipe];
     const crn_udc *udc = usb->config.udc;
     usb->is_armed[pipe] = false;
-    /* An endpoint that the controller cannot provide stays halted, and the host sees the halt. */
+    /* An endpoint that the USB controller cannot provide stays halted, and the host sees the halt. */
     usb->is_halted[pipe] =
         !udc->open(udc->context, row->address, (crn_udc_type)row->type, row->packet_bytes[usb->speed]);
     if (pipe == CRN_USB_STATUS_IN) crn_usb_hid_begin(usb);
@@ -95,7 +95,7 @@ void crn_usb_configure(crn_usb *usb, uint8_t configuration)
     crn_usb_tell_link(usb);
 }
 
-/* After a reset, after an unplug and before a connect the address is 0, nothing is configured, and no
+/* After a reset, after an unplug and before a connect, the USB address is 0, nothing is configured, and no
  * transfer runs. */
 static void to_default(crn_usb *usb)
 {

@@ -1,5 +1,5 @@
-/* This header declares the USB device: the standard requests (chapter 9), a HID interface and a vendor bulk
- * pair, over any controller of firmware/port/udc.h.
+/* This header declares the USB device, which works with any controller of firmware/port/udc.h. The device has
+ * the standard requests (chapter 9), a HID interface and a vendor-specific bulk pair.
  *
  *   at power-up        crn_usb_init(usb, &config)      off the bus; then crn_usb_connect(usb, true)
  *   always             crn_usb_poll(usb)               from the main loop: events, replies, bytes to the app
@@ -9,14 +9,15 @@
  * The stream (bulk pair) carries frames as bytes, and the borders of packets have no meaning:
  *
  *  - In the direction to the host, a frame is queued whole or refused. When the queue runs empty behind a
- * full packet, an empty packet follows, so that a host's longer read ends.
+ * full packet, the device sends an empty packet, so that a host's longer read ends.
  *
  *  - In the direction to the device, an empty packet means nothing. The app receives bytes frame by frame,
  * and only while the queue has space for the longest answer (`reply_bytes`). Otherwise the packet is held and
  * the host sees NAK.
  *
- *  - A stream begins after SET_CONFIGURATION, SET_INTERFACE or CLEAR_FEATURE of a halt. It begins with an
- * empty queue and a zero byte in both directions; the zero ends a frame that was cut. */
+ *  - A byte stream of the bulk pair begins after SET_CONFIGURATION, SET_INTERFACE or CLEAR_FEATURE of a halt.
+ * A byte stream begins with an empty queue and a zero byte in each direction; the zero ends a frame that was
+ * cut. */
 #ifndef CRN_USB_H
 #define CRN_USB_H
 
@@ -55,7 +56,7 @@ typedef enum crn_usb_link {
     CRN_USB_SUSPENDED,    /* it was configured, and the bus sleeps */
 } crn_usb_link;
 
-/* Lists the callbacks that a port's connecting code provides; each one runs inside crn_usb_poll. */
+/* Lists the callbacks that a port provides; each callback runs inside crn_usb_poll. */
 typedef struct crn_usb_app {
     void *context;
     void (*receive)(void *context, const uint8_t *bytes, size_t count); /* of the stream; may transmit */
@@ -76,8 +77,8 @@ typedef struct crn_usb_config {
     const char *serial; /* ASCII, 1 .. CRN_USB_SERIAL_MAX characters; it distinguishes two rigs */
     uint8_t *queue;     /* frames on their way to the host */
     uint32_t queue_bytes;
-    uint32_t reply_bytes; /* This is the space that must be free for all frames that may answer a request. At
-                             least CRN_WIRE_FRAME_MAX, at most half of the queue */
+    uint32_t reply_bytes; /* This number of bytes must be free in the queue for all frames that may answer a
+                             request. At least CRN_WIRE_FRAME_MAX, at most half of the queue */
 } crn_usb_config;
 
 /* Lists the endpoints in the order of usb_table.def. */
@@ -140,28 +141,29 @@ typedef struct crn_usb {
     _Alignas(32) uint8_t stream_out[CRN_USB_STREAM_PACKET];
 } crn_usb;
 
-/* `config` is copied; the objects to which it points must outlive the stack. False: the queue or the room for
- * replies is too short, or the serial number is empty, too long or not printable ASCII. */
+/* The function copies `config`; the objects to which `config` points must exist as long as the stack is used.
+ * False: the queue or the room for replies is too short, or the serial number is empty, too long or not
+ * printable ASCII. */
 bool crn_usb_init(crn_usb *usb, const crn_usb_config *config);
 
-/* Connects the device to the bus, or disconnects it as if the cable were pulled. */
+/* Connects the device to the bus, or disconnects it as if somebody had pulled the cable. */
 void crn_usb_connect(crn_usb *usb, bool connected);
 
-/* Does a bounded amount of work: at most CRN_USB_EVENTS_PER_POLL events and one frame for the app. Returns
- * true when there may be more to do. */
+/* Does a bounded amount of work for the bus: at most CRN_USB_EVENTS_PER_POLL events and one frame for the
+ * app. Returns true when more work may be left. */
 bool crn_usb_poll(crn_usb *usb);
 
-/* One millisecond has passed. Makes a state report from `state` and queues it behind the reports that wait.
- * When the queue is full, the oldest report is dropped. No report is queued while no host has configured the
- * device, or while the bus sleeps. */
+/* One millisecond has passed. Makes a HID state report from `state` and queues it behind the waiting reports.
+ * When the queue of state reports is full, the oldest report is dropped. No state report is queued while no
+ * host has configured the device, or while the bus sleeps. */
 void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
 
-/* Queues a whole frame that goes to the host. Returns false when the device is not configured or there is no
- * space; nothing is queued in that case. */
+/* Queues a whole frame for the host. Returns false when the device is not configured or the queue has no
+ * space; then nothing is queued. */
 bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes);
 
-/* Returns how many more bytes the queue can take. With this number, a caller can drop a picture instead of
- * having a frame refused. */
+/* Returns how many more bytes the queue to the host can take. A caller that knows this number can drop a
+ * picture before a frame is refused. */
 uint32_t crn_usb_queue_room(const crn_usb *usb);
 
 #endif

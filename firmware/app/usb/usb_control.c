@@ -1,13 +1,12 @@
-/* This file handles control transfers: setup, data and status stage of endpoint 0.
+/* This file handles USB control transfers, that is, the setup, data and status stages of endpoint 0.
  *
  *   request with data to the host     SETUP -> DATA_IN ---------------> (host's empty packet) -> idle
  *   request with data to the device   SETUP -> DATA_OUT -> STATUS_IN -> idle
  *   request without data              SETUP -------------> STATUS_IN -> idle
  *   refused                           SETUP -> STALL, until the next setup packet
  *
- * A setup packet ends any transfer that is in progress. The host may end a data stage early by its status
- * stage.
- */
+ * A new setup packet ends any control transfer that is in progress. The host may end a data stage early by
+ * beginning the status stage. */
 #include "firmware/app/usb/usb_internal.h"
 
 enum { IDLE = 0, DATA_IN, DATA_OUT, STATUS_IN };
@@ -31,8 +30,8 @@ static void begin_status_in(crn_usb *usb)
     arm(usb, CRN_UDC_IN, usb->control, 0);
 }
 
-/* Sends at most as much as the host requested. An empty packet ends data that are shorter than requested and
- * fill their last packet. */
+/* Sends at most as many bytes as the host requested. When the data are shorter than requested and fill their
+ * last packet, an empty packet ends them. */
 static void begin_data_in(crn_usb *usb, const crn_usb_setup *setup, uint32_t count)
 {
     if (count > setup->length) count = setup->length;

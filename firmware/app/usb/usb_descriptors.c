@@ -1,4 +1,4 @@
-/* Every descriptor is written from usb_table.def when a host requests it. */
+/* The code writes every USB descriptor from usb_table.def when a host requests it. */
 #include "firmware/app/usb/usb_internal.h"
 
 const crn_usb_endpoint crn_usb_endpoints[CRN_USB_PIPE_COUNT] = {
@@ -48,7 +48,7 @@ static void put_bytes(crn_wire_writer *reply, const uint8_t *bytes, size_t count
     for (size_t i = 0; i < count; i++) crn_wire_write(reply, bytes[i], 1);
 }
 
-/* Writes ASCII as UTF-16, without a terminator. */
+/* Writes an ASCII text as UTF-16, without a terminator. */
 static void put_text(crn_wire_writer *reply, const char *text)
 {
     while (*text != '\0') crn_wire_write(reply, (uint8_t)*text++, 2);
@@ -156,9 +156,8 @@ static bool put_string(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
  * ---------------- */
 static void put_bos(crn_wire_writer *reply)
 {
-    /* This is the identifier D8DD60DF-4589-4CC7-9CD2-659D9E648A9F, in the order of its bytes on the bus. It
-     * announces the set below.
-     */
+    /* The bytes are the identifier D8DD60DF-4589-4CC7-9CD2-659D9E648A9F, in their order on the bus. It
+     * announces the set below. */
     static const uint8_t platform[16] = {0xdf, 0x60, 0xdd, 0xd8, 0x89, 0x45, 0xc7, 0x4c,
                                          0x9c, 0xd2, 0x65, 0x9d, 0x9e, 0x64, 0x8a, 0x9f};
     crn_wire_write(reply, 5, 1);

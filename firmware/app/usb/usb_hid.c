@@ -56,8 +56,8 @@ static bool get_report(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
     }
 }
 
-/* Idle rates are stored and can be read back, but change nothing, because every report differs from the last
- * one by its tick. */
+/* The device stores a host's idle rates, which can be read back but change nothing, because every state
+ * report differs from the last one by its tick. */
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
     const bool to_host = (setup->type & CRN_USB_TYPE_IN) != 0;
@@ -72,7 +72,8 @@ bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writ
     return true;
 }
 
-/* Drops reports that waited for another host, or from before a halt, because they are out of date. */
+/* Drops state reports that waited for another host, or that were made before a halt, because they are out of
+ * date. */
 void crn_usb_hid_begin(crn_usb *usb)
 {
     usb->report_first = usb->report_count = 0;
@@ -148,9 +149,9 @@ bool crn_usb_hid_data(crn_usb *usb, const crn_usb_setup *setup, const uint8_t *b
     }
 }
 
-/* An invalid report is counted and changes nothing. After an invalid report the command number in the state
- * report does not change, so the host's program notices the refusal. The pipe is not halted, because a halt
- * would lose the next command. */
+/* An invalid HID report from the host is counted and changes nothing. After an invalid report the command
+ * number in the state report does not change, so the host's program notices the refusal. The interrupt pipe
+ * is not halted after an invalid report, because a halt would lose the next command. */
 void crn_usb_hid_received(crn_usb *usb, uint32_t bytes)
 {
     if (!take_command(usb, usb->report_out, bytes)) usb->reports_refused++;

@@ -1,5 +1,6 @@
-/* This header has the declarations that the files of the stack share. Their groups, from top to bottom, are:
- * events, control transfers, standard and class requests, descriptors; and then events, reports, stream. */
+/* This header has the declarations that the files of the USB stack share. The declarations are grouped, from
+ * top to bottom, into events, control transfers, standard and class requests, and descriptors; the groups
+ * after these are events, reports and stream. */
 #ifndef CRN_USB_INTERNAL_H
 #define CRN_USB_INTERNAL_H
 
@@ -64,7 +65,7 @@ typedef struct crn_usb_endpoint { /* one row of usb_table.def */
 /* usb_descriptors.c */
 extern const crn_usb_endpoint crn_usb_endpoints[CRN_USB_PIPE_COUNT];
 extern const uint8_t crn_usb_interface_classes[CRN_USB_INTERFACE_COUNT];
-/* Writes the whole descriptor that `setup` requests. False: there is none. */
+/* Writes the whole USB descriptor that the setup packet `setup` requests. False: there is none. */
 bool crn_usb_descriptor(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_ms_os_set(crn_wire_writer *reply);
 
@@ -79,8 +80,8 @@ void crn_usb_control_reset(crn_usb *usb);
 void crn_usb_control_setup(crn_usb *usb, const uint8_t bytes[CRN_UDC_SETUP_BYTES]);
 void crn_usb_control_done(crn_usb *usb, uint8_t endpoint, uint32_t bytes);
 
-/* In usb_standard.c and usb_hid.c, a handler that returns false is answered with STALL. `reply` is empty at
- * first and receives the data of IN requests. */
+/* When a handler in usb_standard.c or usb_hid.c returns false, the device answers with STALL. `reply` is
+ * empty at first and receives the data of IN requests. */
 bool crn_usb_standard(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_takes(const crn_usb *usb, const crn_usb_setup *setup);

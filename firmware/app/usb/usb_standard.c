@@ -1,4 +1,5 @@
-/* Standard requests (USB 2.0, 9.4). Requests that the standard leaves open are refused. */
+/* Standard requests (USB 2.0, 9.4). The device refuses requests whose meaning the USB standard does not
+ * define. */
 #include "firmware/app/usb/usb_internal.h"
 
 enum { SELF_POWERED = 1, HALTED = 1 };
@@ -105,7 +106,8 @@ static bool set_configuration(crn_usb *usb, const crn_usb_setup *setup)
     return true;
 }
 
-/* There is one setting, 0. Choosing an alternate setting starts the interface's endpoints anew. */
+/* There is one setting, 0. When the host chooses an alternate setting, the interface's endpoints start anew.
+ */
 static bool set_interface(crn_usb *usb, const crn_usb_setup *setup)
 {
     if (!interface_exists(usb, setup->index) || setup->value != 0 || setup->length != 0) return false;

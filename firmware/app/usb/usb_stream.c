@@ -1,8 +1,9 @@
-/* This file implements the bulk pair: frames go to the host through a ring, and bytes from the host are
- * passed on frame by frame. */
+/* This file implements the pair of USB bulk endpoints. Frames go to the host through a ring buffer, and bytes
+ * from the host go to the app frame by frame. */
 #include "firmware/app/usb/usb_internal.h"
 
-/* The ring is sent in place; the bytes [queue_begin, queue_begin + sending) belong to the controller. */
+/* The controller sends directly from the ring buffer; the bytes [queue_begin, queue_begin + sending) belong
+ * to the controller. */
 static void queue_byte(crn_usb *usb, uint8_t byte)
 {
     uint32_t place = usb->queue_begin + usb->queue_count;
@@ -11,8 +12,9 @@ static void queue_byte(crn_usb *usb, uint8_t byte)
     usb->queue_count++;
 }
 
-/* Starts a stream anew: a zero ends a frame that was cut, and messages of an earlier conversation are
- * dropped. The zero for the app is stored like a byte from the host, and the first packet follows it. */
+/* Starts the byte stream anew: a zero byte ends a frame that was cut, and messages of an earlier conversation
+ * are dropped. The zero byte for the app is stored like a byte from the host, and the first packet follows
+ * it. */
 void crn_usb_stream_begin(crn_usb *usb, bool to_host)
 {
     if (to_host) {
@@ -42,8 +44,8 @@ bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes)
     return true;
 }
 
-/* Sends as many bytes as lie in one piece of the ring. A piece that ends at the end of the ring may end with
- * a short packet, which has no meaning in the stream. */
+/* Sends as many bytes as lie in one contiguous piece of the ring buffer. A piece that ends at the end of the
+ * ring buffer may end with a short packet, which has no meaning in the stream. */
 void crn_usb_stream_send(crn_usb *usb)
 {
     if (!crn_usb_pipe_is_free(usb, CRN_USB_STREAM_IN)) return;

@@ -1,6 +1,6 @@
-/* This is a USB device controller made of memory. The controller answers the tokens of shared/mailbox as the
- * chip on a board would, with addresses, data toggles, NAK and STALL. It serves tests in one process and the
- * image in an emulator. */
+/* This header declares a USB device controller that is simulated in memory. The controller answers the bus
+ * tokens of shared/mailbox as the chip on a board would, with addresses, data toggles, NAK and STALL. It
+ * serves tests in one process and the image in an emulator. */
 #ifndef CRN_MAILBOX_UDC_H
 #define CRN_MAILBOX_UDC_H
 
@@ -26,13 +26,15 @@ typedef struct crn_mailbox_udc {
     crn_mailbox_endpoint out[CRN_MAILBOX_ENDPOINT_COUNT];
 } crn_mailbox_udc;
 
-/* Powers up on `mailbox`, which has 64 KiB, is aligned to 4 bytes, and is all zero before the first start.
- * Both `mailbox` and `controller` must outlive the use of the controller. A start while a host is waiting
- * leaves the host's token without an answer, like a device that loses power. */
+/* Powers up the simulated controller on `mailbox`, a memory area of 64 KiB that is aligned to 4 bytes and all
+ * zero before the first start. The memory of `mailbox` and `controller` must exist as long as the controller
+ * is used. When the controller starts while a host is waiting, it leaves the host's token without an answer,
+ * like a device that loses power. */
 void crn_mailbox_udc_init(crn_mailbox_udc *controller, crn_mailbox *mailbox, bool can_high_speed);
 
-/* Lists what an idle loop may check instead of polling: whether the host has a request, and whether that
- * request may cause work in the device. A host that only requests data causes no work. */
+/* Lists what an idle loop may check instead of polling the controller: whether the host has a request, and
+ * whether that request may cause work in the device. A host that only requests data causes no work in the
+ * device. */
 typedef enum crn_mailbox_demand {
     CRN_MAILBOX_IDLE,
     CRN_MAILBOX_ASKS_DATA,

@@ -1,7 +1,7 @@
 /* This file contains the four memory functions that a freestanding compiler may call, under their C names
- * (gcc) and under their names in ARM's run-time ABI (clang). In the ABI the suffix 4 or 8 guarantees
- * alignment. The compiler's transformation of loops into calls is off for this file, because it would turn
- * the loops into calls of themselves. */
+ * (gcc) and under their names in ARM's run-time ABI (clang). In the names of ARM's run-time ABI, the suffix 4
+ * or 8 guarantees alignment. This file switches off the compiler's transformation of loops into calls of
+ * memory functions, because these functions would then call themselves. */
 #include <stddef.h>
 #include <stdint.h>
 
@@ -10,8 +10,8 @@ void *memmove(void *to, const void *from, size_t size);
 void *memset(void *to, int value, size_t size);
 int memcmp(const void *a, const void *b, size_t size);
 
-/* Copies words while both sides are aligned, then bytes. The copy is correct for overlapping blocks when `to`
- * lies below `from`. */
+/* Copies words while source and destination are aligned, then bytes. The function copies overlapping blocks
+ * correctly when `to` lies below `from`. */
 static void *copy_upwards(unsigned char *to, const unsigned char *from, size_t size)
 {
     unsigned char *t = to;

@@ -1,6 +1,6 @@
-/* This header describes the emulated rig: encoders, sensors, switches, motors and the pipe of bytes as one
- * page of shared memory. The image uses the page as registers; outside the emulator a plant model fills and
- * reads the page.
+/* This header describes the emulated rig as one page of shared memory with encoders, sensors, switches,
+ * motors and the pipe of bytes. The device's program uses the page as registers; outside the emulator, a
+ * model of the rig (the plant) fills and reads the page.
  *
  *   0x60000000  64 KiB   USB tokens (shared/mailbox)
  *   0x60010000   4 KiB   rig_device_half, written by the device only
@@ -8,14 +8,14 @@
  *   0x60020000  64 KiB   bytes to the device    0x60030000  64 KiB  bytes to the host
  *   0x60040000  two scene slots
  *
- * All fields are little-endian 32-bit words. A word that announces others (`edge`, `edge_done`, heads and
- * tails of the rings, magic numbers) is written with release and read with acquire semantics, by rig_write()
- * and rig_read(). Neither side trusts the half of the other: a number out of its range is treated as a broken
- * sensor.
+ * All fields of the rig page are little-endian 32-bit words. A word that announces others (`edge`,
+ * `edge_done`, heads and tails of the rings, magic numbers) is written with release and read with acquire
+ * semantics, by rig_write() and rig_read(). Device and plant do not trust each other's half of the page: a
+ * number out of its range is treated as a broken sensor.
  *
- * The plant makes the milliseconds. The plant fills its inputs, then increments `edge`; the device runs the
- * tick, writes its outputs and repeats the number in `edge_done`. A program that runs plant and device in
- * turn gets a simulation that does not depend on real time.
+ * The plant makes the milliseconds. The plant (the model of the rig) fills its inputs, then increments
+ * `edge`; the device runs the tick, writes its outputs and repeats the number in `edge_done`. A program that
+ * runs plant and device in turn simulates the rig independently of real time.
  *
  * C11 and C++20 (gcc, clang). */
 #ifndef CRN_RIG_PAGE_H
@@ -80,7 +80,7 @@ typedef struct rig_outputs {
     uint32_t lamp;
 } rig_outputs;
 
-/* Record of an exception. The record survives a reset, after which the console prints it. */
+/* Record of an exception. The record of an exception survives a reset, after which the console prints it. */
 typedef struct rig_crash {
     uint32_t exception; /* number, 2: watchdog, 3: hard fault; 0: none */
     uint32_t pc, lr, status, address;
@@ -93,8 +93,8 @@ typedef struct rig_device_half {
     uint32_t app_bytes;
     uint32_t edge_done;
     uint32_t to_device_tail, to_host_head; /* counts of bytes; wrap */
-    /* The following three fields are the processor time of work, in counts of RIG_CLOCK_HZ; with -icount
-     * shift=7 an instruction takes 3.2 counts. */
+    /* The following three fields are the processor time that the device's work took, in counts of
+     * RIG_CLOCK_HZ; with -icount shift=7 an instruction takes 3.2 counts. */
     uint32_t receive_counts; /* sum over all received bytes, including the work that they caused */
     uint32_t edge_counts;    /* of the last edge */
     uint32_t edge_counts_max;
@@ -130,13 +130,13 @@ static_assert(sizeof(rig_page) == RIG_PAGE_BYTES, "the page fills its place");
 _Static_assert(sizeof(rig_page) == RIG_PAGE_BYTES, "the page fills its place");
 #endif
 
-/* Reads a word of the other side's half before anything that is read after this word. */
+/* Reads a word of the other side's half of the page before any later read. */
 static inline uint32_t rig_read(const uint32_t *word)
 {
     return __atomic_load_n(word, __ATOMIC_ACQUIRE);
 }
 
-/* Writes a word of this side's half after everything that was written before this word. */
+/* Writes a word of this side's half of the page after all earlier writes. */
 static inline void rig_write(uint32_t *word, uint32_t value)
 {
     __atomic_store_n(word, value, __ATOMIC_RELEASE);

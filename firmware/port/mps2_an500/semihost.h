@@ -1,5 +1,5 @@
-/* This header gives access to services of the debugger or emulator that runs the image ("semihosting"): text,
- * files, arguments, exit. */
+/* This header gives access to services of the debugger or emulator that runs the program ("semihosting"):
+ * text, files, arguments, exit. */
 #ifndef CRN_PORT_SEMIHOST_H
 #define CRN_PORT_SEMIHOST_H
 
@@ -12,8 +12,8 @@ void semihost_write(const char *text);
  * `capacity`. */
 size_t semihost_read_file(const char *path, void *bytes, size_t capacity);
 
-/* Splits the command line at blanks, so that argv[count] is NULL, and returns the count, which is at most
- * `most`. */
+/* Splits the command line at blanks into argv, of which argv[count] is NULL, and returns the count, which is
+ * at most `most`. */
 int semihost_arguments(char *line, size_t capacity, char **argv, int most);
 
 _Noreturn void semihost_exit(int code);

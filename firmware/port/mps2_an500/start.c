@@ -1,5 +1,5 @@
-/* This file leads from reset to main() on a Cortex-M7. An unexpected exception prints its number and
- * ends the program with exit code 1. */
+/* This file contains the code that runs from the reset of a Cortex-M7 to main(). An unexpected exception
+ * prints its number and ends the program with exit code 1. */
 #include <stddef.h>
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
-/* This header reads the 24-bit counter of the processor, which counts down at the processor's clock. QEMU
- * with -icount shift=0 gives each instruction 1 ns, and this board's clock is 25 MHz, so one count is exactly
- * 40 instructions in QEMU. */
+/* This header reads the processor's 24-bit counter, which counts down at the processor's clock. QEMU with
+ * -icount shift=0 gives each instruction 1 ns, and this board's clock is 25 MHz, so one count is exactly 40
+ * instructions in QEMU. */
 #ifndef CRN_PORT_SYSTICK_H
 #define CRN_PORT_SYSTICK_H
 
@@ -17,8 +17,8 @@ static inline void systick_start(void)
     systick[0] = 5; /* processor clock, no interrupt, on */
 }
 
-/* Returns the counts since `start`, which came from systick_now(). The result is correct for fewer than 2^24
- * counts. */
+/* Returns the number of counts since `start`, which came from systick_now(). The returned number is correct
+ * for fewer than 2^24 counts. */
 static inline uint32_t systick_now(void)
 {
     return systick[2];

@@ -1,4 +1,4 @@
-/* This is the sim port: memory, a byte pipe and a timer around the app. */
+/* This file is the simulated port, which consists of memory, a byte pipe and a timer around the app. */
 #include "firmware/port/sim/sim.h"
 #include "firmware/app/app.h"
 
@@ -41,7 +41,7 @@ static bool sim_transmit(void *context, const uint8_t *frame, size_t frame_bytes
 
 /* --- the rig --- */
 
-/* Sampling the rig begins a tick's work, so the time of a tick passes there. */
+/* The reading of the rig begins a tick's work, so the simulated time of a tick passes there. */
 static bool sim_inputs(void *context, crn_port_inputs *inputs)
 {
     crn_sim *sim = context;
@@ -88,7 +88,8 @@ static void pass_millisecond(crn_sim *sim)
 crn_sim *crn_sim_create(uint32_t scene_slot_bytes)
 {
     crn_sim *sim = calloc(1, sizeof *sim);
-    /* Each slot gets one byte more, so that slots of 0 bytes are valid allocations too. */
+    /* Each scene slot gets one byte more than requested, so that slots of 0 bytes are valid allocations too.
+     */
     uint8_t *slots[2] = {malloc((size_t)scene_slot_bytes + 1), malloc((size_t)scene_slot_bytes + 1)};
     if (sim == NULL || slots[0] == NULL || slots[1] == NULL) {
         free(slots[0]);

@@ -1,7 +1,9 @@
-/* The sim port is the firmware app as a library in the host's process, accessed by bytes only. The port
- * includes a simple test rig: the caller sets the sensor values, and a power stage behaves like a real one.
+/* The simulated port ("sim") runs the firmware app as a library in the host's process; the caller reaches the
+ * app through bytes only. The simulated port includes a simple test rig: the caller sets the sensor values,
+ * and a power stage behaves like a real one.
  *
- * Only one thread at a time may use a sim. Any number of sims may exist. C11 and C++20. */
+ * Only one thread at a time may use a simulated device. Any number of simulated devices may exist at the same
+ * time. C11 and C++20. */
 #ifndef CRN_SIM_H
 #define CRN_SIM_H
 
@@ -13,20 +15,22 @@ extern "C" {
 
 typedef struct crn_sim crn_sim;
 
-/* Powers up a device with two scene slots of `scene_slot_bytes` each. Returns NULL when there is no
+/* Powers up a simulated device with two scene slots of `scene_slot_bytes` each. Returns NULL when there is no
  * memory. */
 crn_sim *crn_sim_create(uint32_t scene_slot_bytes);
 void crn_sim_destroy(crn_sim *sim);
 
-/* Brown-out: the processor restarts. The scene slots keep their contents, and the pipe becomes empty. */
+/* Brown-out: the processor restarts. At this restart, the scene slots keep their contents, and the pipe
+ * becomes empty. */
 void crn_sim_reset(crn_sim *sim);
 
-/* Sends bytes to the device. All bytes are accepted, and replies are ready when the function returns. */
+/* Sends bytes to the device. The device accepts all bytes, and its replies are ready when the function
+ * returns. */
 void crn_sim_write(crn_sim *sim, const uint8_t *bytes, size_t count);
 
-/* Reads up to `capacity` bytes from the device and returns the number of bytes read. The pipe holds as many
- * bytes as crn_sim_set_pipe has set, initially CRN_SIM_PIPE_BYTES. Messages that do not fit stay in the
- * device, or are dropped there and counted. */
+/* Reads up to `capacity` bytes from the device and returns the number of bytes read. The pipe to the host
+ * holds as many bytes as crn_sim_set_pipe has set, initially CRN_SIM_PIPE_BYTES. Messages that do not fit
+ * stay in the device, or the device drops and counts them. */
 enum { CRN_SIM_PIPE_BYTES = 1 << 20 };
 size_t crn_sim_read(crn_sim *sim, uint8_t *bytes, size_t capacity);
 void crn_sim_set_pipe(crn_sim *sim, size_t bytes); /* at most CRN_SIM_PIPE_BYTES */
@@ -34,39 +38,42 @@ void crn_sim_set_pipe(crn_sim *sim, size_t bytes); /* at most CRN_SIM_PIPE_BYTES
 /* Lets `count` milliseconds pass on the device's timer; in FREE_RUN each millisecond is one tick. */
 void crn_sim_timer(crn_sim *sim, uint32_t count);
 
-/* Lets time pass while the processor is halted, as under a debugger; only the power stage continues. */
+/* Lets time pass while the simulated processor is halted, as under a debugger; only the power stage
+ * continues. */
 void crn_sim_freeze(crn_sim *sim, uint32_t milliseconds);
 
-/* Sets how long the device works on one tick from now on; initially 0. */
+/* Sets the time that the device spends on one tick from now on; the initial value is 0. */
 void crn_sim_set_tick_us(crn_sim *sim, uint32_t tick_us);
 
 /* --- the rig -------------------------------------------------------------------------------------------- */
 
 /* Connects a rig that has these sensor values from now on; NULL removes the rig, which is the initial state.
- * If `stage_on` is true, the sim's own power stage determines that signal. The hands hold still against the
- * motors: the motors' forces are added to every `force_raw`, 1 mN per count. */
+ * If `stage_on` is true, the simulated device's own power stage determines the actual value of that signal.
+ * The simulated hands hold still against the motors: the motors' forces are added to every `force_raw`, with
+ * 1 mN per count. */
 void crn_sim_set_inputs(crn_sim *sim, const crn_port_inputs *inputs);
 
-/* Connects a rig that is modelled by the caller with a power stage of its own; the sample is used
- * unchanged. */
+/* Connects a rig that the caller models, including its power stage; the device uses the readings unchanged.
+ */
 void crn_sim_set_plant(crn_sim *sim, const crn_port_inputs *inputs);
 
 /* Makes the power stage unable to turn off, as if its transistors had melted. */
 void crn_sim_weld_stage(crn_sim *sim, bool is_welded);
 
-/* The sim's builder states this damping of the rig itself; the lag of the motors is 0, and a count is 1 um or
- * 1/65,536 turn. A host needs the local unlock to state more damping. */
+/* The builder's data of the simulated rig give this damping of the rig itself; the lag of the motors is 0,
+ * and a count is 1 um or 1/65,536 turn. A host needs the local unlock to set more damping than the builder
+ * gave. */
 enum { CRN_SIM_DAMPING_mN_s_per_m = 1000, CRN_SIM_DAMPING_nN_m_s_per_rad = 2000 };
 
 /* Returns inputs with present and healthy sensors, hands at 0, a good supply, the stop released, and the
  * local unlock open. */
 crn_port_inputs crn_sim_healthy_inputs(void);
 
-/* Returns the last outputs of the app. */
+/* Returns the last outputs that the app wrote. */
 crn_port_outputs crn_sim_read_outputs(const crn_sim *sim);
 
-/* Holds the forces of the motors, as a meter clamped to their leads, behind the power stage, would show
- * them. */
+/* Holds the forces of the motors as a meter would show them that is clamped to their leads, behind the power
+ * stage. */
 enum { CRN_SIM_TOOL_MAX = CRN_PORT_TOOL_MAX };
 typedef struct crn_sim_motors {
     int32_t axial_mN[CRN_SIM_TOOL_MAX]; /* from the innermost tool; 0 without power */

@@ -180,7 +180,8 @@ static bool set_limits(void *context, const crn_hid_limits *report)
 
 /* --- the loop --- */
 
-/* This function does nothing, because the app notices an absent host by its silence, whatever the cause. */
+/* This callback does nothing, because the app notices an absent host by its silence, whatever the cause of
+ * the silence. */
 static void link(void *context, crn_usb_link link)
 {
     (void)context;

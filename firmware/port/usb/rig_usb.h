@@ -1,4 +1,4 @@
-/* This header joins crn_app and the USB device stack for a port that has a USB controller.
+/* This header connects the app (crn_app) with the USB device stack for a port that has a USB controller.
  *
  *   at power-up     fill crn_port with crn_rig_usb_transmit and crn_rig_usb_room and this as context of those two,
  *                   crn_app_init, crn_rig_usb_init, crn_rig_usb_connect
@@ -6,9 +6,10 @@
  *   1 ms passed     crn_app_timer, then crn_rig_usb_timer
  *
  * The stream carries the wire. The HID interface transfers the state, STOP and RESET, and reads and writes
- * calibration and limits, like the wire protocol's messages `command` and `rig`. The app applies the same
- * checks to both paths, so a HID report cannot do anything that the wire protocol would refuse. The app's
- * answer to such a report goes to the stream as an unsolicited message. */
+ * calibration and force limits, like the messages `command` and `rig` of the wire protocol. The app applies
+ * the same checks to HID reports as to the wire protocol, so a HID report cannot do anything that the wire
+ * protocol would refuse. The app's answer to a HID report goes to the stream as a message that no request
+ * caused. */
 #ifndef CRN_RIG_USB_H
 #define CRN_RIG_USB_H
 
@@ -16,8 +17,8 @@
 #include "firmware/app/usb/usb.h"
 
 enum {
-    /* The longest answer is a snapshot: chunks with their heads and COBS bytes, and the messages begin, end
-     * and status. */
+    /* The longest answer is that for a snapshot: chunks with their headers and COBS bytes, and the messages
+       begin, end and status. */
     CRN_RIG_USB_REPLY_BYTES = CRN_APP_SNAPSHOT_BYTES + CRN_APP_SNAPSHOT_BYTES / 50 + CRN_WIRE_FRAME_MAX,
     CRN_RIG_USB_QUEUE_BYTES = 2 * CRN_RIG_USB_REPLY_BYTES,
 };
@@ -31,20 +32,20 @@ typedef struct crn_rig_usb {
     uint8_t queue[CRN_RIG_USB_QUEUE_BYTES];
 } crn_rig_usb;
 
-/* `app` and `udc` must outlive `rig`. The serial number is that of the app's port. Returns false when the
- * serial number is empty or not printable. */
+/* `app` and `udc` must exist as long as `rig` is used. The device's serial number is that of the app's port.
+ * Returns false when the serial number is empty or not printable. */
 bool crn_rig_usb_init(crn_rig_usb *rig, crn_app *app, const crn_udc *udc);
 void crn_rig_usb_connect(crn_rig_usb *rig, bool connected);
 
-/* Returns true when a host has configured the device. The app's messages are then kept for this host, even
- * while the bus sleeps. */
+/* Returns true when a host has configured the device. While a host has configured the device, the app's
+ * messages are kept for this host, even while the bus sleeps. */
 bool crn_rig_usb_is_configured(const crn_rig_usb *rig);
 
-/* Returns true when there may be more to do. */
+/* Returns true when more work may be left. */
 bool crn_rig_usb_poll(crn_rig_usb *rig);
 void crn_rig_usb_timer(crn_rig_usb *rig);
 
-/* These functions are for crn_port, with the crn_rig_usb as `context`. */
+/* A port puts these functions into its crn_port, with the crn_rig_usb as `context`. */
 bool crn_rig_usb_transmit(void *context, const uint8_t *frame, size_t frame_bytes);
 size_t crn_rig_usb_room(void *context);
 

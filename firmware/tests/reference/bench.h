@@ -1,5 +1,6 @@
-/* This header has a bench with a rig for tests of safety. The bench consists of a sim whose sensors the test
- * sets, a session in FREE_RUN with powered motors, and a meter at the port's outputs. */
+/* This header declares a test bench with a simulated rig, for tests of safety. The bench consists of a
+ * simulated device whose sensor values the test sets, a session in FREE_RUN with powered motors, and a meter
+ * at the outputs. */
 #ifndef CRN_TEST_BENCH_H
 #define CRN_TEST_BENCH_H
 
@@ -12,35 +13,35 @@ typedef struct bench {
     bool host_speaks;    /* the host sends a frame per edge, so that it is not silent */
 } bench;
 
-/* Opens a sim with a healthy rig. Afterwards HELLO is done, one coupled tool is 50 mm inserted, and the
- * motors are not armed. */
+/* Opens a simulated device with a healthy rig. After this call, HELLO is done, one coupled tool is inserted
+ * by 50 mm, and the motors are not armed. */
 bool bench_open(bench *b);
 void bench_close(bench *b);
 
-/* Sends ARM, both steps of arming and START, and runs the few edges after which the motors have power.
- * Returns false when the device refused. */
+/* Sends ARM, the two messages that arm the motors, and START, and runs the few timer edges after which the
+ * motors have power. Returns false when the device refused one of these messages. */
 bool bench_power(bench *b);
 
 /* Runs one millisecond with the present sensor values. */
 void bench_tick(bench *b);
 
 /* Makes the hand push the tool forward until the motor gives at least `axial_mN`, the force that a test then
- * makes safe. Returns false when the motor never gave that force. */
+ * makes safe. Returns false when the motor never gave the requested force. */
 bool bench_push(bench *b, int32_t axial_mN);
 
-/* Returns whether any motor gives, or may give, a force. The force is measured at the leads, behind the power
- * stage. */
+/* Returns whether any motor gives a force or might give a force. The force is measured at the leads, behind
+ * the power stage. */
 bool bench_is_safe(const bench *b);
 
 /* Returns the milliseconds until no motor gives a force and the device reports `code`, or -1 when that takes
  * more than 200 ms. */
 int bench_time_to_safe(bench *b, crn_fault_code code);
 
-/* Returns the number of entries of `code` in the fault log, and their values; returns 0 when there is
- * none. */
+/* Returns the number of times that the fault log counts the fault `code`, and the fault's values; returns 0
+ * when the log has no such fault. */
 uint32_t bench_fault(bench *b, crn_fault_code code, crn_wire_fault_entry *entry);
 
-/* Reads the device's status; frames before the answer are dropped. */
+/* Reads the device's status; frames that arrive before the answer are dropped. */
 crn_wire_status bench_status(bench *b);
 void bench_drain(bench *b);
 

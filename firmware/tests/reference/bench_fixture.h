@@ -1,5 +1,6 @@
-/* This header has one bench for all tests of a file, opened anew for each: set_up and tear_down for cmocka,
- * and a command with its answer. A test includes this header after cmocka.h, once per file. */
+/* This header provides a test bench to all tests of a file and opens it anew for each test. The fixture has
+ * the functions set_up and tear_down for cmocka, and a function that sends a command and reads the answer. A
+ * test includes this header after cmocka.h, once per file. */
 #ifndef CRN_TEST_BENCH_FIXTURE_H
 #define CRN_TEST_BENCH_FIXTURE_H
 

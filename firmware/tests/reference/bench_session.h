@@ -1,5 +1,5 @@
-/* This header has a session on the bench of a test file: steps in LOCKSTEP, and a FREE_RUN session that is
- * recorded and replayed. A test includes this header after bench_fixture.h, once per file. */
+/* This header provides sessions on the test bench of a test file: single steps in LOCKSTEP, and a FREE_RUN
+ * session that is recorded and replayed. A test includes this header after bench_fixture.h, once per file. */
 #ifndef CRN_TEST_BENCH_SESSION_H
 #define CRN_TEST_BENCH_SESSION_H
 
@@ -25,7 +25,7 @@ static void start_lockstep(void)
     command(CRN_WIRE_ACTION_START);
 }
 
-/* Starts FREE_RUN on a track that moves by 1 um per count, without feedback from the motor. */
+/* Starts FREE_RUN with a track that moves by 1 um per encoder count, without feedback from the motor. */
 static void start_free_run(void)
 {
     const crn_wire_track uncoupled = {.translation_pm_per_count = 1000000,
@@ -40,7 +40,8 @@ static void start_free_run(void)
 }
 
 /* Records ticks of FREE_RUN into `session`; the function `meanwhile` acts before each tick. Runs ticks during
- * which the host keeps sending but does not read until later. Returns the number of ticks. */
+ * which the host keeps sending messages but does not read the device's replies until later. Returns the
+ * number of ticks. */
 static uint32_t record(void (*meanwhile)(int ms))
 {
     static crn_wire_live live;

@@ -25,8 +25,8 @@ typedef struct cantilever {
     double length_m;
 } cantilever;
 
-/* With elements of ceil(L / n) micrometres, the introducer sheath's distal end lies inside the last element,
- * where the element's cell is clipped. */
+/* When the elements are ceil(L / n) micrometres long, the introducer sheath's distal end lies inside the last
+ * element, where the sheath clips the element's cell. */
 static cantilever *make(double bend_N_m2, uint32_t elements)
 {
     cantilever *c = malloc(sizeof *c);

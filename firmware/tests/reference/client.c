@@ -169,7 +169,7 @@ bool client_load_scene(client *c, const uint8_t *bytes, uint32_t count)
     return client_expect_status(c, &status);
 }
 
-/* The counter of the encoder wraps like that of the hardware. */
+/* The simulated encoder's counter wraps like that of the hardware. */
 static int32_t counts_at(int32_t begin, int32_t per_tick, uint16_t i)
 {
     return crn_wire_i32_from_u32((uint32_t)begin + (uint32_t)per_tick * i);

@@ -1,13 +1,13 @@
-/* This is a minimal host for tests. It sends messages to a sim and reads the sim's frames, through bytes
- * only. */
+/* This is a minimal host for tests. The host sends messages to a simulated device and reads the device's
+ * frames, through bytes only. */
 #ifndef CRN_TEST_CLIENT_H
 #define CRN_TEST_CLIENT_H
 
 #include "firmware/port/sim/sim.h"
 #include "shared/wire/wire_frame.h"
 
-/* Describes a connection to a device other than a sim; `read` returns 0 when the device has nothing more to
- * send. */
+/* Describes a connection to a device other than the simulated one; `read` returns 0 when the device has
+ * nothing more to send. */
 typedef struct client_pipe {
     void *context;
     void (*write)(void *context, const uint8_t *bytes, size_t count);
@@ -26,19 +26,19 @@ typedef struct client {
     uint32_t snapshot_bytes;
 } client;
 
-/* Opens a sim that has been powered up; client_close ends it. */
+/* Opens a simulated device that has been powered up; client_close ends its use. */
 void client_open(client *c, uint32_t scene_slot_bytes);
 void client_open_pipe(client *c, const client_pipe *pipe);
 void client_close(client *c);
 
-/* Frames `length` payload bytes as a message and sends it to the device. */
+/* Makes a frame around `length` payload bytes and sends the frame to the device. */
 void client_send(client *c, uint16_t type, const uint8_t *payload, size_t length);
 
 /* Reads the device's next frame into c->decoder. Returns the frame's type, or 0 when the device has nothing
  * more to send. */
 uint16_t client_receive(client *c);
 
-/* These functions send the types of messages that tests need. */
+/* These functions send the message types that tests need. */
 void client_hello(client *c, uint64_t schema_hash);
 void client_command(client *c, uint8_t action);
 void client_stop_at(client *c, uint32_t tick);
@@ -48,30 +48,32 @@ void client_get(client *c, uint8_t what);
 void client_stream(client *c, uint8_t events, uint16_t nodes_every_ticks);
 void client_rig(client *c, const crn_wire_track *tracks, uint16_t count);
 
-/* Returns a track with 1 um and 1/65 536 turn per count, true force, the highest limits, and a coupling of 1
- * N/mm on a rig with enough damping. */
+/* Returns the settings of a track with 1 um and 1/65 536 turn per count, forces without gain, the highest
+ * limits, and a coupling of 1 N/mm on a rig with enough damping. */
 crn_wire_track client_plain_track(void);
 void client_tools(client *c, const crn_wire_tools *tools);
 void client_entry(client *c, uint32_t inserted_um); /* the same for every tool */
 void client_entry_each(client *c, const uint32_t *inserted_um, uint16_t count);
 bool client_entry_along(client *c, int axis, uint32_t inserted_um); /* waits for the answer */
 bool client_load_scene(client *c, const uint8_t *bytes, uint32_t count);
-/* Sends a step in which tool 0 moves and the other tools rest. */
+/* Sends a step in which the hand moves tool 0 while the other tools do not move. */
 void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_begin,
                  int32_t translation_per_tick);
-/* Sends a step in which every tool k moves; its translation in input i is begin[k] + i per_tick[k] counts. */
+/* Sends a step in which the hands move every tool k; the translation in input i is begin[k] + i per_tick[k]
+ * counts. */
 void client_step_each(client *c, uint32_t tick, uint16_t count, const int32_t *begin,
                       const int32_t *per_tick);
 void client_input(client *c, const int32_t *translation, const int32_t *rotation);
 void client_orders(client *c, const crn_wire_order *orders, uint16_t count);
 
-/* Reads a whole snapshot from the device into c->snapshot. The second function writes it back to the device
- * and leaves the device's last answer in the pipe. Returns false when a frame is missing or refused. */
+/* Reads a whole snapshot from the device into c->snapshot. The second function, for restoring, writes the
+ * snapshot back to the device and leaves the device's last answer in the pipe. Returns false when a frame of
+ * the snapshot is missing or refused. */
 bool client_read_snapshot(client *c);
 void client_write_snapshot(client *c);
 
-/* These functions read the device's next answer, which must be of the kind that they name. Returns false when
- * the next frame is of another kind. */
+/* Each of these functions reads the device's next answer, which must be of the kind that the function's name
+ * gives. Returns false when the next frame is of another kind. */
 bool client_expect_status(client *c, crn_wire_status *status);
 bool client_expect_reject(client *c, crn_wire_reject *reject);
 bool client_expect_ticks(client *c, crn_wire_ticks *ticks); /* in either mode; it skips hash64 */
@@ -82,7 +84,7 @@ bool client_expect_live(client *c, crn_wire_live *live);    /* skips hash64 */
 void client_plain_tools(crn_wire_tools *tools, uint16_t count);
 
 /* Sends HELLO, the tools, an entry with 50 mm of each tool inserted, ARM and START, in free space. Returns
- * false when the device refused something. */
+ * false when the device refused one of the messages. */
 bool client_start_tools(client *c, uint16_t count);
 bool client_start_session(client *c); /* with one tool */
 

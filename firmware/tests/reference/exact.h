@@ -1,4 +1,5 @@
-/* This header has exact integer arithmetic in 128 bits, the reference of the fixed-point tests. */
+/* This header has exact integer arithmetic in 128 bits, with which the fixed-point tests compare their
+ * results. */
 #ifndef CRN_REFERENCE_EXACT_H
 #define CRN_REFERENCE_EXACT_H
 

@@ -115,7 +115,7 @@ bool haptic_begin(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instru
 
 /* --- physics --- */
 
-/* Coulomb friction stops a carriage that would otherwise reverse within the step. */
+/* Coulomb friction stops a carriage whose motion would otherwise reverse within the step. */
 static double slowed(double speed_m_s, double force_N, double step_s)
 {
     const double mass = HAPTIC_MASS_g * 1e-3, friction = HAPTIC_FRICTION_mN * 1e-3;

@@ -1,6 +1,6 @@
-/* This header sets the length of long runs in tests. Sanitized builds do only a tenth of a run, because they
- * take five times as long and find their errors in a tenth. The build without sanitizers proves the test's
- * claims for the whole run. C11 and C++. */
+/* This header sets the length of long runs in tests. Builds with sanitizers do only a tenth of a run, because
+ * they take five times as long and find their errors in a tenth of the run. The build without sanitizers
+ * proves the test's claims for the whole run. C11 and C++. */
 #ifndef CRN_REFERENCE_LONG_RUN_H
 #define CRN_REFERENCE_LONG_RUN_H
 

@@ -1,4 +1,4 @@
-/* This file makes moving vessels from closed forms; see moving_tube.h. */
+/* This file makes moving vessels whose motion is known in closed form; see moving_tube.h. */
 #include "firmware/tests/reference/moving_tube.h"
 
 #include <math.h>
@@ -20,8 +20,8 @@ double reference_contraction(double phase)
     return (1 - cos(turn * share)) / 2;
 }
 
-/* Computes the distance from the sphere's middle, and the share of the sphere's motion that remains at this
- * distance. */
+/* Computes a point's distance from the sphere's middle, and the fraction of the sphere's motion that remains
+ * at this distance. */
 static double faded(const double *place, double *r)
 {
     static const double middle[3] = {0.09, 0.005, 0.045}, reach = 0.09;
@@ -80,7 +80,7 @@ static int16_t coefficient(double way_m)
     return (int16_t)fmax(-CRN_MOTION_COEFFICIENT_MAX, fmin(CRN_MOTION_COEFFICIENT_MAX, value));
 }
 
-/* Computes the three rows of a node, and its displacement in a full breath. */
+/* Computes the three rows of coefficients of a lattice node, and the node's displacement in a full breath. */
 static void fill_node(const reference_motion *m, const double *x, int16_t *rows, int16_t *inhaled)
 {
     double w[3][CRN_MOTION_KEYFRAMES], X[3], deep[3], c[CRN_MOTION_KEYFRAMES];
@@ -97,7 +97,7 @@ static void fill_node(const reference_motion *m, const double *x, int16_t *rows,
     }
 }
 
-/* Makes a lattice without a map, in which nothing moves. */
+/* Makes a lattice over a box in which nothing moves yet; the caller fills in the motion. */
 static reference_motion *lattice_over(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     reference_motion *m = calloc(1, sizeof *m);
@@ -144,7 +144,7 @@ void reference_motion_free(reference_motion *motion)
     free(motion);
 }
 
-/* Returns the number of nodes between a node and the nearer end of its axis of `count` nodes, at most
+/* Returns the number of nodes between a node and the nearer end of an axis with `count` nodes, but at most
  * `most`. */
 static uint32_t steps_inside(uint32_t at, uint32_t count, uint32_t most)
 {
@@ -152,7 +152,8 @@ static uint32_t steps_inside(uint32_t at, uint32_t count, uint32_t most)
     return from_edge < most ? from_edge : most;
 }
 
-/* The motion is 3.2 mm along x, on nodes twice as far apart, and fades to 0 over the four outermost nodes. */
+/* The breathing motion is 3.2 mm along x, on lattice nodes twice as far apart as those of the heartbeat, and
+ * fades to 0 over the four outermost nodes. */
 static void make_breath(reference_motion *m)
 {
     enum { FADE = 4 };
@@ -171,8 +172,8 @@ static void make_breath(reference_motion *m)
     }
 }
 
-/* The displacement is a product of contraction and a function of the place, so the filter in time is needed
- * only once. */
+/* The displacement is a product of the heart's contraction and a function of the position, so the filter in
+ * time is needed only once. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     enum { FADE = 4 };

@@ -1,6 +1,6 @@
-/* This header has vessels that move by a closed form, for tests, benchmarks and validation. It makes the
- * lattice that a baker would fit, node by node from the inverse map, and gives the map itself in double
- * precision. */
+/* This header provides vessels that move by a closed form, for tests, benchmarks and validation. Its
+ * functions make the displacement lattice that the scene baker would make, node by node from the inverse map,
+ * and give the map itself in double precision. */
 #ifndef CRN_REFERENCE_MOVING_TUBE_H
 #define CRN_REFERENCE_MOVING_TUBE_H
 
@@ -8,8 +8,8 @@
 #include "firmware/core/motion.h"
 #include "firmware/tests/reference/tube_lumen.h"
 
-/* Maps a wall point at X in the reference pose to its position at a phase (0 .. 1) and a depth of breath (0
- * .. 1). */
+/* Maps a wall point at X in the reference pose to its position at a phase of the heartbeat (0 .. 1) and a
+ * depth of breath (0 .. 1). */
 typedef void (*reference_map)(const double *X_m, double phase, double breath, double *x_m);
 
 typedef struct reference_motion {
@@ -17,33 +17,34 @@ typedef struct reference_motion {
     crn_motion motion; /* it owns rows and inhaled */
 } reference_motion;
 
-/* Makes the lattice over a box, with nodes 2^log2 Q30 m apart. The lattice's outermost nodes do not move, so
- * the box must reach beyond everything that moves, or beyond everything that is looked up. */
+/* Makes a displacement lattice over a box, with nodes 2^log2 Q30 m apart. The lattice's outermost nodes do
+ * not move, so the box must reach beyond everything that moves, or beyond everything that is looked up. */
 reference_motion *reference_motion_make(reference_map map, const double *low_m, const double *high_m,
                                         uint32_t spacing_log2_q30);
 void reference_motion_free(reference_motion *motion);
 
-/* Finds the place x with pull(x) = X by Newton's method on the map's inverse, which gives w(x) = X - x
- * exactly. */
+/* Finds the point x with pull(x) = X by Newton's method on the map's inverse. The displacement w(x) = X - x
+ * is then exact. */
 void reference_pull(reference_map map, const double *x_m, double phase, double breath, double *X_m);
 
-/* Returns the contraction of a heart of amplitude 1: 0 at phase 0 (end of filling), 1 at the end of systole,
- * smooth in between. */
+/* Returns the contraction of a heart whose largest contraction is 1. The value is 0 at phase 0 (end of
+ * filling) and 1 at the end of systole, and changes smoothly in between. */
 double reference_contraction(double phase);
 
-/* Moves a place with a sphere that beats about (90, 5, 45) mm. The sphere shrinks by 30 %, moves 6 mm along
- * -y and turns by 12 degrees about y at its middle; points 40 mm from there move by up to 11 mm. Breath then
- * moves the sphere and its surroundings by 8 mm along -y. Both motions fade out at 90 mm from the middle. */
+/* Moves a point with a beating sphere whose middle is at (90, 5, 45) mm. The sphere shrinks by 30 %, moves 6
+ * mm along -y and turns by 12 degrees about the y axis through its middle; points 40 mm from the middle move
+ * by up to 11 mm. Breath then moves the sphere and its surroundings by 8 mm along -y. The sphere's beat and
+ * its motion by breath fade out at 90 mm from its middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 
-/* These are the pieces of a vessel that enters at the origin and runs round the beating sphere, 40 mm from
- * the sphere's middle, and the box in which the vessel moves. */
+/* These constants are the pieces of a vessel that enters at the origin and runs round the beating sphere, 40
+ * mm from the sphere's middle, and the box in which the vessel moves. */
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 
-/* Makes lattices as steep as the shipped heart's, without a map. In these lattices everything moves by up to
- * 5 mm along each axis, with waves of 250 mm, and by 3.2 mm in a breath. The motion fades to 0 over the four
- * outer cells of the box. */
+/* Makes displacement lattices as steep as those of the shipped heart, without a closed form. In these
+ * lattices, every point moves by up to 5 mm along each axis in a heartbeat, with waves of 250 mm, and by 3.2
+ * mm in a breath. The motion fades to 0 over the four outer cells of the box. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30);
 
 /* Makes a 0.014 in wire of 400 mm with a soft tip. */

@@ -1,5 +1,5 @@
-/* This header has seeded random numbers for tests, by SplitMix64 (Steele, Lea, Flood 2014). A seed reproduces
- * a run. */
+/* This header provides seeded random numbers for tests, by SplitMix64 (Steele, Lea, Flood 2014). A seed
+ * reproduces a run. */
 #ifndef CRN_REFERENCE_RANDOM_H
 #define CRN_REFERENCE_RANDOM_H
 
@@ -29,7 +29,7 @@ static inline unsigned reference_random_below(reference_random *random, unsigned
     return (unsigned)(((reference_random_next(random) >> 32) * limit) >> 32);
 }
 
-/* Returns a signed value; every magnitude from 0 to 2^31 is equally likely on a log scale. */
+/* Returns a random signed value; the magnitudes from 0 to 2^31 are equally likely on a logarithmic scale. */
 static inline int32_t reference_random_scaled32(reference_random *random)
 {
     int64_t wide = (int64_t)(reference_random_next(random) >> 32) - ((int64_t)1 << 31);

@@ -10,7 +10,7 @@
 static const double Q30 = 1073741824.0;
 enum { RELEASE_TICKS = 300, SPEED_TICKS = 200, EXACT_EVERY = 10 };
 
-/* Makes a tool that is curved and soft over the first `bent_mm`. */
+/* Makes a tool that is curved and soft over the first `bent_mm` behind its tip. */
 static crn_instrument make_tool(double tip_N_m2, double shaft_N_m2, double curve_per_m, double bent_mm,
                                 uint32_t radius_um, uint32_t bore_um)
 {
@@ -83,7 +83,7 @@ static void move_hands(session *s, uint32_t tool_count, int tick)
     }
 }
 
-/* Returns the depth of the deepest node in mm, by the exact distance to the wall. */
+/* Returns the largest depth of any node beyond the wall in mm, by the exact distance to the wall. */
 static double exact_depth_mm(const session *s)
 {
     double deepest = -1e3;

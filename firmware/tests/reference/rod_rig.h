@@ -1,5 +1,5 @@
-/* This header has a line of tools with everything that its ticks need, and a check of a named bound, for
- * tests of the rod. Include it after cmocka.h. */
+/* This header provides a set of nested tools with all data that its ticks need, and a check of a named bound,
+ * for tests of the rod. Include it after cmocka.h. */
 #ifndef CRN_REFERENCE_ROD_RIG_H
 #define CRN_REFERENCE_ROD_RIG_H
 
@@ -15,8 +15,8 @@ typedef struct rig {
     crn_output output;
 } rig;
 
-/* Places tools at the entry of all reference scenes; each tool has its own inserted length. The caller frees
- * the rig. */
+/* Places the tools at the entry that all reference scenes share; each tool has its own inserted length. The
+ * caller frees the rig. */
 static inline rig *rig_of(const crn_instrument *tools, uint32_t count, const crn_lumen *lumen,
                           const uint32_t *inserted_um)
 {

@@ -1,5 +1,6 @@
-/* This header has a bench for crn_safety: one sample of a rig, the requested forces, and edges one by one.
- * The bench has neither a rod, nor a scene, nor the wire protocol. */
+/* This header provides a test bench for the safety code (crn_safety): one sample of a rig, the requested
+ * forces, and a function that runs single edges of the timer. The bench for the safety code has neither a
+ * rod, nor a scene, nor the wire protocol. */
 #ifndef CRN_TESTS_SAFETY_BENCH_H
 #define CRN_TESTS_SAFETY_BENCH_H
 
@@ -33,8 +34,8 @@ static inline void safety_bench_rest(safety_bench *bench)
     }
 }
 
-/* Runs one edge of the timer: first the checks, then the outputs. A finding removes the power, as in the
- * app. */
+/* Runs one edge of the timer: first the checks, then the outputs. When the checks find a fault, the power of
+ * the motors is removed, as in the app. */
 static inline crn_fault_code safety_bench_edge(safety_bench *bench)
 {
     crn_findings findings = {.count = 0};
@@ -46,7 +47,8 @@ static inline crn_fault_code safety_bench_edge(safety_bench *bench)
     return bench->found.code;
 }
 
-/* Returns after how many edges a fault is found, or 0 when there is none within `edges`. */
+/* Returns the number of timer edges after which a fault is found, or 0 when no fault is found within `edges`.
+ */
 static inline int safety_bench_find(safety_bench *bench, int edges)
 {
     for (int i = 1; i <= edges; i++) {
@@ -55,7 +57,7 @@ static inline int safety_bench_find(safety_bench *bench, int edges)
     return 0;
 }
 
-/* Sets up the same rig with power, for long enough that the power stage drives. */
+/* Sets up the same rig with powered motors, and runs it until the power stage drives them. */
 static inline void safety_bench_drive(safety_bench *bench)
 {
     safety_bench_rest(bench);
@@ -63,7 +65,7 @@ static inline void safety_bench_drive(safety_bench *bench)
     for (int i = 0; i < 20; i++) (void)safety_bench_edge(bench);
 }
 
-/* Makes a hand hold exactly the force of the first motor. */
+/* Makes a simulated hand hold the carriage with exactly the force of the first motor. */
 static inline int safety_bench_hold(safety_bench *bench, int32_t asked_mN, int edges)
 {
     bench->asked[0].axial_mN = asked_mN;

@@ -1,4 +1,5 @@
-/* This file computes exact distances in tubes and the field built from them (tube_lumen.h). */
+/* This file computes exact distances to the walls of tubes, and the distance fields built from them
+ * (tube_lumen.h). */
 #include "firmware/tests/reference/tube_lumen.h"
 
 #include <math.h>
@@ -72,8 +73,8 @@ static double nearest(const reference_tube *tube, const double *p, uint32_t from
     return best;
 }
 
-/* Converts the distance to the axis into the distance to the wall; for a taper the result is accurate to
- * first order, by the cosine of its slope. */
+/* Converts the distance to a tube's axis into the distance to its wall. For a tapered tube the result is
+ * accurate to first order, by the cosine of the taper's slope. */
 static double to_wall(const reference_tube *tube, const double *p, double axis_m)
 {
     const double pi = 3.14159265358979, u = (p[0] - tube->throat_at_m) / tube->throat_length_m;
@@ -90,7 +91,7 @@ double reference_tube_distance(const reference_tube *tube, const double *point_m
 
 /* --- field ---------------------------------------------------------------------------------------------- */
 
-/* Finds the first and last path point that can matter within `reach_m` of a centre. */
+/* Finds the first and the last point of the tube's path that can lie within `reach_m` of a centre. */
 static void window(const reference_tube *tube, const double *centre, double reach_m, uint32_t *from,
                    uint32_t *to)
 {
@@ -108,8 +109,9 @@ static void window(const reference_tube *tube, const double *centre, double reac
     *to = *to + 2 < tube->point_count ? *to + 2 : tube->point_count;
 }
 
-/* Computes the coefficients of one brick at `corner` from distances at 12^3 voxel centres. The distances are
- * first filtered by f - sum (second differences) / 8, the first-order inverse of the spline's [1 6 1] / 8. */
+/* Computes the coefficients of one brick at `corner` from distances at 12^3 voxel centres. The function first
+ * filters the distances by f - sum (second differences) / 8, the first-order inverse of the spline's [1 6 1]
+ * / 8. */
 static void fill_brick(const reference_tube *tube, const double *corner, double voxel_m, int8_t *brick)
 {
     static double f[SUPPORT][SUPPORT][SUPPORT];

@@ -1,6 +1,6 @@
-/* This fuzz target offers any bytes as a scene. The target reads an accepted scene in the same way as the
- * core and the host do, and a broken guarantee ends the program. Each input is tried unchanged and with
- * corrected CRCs, so that the checks behind the CRCs are reached. */
+/* This fuzz target opens arbitrary bytes as a scene. The fuzz target reads an accepted scene in the same way
+ * as the core and the host do, and a broken guarantee ends the program. The fuzz target tries each input
+ * unchanged and with corrected CRCs, so that the input reaches the checks behind the CRCs. */
 #include "shared/scene/tests/scene_sample.h"
 
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static void promise(bool kept)
     if (!kept) abort();
 }
 
-/* Checks that refinement ends after two rows and every brick exists. */
+/* Checks that the refinement of bricks ends after two rows and every brick exists. */
 static void walk_entry(const crn_scene_lumen *lumen, uint32_t entry)
 {
     for (int level = 0; entry >= 0x8000; level++) {
@@ -52,8 +52,8 @@ static void walk_lesion(const crn_scene *scene, uint32_t index, const uint8_t *e
     promise(lesion.healthy_points + CRN_SCENE_TREE_POINT_BYTES * (size_t)lesion.point_count <= end);
 }
 
-/* Checks that every number is within its range, so that the core's sums fit, and that the boundary does not
- * move. */
+/* Checks that every number of a lattice is within its range, so that the core's sums fit, and that the
+ * lattice's boundary does not move. */
 static void walk_motion(const crn_scene_motion *motion, size_t row, const uint8_t *end)
 {
     const size_t nx = motion->node_count_xyz[0], ny = motion->node_count_xyz[1],

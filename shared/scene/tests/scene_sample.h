@@ -1,5 +1,5 @@
-/* This header has small valid files for the tests of the scene container, and a function that seals files
- * changed on purpose. */
+/* This header makes small valid files for the tests of the scene container, and has a function that corrects
+ * the CRCs of files that a test changed. */
 #ifndef CRN_SCENE_SAMPLE_H
 #define CRN_SCENE_SAMPLE_H
 
@@ -35,8 +35,8 @@ static inline void sample_entry(uint8_t *entry)
     crn_scene_put_u32(entry + 16, 1u << 30); /* +y */
 }
 
-/* In the index, coarse brick 0 has brick 0; coarse brick 1 has row 0, whose first octant has row 1; all other
- * octants have bricks 1 and 2. */
+/* In the sample's index, coarse brick 0 has brick 0; coarse brick 1 has row 0, whose first octant has row 1;
+ * all other octants have bricks 1 and 2. */
 static inline void sample_lumen(uint8_t *lumen)
 {
     memset(lumen, 0, SAMPLE_LUMEN_BYTES);
@@ -66,7 +66,7 @@ static inline size_t sample_scene(uint8_t *file, size_t capacity)
     return crn_scene_write(CRN_SCENE_KIND_SCENE, parts, 3, file, capacity);
 }
 
-/* Returns the place in the MOTION section of keyframe column `i` of component `k` of node `node`. */
+/* Returns the offset in the MOTION section of keyframe column `i` of component `k` of node `node`. */
 static inline size_t sample_motion_at(int node, int k, int i)
 {
     return 32 + 2 * (size_t)((node * 3 + k) * CRN_SCENE_MOTION_ROW + i);
@@ -80,7 +80,7 @@ static inline void sample_lattice(uint8_t *motion)
     crn_scene_put_u16(motion + 18, 23);
 }
 
-/* In this sample, the middle node moves by 0.5 mm along y with the breath. */
+/* In this sample scene, the lattice's middle node moves by 0.5 mm along y with the breath. */
 static inline void sample_breath(uint8_t *breath)
 {
     memset(breath, 0, SAMPLE_BREATH_BYTES);
@@ -88,7 +88,7 @@ static inline void sample_breath(uint8_t *breath)
     crn_scene_put_u16(breath + 32 + 2 * (3 * SAMPLE_MIDDLE + 1), 262);
 }
 
-/* In this sample, the middle node moves by 1 mm along x and back in each heartbeat. */
+/* In this sample scene, the lattice's middle node moves by 1 mm along x and back in each heartbeat. */
 static inline void sample_motion(uint8_t *motion)
 {
     memset(motion, 0, SAMPLE_MOTION_BYTES);
@@ -120,8 +120,8 @@ static inline size_t sample_moving_scene(uint8_t *file, size_t capacity)
 
 enum { SAMPLE_STATIONS = 3, SAMPLE_PLAQUES_BYTES = 16 + 80 + SAMPLE_STATIONS * 48 };
 
-/* Writes one plaque along +y, with stations 0.98 mm apart. The plaque leaves 1 mm of the healthy radius of 2
- * mm. */
+/* Writes one plaque along +y, whose points (stations) are 0.98 mm apart. The plaque leaves a radius of 1 mm
+ * open of the healthy radius of 2 mm. */
 static inline void sample_plaques(uint8_t *plaques)
 {
     const uint32_t one_q30 = 1u << 30, mm_q30 = 1073742, spacing = 1u << 20;
@@ -148,7 +148,7 @@ static inline void sample_plaques(uint8_t *plaques)
     }
 }
 
-/* The section of plaques follows the lumen, or the lumen's motion. */
+/* The PLAQUES section follows the lumen or, in a moving scene, the lumen's motion. */
 static inline size_t sample_diseased_scene(uint8_t *file, size_t capacity, bool moves)
 {
     uint8_t meta[CRN_SCENE_META_BYTES], entry[CRN_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
@@ -166,7 +166,7 @@ static inline size_t sample_diseased_scene(uint8_t *file, size_t capacity, bool 
     return crn_scene_write(CRN_SCENE_KIND_SCENE, parts, moves ? 5 : 4, file, capacity);
 }
 
-/* Writes a tetrahedron of 1 m with the name `name`. */
+/* Writes a body of the shape of a tetrahedron of 1 m with the name `name`. */
 static inline void sample_body(uint8_t *body, const char *name, int32_t parent)
 {
     static const uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
@@ -223,9 +223,9 @@ static inline void sample_lesions(uint8_t *lesions)
     }
 }
 
-/* These are the sections behind the two bodies of a body file. */
+/* These sections follow the two bodies of a body file. */
 typedef enum sample_vessels { SAMPLE_NO_TREE, SAMPLE_TREE, SAMPLE_LESIONS } sample_vessels;
-/* When `has_partner` is set, one more section follows, which names the scene of the bodies. */
+/* When `has_partner` is set, one more section follows, which names the scene to which the bodies belong. */
 enum { SAMPLE_PARTNER_BYTES = 4112, SAMPLE_PARTNER_CRC32 = 0x1234abcd };
 static inline size_t sample_body_file_of(uint8_t *file, size_t capacity, sample_vessels vessels,
                                          int has_partner)

@@ -1,6 +1,7 @@
-/* These tests check that a body file names the scene with which it was baked, behind all other contents. The
- * name is read as it was written, and a file is refused where the name is in another place or has another
- * size. The tests use small valid files whose section table is changed and whose CRCs are corrected. */
+/* These tests check that the last section of a body file names the scene with which the file was baked. The
+ * scene's name is read as it was written, and a file is refused when this section is in another position or
+ * has another size. The tests use small valid files whose section table is changed and whose CRCs are
+ * corrected. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

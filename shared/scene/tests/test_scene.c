@@ -1,6 +1,6 @@
-/* These tests check that every broken scene is refused with its own code and place, and that no part of it
- * reaches the caller. The tests use small valid files that are cut at every length, have every bit flipped,
- * and break each rule of docs/scene.md alone. */
+/* These tests check that every broken scene is refused with its own code and byte position, and that the
+ * caller gets no part of it. The tests use small valid files that are cut at every length, have every bit
+ * flipped, and break each rule of docs/scene.md alone. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,9 +13,9 @@
 
 /* In the sample scene, META is at 32 + 48 = 80, ENTRY at 336, LUMEN at 368. Its bodies: BODY 336, 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
-/* With a tree, the table has one row more. The branches are at 16 and 80 of the section, points at 144. */
+/* A vessel tree adds one table row. Its branches are at bytes 16 and 80 of TREE, its points at byte 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
-/* In a file with lesions, the table has one more row, and LESIONS begins behind the tree of 224 bytes. */
+/* In a file with lesions, the table has one more row, and LESIONS begins after the TREE of 224 bytes. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
 /* In the moving scene, META is at 112 = 32 + 80, LUMEN at 400 .. 3468, and MOTION at 3472 .. 7716. */
 enum { MOTION_AT = 3472, BREATH_AT = 7728 };
@@ -84,7 +84,7 @@ static void refuses(crn_scene_status expected, uint32_t place)
     }
 }
 
-/* Writes a word, corrects the CRCs, and expects a refusal; then it puts the word back. */
+/* Writes a word, corrects the CRCs, and expects a refusal; then restores the word. */
 static void refuses_word(size_t at, unsigned bytes, uint32_t value, crn_scene_status expected, uint32_t place)
 {
     uint8_t saved[4];
@@ -326,7 +326,7 @@ static void a_tree_must_hang_together(void **state)
     refuses_word(POINTS_AT + 12, 4, 100001, CRN_SCENE_TREE_POINT, POINTS_AT + 12);
 }
 
-/* The tree comes behind the bodies, and only once: row 3 of the table belongs to it. */
+/* The vessel tree comes after the bodies, and only once: row 3 of the table is its row. */
 static void a_tree_stands_behind_the_bodies(void **state)
 {
     (void)state;
@@ -372,7 +372,7 @@ static void a_lesion_lies_where_there_is_vessel(void **state)
     refuses_word(HEALTHY_AT + 12, 4, 9, CRN_SCENE_LESION_PLACE, HEALTHY_AT + 12);
 }
 
-/* Rows 3 and 4 of the table belong to the tree and to the lesions. */
+/* Rows 3 and 4 of the section table belong to the vessel tree and to the lesions. */
 static void lesions_stand_behind_their_tree(void **state)
 {
     (void)state;
@@ -414,8 +414,8 @@ static void a_body_may_move(void **state)
     assert_true(crn_scene_body(&scene, 1).moves);
 }
 
-/* Each rule of the MOTION and BREATH sections is broken alone. The spacing is 4096 units, so neighbours may
- * differ by 2560 units in the beat and by 1536 in breath. */
+/* The test breaks each rule of the MOTION and BREATH sections alone. The spacing is 4096 units, so
+ * neighbouring nodes may differ by 2560 units in the heartbeat and by 1536 in breath. */
 static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary(void **state)
 {
     (void)state;
@@ -441,7 +441,7 @@ static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_bound
     refuses_word(breath - 6, 2, 1, CRN_SCENE_MOTION_EDGE, breath - 6);
 }
 
-/* Before minor version 4, breath was stored in the rows of the beat. */
+/* Before minor version 4 of the scene format, breath was stored in the rows of the heartbeat. */
 static void a_motion_of_an_older_format_is_refused_by_name(void **state)
 {
     (void)state;
@@ -483,7 +483,7 @@ static void plaques_give_back_what_was_written(void **state)
     assert_int_equal(scene.plaque_count, 0);
 }
 
-/* Each rule of the PLAQUES section is broken alone. */
+/* The test breaks each rule of the PLAQUES section alone. */
 static void a_plaque_must_fit_the_cores_arithmetic(void **state)
 {
     (void)state;
@@ -542,7 +542,7 @@ static void writer_refuses_a_buffer_that_is_too_small(void **state)
     assert_int_equal(sample_scene(file, file_bytes), file_bytes);
 }
 
-/* An empty file has no bytes, and no address either. The sanitizers show that no byte is read. */
+/* An empty file has no bytes, and its address is NULL; the sanitizers show that no byte is read. */
 static void no_bytes_at_all_are_refused(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
-/* This fuzz target gives any bytes to the frame decoder, and every payload to every message decoder. There is
- * no overrun, and a decoded message encodes to the same bytes again. */
+/* This fuzz target gives arbitrary bytes to the frame decoder, and every payload to every message decoder. No
+ * decoder may read or write outside its buffers, and a decoded message must encode to the same bytes again.
+ */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +11,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
 static uint8_t again[CRN_WIRE_PAYLOAD_MAX];
 
-/* Encoder and decoder are each other's inverse on everything that one of them accepts. */
+/* For everything that encoder or decoder accepts, decoding must undo encoding and the reverse. */
 static void check_message(uint16_t type, const uint8_t *payload, size_t length)
 {
     crn_wire_writer writer = crn_wire_writer_make(again, sizeof again);

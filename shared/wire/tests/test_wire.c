@@ -1,6 +1,7 @@
-/* These tests check claims about frames and codecs. An encoded message comes back, a damaged one is dropped
- * and counted, and a receiver that lost its place finds the next frame. The tests use seeded random messages
- * and every single-bit flip. Seeds are fixed: running the program again reproduces a failure. */
+/* These tests check the frames and the encoders and decoders of the wire protocol. Decoding an encoded
+ * message gives the message back, a damaged frame is dropped and counted, and a receiver that has lost
+ * synchronisation finds the next frame. The tests use random messages with fixed seeds and every single-bit
+ * flip. Seeds are fixed: running the program again reproduces a failure. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -50,7 +51,7 @@ static void crc32_of_the_digits_is_the_published_value(void **state)
     assert_int_equal(in_two, 0xcbf43926u);
 }
 
-/* Every entry of the table agrees with the definition, which passes one bit after the other through the
+/* Every entry of the CRC table agrees with the definition, which passes one bit after the other through the
  * polynomial 0xedb88320. */
 static void crc32_of_every_byte_is_that_of_its_bits(void **state)
 {
@@ -62,8 +63,8 @@ static void crc32_of_every_byte_is_that_of_its_bits(void **state)
     }
 }
 
-/* The lengths lie around the COBS block border of 254, and include the largest; the bytes have few and many
- * zeros. */
+/* The lengths of the test's frames lie around the COBS block border of 254 and include the largest; their
+ * bytes have few and many zeros. */
 static void frames_of_every_length_come_back(void **state)
 {
     (void)state;
@@ -102,7 +103,7 @@ static void the_longest_payload_fits_and_one_more_byte_is_refused(void **state)
     assert_int_equal(crn_wire_frame_encode(&header, longer, 100, frame, 100), 0);
 }
 
-/* Every bit of a frame is flipped once, and the receiver must never see a frame with other contents. A
+/* The test flips every bit of a frame once, and the receiver must never accept a frame with other contents. A
  * flipped bit may split the frame or remove its end mark. */
 static void a_flipped_bit_never_gives_another_message(void **state)
 {
@@ -155,7 +156,8 @@ static void idle_zeros_between_frames_are_no_errors(void **state)
     assert_int_equal(decoder.event_counts[CRN_WIRE_BAD_SIZE], 0);
 }
 
-/* The expected bytes follow the document: the little end first, and the count before the elements. */
+/* The expected bytes follow the protocol's document: the least significant byte comes first, and the count
+ * comes before the elements. */
 static void a_step_is_laid_out_as_documented(void **state)
 {
     (void)state;
@@ -190,7 +192,7 @@ static void a_step_is_laid_out_as_documented(void **state)
     assert_int_equal(back.inputs[0].orders.items[2].strut.z_um, 0x10203);
 }
 
-/* An empty list of orders costs one byte, which states that it is empty. */
+/* An empty list of commands takes one byte, which states that the list is empty. */
 static void a_tick_without_orders_pays_a_byte_for_them(void **state)
 {
     (void)state;
@@ -201,7 +203,7 @@ static void a_tick_without_orders_pays_a_byte_for_them(void **state)
     assert_int_equal(payload[writer.length - 1], 0);
 }
 
-/* The test sends a list with as many orders as it may hold, of every kind in turn. */
+/* The test sends a list with as many commands as the list may hold, of every kind in turn. */
 static size_t put_full_list(uint8_t *to)
 {
     crn_wire_orders message = {.orders = {.items_count = CRN_WIRE_MAX_order_list_items}};
@@ -215,8 +217,8 @@ static size_t put_full_list(uint8_t *to)
     return writer.length;
 }
 
-/* The messages are those of a hostile host: cut at every byte, one byte too long, with an unknown kind, or
- * with one order too many. */
+/* The test's messages are those of a hostile host: cut at every byte, one byte too long, with an unknown kind
+ * of command, or with one command too many. */
 static void lists_of_orders_that_are_damaged_are_refused(void **state)
 {
     (void)state;
@@ -282,8 +284,8 @@ static void extreme_values_come_back(void **state)
     }
 }
 
-/* Every message is tried with every length from 0 to its largest, and is accepted only when the bytes fit its
- * counts. */
+/* The test tries every message with every length from 0 to its largest; a decoder accepts a message only when
+ * the bytes fit its counts. */
 static void a_payload_of_wrong_length_is_refused(void **state)
 {
     (void)state;
@@ -317,7 +319,7 @@ static void a_payload_of_wrong_length_is_refused(void **state)
     assert_false(crn_wire_put_ticks(&writer, &ticks));
 }
 
-/* CRN_WIRE_PAYLOAD_MAX must be the largest payload of all messages. */
+/* The constant CRN_WIRE_PAYLOAD_MAX must be the size of the largest payload of all messages. */
 static void no_message_is_longer_than_the_longest_payload(void **state)
 {
     (void)state;
@@ -334,9 +336,8 @@ static void every_message_number_is_used_once(void **state)
 #include "shared/wire/wire_messages.def"
 }
 
-/* The test computes FNV-1a over names, types and units; the constant in wire_schema.c must follow every
- * change of the messages.
- */
+/* The test computes the FNV-1a hash over names, types and units; the constant in wire_schema.c must be
+ * updated with every change of the messages. */
 static void the_schema_hash_covers_names_types_and_units(void **state)
 {
     (void)state;

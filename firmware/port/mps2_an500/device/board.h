@@ -1,4 +1,4 @@
-/* This header has those registers of ARM's MPS2 board (AN500 image) that the device uses. */
+/* This header has the registers of ARM's MPS2 board (AN500 image) that the device uses. */
 #ifndef CRN_AN500_BOARD_H
 #define CRN_AN500_BOARD_H
 

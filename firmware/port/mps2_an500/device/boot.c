@@ -1,5 +1,6 @@
-/* This file leads from reset to main(). It also ends the program at an exception: power off, a line on the
- * console, and a record that survives the watchdog's reset. */
+/* This file contains the code that runs from the processor's reset to main(). This file also ends the program
+ * at an exception: the motor power goes off, a line appears on the console, and a record is kept that
+ * survives the watchdog's reset. */
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
 

@@ -1,14 +1,14 @@
-/* This file keeps time: it has a free-running counter for durations, the edge of every millisecond, and the
- * watchdog. */
+/* This file measures time by a free-running counter for durations, the timer's edge in every millisecond, and
+ * the watchdog. */
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
 
 enum {
     COUNTS_PER_us = BOARD_CLOCK_HZ / 1000000,
     COUNTS_PER_ms = BOARD_CLOCK_HZ / 1000,
-    /* This is longer than the longest request: a scene's validation takes 0.2 s at 1,000 instructions per us,
-     * and 26 s when an instruction is given 128 ns for counting. The power stage does not depend on the
-     * watchdog, because the stage removes the power by itself after 5 ms. */
+    /* The watchdog's time is longer than the longest request: a scene's validation takes 0.2 s at 1,000
+     * instructions per us, and 26 s when an instruction is given 128 ns for counting. The power stage does
+     * not depend on the watchdog, because the stage removes the power by itself after 5 ms. */
     WATCHDOG_s = 60,
 };
 
@@ -44,7 +44,7 @@ static void take_counts(uint32_t counts)
     clock.counts_rest %= COUNTS_PER_us;
 }
 
-/* The result is correct as long as the function is called at least every 171 s. */
+/* The clock is correct as long as this function is called at least every 171 s. */
 uint32_t clock_us(void)
 {
     uint32_t now = clock_counts();
@@ -58,9 +58,10 @@ static bool is_plants(void)
     return rig_is_there() && rig_read(&rig->host.tick_source) == RIG_TICK_PLANT;
 }
 
-/* While the plant makes the milliseconds, waiting for the plant takes no time on this clock. The time between
- * two pieces of work is not counted, so the clock shows the same value however long the device was kept
- * waiting. Returns the counter, from which the caller computes how long the work took. */
+/* While the rig's model (the plant) sets the milliseconds, waiting for the plant takes no time on this clock.
+ * The clock does not count the time between two pieces of work, so it shows the same value however long the
+ * device was kept waiting. Returns the value of the counter, from which the caller computes how long its work
+ * took. */
 uint32_t clock_work_begin(void)
 {
     const uint32_t now = clock_counts();
@@ -68,8 +69,8 @@ uint32_t clock_work_begin(void)
     return now;
 }
 
-/* Sets the clock to the beginning of the plant's millisecond; a device that is late with its work stays
- * late. */
+/* Sets the clock to the beginning of the millisecond of the rig's model (the plant); a device that is late
+ * with its work stays late. */
 void clock_edge_begin(void)
 {
     clock_work_begin();

@@ -1,4 +1,4 @@
-/* This header has declarations that the files of the image share.
+/* This header has the declarations that the files of the device's program for the MPS2 board share.
  *
  *   boot.c     reset, vectors, exceptions            clock.c    time, the 1 ms edge, the watchdog
  *   console.c  text on UART 0                        rig.c      port inputs and outputs <-> rig_page.h

@@ -1,11 +1,11 @@
-/* This is the device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig: memory, the port's table,
- * and the loop that passes bytes and milliseconds to the app. Nothing here allocates memory; interrupts only
- * count.
+/* This program is the device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig. The file contains
+ * the memory, the port's table of functions, and the loop that passes bytes and milliseconds to the app. The
+ * code of this file allocates no memory, and its interrupts only count.
  *
  *   loop:  bytes came -> crn_app_receive     USB tokens -> crn_rig_usb_poll     an edge is due -> crn_app_timer
  *
- * One round of the loop handles one piece of bytes and one edge, so that neither delays the other without
- * bound. */
+ * One round of the main loop handles one piece of bytes and one timer edge, so that neither delays the other
+ * without bound. */
 #include "firmware/app/app.h"
 #include "firmware/port/mailbox/mailbox_udc.h"
 #include "firmware/port/mps2_an500/device/device.h"
@@ -29,8 +29,8 @@ static uint32_t now_us(void *context)
     return clock_us();
 }
 
-/* A host on the USB owns the device, also while its bus sleeps. Without such a host, the rings of the rig
- * page own the device; on this path instructions can be counted. */
+/* A host on the USB controls the device, also while its bus sleeps. Without a host on the USB, the ring
+ * buffers of the rig page are the device's connection; on this path instructions can be counted. */
 static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
     return crn_rig_usb_is_configured(&usb) ? crn_rig_usb_transmit(context, frame, frame_bytes)
@@ -94,7 +94,7 @@ static void greet(void)
     tell_crash();
 }
 
-/* Ends the measurement of work on bytes from the host. */
+/* Ends the time measurement of the work on bytes from the host. */
 static void end_receiving(uint32_t begin)
 {
     rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
@@ -114,9 +114,9 @@ static void receive(void)
     pipe_release(count);
 }
 
-/* Only bytes that reached the app count as work, because polls of a host for data that are not ready do not
- * concern the plant. The clock is read only where work may come, because reading it costs an emulator more
- * than all the rest of a round. */
+/* Only bytes that reached the app count as work, because a host's polls for data that are not ready do not
+ * concern the rig's model (the plant). The loop reads the clock only where work may come, because reading it
+ * costs an emulator more than all the rest of a round. */
 static void poll_usb(void)
 {
     const crn_mailbox_demand demand = crn_mailbox_udc_demand(&controller);
@@ -143,9 +143,9 @@ static void tick(void)
     clock_edge_done();
 }
 
-/* Only edges that the app has completed feed the watchdog. Neither a loop that runs without milliseconds nor
- * a host that keeps the pipe busy can feed the watchdog. There is one exception: the watchdog is also fed
- * while the plant makes the milliseconds and none is due. */
+/* Only timer edges that the app has completed reset the watchdog. A loop that runs without milliseconds
+ * cannot reset the watchdog, and neither can a host that keeps the pipe busy. There is one exception: the
+ * watchdog is also reset while the rig's model (the plant) sets the milliseconds and none is due. */
 static void feed_watchdog(uint32_t round)
 {
     static uint32_t fed;

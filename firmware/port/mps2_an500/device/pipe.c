@@ -1,6 +1,6 @@
-/* This file moves bytes from and to the host through the page's two rings. The heads and tails of the rings
- * count bytes and wrap. A head that is ahead of its tail by more than the ring's length is an error of the
- * other side and empties the ring. */
+/* This file moves bytes between device and host through the two ring buffers of the rig page. The heads and
+ * tails of the ring buffers count bytes and wrap. A head that is ahead of its tail by more than the ring's
+ * length is an error of the other side; the device then empties the ring. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 enum {
@@ -9,7 +9,7 @@ enum {
     PIECE_BYTES = 512,
 };
 
-/* Bytes that the host sent before a restart are dropped, and so are unsent bytes of the device. */
+/* The device drops bytes that the host sent before a restart, and its own unsent bytes. */
 void pipe_start(void)
 {
     rig_write(&rig->device.to_device_tail, rig_read(&rig->host.to_device_head));
@@ -42,7 +42,7 @@ size_t pipe_room(void *context)
     return used <= RIG_RING_BYTES ? RIG_RING_BYTES - used : 0;
 }
 
-/* The copy uses words first, aligned or not, because the PSRAM is normal memory. */
+/* The function copies words first, aligned or not, because the PSRAM is normal memory. */
 static void copy(uint8_t *to, const uint8_t *from, size_t count)
 {
     size_t i = 0;

@@ -1,5 +1,5 @@
-/* This file presents the rig's registers as the port's inputs and outputs. Values from the rig page are
- * limited to their ranges before they are used. */
+/* This file translates the emulated rig's registers to the port's inputs and outputs. The code limits values
+ * from the rig page to their ranges before it uses them. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 bool rig_is_there(void)
@@ -43,7 +43,8 @@ static void take_sample(const rig_inputs *from, crn_port_inputs *to)
     to->local_unlock = (from->switches & RIG_LOCAL_UNLOCK) != 0;
 }
 
-/* When there is no new sample, the app keeps the hands at rest and decides how long that may last. */
+/* When there is no new reading of the rig, the app keeps the hands at rest and decides how long that may
+ * last. */
 static void mark_stale(crn_port_inputs *inputs)
 {
     for (int k = 0; k < RIG_TRACK_COUNT; k++) {
