@@ -106,9 +106,10 @@ static inline int32_t from_q31(int64_t sum)
     return (int32_t)(uint32_t)((uint64_t)sum >> 31);
 }
 
-/* Evaluates a cell's polynomial at the last point. Format: that of the terms. Overflow is impossible: the
- * polynomial's terms are at most 3 x 5/8, 3 x 5/4 and 5/2 of a spacing of at most 2^28, and powers are below
- * 2^31, so sums stay below 8.2 x 2^59. The polynomial's value lies between the values at the cell's corners.
+/* Evaluates a lattice cell's polynomial at the point that was looked up last. Format: that of the terms.
+ * Overflow is impossible: the polynomial's terms are at most 3 x 5/8, 3 x 5/4 and 5/2 of a spacing of at most
+ * 2^28, and powers are below 2^31, so sums stay below 8.2 x 2^59. The polynomial's value lies between the
+ * values at the cell's corners.
  */
 static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31)
 {

@@ -54,8 +54,8 @@ static inline int64_t minor(int32_t a, int32_t b, int32_t c, int32_t d)
 /* Adjugate over determinant. Format: D Q(a), |D| < 2^29, positive definite. The adjugate matrix is computed
  * exactly in 64 bits (2 x 2^58). The adjugate matrix is shifted to 30 bits according to its largest diagonal
  * entry, which bounds every entry of a positive definite matrix. The determinant keeps 22 bits or more while
- * the stiffness ratio k_s / w is at most 2^9. Overflow is impossible, because the determinant is below 3 *
- * 2^29 * 2^30. */
+ * the stiffness ratio k_s / w is at most 2^9. Overflow is impossible, because the determinant of a 3x3 block
+ * is below 3 * 2^29 * 2^30. */
 static inline void invert(const crn_sym3 *d, inverse3 *inverse)
 {
     const int32_t xx = d->m[XX], xy = d->m[XY], xz = d->m[XZ], yy = d->m[YY], yz = d->m[YZ], zz = d->m[ZZ];

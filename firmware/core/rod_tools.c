@@ -150,10 +150,10 @@ static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *a
     }
 }
 
-/* Returns the stiffness of the friction against turning. The stiffness is that of the friction displacement
- * (bristle) while its reach is within the limit mu N r, and limit / reach otherwise. The reach of the
- * friction displacement follows from the rotations of the last tick. Overflow is impossible, because the
- * quotient limit / reach is then below 4e-4 N m. */
+/* Returns the stiffness of the friction against turning. While the reach of the friction displacement
+ * (bristle) is within the limit mu N r, this stiffness is that of the bristle; beyond the limit the stiffness
+ * is limit / reach. The reach of the friction displacement follows from the rotations of the last tick.
+ * Overflow is impossible, because the quotient limit / reach is then below 4e-4 N m. */
 static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
     int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);

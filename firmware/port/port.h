@@ -1,5 +1,4 @@
-/* This header is the complete hardware interface of the app: the functions that a port provides, and the
- * functions of the app that a port calls.
+/* This header has the functions that a port provides to the app, and the functions of the app that it calls.
  *
  * A port owns the memory (one crn_app, two scene slots), the pipe of bytes, and the 1 ms timer:
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
@@ -81,12 +80,10 @@ typedef struct crn_port_outputs {
 
 typedef struct crn_port {
     void *context; /* passed back in every call */
-    /* Queues one whole frame for the host. Without space for the whole frame, the function queues nothing and
-     * returns false. */
+    /* Queues one whole frame for the host; returns false, and queues nothing, when there is no space. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
     size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
-    /* Samples the rig. Without a rig the function returns false; the app then uses `input` messages and
-     * powers no motor. */
+    /* Samples the rig, or returns false: without a rig the app uses `input` messages and powers no motor. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */

@@ -127,8 +127,8 @@ static void a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed(void **
     }
 }
 
-/* The carriage does not move, so its speed does not matter. The force stays for the first 12 edges of the
- * timer, and fades in the next 20 edges. */
+/* The carriage does not move in this test, so the speed limits have no effect. The force stays for the first
+ * 12 edges of the timer, and fades in the next 20 edges. */
 static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **state)
 {
     (void)state;

@@ -64,7 +64,8 @@ typedef struct crn_haptics_energy {
     bool is_set;
 } crn_haptics_energy;
 
-/* Describes one tool as its hand feels the tool. */
+/* Holds the inserted length, the angle, the force and the torque of one tool, for the forces on the hand that
+ * holds it. */
 typedef struct crn_haptics_tool {
     int32_t inserted_m_q30, hand_offset_m_q30;
     uint32_t base_turn32;

@@ -65,8 +65,8 @@ void crn_sim_weld_stage(crn_sim *sim, bool is_welded);
  * gave. */
 enum { CRN_SIM_DAMPING_mN_s_per_m = 1000, CRN_SIM_DAMPING_nN_m_s_per_rad = 2000 };
 
-/* Returns inputs with present and healthy sensors, hands at 0, a good supply, the stop released, and the
- * local unlock open. */
+/* Returns rig inputs with all sensors present and healthy, hands at position 0, a good supply voltage, the
+ * stop button released, and the local unlock open. */
 crn_port_inputs crn_sim_healthy_inputs(void);
 
 /* Returns the last outputs that the app wrote. */

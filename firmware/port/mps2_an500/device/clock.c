@@ -1,5 +1,5 @@
-/* This file measures time by a free-running counter for durations, the timer's edge in every millisecond, and
- * the watchdog. */
+/* This file provides a free-running counter for durations, the timer's edge in every millisecond, and the
+ * watchdog. */
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
 
