@@ -280,9 +280,9 @@ static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t len
     return force > BALL_MAX_N_Q22 ? BALL_MAX_N_Q22 : (int32_t)force;
 }
 
-/* Computes two directions that are perpendicular to each other and to the tools' centreline. These two
- * directions turn by 45 degrees from tick to tick, so that two successive ticks together probe the wall in
- * eight directions. */
+/* Computes two directions that are perpendicular to each other and to the tools' centreline. The wall is
+ * probed along each direction and against it, in four directions per tick. The two directions turn by 45
+ * degrees from tick to tick, so that two successive ticks probe the wall in eight directions. */
 static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_q30[2])
 {
     int least = 0;

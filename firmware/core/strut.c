@@ -220,8 +220,9 @@ static crn_vec3 unit_of(const crn_vec3 *way)
     return crn_vec3_normalise(*way, none, NULL);
 }
 
-/* Returns the struts' cross-section at a point that lies between the two planes across the chain at two
- * rings. Overflow is impossible, because a point within the box is less than 2^26 away. */
+/* Returns the struts' cross-section at a point between two neighbouring rings of a stent. Each ring has a
+ * plane perpendicular to the stent's axis, and the point lies between these two planes. Overflow is
+ * impossible, because a point within the box is less than 2^26 away. */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
                                const crn_vec3 *off_a, const crn_vec3 *off_b)
 {

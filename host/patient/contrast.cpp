@@ -400,9 +400,10 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
 }
 
 // Makes two columns per vessel. The first column has the vessel's width and the concentration that both
-// layers of blood have in common. The second column lies around the axis and has the additional concentration
-// of the inner layer. If the layer along the wall has the higher concentration, the two layers are shown as
-// if they were mixed. Near the tip, where the medium forms a jet, there is only one, thinner column.
+// layers of blood have in common. The second column is narrower and lies on the vessel's axis. Its
+// concentration is the difference between the inner layer of blood and the outer layer. If the layer along
+// the wall has the higher concentration, the two layers are shown as if they were mixed. Near the tip, where
+// the medium forms a jet, there is only one, thinner column.
 void PatientContrast::make_curves()
 {
     curves_.clear();

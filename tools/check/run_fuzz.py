@@ -54,8 +54,8 @@ def write_corpus(name, corpus):
 
 
 def keep_corpus(build, name):
-    """Writes the file NAME.corpus. This file gets those inputs, with short inputs first, that together reach every
-    control-flow edge that the inputs in BUILD/corpus/NAME reach. Returns (ok, text).
+    """Writes the file NAME.corpus: the shortest inputs that together reach every control-flow edge which the inputs in
+    BUILD/corpus/NAME reach. Returns (ok, text).
 
     When libFuzzer merges inputs, it writes a control file that states, for each input, the control-flow edges that no
     earlier input has reached. The merge keeps those inputs that reach a control-flow edge that no earlier input has

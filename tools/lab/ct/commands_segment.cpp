@@ -26,7 +26,7 @@ bake::Mesh mesh_of(const fs::path &file)
     return bake::load_mesh(text);
 }
 
-// Holds one depth of the case, and the instrument that was found in the scan of this depth.
+// Holds one insertion depth at which the phantom was scanned, and the instrument that was found in that scan.
 struct SegmentedDepth {
     const insertion::Depth *depth;
     Volume volume;
