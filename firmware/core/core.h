@@ -253,9 +253,9 @@ int32_t crn_state_open(const crn_state *state, uint32_t lesion, uint32_t station
 uint32_t crn_model_stations(const crn_model *model, uint32_t lesion);
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order);
 
-/* The function crn_strut_order_is_valid returns whether a command for a strut ring is well-formed; a command
- * with the number 0, which has no effect, is also valid. The function crn_state_strut applies a command for a
- * strut ring; when the command is invalid, the function returns false and changes nothing. */
+/* The function crn_strut_order_is_valid returns whether a command for a strut ring is well-formed. A command
+ * whose fields are all 0 has no effect and is also valid. The function crn_state_strut applies a command for
+ * a strut ring; when the command is invalid, the function returns false and changes nothing. */
 bool crn_strut_order_is_valid(const crn_strut_order *order);
 bool crn_state_strut(crn_state *state, const crn_strut_order *order);
 

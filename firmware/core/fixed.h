@@ -1,12 +1,11 @@
-/* Fixed-point operations of the core. This header (with fixed.c) is the only code of the core that shifts,
- * rounds and saturates numbers.
+/* Fixed-point operations of the core: this header (with fixed.c) shifts, rounds and saturates numbers.
  *
  * The suffix of a variable's name is its number format: `x_m_q30` is a length in metres times 2^30, stored in
  * an int32_t. The comment of every function gives its action, its number formats ("Format"), its behaviour
  * when a result does not fit ("Overflow"), and its error bound ("Error"). The error bound is in LSB of the
- * result and is checked against double in firmware/tests/test_fixed.c. All functions round to the nearest
- * value, and ties towards +infinity, by an addition and an arithmetic shift. The Cortex-M7 DSP instructions
- * (SMMULR) round in the same way, so every machine gives the same bits. */
+ * result and is checked against double in firmware/tests/test_fixed.c. Unless its comment says "floor", a
+ * function rounds to the nearest value, and ties towards +infinity, by an addition and an arithmetic shift.
+ * The Cortex-M7 DSP instructions (SMMULR) round in the same way, so every machine gives the same bits. */
 #ifndef CRN_FIXED_H
 #define CRN_FIXED_H
 
@@ -121,8 +120,7 @@ static inline int64_t crn_product(int32_t a, int32_t b)
 #endif
 }
 
-/* Returns sum + a b (instruction SMLAL). Overflow: a comment at each call explains why the sum fits 64 bits.
- */
+/* Returns sum + a b (instruction SMLAL). Overflow: the caller ensures that the sum fits 64 bits. */
 static inline int64_t crn_product_add(int64_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -170,7 +168,7 @@ static inline int32_t crn_mulh(int32_t a, int32_t b)
 }
 
 /* Returns the sum of `sum` and the rounded high word of a b (instruction SMMLAR). Format: sum in Q(a+b-32).
- * Overflow: a comment at each call explains why the sum fits 32 bits. Error: 1/2 LSB. */
+ * Overflow: the caller ensures that the sum fits 32 bits. Error: 1/2 LSB. */
 static inline int32_t crn_mulh_add(int32_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -197,8 +195,8 @@ static inline int32_t crn_mulh_sub(int32_t sum, int32_t a, int32_t b)
 
 /* Returns the product of a number and a factor of at most one, without saturation. Such factors are
  * components of unit vectors, sines and ratios. Format: Qa x Q30 -> Qa in steps of 4 LSB, the high word
- * shifted back. Overflow is impossible while |b| <= 1 + 2^-10 and |a| < 2^31 (1 - 2^-9); a comment at each
- * call explains why both conditions hold. Error: 2 LSB. */
+ * shifted back. Overflow is impossible while |b| <= 1 + 2^-10 and |a| < 2^31 (1 - 2^-9); the caller ensures
+ * both conditions. Error: 2 LSB. */
 static inline int32_t crn_scale_q30(int32_t a, int32_t b_q30)
 {
     return crn_mulh(a, b_q30) * 4;
@@ -223,7 +221,7 @@ static inline int32_t crn_round_high64(int64_t a)
 }
 
 /* Returns the low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: the bits
- * above the 32nd are lost, and a comment at each call explains why there are no such bits. Error: exact
+ * above the 32nd are lost; the caller ensures that there are no such bits. Error: exact
  * floor. A 32-bit machine needs three instructions for this function, and nine instructions for a full 64-bit
  * shift. */
 static inline int32_t crn_narrow64(int64_t a, unsigned n)
@@ -301,8 +299,8 @@ static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
  * 2^31 - 1. The error is at most 1/2 LSB + 2^-29 of the square root; the root of 0 is 0. */
 int32_t crn_sqrt64(uint64_t a);
 
-/* Returns the quotient of two 64-bit integers, bit by bit in 64 steps; only set-up code uses this function,
- * because it is slow but needs no library function for division. Format: floor(a / b). b = 0 gives
+/* Returns the quotient of two 64-bit integers, bit by bit in 64 steps. The function is slow but needs no
+ * library function for division; it is for set-up and rare quotients. Format: floor(a / b). b = 0 gives
  * UINT64_MAX. Error: exact floor. */
 uint64_t crn_divide_u64(uint64_t a, uint64_t b);
 

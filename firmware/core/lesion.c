@@ -124,8 +124,8 @@ static crn_lumen_sample mapped(crn_lumen_sample sample, const crn_vec3 *slope_q2
     return sample;
 }
 
-/* The wall of one lesion. Returns false beyond the lesion's ends, beyond two radii from the vessel's
- * centreline, or where the lesion is closed. */
+/* The wall of one lesion. Returns false beyond the lesion's ends, beyond two healthy radii from the middle
+ * of the opened channel, or where the lesion is closed. */
 static bool wall_of(const crn_lumen *lumen, const crn_lesion *lesion, const int32_t *open_q30,
                     const crn_vec3 *place, crn_lumen_sample *sample)
 {

@@ -100,7 +100,7 @@ static inline int32_t breathed(int32_t full, int32_t part_q15)
     return (int32_t)crn_rshift_round64(crn_product(full, part_q15), FRACTION_BITS);
 }
 
-/* Rounds a sum that has 31 additional fraction bits, and drops these bits. Error: 1 LSB (floor). */
+/* Drops the 31 additional fraction bits of a sum, which rounds it down. Error: 1 LSB (floor). */
 static inline int32_t from_q31(int64_t sum)
 {
     return (int32_t)(uint32_t)((uint64_t)sum >> 31);

@@ -17,8 +17,9 @@ enum {
     W_MAX_Q30 = 1503238553,        /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
     TENSION_MAX_N_Q22 = 240 << 22, /* edge force, clamped: forty times the force of a hand */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
-    /* Limits the force of one joint on one node. A joint needs a force of 52 N to straighten the curve of a
-       6F guiding catheter (R is 7 mm) in elements of 1 mm. Twice this fits 32 bits. */
+    /* Limits the force of one joint on one node. Straightening the curve of a 6F guiding catheter (R is 7 mm)
+     * in elements of 1 mm needs 52 N. Hands that push this curve through the sheath's distal end, which bends
+     * it the other way, caused 91 N. Twice the limit fits 32 bits. */
     PART_MAX_N_Q22 = 240 << 22,
 };
 
@@ -30,8 +31,8 @@ static inline void add(crn_vec3 *sum, int k, int32_t value)
 }
 
 /* These two functions return the strain sqrt(1 + 2e) - 1 and the inverse length of an edge from e = (|w|^2 -
- * 1) / 2. The error e^4 * 5/8 of the series is at most 2.4e-3 at a strain of 25 %, 1.5e-4 at 12.5 %, and
- * below 1e-9 at 1 %. */
+ * 1) / 2. The error e^4 * 5/8 of the series is at most 2.4e-3 for an e of 25 %, 1.5e-4 for 12.5 %, and
+ * below 1e-8 for 1 %. */
 static int32_t strain_of(int32_t e)
 {
     int32_t e2 = crn_scale_q30(e, e);
@@ -125,7 +126,7 @@ void crn_rod_stretch(const crn_model *model, crn_state *state)
     for (uint32_t i = 0; i < na; i++) {
         edge_forces(model, state, i);
     }
-    /* The edge behind node na (the last free node) is straight inside the introducer sheath. */
+    /* The edge behind node na (the first held node) is straight inside the introducer sheath. */
     state->scratch.nodes[na].u.a.stretch_q30 = state->words.nodes[na].tangent_q30;
 }
 

@@ -2,7 +2,7 @@
  * When both ends of an edge move along straight lines while the edge turns by a small angle, the edge gets
  * longer by the fraction angle^2 / 2 of its length. In a tool with an axial stiffness of some kN, this
  * elongation would cause a tension of many newtons. The code takes back the excess length by moving the nodes
- * between the edge and the tip towards the tip. */
+ * between the edge and the tip back along the turned edge, towards the hand. */
 #include "firmware/core/rod.h"
 
 enum {

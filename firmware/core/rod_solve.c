@@ -188,8 +188,8 @@ static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_s
 }
 
 /* Holds the contributions of the two previous rows to the next row of the matrix, besides the previous rows'
- * blocks V and P. The last row contributes T, R + Q + Q^T, kb and r; the row before it contributes kb and r.
- */
+ * blocks V and P. The row just before contributes T, R + Q + Q^T, kb and r; the row before that contributes
+ * kb and r. */
 typedef struct given {
     int_fast32_t t[9];
     crn_sym3 rest;

@@ -436,7 +436,7 @@ enum {
     FREE = CRN_WIRE_ACTION_FREE_RUN
 };
 
-/* Makes one operation of a fuzz input, which sends a command with its code and tick 0. */
+/* Makes one operation of a fuzz input, which sends a command whose code and tick are 0. */
 #define COMMAND(action) 0x16, CRN_WIRE_BYTES_command, action, 0, 0, 0, 0, 0, 0, 0, 0
 
 /* Starts from a device in the state READY and sends one long message as an operation, so that mutations of

@@ -115,7 +115,7 @@ static void a_free_balloon_has_the_diameter_of_its_table(void **state)
     rig_free(r);
 }
 
-/* The tolerances are 0.1 mm for the balloon's diameter, and 5 % of the pressure times the covered area, 2 pi
+/* The tolerances are 0.1 mm for the balloon's radius, and 5 % of the pressure times the covered area, 2 pi
  * r 18 mm, for the wall force. The vessel is narrower than the unfolded balloon, so the balloon's own wall
  * supports no pressure. */
 static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_area(void **state)

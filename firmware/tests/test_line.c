@@ -155,7 +155,7 @@ static void a_tool_that_cannot_reach_the_shortest_line_is_refused(void **context
     check_refused(tools, 2, CRN_BUILD_LENGTH, 0, 0);
 }
 
-/* A bending stiffness of 3e-2 N m^2 in elements of 1 mm gives 30 N m a joint, beyond the limit of 16 N m. */
+/* A twist stiffness of 3e-2 N m^2 in elements of 1 mm gives 30 N m a joint, beyond the limit of 16 N m. */
 static void a_twist_beyond_the_joints_format_is_refused(void **context)
 {
     (void)context;

@@ -103,7 +103,7 @@ static void the_lattice_passes_through_its_keyframes(void **state)
 }
 
 /* Between nodes and keyframes, a spacing of 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm.
- * The same spacing and keyframes represent 8 mm of breath within 0.3 mm at any moment of the breath. */
+ * The lattice of breath represents 8 mm of breath within 0.3 mm at any moment of the beat. */
 static void the_lattice_represents_the_map(void **state)
 {
     (void)state;

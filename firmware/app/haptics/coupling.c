@@ -62,7 +62,7 @@ static int64_t limited(int64_t value, int64_t limit)
 
 /* Format: force / travel x 2^shift times travel. Overflow is impossible: |lead| <= lead_max, so that
  * stiffness x lead is at most the shifted force limit. The damper's force is at most the shifted force limit
- * times the ratio damping / stiffness, and the sum of spring and damper is limited to four force limits. */
+ * times the ratio damping / stiffness, and the sum of spring and damper is limited to two force limits. */
 static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t lead_before)
 {
     int64_t elastic = crn_rshift_round64(axis->stiffness * lead, axis->shift);
@@ -73,7 +73,7 @@ static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t 
 
 /* Returns the travel of the tool in this tick, as the coupling predicts it. The tool moves to the position
  * where spring, rod and friction balance again, if the rod is as stiff as in the last ticks (implicit Euler
- * of a tool without mass). While the spring's force is smaller than the friction, the tool does not move at
+ * of a tool without mass). While spring and rod differ by less than the friction, the tool does not move at
  * all. */
 static int32_t step_of(const crn_haptics_axis *axis, const crn_haptics_spring *spring, int32_t force)
 {

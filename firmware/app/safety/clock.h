@@ -14,8 +14,8 @@ typedef struct crn_clock {
 /* Resets the time measurement when the motor power comes on: earlier timer edges no longer count. */
 void crn_clock_restart(crn_clock *clock);
 
-/* Runs before a tick. A processor that has not run since the last timer edge is a finding while motors have
- * power. */
+/* Runs before a tick. While motors have power, a gap of more than 5 ms since the last timer edge is a
+ * finding, because the processor stood still. */
 void crn_clock_begin(crn_clock *clock, uint32_t now_us, bool is_driving, crn_findings *findings);
 
 /* After a tick. */

@@ -5,7 +5,7 @@
  *   sample, tool count, energies -> crn_safety_check -> findings
  *   forces that the haptics ask for -> crn_safety_drive -> what the port writes
  *
- * When a finding stops the device, the app calls crn_safety_off; only app_fault.c contains this call. */
+ * When a finding stops the device, the app removes the power by crn_safety_off; app_fault.c decides this. */
 #ifndef CRN_SAFETY_H
 #define CRN_SAFETY_H
 

@@ -23,8 +23,8 @@ reference_motion *reference_motion_make(reference_map map, const double *low_m, 
                                         uint32_t spacing_log2_q30);
 void reference_motion_free(reference_motion *motion);
 
-/* Finds the point x with pull(x) = X by Newton's method on the map's inverse. The displacement w(x) = X - x
- * is then exact. */
+/* Finds the point X of the reference pose that the map moves to x, by fixed-point iteration. The displacement
+ * w(x) = X - x is then exact. */
 void reference_pull(reference_map map, const double *x_m, double phase, double breath, double *X_m);
 
 /* Returns the contraction of a heart whose largest contraction is 1. The value is 0 at phase 0 (end of

@@ -44,7 +44,8 @@ crn_entry reference_entry(void);
 /* Makes a uniform instrument of bending stiffness EI (in N m^2) with elements of `element_um` and equal
  * kinetic and static friction. */
 crn_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction);
-/* Makes a uniform instrument of 0.9 m with a soft J-shaped tip of 12 mm, which snaps from wall to wall. */
+/* Makes a wire like reference_wire, but of 0.9 m and with a soft J-shaped tip of 12 mm, which snaps from wall
+ * to wall. */
 crn_instrument reference_floppy_j(double bend_N_m2);
 /* Makes the scene of the insertion: a tube of 0.9 m length and 4 mm radius, with three bends that do not lie
  * in one plane. */
