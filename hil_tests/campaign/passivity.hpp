@@ -1,9 +1,9 @@
 // Tests whether the force feedback is passive, with a simulated rig whose wire meets an end wall. The tests
 // cover a grid of force gain, coupling stiffness, declared damping and motor lag, and grip of the hand. The
 // device refuses the settings that its passivity rule forbids. With every setting that the device accepts,
-// the motors must not oscillate. In these tests nobody is present at the rig who could permit false values of
-// damping or lag. The local unlock (a switch inside the rig that permits values beyond the free limits) is
-// closed, so only the passivity rule can refuse settings.
+// the motors must not oscillate. The local unlock (a switch inside the rig that permits values beyond the
+// free limits) is closed. The device therefore accepts false values of damping and lag, and only the
+// passivity rule can refuse settings.
 //
 // In a trial, the hand pushes a stiff wire by 30 mm against the end of its tube, holds the wire for 0.6 s,
 // and releases it for 0.6 s. A trial fails when the carriage got faster than 0.25 m/s, or the motor's force

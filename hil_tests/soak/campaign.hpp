@@ -15,8 +15,7 @@ struct CampaignSettings {
     // earlier calls. If one of these limits is 0, only the other limit applies.
     std::uint64_t sessions = 500, ticks = 20'000'000;
     // `hours` is the wall-clock time after which this call ends; 0 means no limit. If this time is limited,
-    // the numbers of sessions and ticks do not end the campaign. With such a limit, the numbers of sessions
-    // and ticks do not end the campaign.
+    // the numbers of sessions and ticks do not end the campaign.
     double hours = 0;
     int jobs = 1;
     std::string folder = "out/soak";

@@ -46,8 +46,8 @@ bool usb_urbs_cancel(usb_urbs *urbs, uint64_t id, usb_urb *urb);
 /* Removes the first transfer of an endpoint's queue, if the queue is not empty. */
 bool usb_urbs_cancel_any(usb_urbs *urbs, usb_urb *urb);
 
-/* Tries one packet per endpoint. Returns true when something moved. The result of the transfer is then
- * USB_DEAD. */
+/* Tries one packet per endpoint. Returns true when something moved. If nothing serves the mailbox, the
+ * transfer ends with the result USB_DEAD. */
 bool usb_urbs_step(usb_urbs *urbs);
 
 #endif

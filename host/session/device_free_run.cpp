@@ -37,7 +37,7 @@ std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::u
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, stiffest * 4 / 5));
 }
 
-// Sets the virtual coupling of a track, unless the rig has already set one.
+// Sets the virtual coupling of a track, unless the track already has one.
 void couple(crn_wire_track &track)
 {
     if (track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0) return;
@@ -111,7 +111,7 @@ void Device::give(const crn_wire_live_tick &tick, FreeRunSink &sink)
     hashes_.clear();
 }
 
-// Gives the received ticks. Receives ticks from the device; returns false if ticks are missing after the last
+// Passes on the ticks that the device has sent; returns false if ticks are missing after the last
 // tick that was passed on.
 bool Device::take_live(FreeRunSink &sink)
 {

@@ -44,9 +44,9 @@ VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 
 // Returns the regions in which the field must resolve the narrowed wall, even if the scene's text permits a
 // larger tolerance. The tolerance of the distance in these regions is a fifteenth of the radius at the
-// narrowest point, but at least 0.03 mm. The edge of a voxel is at most 0.7 times this tolerance, if the
-// scene container permits such small voxels. A guidewire or catheter that passes the narrowest point of the
-// mesh then also passes the narrowest point of the field.
+// narrowest point, but at least 0.03 mm. The edge of a voxel is at most 0.7 times the radius at
+// the narrowest point, if the scene container permits such small voxels. A guidewire or catheter that passes
+// the narrowest point of the mesh then also passes the narrowest point of the field.
 std::vector<FineRegion> fine_regions(const VesselTree &tree);
 
 // Returns a shell of calcium in the plaque of the lesion, over the arc that the lesion's text states. Only

@@ -162,8 +162,8 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
     }
 }
 
-// When the host resumes a session after more than free_run_kept_max lost ticks, the session begins again with
-// a snapshot, and the recording contains this snapshot.
+// The host keeps the inputs of at most about free_run_kept_max ticks. When the host resumes a longer session,
+// it begins with a snapshot, and the recording contains this snapshot.
 void a_long_session_resumes_from_a_snapshot(void **)
 {
     Trial trial(false);

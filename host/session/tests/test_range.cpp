@@ -129,8 +129,8 @@ void below_its_limits_the_grip_is_rigid(void **)
 }
 
 // A hand pushes at 20 mm/s against a wall of 20 N/mm: without slip, 1 s would give a force of 400 N there.
-// When the force reaches 25 N, the tool must slip in the hand. The force may exceed this limit by the 0.2 N
-// that the motion of one tick (20 um) adds, and by another 0.2 N before the slip takes effect. The test is
+// When the force reaches 25 N, the tool must slip in the hand. The force may exceed this limit by the 0.4 N
+// that the motion of one tick (20 um) adds, and by another 0.4 N before the slip takes effect. The test is
 // repeated in the other direction, and the counts of the hand wrap round as those of encoders do.
 void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
 {

@@ -189,8 +189,8 @@ void TubePainter::paint(const TubePiece &piece)
     double outer = piece.outer_mm, inner = std::min(piece.inner_mm, outer), share = piece.share;
     const double near_mm = std::min(piece.a_mm.z(), piece.b_mm.z()) - outer;
     if (!(near_mm > 1.0) || !(outer > 0.0) || !(share > 0.0)) return;
-    // A cylinder thinner than the distance between rays is drawn with that distance as its radius, and with
-    // the same amount of material in its cross-section.
+    // A cylinder whose radius is below the distance between rays is drawn with that distance as its radius,
+    // and with the same amount of material in its cross-section.
     const double apart_mm = middle.z() / focal_pixels_ / grid;
     if (outer < apart_mm) {
         share *= (outer * outer - inner * inner) / (apart_mm * apart_mm);

@@ -155,8 +155,8 @@ static void sphere_path_is_the_chord(void **)
     assert_true(errors.mean_mm < 0.02);
 }
 
-// Flat faces have no facet error; the only errors come from corners rounded to 1/512 pixel at the slanted
-// rim, and from rounding.
+// Flat faces have no facet error. The only errors come from the corners, which rounding moves by up to 1/512
+// pixel at the slanted rim, and from rounding of the depths.
 static void box_path_is_the_chord(void **)
 {
     const Eigen::Vector3d low(-0.03, -0.05, -0.04), high(0.04, 0.03, 0.02);
