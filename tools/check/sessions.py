@@ -21,14 +21,14 @@ def without_turns(text):
 
 def scene_text(made, lesion):
     """Writes the text of a scene, which is the anatomy's text followed by the lesion's text, and returns the path of
-    the written file."""
+    the written file. The scene has no bodies, so the lesion's line `inside`, which names one, is left out."""
     path = f"{made}/scene.toml"
     if not lesion:
         return path
     with open(path, encoding="utf-8") as file:
         text = file.read()
     with open(f"shared/examples/lesions/{lesion}.toml", encoding="utf-8") as file:
-        text += file.read()
+        text += re.sub(r"(?m)^inside = .*\n", "", file.read())
     path = f"{made}/{lesion}.toml"
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)

@@ -289,7 +289,8 @@ class Stock:
         text = os.path.join(made, "scene.toml")
         if lesion:
             with open(text, "a", encoding="utf-8") as file, open(os.path.join(ROOT, lesion), encoding="utf-8") as more:
-                file.write(more.read())
+                lines = more.read()
+                file.write(lines if bodies else re.sub(r"(?m)^inside = .*\n", "", lines))
         self.call("bake", text, "--points", "1000", "--poses", "0", "-o", scene)
         return scene
 
