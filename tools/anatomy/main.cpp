@@ -200,6 +200,10 @@ int make_heart(const Options &options)
         if (moves_with_heart(name)) sequence.bodies.push_back(moving_body(name, mesh, beat));
         if (name == "lumen") write_lumen_frames(options.folder / "lumen_beat", mesh, beat);
     };
+    if (!options.heart_only) { // mistakes are reported before the first file is written
+        (void)lesions_of(options, tree, is_whole ? bodies : std::vector<Body>{});
+        check_grid(tree, lumen_request(tree, options.fineness).voxel_mm);
+    }
     if (!is_whole) {
         make_folder(options);
         for (const Body &body : bodies) keep(body.name, make_mesh(options, body.name, body.request));

@@ -23,6 +23,9 @@ report "its folder of frames is a beat" $?
     ! grep -q "^\[\[body" "$work/bare/scene.toml" && grep -q "^\[motion" "$work/bare/scene.toml" &&
     [ "$(ls "$work/bare/lumen_beat" | wc -l)" -ge 24 ] && [ ! -e "$work/bare/skin.ply" ]
 report "without bodies its scene is the moving lumen alone" $?
+refuses "a lesion of an unknown branch is refused" 2 "NOPE" heart -o "$work/none" --no-bodies --lesion NOPE:75:14:22
+[ ! -e "$work/none" ]
+report "nothing is written then" $?
 
 # The borrowed beat for another heart.
 places=$(python3 "$here/check_beat.py" make "$work/heart" "$work/other.obj" "$tool")

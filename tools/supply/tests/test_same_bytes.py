@@ -28,7 +28,7 @@ BUILDS = (
     ("m7", "run", ("cournand-imxrt1062",)),
 )
 COMPARED = re.compile(r"\.(o|obj|a|elf|hex)$|/bin/[a-z]+$")
-SAMPLE = "build/host/base/CMakeFiles/crn_host_base.dir/terminal.cpp.o"
+SAMPLE = "build/host/base/CMakeFiles/crn_host_base.dir/Unity/unity_0_cxx.cxx.o"
 SKIPPED = re.compile(r"^(docs/images|hil_tests/.*\.rec|.*\.corpus$|shared/examples/scenes)")
 
 
@@ -87,7 +87,7 @@ def check_two_folders(report, work):
         "both folders have the same files, of every kind",
         [] if one.keys() == two.keys() and len(one) > 60 else ["%d and %d files" % (len(one), len(two))],
     )
-    for kind in (r"\.c\.o(bj)?$", r"\.cpp\.o$", r"\.a$", r"/bin/", r"\.elf$", r"\.hex$"):
+    for kind in (r"\.c\.o(bj)?$", r"\.c(pp|xx)\.o$", r"\.a$", r"/bin/", r"\.elf$", r"\.hex$"):
         names = [n for n in one if re.search(kind, n)]
         report.check(
             "two builds in two folders give the same bytes: %d files %s"
