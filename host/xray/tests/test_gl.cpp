@@ -567,14 +567,6 @@ int keep_driver(void **)
 
 } // namespace
 
-#ifdef __SANITIZE_ADDRESS__
-#define CHECKS_LEAKS 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define CHECKS_LEAKS 1
-#endif
-#endif
-#ifdef CHECKS_LEAKS
 // LeakSanitizer calls this function at the program's end. Its own tracer crashes there on the threads of
 // Mesa's llvmpipe (clang 14, Mesa 22.3.6), so leaks are not searched for; one test above bounds the growth of
 // memory.
@@ -582,7 +574,6 @@ extern "C" int __lsan_is_turned_off()
 {
     return 1;
 }
-#endif
 
 int main()
 {
