@@ -19,7 +19,6 @@ namespace
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr int look_ms = 200;
 constexpr std::uint32_t spare_ticks = 2000; // behind the tick of the break, in trials of a shorter session
 
 double seconds_since(Clock::time_point begin)
@@ -113,7 +112,7 @@ class Pool
     {
         std::vector<pollfd> polls;
         for (const Worker &worker : workers_) polls.push_back({worker.process.pipe, POLLIN, 0});
-        if (poll(polls.data(), polls.size(), look_ms) <= 0) return;
+        if (poll(polls.data(), polls.size(), check_every_ms) <= 0) return;
         for (std::size_t i = polls.size(); i-- > 0;) {
             if (polls[i].revents == 0) continue;
             char bytes[4096];

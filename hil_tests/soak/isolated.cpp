@@ -22,8 +22,6 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int check_every_ms = 200; // interval for checking the clock and Ctrl-C
-
 std::string without_tabs(std::string text)
 {
     std::replace_if(

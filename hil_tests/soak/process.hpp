@@ -8,6 +8,8 @@
 namespace soak
 {
 
+constexpr int check_every_ms = 200; // interval for checking the clock and Ctrl-C
+
 struct Process {
     pid_t who;
     int pipe; // carries its output; it is closed when the process ends

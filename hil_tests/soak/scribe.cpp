@@ -1,5 +1,6 @@
 #include "hil_tests/soak/scribe.hpp"
 #include "hil_tests/soak/draw.hpp"
+#include "host/script/tool.hpp"
 #include <algorithm>
 #include <cstdlib>
 
@@ -9,7 +10,6 @@ namespace soak
 namespace
 {
 
-const std::vector<std::string> tool_names = {"wire", "catheter", "guide"};
 constexpr double ramp_s = 0.2, regrasp_s = 0.35;
 constexpr int spare_mm = 50; // of a tool's length remain in the hand
 
@@ -33,7 +33,7 @@ int Scribe::depth_max_mm(std::size_t k) const
 void Scribe::begin(std::size_t k, int mm)
 {
     inserted_mm_[k] = mm;
-    lines_.push_back("begin " + tool_names[k] + " inserted " + number(mm) + " mm");
+    lines_.push_back("begin " + crn::tool_name(k) + " inserted " + number(mm) + " mm");
 }
 
 void Scribe::wait_ms(int ms)
@@ -58,7 +58,7 @@ void Scribe::end()
 
 void Scribe::push(std::size_t k, int mm, int mm_s, int stroke_mm)
 {
-    std::string text = (mm < 0 ? "withdraw " : "advance ") + tool_names[k] + " " + number(std::abs(mm)) +
+    std::string text = (mm < 0 ? "withdraw " : "advance ") + crn::tool_name(k) + " " + number(std::abs(mm)) +
                        " mm at " + number(mm_s) + " mm/s";
     double seconds = std::abs(mm) / static_cast<double>(mm_s) + ramp_s;
     if (stroke_mm > 0) {
@@ -80,15 +80,15 @@ void Scribe::push_together(int mm, int mm_s)
 
 void Scribe::turn(std::size_t k, int deg, int deg_s)
 {
-    piece("rotate " + tool_names[k] + " " + number(deg) + " deg at " + number(deg_s) + " deg/s",
+    piece("rotate " + crn::tool_name(k) + " " + number(deg) + " deg at " + number(deg_s) + " deg/s",
           std::abs(deg) / static_cast<double>(deg_s) + ramp_s);
 }
 
 void Scribe::push_until(std::size_t k, int mm, int mm_s)
 {
     const int way_mm = mm - inserted_mm_[k];
-    if (way_mm == 0) return piece("rotate " + tool_names[k] + " 0 deg", ramp_s);
-    piece((way_mm < 0 ? "withdraw " : "advance ") + tool_names[k] + " until inserted " + number(mm) +
+    if (way_mm == 0) return piece("rotate " + crn::tool_name(k) + " 0 deg", ramp_s);
+    piece((way_mm < 0 ? "withdraw " : "advance ") + crn::tool_name(k) + " until inserted " + number(mm) +
               " mm at " + number(mm_s) + " mm/s",
           std::abs(way_mm) / static_cast<double>(mm_s) + ramp_s);
     inserted_mm_[k] = mm;

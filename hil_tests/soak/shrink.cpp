@@ -1,5 +1,6 @@
 #include "hil_tests/soak/shrink.hpp"
 #include "host/base/interrupt.hpp"
+#include "host/script/tool.hpp"
 #include <algorithm>
 #include <chrono>
 #include <sstream>
@@ -11,8 +12,6 @@ namespace
 {
 
 using Clock = std::chrono::steady_clock;
-
-const std::vector<std::string> names_of_tools = {"wire", "catheter", "guide"};
 
 std::vector<std::string> words_of(const std::string &line)
 {
@@ -165,15 +164,16 @@ std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);
     for (std::size_t i = 0; i < words.size(); i++) {
-        const auto name = std::find(names_of_tools.begin(), names_of_tools.end(), words[i]);
-        std::size_t number = static_cast<std::size_t>(name - names_of_tools.begin());
+        std::size_t number = 0;
+        while (number < crn::session_tools_max && words[i] != crn::tool_name(number)) number++;
+        const bool is_name = number < crn::session_tools_max;
         const bool is_numbered = words[i] == "tool" && i + 1 < words.size();
         if (is_numbered) number = static_cast<std::size_t>(std::atoi(words[i + 1].c_str())) - 1;
-        if (name == names_of_tools.end() && !is_numbered) continue;
+        if (!is_name && !is_numbered) continue;
         if (number == tool) return "";
         if (number < tool) continue;
         (is_numbered ? words[i + 1] : words[i]) =
-            is_numbered ? std::to_string(number) : names_of_tools[number - 1];
+            is_numbered ? std::to_string(number) : crn::tool_name(number - 1);
     }
     return join(words, " ");
 }

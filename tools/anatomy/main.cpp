@@ -200,15 +200,12 @@ int make_heart(const Options &options)
         if (moves_with_heart(name)) sequence.bodies.push_back(moving_body(name, mesh, beat));
         if (name == "lumen") write_lumen_frames(options.folder / "lumen_beat", mesh, beat);
     };
-    if (!options.heart_only) { // mistakes are reported before the first file is written
-        (void)lesions_of(options, tree, is_whole ? bodies : std::vector<Body>{});
-        check_grid(tree, lumen_request(tree, options.fineness).voxel_mm);
-    }
-    if (!is_whole) {
+    if (options.heart_only)
         make_folder(options);
+    else
+        make_scene(options, tree, is_whole ? bodies : std::vector<Body>{}, keep);
+    if (!is_whole)
         for (const Body &body : bodies) keep(body.name, make_mesh(options, body.name, body.request));
-    }
-    if (!options.heart_only) make_scene(options, tree, is_whole ? bodies : std::vector<Body>{}, keep);
     write_sequence(options.folder / "beat", sequence);
     HeartFigures figures = heart_figures(sequence);
     figures.least_volume_factor = beat.least_volume_factor();

@@ -4,7 +4,6 @@
 #include "host/base/toml_reader.hpp"
 #include "tools/anatomy/heart_course.hpp"
 #include "tools/anatomy/organs.hpp"
-#include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 BUILD = os.environ.get("BUILD", "build")
 TURN = re.compile(r"^\s*(steer|engage|rotate)\b")
 WITH_TURN = re.compile(r"\s+while\s+rotate\b.*")
@@ -21,18 +22,30 @@ def without_turns(text):
 
 def scene_text(made, lesion):
     """Writes the text of a scene, which is the anatomy's text followed by the lesion's text, and returns the path of
-    the written file. The scene has no bodies, so the lesion's line `inside`, which names one, is left out."""
+    the written file."""
     path = f"{made}/scene.toml"
     if not lesion:
         return path
     with open(path, encoding="utf-8") as file:
         text = file.read()
-    with open(f"shared/examples/lesions/{lesion}.toml", encoding="utf-8") as file:
-        text += re.sub(r"(?m)^inside = .*\n", "", file.read())
+    text += lesion_text(lesion)
     path = f"{made}/{lesion}.toml"
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
     return path
+
+
+def lesion_text(lesion):
+    """Returns the lesion's table for a scene that has no bodies: the line `inside`, which names a body, is left out."""
+    with open(os.path.join(ROOT, "shared/examples/lesions", lesion + ".toml"), encoding="utf-8") as file:
+        return re.sub(r"(?m)^inside = .*\n", "", file.read())
+
+
+def unpack_shipped(folder):
+    """Unpacks the scene that ships into the folder, and returns the scene's path."""
+    program, archive = "tools/scenes/shipped.py", "shared/examples/scenes/aorta.tar.xz"
+    subprocess.run([os.path.join(ROOT, program), "unpack", os.path.join(ROOT, archive), "-o", folder], check=True)
+    return os.path.join(folder, "aorta.scene")
 
 
 class Sessions:
@@ -76,12 +89,6 @@ class Sessions:
             self.result(False, f"{anatomy}_is_made", said)
             self.end()
         return baked
-
-    def shipped(self):
-        """Returns the path of the scene that ships, unpacked."""
-        words = ["tools/scenes/shipped.py", "unpack", "shared/examples/scenes/aorta.tar.xz", "-o", self.folder]
-        subprocess.run(words, check=True)
-        return f"{self.folder}/aorta.scene"
 
     def run(self, script, scene, tools, stent=None):
         """Runs one session without pictures, and returns its exit code and its whole output."""

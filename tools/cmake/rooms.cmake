@@ -33,16 +33,21 @@ endfunction()
 
 # Code that runs once (command lines, tests) is compiled quickly, at this level.
 function(crn_quick target level)
-    if(CRN_QUICK STREQUAL "OFF")
+    if(NOT CRN_QUICK)
         set(level ${CRN_OPT})
     endif()
     crn_flags(${target} ${level})
     crn_prefix_header(${target} ${level})
 endfunction()
 
+# Compiles single sources at another level than the rest of their target.
+function(crn_sources_at level)
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS ${level} SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
+
 # A source of a program that measures is compiled with the level of the product.
 function(crn_optimised)
-    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O2" SKIP_PRECOMPILE_HEADERS ON)
+    crn_sources_at(-O2 ${ARGN})
 endfunction()
 
 function(crn_uses target scope)

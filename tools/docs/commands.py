@@ -35,7 +35,9 @@ import sys
 import tempfile
 import time
 
-from command_blocks import CLASSES, MarkError, commands
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "check"))
+import sessions  # noqa: E402
+from command_blocks import CLASSES, MarkError, commands  # noqa: E402
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 
@@ -255,9 +257,6 @@ class Scratch:
         shutil.rmtree(self.top, ignore_errors=True)
 
 
-SHIPPED = "shared/examples/scenes/aorta.tar.xz"
-
-
 class Stock:
     """Makes, once for all pages, the files that their commands need. These files are out/ as `make run` leaves this
     folder, build/anatomy and, for the run with --all, an artery with a lesion. The anatomy has no bodies (bones,
@@ -288,9 +287,8 @@ class Stock:
         self.call("anatomy", anatomy, *([] if bodies else ["--no-bodies"]), "--quiet", "-o", made)
         text = os.path.join(made, "scene.toml")
         if lesion:
-            with open(text, "a", encoding="utf-8") as file, open(os.path.join(ROOT, lesion), encoding="utf-8") as more:
-                lines = more.read()
-                file.write(lines if bodies else re.sub(r"(?m)^inside = .*\n", "", lines))
+            with open(text, "a", encoding="utf-8") as file:
+                file.write(sessions.lesion_text(lesion))
         self.call("bake", text, "--points", "1000", "--poses", "0", "-o", scene)
         return scene
 
@@ -306,14 +304,12 @@ class Stock:
         if bodies:
             scene = self.scene("aorta", "aorta", bodies=True)
         else:
-            scene = os.path.join(self.out, "aorta.scene")
-            words = [os.path.join(ROOT, "tools/scenes/shipped.py"), "unpack", SHIPPED, "-o", self.out]
-            subprocess.run(words, cwd=ROOT, check=True)
+            scene = sessions.unpack_shipped(self.out)
             self.call("anatomy", "aorta", "--no-bodies", "--quiet", "-o", os.path.join(self.anatomy, "aorta"))
         self.record(scene, "demo", ["j_wire"], "demo")
 
     def make_long(self):
-        scene = self.scene("heart", "lad_pci", "shared/examples/lesions/lad_middle.toml")
+        scene = self.scene("heart", "lad_pci", "lad_middle")
         tools = ["coronary_014", "balloon_3x20", "guide_jl3_6f"]
         stent = "shared/examples/stents/coronary_3_0x18.toml"
         self.record(scene, "pci_lad", tools, "pci", "--stent", stent)

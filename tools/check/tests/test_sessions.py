@@ -41,7 +41,7 @@ CHANGES = {
 
 if __name__ == "__main__":
     with sessions.Sessions() as run:
-        scene = run.shipped()
+        scene = sessions.unpack_shipped(run.folder)
         run.session("sessions/free_space", "", AORTA)
         for name, tools in CASES.items():
             run.session(name, scene, tools)
