@@ -107,8 +107,8 @@ static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
 
 /* The premature beat is commanded 100 ms after a QRS complex with a coupling interval of 60 %. The next QRS
  * complex comes at 60 % of the interval, and the output marks this beat as premature. The beat after the
- * premature one comes when the second regular beat would have come. The systole of the premature beat has the
- * length that belongs to the beat's short interval. */
+ * premature one comes when the second regular beat would have come. The systole of the premature beat lasts
+ * as long as the formula gives for a heart rate of 60000 / 514 beats a minute. */
 static void a_premature_beat_is_followed_by_its_pause(void **state)
 {
     (void)state;
