@@ -21,10 +21,13 @@ if [ ! -e "$folder/build.ninja" ] || [ "$want" != "$have" ] || [ -n "${CMAKE_ARG
     log=$(mktemp)
     trap 'rm -f "$log"' EXIT
     # shellcheck disable=SC2086
-    if ! cmake --preset "$preset" -B "$folder" "-DCRN_PARTS=$want" ${CMAKE_ARGS:-} >"$log" 2>&1; then
+    configure() { cmake --preset "$preset" -B "$folder" "-DCRN_PARTS=$want" ${CMAKE_ARGS:-} >"$log" 2>&1; }
+    # When the path to the compiler has changed, CMake deletes its cache and forgets the preset's values, such as the
+    # sanitizers. The second call sets them.
+    if configure && grep -q 'cache to be deleted' "$log"; then configure; fi || {
         cat "$log" >&2
         exit 1
-    fi
+    }
 fi
 quiet=--quiet
 [ ! -t 1 ] || quiet= # a person sees how far it is, in one line

@@ -159,12 +159,7 @@ class Sessions:
 
 def heart(run, test):
     """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart."""
-    scene = run.scene("heart")
+    scene = run.scene("heart", "lad_middle")
     test("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
     test("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
-    test(
-        "sessions/pci_lad",
-        run.scene("heart", "lad_middle"),
-        ["coronary_014", "balloon_3x20", "guide_jl3_6f"],
-        "coronary_3_0x18",
-    )
+    test("sessions/pci_lad", scene, ["coronary_014", "balloon_3x20", "guide_jl3_6f"], "coronary_3_0x18")

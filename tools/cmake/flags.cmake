@@ -81,7 +81,7 @@ else()
     set(CRN_PIXELS "-O3 -fno-math-errno -fno-trapping-math")
 endif()
 # Sanitized rooms are compiled without optimisation, which takes two thirds of the time, except these, which compute.
-set(CRN_COMPUTING host/model host/effects host/stent host/patient tools/mesh tools/mesh/files tools/centreline)
+set(CRN_COMPUTING host/model host/effects host/stent host/patient hil_tests/plant)
 # Fuzzers enter these rooms first. Elsewhere they learn little from comparisons, and tracing those doubles the time.
 set(CRN_FUZZED firmware/app firmware/app/safety firmware/app/haptics firmware/app/usb shared/scene host/base host/link
     host/session tools/mesh/files tools/centreline)

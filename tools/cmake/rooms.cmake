@@ -42,7 +42,7 @@ endfunction()
 
 # Compiles single sources at another level than the rest of their target.
 function(crn_sources_at level)
-    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS ${level} SKIP_PRECOMPILE_HEADERS ON)
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "${level}" SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
 # A source of a program that measures is compiled with the level of the product.

@@ -7,6 +7,8 @@
 #include <string.h>
 
 enum { EDGE = 8, SUPPORT = 12 /* 10 coefficients and one more sample on either side for the prefilter */ };
+enum { STRETCH = 8 /* segments of the path that are looked at together */ };
+#define SEGMENT_MAX_M 0.00101 /* the path has a point at every millimetre */
 static const double voxel0_m = 1048576.0 / 1073741824.0;
 
 /* --- path ----------------------------------------------------------------------------------------------- */
@@ -47,7 +49,7 @@ static uint32_t add_piece(double (*points)[3], uint32_t count, frame *f, const r
 
 /* --- distance ------------------------------------------------------------------------------------------- */
 
-static double segment_distance(const double *p, const double *a, const double *b)
+static double segment_distance_squared(const double *p, const double *a, const double *b)
 {
     double ab[3], ap[3], dot = 0, length2 = 0, square = 0;
     for (int k = 0; k < 3; k++) {
@@ -59,18 +61,47 @@ static double segment_distance(const double *p, const double *a, const double *b
     double s = dot / length2;
     s = s < 0 ? 0 : (s > 1 ? 1 : s);
     for (int k = 0; k < 3; k++) square += (ap[k] - s * ab[k]) * (ap[k] - s * ab[k]);
-    return sqrt(square);
+    return square;
 }
 
+static double point_distance_squared(const double *p, const double *q)
+{
+    double square = 0;
+    for (int k = 0; k < 3; k++) square += (p[k] - q[k]) * (p[k] - q[k]);
+    return square;
+}
+
+/* Returns the distance to the nearest of every eighth point of the path, which is an upper bound of the distance to the
+ * path. */
+static double bound_m(const reference_tube *tube, const double *p, uint32_t from, uint32_t to)
+{
+    double best = 1e18;
+    for (uint32_t i = from; i + 1 < to; i += STRETCH) {
+        double square = point_distance_squared(p, tube->points_m[i]);
+        best = square < best ? square : best;
+    }
+    return sqrt(best) + 1e-12; /* so much for rounding */
+}
+
+/* Returns the distance to the path between two of its points. A stretch of the path, or a segment, is skipped if even
+ * its length would not bring it near enough. */
 static double nearest(const reference_tube *tube, const double *p, uint32_t from, uint32_t to)
 {
-    double best = 1e9;
-    for (uint32_t i = from; i + 1 < to; i++) {
-        if (i + 1 == tube->branch) continue;
-        double d = segment_distance(p, tube->points_m[i], tube->points_m[i + 1]);
-        best = d < best ? d : best;
+    double best = 1e18; /* squared */
+    double bound = bound_m(tube, p, from, to);
+    double stretch_m = bound + SEGMENT_MAX_M * STRETCH, segment_m = bound + SEGMENT_MAX_M;
+    for (uint32_t first = from; first + 1 < to; first += STRETCH) {
+        uint32_t last = first + STRETCH < to - 1 ? first + STRETCH : to - 1;
+        int holds_jump = tube->branch > first && tube->branch <= last;
+        if (!holds_jump && point_distance_squared(p, tube->points_m[first]) > stretch_m * stretch_m) continue;
+        for (uint32_t i = first; i < last; i++) {
+            if (i + 1 == tube->branch) continue;
+            if (point_distance_squared(p, tube->points_m[i]) > segment_m * segment_m) continue;
+            double square = segment_distance_squared(p, tube->points_m[i], tube->points_m[i + 1]);
+            best = square < best ? square : best;
+        }
     }
-    return best;
+    return sqrt(best);
 }
 
 /* Converts the distance to a tube's axis into the distance to its wall. For a tapered tube the result is
@@ -147,6 +178,13 @@ typedef struct builder {
     uint32_t bricks, rows, level;
 } builder;
 
+/* Returns an array of `count` items with space for one more. The array doubles when it is full. */
+static void *enlarged(void *array, uint32_t count, size_t item_bytes)
+{
+    if ((count & (count - 1)) != 0) return array;
+    return realloc(array, (count == 0 ? 1 : 2 * (size_t)count) * item_bytes);
+}
+
 /* Makes the index entry for the cube at `corner` whose edge has 8 voxels. */
 static uint16_t make_entry(builder *b, const double *corner, uint32_t level)
 {
@@ -157,12 +195,12 @@ static uint16_t make_entry(builder *b, const double *corner, uint32_t level)
     if (d > band) return CRN_LUMEN_ENTRY_OUTSIDE;
     if (d < -band) return CRN_LUMEN_ENTRY_INSIDE;
     if (level == b->level) {
-        b->samples = realloc(b->samples, (size_t)(b->bricks + 1) * CRN_LUMEN_BRICK_SAMPLES);
+        b->samples = enlarged(b->samples, b->bricks, CRN_LUMEN_BRICK_SAMPLES);
         fill_brick(b->tube, corner, voxel, b->samples + (size_t)b->bricks * CRN_LUMEN_BRICK_SAMPLES);
         return (uint16_t)(CRN_LUMEN_ENTRY_FIRST_BRICK + b->bricks++);
     }
+    b->children = enlarged(b->children, b->rows, 8 * sizeof *b->children);
     uint32_t row = b->rows++;
-    b->children = realloc(b->children, b->rows * 8 * sizeof *b->children);
     for (uint32_t k = 0; k < 8; k++) {
         double c[3] = {corner[0] + (k & 1) * 4 * voxel, corner[1] + (k >> 1 & 1) * 4 * voxel,
                        corner[2] + (k >> 2) * 4 * voxel};

@@ -2,8 +2,8 @@
 """Tests that each shipped session in the beating heart reaches the end that its script states. Contrast medium flows in
 these sessions, but no pictures are made. test_heart_turns.py tests that a session fails if its tools are not turned.
 
-The sessions use the scene of `make coronary` without the bodies that only pictures need. The scene of the angioplasty
-session also contains the lesion that the session treats.
+The sessions use the scene of `make coronary` with a lesion in the LAD, without the bodies that
+only pictures need. The lesion lies beyond the ostia, where the first two sessions end.
 """
 
 import os

@@ -2,8 +2,8 @@
 """Tests that the shipped sessions in the beating heart fail to reach their expected ends if the tools are not turned.
 Medium flows without pictures.
 
-The sessions use the scene of `make coronary` without the bodies that only pictures need. The scene of the angioplasty
-session also contains the lesion that the session treats.
+The sessions use the scene of `make coronary` with a lesion in the LAD, without the bodies that
+only pictures need. The lesion lies beyond the ostia, where the first two sessions end.
 """
 
 import os
