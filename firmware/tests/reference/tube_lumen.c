@@ -71,8 +71,8 @@ static double point_distance_squared(const double *p, const double *q)
     return square;
 }
 
-/* Returns the distance to the nearest of every eighth point of the path, which is an upper bound of the distance to the
- * path. */
+/* Returns the distance to the nearest of every eighth point of the path, which is an upper bound of the
+ * distance to the path. */
 static double bound_m(const reference_tube *tube, const double *p, uint32_t from, uint32_t to)
 {
     double best = 1e18;
@@ -83,8 +83,8 @@ static double bound_m(const reference_tube *tube, const double *p, uint32_t from
     return sqrt(best) + 1e-12; /* so much for rounding */
 }
 
-/* Returns the distance to the path between two of its points. A stretch of the path, or a segment, is skipped if even
- * its length would not bring it near enough. */
+/* Returns the distance to the path between two of its points. A stretch of the path, or a segment, is skipped
+ * if even its length would not bring it near enough. */
 static double nearest(const reference_tube *tube, const double *p, uint32_t from, uint32_t to)
 {
     double best = 1e18; /* squared */
