@@ -386,9 +386,11 @@ int run(int argc, char **argv)
     add_making_options(*phantom, options);
     add_making_options(*access, options);
     add_making_options(*heart, options);
-    heart->add_flag("--heart-only", options.heart_only,
-                    "only the heart and its vessels, without scene and lumen");
-    BeatOptions beat_options; // their help states where the heart that ships has its landmarks
+    heart
+        ->add_flag("--heart-only", options.heart_only,
+                   "only the heart and its vessels, without scene and lumen")
+        ->excludes("--lesion"); // a lesion belongs to a scene
+    BeatOptions beat_options;   // their help states where the heart that ships has its landmarks
     if (argc > 1 && std::string_view(argv[1]) == "beat") add_beat_options(*beat, beat_options);
     std::filesystem::path folder;
     checked->add_option("FOLDER", folder, "the folder of OBJ files")->required();

@@ -251,11 +251,20 @@ GivenEntry read_entry(const TomlTable &root)
 std::string extended_file(const TomlTable &root)
 {
     const std::string text = line_of(root["extends"], TEXT_BYTES_MAX), shipped = "shipped:";
-    if (!text.starts_with(shipped)) return (std::filesystem::path(root.file()).parent_path() / text).string();
+    if (!text.starts_with(shipped)) {
+        const std::filesystem::path path = std::filesystem::path(root.file()).parent_path() / text;
+        if (!std::filesystem::is_regular_file(path))
+            root["extends"].fail_key("names " + path.string() + ", but there is no such file");
+        return path.string();
+    }
     const std::string name = text.substr(shipped.size());
     if (name.find('/') != std::string::npos)
         root["extends"].fail_key("has a path behind 'shipped:', where only a name belongs");
-    return shipped_vessel_file(name);
+    try {
+        return shipped_vessel_file(name);
+    } catch (const std::runtime_error &error) {
+        root["extends"].fail(error.what());
+    }
 }
 
 TreeDraft read_draft(const std::string &path, size_t depth);
@@ -338,12 +347,17 @@ std::string shipped_vessel_file(const std::string &name)
         places.push_back(folder / "shared/examples/anatomies");
     }
     places.emplace_back("shared/examples/anatomies");
-    for (const fs::path &place : places)
+    std::vector<std::string> others;
+    for (const fs::path &place : places) {
         if (fs::is_regular_file(place / name, failure)) return (place / name).string();
-    throw std::runtime_error(
-        "there is no file " + name +
-        " in shared/examples/anatomies, nor in share/cournand/examples/anatomies where it is "
-        "installed: run the program in the repository, or install it by make install");
+        for (const auto &entry : fs::directory_iterator(place, failure))
+            others.push_back(entry.path().filename().string());
+    }
+    const std::string text = "there is no file " + name + " in shared/examples/anatomies";
+    if (!others.empty()) throw std::runtime_error(text + crn::suggestion(name, others));
+    throw std::runtime_error(text +
+                             ", nor in share/cournand/examples/anatomies where it is installed: run the "
+                             "program in the repository, or install it by make install");
 }
 
 VesselTree shipped_vessels(const std::string &name)

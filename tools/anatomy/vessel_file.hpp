@@ -46,7 +46,7 @@ void add_vessel(TreeDraft &draft, GivenVessel given);
 /* Makes the vessel tree and finds the point where the guidewire enters the tree. Throws crn::FileError when a
  * vessel does not begin inside its parent, or when the entry point is not on its vessel. `file` is the user's
  * file; error messages name this file and not the files that it extends. */
-VesselTree tree_of(const TreeDraft &draft, const std::string &file);
+VesselTree tree_of(TreeDraft draft, const std::string &file);
 
 /* Reads a vessel file and the vessel files that this file extends. Throws crn::FileError with a message of
  * the form "FILE:LINE:COLUMN: vessel, station: what is wrong". */

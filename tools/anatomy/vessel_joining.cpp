@@ -48,6 +48,9 @@ size_t place_in(const TreeDraft &draft, const GivenVessel &given)
         if (same == draft.vessels.size())
             fail(given.place, name,
                  "replaces no vessel" + crn::suggestion(name, names_of(draft.vessels, draft.vessels.size())));
+        if (draft.vessels[same].vessel.name != name)
+            fail(given.place, name,
+                 "replaces '" + draft.vessels[same].vessel.name + "': spell the name like that");
         if (draft.vessels[same].place.file == given.place.file)
             fail(given.place, name, "replaces a vessel of the same file: leave one of them out");
         if (draft.vessels[same].is_coronary != given.is_coronary)
@@ -82,11 +85,14 @@ void check_parent(const TreeDraft &draft, const GivenVessel &given, size_t at)
     if (parent.empty())
         fail(given.place, name,
              "'parent' is missing: the vessel in which it begins; only the first vessel has none");
+    if (parent == name) fail(given.place, name, "is its own 'parent'");
     const std::vector<std::string> before = names_of(draft.vessels, at);
-    if (std::find(before.begin(), before.end(), parent) == before.end())
-        fail(given.place, name,
-             "'parent': there is no vessel '" + parent + "' before this one" +
-                 crn::suggestion(parent, before));
+    if (std::find(before.begin(), before.end(), parent) != before.end()) return;
+    const std::vector<std::string> all = names_of(draft.vessels, draft.vessels.size());
+    if (std::find(all.begin(), all.end(), parent) != all.end())
+        fail(given.place, name, "'parent': '" + parent + "' comes after this vessel: put the parent first");
+    fail(given.place, name,
+         "'parent': there is no vessel '" + parent + "' before this one" + crn::suggestion(parent, before));
 }
 
 /* If a coronary artery begins in the aorta, the file must state its side (left or right); every other
@@ -147,6 +153,16 @@ void set_entry(const GivenEntry &entry, VesselTree &tree)
     tree.entry_direction = -curve_tangent(curve, at);
 }
 
+/* A replaced coronary artery may have changed its side, and its branches follow it. */
+void set_beds_of_branches(TreeDraft &draft)
+{
+    for (GivenVessel &given : draft.vessels) {
+        if (!given.is_coronary) continue;
+        const GivenVessel &parent = draft.vessels[index_of(draft.vessels, given.vessel.parent)];
+        if (parent.is_coronary) given.vessel.bed = parent.vessel.bed;
+    }
+}
+
 } // namespace
 
 void add_vessel(TreeDraft &draft, GivenVessel given)
@@ -160,8 +176,9 @@ void add_vessel(TreeDraft &draft, GivenVessel given)
         draft.vessels.insert(draft.vessels.begin() + static_cast<std::ptrdiff_t>(at), std::move(given));
 }
 
-VesselTree tree_of(const TreeDraft &draft, const std::string &file)
+VesselTree tree_of(TreeDraft draft, const std::string &file)
 {
+    set_beds_of_branches(draft);
     VesselTree tree;
     tree.title = draft.title;
     tree.is_in_patient = draft.is_in_patient;

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/ usr / bin / env python3
 """Tests the files of vessels. The shipped files of vessels are valid. If a point of a vessel is moved in the file, the
 resulting vessel moves. For each mistake in a file of vessels, the program refuses the file and names file, line and
 key. The program either reads or refuses a damaged file, and it never crashes. Prints TAP."""
@@ -56,6 +56,19 @@ stations = [
     { position_mm = [34, -60, -15], diameter_mm = 6.1, name = "left renal", source = "moved by 11 mm" },
 ]
 """
+RIGHT_MAIN = """format = 1
+extends = "shipped:heart.toml"
+title = "Every coronary artery on the right side"
+[[coronary]]
+name = "LM"
+replaces = true
+parent = "aorta"
+side = "right"
+stations = [
+    { position_mm = [6, 151, 18], diameter_mm = 4.8 },
+    { position_mm = [29, 138.5, 14.5], diameter_mm = 4.2 },
+]
+"""
 HEART = """format = 1
 extends = "shipped:aorta.toml"
 title = "One coronary artery"
@@ -72,8 +85,8 @@ stations = [
     { height = 0.9, angle_deg = 300, diameter_mm = 3 },
 ]
 """
-# Each entry has a valid file's text, the words to replace, the new words, and expected words of the error message.
-# In the expected words, "LINE" or "LINE #" stands for the file's name and the line of the replaced words.
+#Each entry has a valid file's text, the words to replace, the new words, and expected words of the error message.
+#In the expected words, "LINE" or "LINE #" stands for the file's name and the line of the replaced words.
 MISTAKES = (
     (OWN, "fillet_mm", "filet_mm", "LINE:12: unknown key 'filet_mm', did you mean 'fillet_mm'?"),
     (OWN, "format = 1", "format = 2", "LINE:10: 'format' must be 1; this file is of another version"),
@@ -101,7 +114,7 @@ MISTAKES = (
     (OWN, '[[vessel]]\nname = "branch"\n', "[[vessel]]\n", "LINE:1: [[vessel]]: 'name' is missing"),
     (OWN, 'parent = "pipe"\n', "", "vessel 'branch': 'parent' is missing"),
     (OWN, 'parent = "pipe"', 'parent = "pipes"', "there is no vessel 'pipes' before this one, did you mean 'pipe'?"),
-    (OWN, 'parent = "pipe"', 'parent = "branch"', "there is no vessel 'branch' before this one"),
+    (OWN, 'parent = "pipe"', 'parent = "branch"', "vessel 'branch': is its own 'parent'"),
     (OWN, 'name = "pipe"\nst', 'name = "pipe"\nparent = "branch"\nst', "is the first vessel, where blood enters"),
     (OWN, "value = 300", "value = 3e9", "LINE:15: vessel 'branch': 'flow_ml_min' = 3e+09 is outside 0.1 .. 10000"),
     (OWN, '{ value = 300, source = "@own" }', "300", "LINE:15: vessel 'branch': 'flow_ml_min' must be { value"),
@@ -124,9 +137,17 @@ MISTAKES = (
     (OWN, "stations = [", "stations = 3 #[", ""),
     (OWN, OWN[OWN.index("[sources]") :], "[entry]\nvessel = 'pipe'\ny_mm = 1\n", "has no vessel"),
     (OWN, "fillet_mm = 2", "fillet_mm = 2\ncoronary_fillet_mm = 1", "'coronary_fillet_mm' without a [[coronary]]"),
-    (EXTENDING, "aorta.toml", "aortic.toml", "there is no file aortic.toml in shared/examples/anatomies"),
+    (EXTENDING, "aorta.toml", "aortic.toml", "LINE: there is no file aortic.toml in shared/examples/anatomies"),
     (EXTENDING, "shipped:aorta.toml", "shipped:../sessions/demo.session", "'extends' has a path behind 'shipped:'"),
-    (EXTENDING, "shipped:aorta.toml", "gone.toml", "gone.toml: no such file"),
+    (EXTENDING, "shipped:aorta.toml", "shipped:aort.toml", "anatomies, did you mean 'aorta.toml'?"),
+    (EXTENDING, "shipped:aorta.toml", "gone.toml", "LINE: 'extends' names "),
+    (EXTENDING, "left renal artery", "Left renal artery", "replaces 'left renal artery': spell the name like that"),
+    (
+        EXTENDING,
+        'name = "left renal artery"\nreplaces = true\nparent = "aorta"',
+        'name = "brachiocephalic artery"\nreplaces = true\nparent = "right subclavian artery"',
+        "'parent': 'right subclavian artery' comes after this vessel: put the parent first",
+    ),
     (EXTENDING, "shipped:aorta.toml", "bad.toml", "over 8 files extend each other: is there a circle?"),
     (EXTENDING, "format = 1", 'format = 1\nframe = "patient"', "'frame' is that of the file in 'extends'"),
     (EXTENDING, "replaces = true", "", "; to replace it, write replaces = true"),
@@ -233,6 +254,12 @@ def check_kinds(bench):
     thin = bench.write("thin.toml", OWN.replace("diameter_mm = 6 }", "diameter_mm = 1.2 }"))
     words = "'branch' is 1.2 mm wide, too narrow for a grid of 0.8 mm: give --lumen-mm 0.69"
     bench.ends("a vessel that the grid would miss is refused", 2, words, "access", "--vessels", thin, "-o", out)
+    right = bench.write("right.toml", RIGHT_MAIN)
+    words = "has no [[coronary]] of the left side"
+    bench.ends("branches follow the side of a replaced artery", 2, words, "heart", "--vessels", right, "-o", out)
+    words = "--heart-only excludes --lesion"
+    lesion = ("--heart-only", "--lesion", "LAD:75:14:22")
+    bench.ends("a heart without a scene takes no lesion", 2, words, "heart", *lesion, "-o", out)
     bench.ends("an absent file is named", 1, "gone.toml: no such file", "aorta", "--vessels", "gone.toml", "-o", out)
     bench.ends("a folder is no file", 1, "no such file: give a file of vessels", "list", bench.folder + "/")
     bench.ends("an empty name is refused as usage", 2, "is empty", "aorta", "--vessels", "", "-o", out)
