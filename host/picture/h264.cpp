@@ -36,6 +36,16 @@ constexpr int cb_green = -cb_red - cb_blue;
 constexpr int cr_red = fixed((1 - red_share) * cr_scale), cr_blue = fixed(-blue_share * cr_scale);
 constexpr int cr_green = -cr_red - cr_blue;
 
+// The largest bit rate of each level in the profile High (H.264, tables ), in kbit/s. openh264
+// chooses the level by the number of pixels, because it does not know the bit rate when it starts.
+struct Level {
+    std::uint8_t number; // ten times the level's name
+    long long kbit_per_s;
+};
+constexpr Level levels[] = {{10, 80},    {11, 240},   {12, 480},   {13, 960},   {20, 2500},   {21, 5000},
+                            {30, 12500}, {31, 17500}, {32, 25000}, {41, 62500}, {50, 168750}, {51, 300000}};
+constexpr std::size_t level_at = 3; // in the sequence parameters
+
 void convert_brightness(const Image &image, std::uint8_t *out)
 {
     const std::uint8_t *rgb = image.bytes.data();
@@ -170,7 +180,8 @@ void H264Encoder::start()
     const SEncParamExt all = parameters_of(*encoder_, width_, height_, pictures_per_s_);
     if (encoder_->InitializeExt(&all) != cmResultSuccess)
         fail("does not encode " + std::to_string(width_) + " x " + std::to_string(height_) + " pixels at " +
-             std::to_string(pictures_per_s_) + " pictures per second");
+                 std::to_string(pictures_per_s_) + " pictures per second",
+             "choose a smaller --size");
     SFrameBSInfo info;
     std::memset(&info, 0, sizeof info);
     if (encoder_->EncodeParameterSets(&info) != cmResultSuccess) fail("gives no parameters");
@@ -180,6 +191,30 @@ void H264Encoder::start()
         if (type == type_picture_parameters) picture_parameters_.assign(unit.begin(), unit.end());
     });
     if (sequence_parameters_.size() < 4 || picture_parameters_.empty()) fail("gives no parameters");
+}
+
+void H264Encoder::count(std::size_t picture_bytes)
+{
+    last_second_.push_back(picture_bytes);
+    last_second_bytes_ += picture_bytes;
+    if (last_second_.size() > static_cast<std::size_t>(pictures_per_s_)) {
+        last_second_bytes_ -= last_second_.front();
+        last_second_.pop_front();
+    }
+    busiest_second_bytes_ = std::max(busiest_second_bytes_, last_second_bytes_);
+}
+
+std::vector<std::uint8_t> H264Encoder::sequence_parameters() const
+{
+    std::vector<std::uint8_t> parameters = sequence_parameters_;
+    const auto permits = [&](const Level &level) {
+        return level.kbit_per_s * 1000 >= 8 * static_cast<long long>(busiest_second_bytes_);
+    };
+    const auto found = std::ranges::find_if(levels, permits);
+    const std::uint8_t needed =
+        found == std::end(levels) ? levels[std::size(levels) - 1].number : found->number;
+    parameters[level_at] = std::max(parameters[level_at], needed);
+    return parameters;
 }
 
 H264Encoder::Picture H264Encoder::encode(const Image &image)
@@ -215,14 +250,15 @@ H264Encoder::Picture H264Encoder::encode(const Image &image)
         bytes_.insert(bytes_.end(), unit.begin(), unit.end());
     });
     if (info.eFrameType == videoFrameTypeSkip || bytes_.empty()) fail("dropped a picture");
+    count(bytes_.size());
     return {bytes_, info.eFrameType == videoFrameTypeIDR};
 }
 
-void H264Encoder::fail(const std::string &what) const
+void H264Encoder::fail(const std::string &what, const std::string &remedy) const
 {
     const std::string said = said_;
-    throw std::runtime_error("the library openh264 " + what + (said.empty() ? "" : " (" + said + ")") +
-                             "; choose a smaller --size");
+    throw std::runtime_error("the library openh264 " + what + (said.empty() ? "" : " (" + said + ")") + "; " +
+                             remedy);
 }
 
 } // namespace crn

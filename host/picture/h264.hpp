@@ -3,6 +3,7 @@
 // headers.
 #pragma once
 #include "host/picture/picture.hpp"
+#include <deque>
 #include <memory>
 #include <span>
 
@@ -33,8 +34,9 @@ class H264Encoder
     // RGB of the given size. The returned bytes are valid until the next call.
     Picture encode(const Image &image);
     // Return the two parameter sets (SPS and PPS) that a decoder needs before the first picture, without
-    // start codes.
-    const std::vector<std::uint8_t> &sequence_parameters() const { return sequence_parameters_; }
+    // start codes. After the last picture, the level in the sequence parameters permits the bit rate of the
+    // film's busiest second.
+    std::vector<std::uint8_t> sequence_parameters() const;
     const std::vector<std::uint8_t> &picture_parameters() const { return picture_parameters_; }
 
   private:
@@ -44,10 +46,14 @@ class H264Encoder
     static void keep_message(void *self, int level, const char *text);
     void start();
     void silence();
-    [[noreturn]] void fail(const std::string &what) const;
+    void count(std::size_t picture_bytes);
+    [[noreturn]] void fail(const std::string &what,
+                           const std::string &remedy = "write pictures instead (--png)") const;
 
     int width_, height_, pictures_per_s_;
     long long pictures_ = 0;
+    std::deque<std::size_t> last_second_; // bytes of each picture
+    std::size_t last_second_bytes_ = 0, busiest_second_bytes_ = 0;
     char said_[160] = {}; // by the library: its last error
     std::vector<std::uint8_t> planes_, bytes_, sequence_parameters_, picture_parameters_;
     std::unique_ptr<ISVCEncoder, End> encoder_;

@@ -99,12 +99,6 @@ class Sessions:
             words += ["--stent", f"shared/examples/stents/{stent}.toml"]
         return self.call("cournand", "run", "--quiet", *words, "--session", script)
 
-    def session(self, name, scene, tools, stent=None):
-        """Tests that the session reaches the end that its script states, and that it does not reach this end if the
-        tools are not turned."""
-        self.reaches(name, scene, tools, stent)
-        self.misses(name, scene, tools, stent)
-
     def reaches(self, name, scene, tools, stent=None):
         """Tests that the session's script states an expected end and that the session reaches this end."""
         path = f"shared/examples/{name}.session"
@@ -155,6 +149,36 @@ class Sessions:
         """Prints the TAP plan and returns the exit code."""
         print(f"1..{self.number}")
         sys.exit(1 if self.failed else 0)
+
+
+AORTA = ["j_wire"]
+CASES = {  # session: tools
+    "sessions/demo": AORTA,
+    "sessions/iliac_to_arch": AORTA,
+    "sessions/room": AORTA,
+    "sessions/over_the_wire": ["bentson", "beacon_5f"],
+    "sessions/renal": ["bentson", "pigtail_5f"],
+    "gallery/arch": AORTA,
+    "gallery/pelvis": AORTA,
+    "gallery/chest": AORTA,
+    "gallery/loin": AORTA,
+}
+
+
+def aorta(run, test):
+    """Calls the function `test`, which is run.reaches or run.misses, for every session in the aorta or without a scene.
+    Returns the path of the shipped scene."""
+    scene = unpack_shipped(run.folder)
+    test("sessions/free_space", "", AORTA)
+    for name, tools in CASES.items():
+        test(name, scene, tools)
+    test(
+        "sessions/pci_renal",
+        run.scene("aorta", "renal_ostium"),
+        ["terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"],
+        "renal_6_0x18",
+    )
+    return scene
 
 
 def heart(run, test):

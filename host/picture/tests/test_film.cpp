@@ -212,6 +212,22 @@ static void film_has_a_key_picture_every_two_seconds(void **)
     std::filesystem::remove(path);
 }
 
+// A decoder in hardware may refuse a film whose level does not permit its bit rate. The level 1.3 permits 960
+// kbit/s in the profile High, and the level 1.2 only 480 (H.264, tables ).
+static void film_states_a_level_that_permits_its_bit_rate(void **)
+{
+    const std::string path = all_files().file("a.mp4");
+    write_noise(path, 65);
+    const std::string said =
+        output_of("ffprobe -v error -show_entries stream=level,bit_rate -of csv=p=0 " + path);
+    int level = 0;
+    double bit_per_s = 0;
+    if (std::sscanf(said.c_str(), "%d,%lf", &level, &bit_per_s) != 2) fail_msg("%s", said.c_str());
+    if (bit_per_s < 500e3 || bit_per_s > 900e3) fail_msg("%.0f bit/s, so it needs another level", bit_per_s);
+    assert_int_equal(level, 13);
+    std::filesystem::remove(path);
+}
+
 static void film_has_its_index_before_the_pictures(void **)
 {
     const std::string path = all_files().file("a.mp4");
@@ -456,6 +472,7 @@ int main()
         cmocka_unit_test(film_shows_what_was_given),
         cmocka_unit_test(film_keeps_the_noise_of_a_picture),
         cmocka_unit_test(film_has_a_key_picture_every_two_seconds),
+        cmocka_unit_test(film_states_a_level_that_permits_its_bit_rate),
         cmocka_unit_test(film_has_its_index_before_the_pictures),
         cmocka_unit_test(same_pictures_give_the_same_bytes),
         cmocka_unit_test(film_without_pictures_is_a_file),

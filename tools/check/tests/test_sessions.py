@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests every shipped session that runs in the aorta or without a scene. Each session must reach the end that its
-script states, and must miss this end if the tools are not turned.
+"""Tests that every shipped session in the aorta or without a scene reaches the end that its script states.
+test_turns.py tests that a session misses this end if its tools are not turned.
 
 The test makes anatomy and scene as `make run` does, but without the bodies that only pictures need. The resulting scene
 file equals the scene file of `make run` byte for byte. The session of the renal angioplasty has its own scene, which
@@ -13,19 +13,6 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import sessions  # noqa: E402
-
-AORTA = ["j_wire"]
-CASES = {  # session: tools
-    "sessions/demo": AORTA,
-    "sessions/iliac_to_arch": AORTA,
-    "sessions/room": AORTA,
-    "sessions/over_the_wire": ["bentson", "beacon_5f"],
-    "sessions/renal": ["bentson", "pigtail_5f"],
-    "gallery/arch": AORTA,
-    "gallery/pelvis": AORTA,
-    "gallery/chest": AORTA,
-    "gallery/loin": AORTA,
-}
 
 # These changes are small, because no measurement gives the quantities to the per cent. The course of the session
 # changes, and its end must not.
@@ -41,16 +28,7 @@ CHANGES = {
 
 if __name__ == "__main__":
     with sessions.Sessions() as run:
-        scene = sessions.unpack_shipped(run.folder)
-        run.session("sessions/free_space", "", AORTA)
-        for name, tools in CASES.items():
-            run.session(name, scene, tools)
-        run.session(
-            "sessions/pci_renal",
-            run.scene("aorta", "renal_ostium"),
-            ["terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"],
-            "renal_6_0x18",
-        )
+        scene = sessions.aorta(run, run.reaches)
         for name, changes in CHANGES.items():
             run.changed("sessions/demo", scene, "j_wire", name, changes)
         run.end()

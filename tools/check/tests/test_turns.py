@@ -1,0 +1,18 @@
+#!/usr/bin/env python3
+"""Tests that each shipped session fails to reach its expected end if its tools are not turned. test_sessions.py and
+test_heart_sessions.py test that the unchanged sessions reach it.
+
+Contrast medium flows in these sessions, but no pictures are made. The scenes have no bodies that only pictures need.
+"""
+
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import sessions  # noqa: E402
+
+if __name__ == "__main__":
+    with sessions.Sessions() as run:
+        sessions.aorta(run, run.misses)
+        sessions.heart(run, run.misses)
+        run.end()
