@@ -1,4 +1,4 @@
-/* This fuzz target confronts the device with hosts and USB buses that behave arbitrarily. The input is a list
+/* This fuzz target connects the device to a host and a USB bus that behave arbitrarily. The input is a list
  * of operations on the token mailbox, so that the fuzzer reaches every state:
  *
  *   op u8 modulo 12:
@@ -11,9 +11,9 @@
  *    4 a change of the bus: u8 modulo 6              low, index, to whom
  *    5 the device polls, times u8 modulo 32
  *
- * After every operation, the internal data of the device's USB stack must be consistent. At the end, a host
- * must be able to enumerate the device again and use it. The fuzz target reads at most 128 operations from an
- * input, so that a run ends in time. */
+ * After every operation, the internal data of the device's USB stack must be consistent. At the end of each
+ * input, a host must be able to enumerate the device again and use it. The fuzz target reads at most 128
+ * operations from an input, so that one input does not take too long. */
 #include <stdlib.h>
 #include <string.h>
 

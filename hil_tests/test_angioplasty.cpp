@@ -1,10 +1,10 @@
 // These tests check balloon and stent in whole sessions, from the script to the recording. The stent must be
 // opened and deployed, and must keep the lumen as wide as the balloon has opened it. The core receives the
 // stent as part of the recorded inputs, so a replay with or without pictures is equal bit for bit. After a
-// failure the session must report the outcome, and no record may be lost. The tests cause these failures: a
-// balloon that is pulled under pressure, that bursts, that is released without a wall, or that is inflated in
-// a guiding catheter; and a loss of power. The scene is an artery of 3 mm behind a wide vessel of 10 mm, with
-// a stenosis of 50 % that a balloon can open; the tests bake this scene.
+// failure the session must report the outcome, and the recording must be complete. The tests cause these
+// failures: a balloon is pulled under pressure, bursts, is released without a wall, or is inflated in a
+// guiding catheter; and the device loses its power. The scene is an artery of 3 mm behind a wide vessel of 10
+// mm, with a stenosis of 50 % that a balloon can open; the tests bake this scene.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -27,7 +27,7 @@
 #include "host/session/replay.hpp"
 #include "host/session/run.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -155,8 +155,8 @@ struct Case {
         const auto third = static_cast<std::ptrdiff_t>(open.size() / 3);
         return *std::min_element(open.begin() + third, open.end() - third);
     }
-    // Replays the recording without comparing hashes; `at_end` receives the shape of the set of nested tools
-    // at the end.
+    // Replays the recording. If `at_end` is given, the function does not compare hashes, and writes the shape
+    // of the nested tools at the end of the replay to `at_end`.
     ReplayResult replay(const Recording &recording, std::vector<WireNode> *at_end = nullptr,
                         double from_s = 0.0) const
     {
@@ -226,9 +226,10 @@ std::size_t rings_of(const Recording &recording)
     return count_of(recording, CRN_WIRE_KIND_strut);
 }
 
-// Without a stent the lumen loses about a third of its gain by recoil (0.35); with a stent the lumen keeps
-// the gain. The balloon has a diameter of 3 mm in an artery of 3 mm. The outside of the stent therefore lies
-// on the wall, and its inner diameter is less by twice the strut thickness of 0.081 mm.
+// Without a stent, the lumen loses about a third of its gain in diameter by recoil (0.35); with a stent, the
+// lumen keeps its gain. The balloon has a diameter of 3 mm in an artery of 3 mm. The outside of the stent
+// therefore lies on the wall, and the stent's inner diameter is smaller than the artery's diameter by twice
+// the strut thickness of 0.081 mm.
 void a_stent_holds_what_its_balloon_has_opened(void **)
 {
     Case &stented = usual_case(), bare{begin_at(lesion_mm) + up_and_down};
@@ -253,8 +254,8 @@ void a_stent_holds_what_its_balloon_has_opened(void **)
     assert_replays(bare);
 }
 
-// The test repeats the session with pictures, whose X-ray pulses lie between the stent's updates; the core
-// must get equal inputs in every tick.
+// The test repeats the session with pictures. The X-ray pulses for the pictures lie between the updates of
+// the stent, but the core must get the same inputs in every tick.
 void pictures_change_nothing(void **)
 {
     Case &unseen = usual_case(), seen{begin_at(lesion_mm) + "fluoro on rate 15 p/s\n" + up_and_down};
@@ -327,10 +328,10 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
 
 // At a balloon pressure of 8 bar, friction (0.1 times the wall force) resists the hand with 5.3 N. The
 // balloon moves with the hand, and the stent moves with the balloon. The stent is deployed at its new
-// position when the pressure is released. The set of nested tools is stretched by 0.77 % in this session. If
-// the balloon were inflated to 10 bar, 6.2 N would hold it, and it would come loose suddenly when the
-// pressure has fallen to 9 bar. The tools would then be stretched by 1.30 % under 10 N, beyond the limit of 1
-// % at which a run ends as out of range (range_watch.hpp).
+// position when the pressure is released. In this session, the nested tools are stretched by 0.77 %. If the
+// balloon were inflated to 10 bar, friction would hold it with 6.2 N, and the balloon would come loose
+// suddenly when the pressure has fallen to 9 bar. The tools would then be stretched by 1.30 % under 10 N,
+// beyond the limit of 1 % at which a run ends as out of range (range_watch.hpp).
 void pulled_without_deflation_the_balloon_holds_its_stent(void **)
 {
     Case pulled{begin_at(lesion_mm) +
@@ -369,11 +370,11 @@ Recording without_struts(Recording recording)
     return recording;
 }
 
-// The stent's middle is at 42 mm. Half of the stent lies on the wall of the artery. The second half of the
-// stent, from 33 to 40 mm, is malapposed, because the vessel widens there. The wire is drawn back out of the
-// stent and advanced again along the wall. The wire then passes beside the struts and stays outside the
-// stent. A replay without the stent's struts, but with everything else equal, lets the wire advance into the
-// artery.
+// The middle of the stent lies 42 mm along the vessel. Half of the stent lies on the wall of the artery. The
+// other half of the stent, from 33 to 40 mm along the vessel, is malapposed, because the vessel is wider
+// there. The wire is drawn back out of the stent and advanced again along the wall. The wire then passes
+// beside the struts and stays outside the stent. A replay without the stent's struts, but with everything
+// else equal, lets the wire advance into the artery.
 void a_wire_beside_a_stent_meets_its_struts(void **)
 {
     Case beside{
@@ -424,16 +425,17 @@ void burst_balloon_leaves_its_stent_open(void **)
     assert_replays(burst);
 }
 
-// The file of the recording is cut off in the middle of a chunk, while the balloon is under pressure. The
-// file still has all ticks of its complete chunks. These ticks replay together with the stent's commands to
-// the core.
+// The test cuts off the recording's file in the middle of a chunk, at a time when the balloon is under
+// pressure. The file still has all ticks of its complete chunks. These ticks replay together with the stent's
+// commands to the core.
 void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
 {
     const Case &whole = usual_case();
     const Recording all = whole.recorded();
     std::ifstream file(folder / whole.record, std::ios::binary);
     std::string bytes((std::istreambuf_iterator<char>(file)), {});
-    // The chunk of ticks 501 to 1000 is complete, and the next chunk is not.
+    // The test cuts the file such that the chunk of ticks 501 to 1000 is complete and the next chunk is
+    // incomplete.
     std::size_t cut = 0;
     Recording read;
     for (std::size_t share = 95; share > 5 && read.ticks.size() != 500; share -= 1) {

@@ -1,10 +1,10 @@
 // These tests check the short forms of the two angioplasty sessions. The wire ends beyond the lesion in its
 // artery, and the balloon's middle lies within 2 mm of the minimal lumen diameter when the balloon is filled.
 // The balloon opens the lesion, and the lesion keeps the part of the gain that does not recoil. No tool goes
-// deeper than 0.5 mm into a wall, no hand feels more than 4 N, and the core reports nothing but snaps. The
-// scenes are made like those of `make demo-pci`. The renal scene is made from the phantom, and the coronary
-// scene from the left coronary artery of the heart at rest. The whole aorta and a beating heart would take
-// minutes.
+// deeper than 0.5 mm into a wall, no hand feels more than 4 N, and the core reports no fault except snaps
+// (sudden motions that it scaled down). The scenes are made like those of `make demo-pci`. The renal scene is
+// made from the phantom, and the coronary scene from the left coronary artery of the heart at rest. The whole
+// aorta and a beating heart would take minutes.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -25,7 +25,7 @@
 #include "host/session/run.hpp"
 #include <nlohmann/json.hpp>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -65,7 +65,7 @@ std::string in_folder(const char *name)
     return "'" + (folder / name).string() + "'";
 }
 
-// Returns the point of the set of nested tools at this arc length behind its leading tip.
+// Returns the point on the nested tools that lies at the arc length `arc_m` behind the leading tip.
 Vector3d place_m(const crn::WireFrame &wire, double arc_m)
 {
     const auto &nodes = wire.nodes;
@@ -106,8 +106,8 @@ class Watch : public crn::SteadySink
     bool burst = false;
 
   private:
-    // Returns the position along the branch with the lesion, which increases towards the branch's end; fails
-    // if the point is not in this branch.
+    // Returns the position of a point along the branch that has the lesion, measured from the minimal lumen
+    // diameter towards the branch's end; fails if the point is not in this branch.
     double arc_behind_throat_mm(const Vector3d &p_m) const
     {
         const crn::VesselLesion &lesion = tree_.lesions.at(0);
@@ -182,8 +182,9 @@ void the_ostium_of_a_renal_artery_is_opened(void **)
     treat("renal.scene", "pci_renal_short.session", {"terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"});
 }
 
-// `anatomy heart --heart-only` writes the centrelines of all arteries into one file, LM, LAD and D1 first.
-// The function builds the vessel tree from one file for each artery.
+// The command `anatomy heart --heart-only` writes the centrelines of all arteries into one file, in which LM,
+// LAD and D1 come first. This function writes each of these three centrelines into a file of its own, because
+// the vessel tree is built from one file for each artery.
 void split_centrelines()
 {
     const std::string script =
@@ -212,8 +213,8 @@ void the_middle_of_the_anterior_descending_artery_is_opened(void **)
     treat("lad.scene", "pci_lad_short.session", {"coronary_014", "balloon_3x20"});
 }
 
-// Copies a file. The function changes the lines `key = ...`: `answer` receives the key and returns the new
-// line. Other lines stay.
+// Copies a script. The function `answer` receives each line and returns the line that is written instead;
+// lines that begin with `expect` are left out.
 template <typename Answer> void copy_changed(const std::string &from, const std::string &to, Answer answer)
 {
     std::ifstream in(from);
@@ -222,10 +223,11 @@ template <typename Answer> void copy_changed(const std::string &from, const std:
         if (line.rfind("expect", 0) != 0) out << answer(line) << "\n"; // another course has another end
 }
 
-// The test lets a guiding catheter snap over the ostium of a branch; this must happen only once. No hand may
-// feel a shaking force when the set of nested tools is held back. Core 14 scaled the step down in each of 60
-// ticks; the hands then felt 6.3 and 5.4 N here, with a false CORE_FEED_LIMIT. When more ticks than the first
-// are scaled down, the forces are 5.8 and 5.7 N. The tolerance is 4.5 N; the largest felt force is 3.8 N.
+// The test lets a guiding catheter snap over the ostium of a branch; the catheter must snap only once. When
+// the core holds back the motion of the nested tools, no hand may feel a shaking force. Core 14 scaled the
+// step down in each of 60 ticks; the hands then felt 6.3 and 5.4 N here, with a false CORE_FEED_LIMIT. When
+// more ticks than the first are scaled down, the forces are 5.8 and 5.7 N. The tolerance is 4.5 N; the
+// largest felt force is 3.8 N.
 void the_snap_of_a_guide_does_not_shake_the_hands(void **)
 {
     for (const std::string speed : {"40", "80"}) {
@@ -248,7 +250,8 @@ void the_snap_of_a_guide_does_not_shake_the_hands(void **)
     }
 }
 
-// Returns the score of the short session with a stent: the metrics, found by their names.
+// Runs the short session with a stent and returns its score, in which the metrics can be found by their
+// names.
 nlohmann::json score_of_session(const std::string &session, const std::string &balloon,
                                 const std::string &stent)
 {
@@ -270,8 +273,8 @@ const std::string stent_session = "shared/examples/sessions/pci_lad_stent_short.
                   balloon_file = "shared/examples/instruments/balloon_3x20.toml",
                   stent_file = "shared/examples/stents/coronary_3_0x18.toml";
 
-// The test requires a remaining stenosis of at most 10 % by diameter, down from 75 %, and 95 % of the struts
-// on the wall.
+// The test requires that at least 95 % of the struts lie on the wall, and that the stenosis falls from 75 %
+// to at most 10 % by diameter.
 void a_stent_of_the_right_size_in_the_right_place_leaves_no_stenosis(void **)
 {
     const nlohmann::json score = score_of_session(stent_session, balloon_file, stent_file);

@@ -2,9 +2,9 @@
 // stay inside the vessel and keep their length. The tests drive two kinds of guidewire with the shipped
 // session from the right common iliac artery to the arch, and let a catheter follow a wire. The test's
 // reference is the exact distance of the tools from the triangles of the vessel surface. The distance is
-// sampled every 0.5 mm along the tools, also between the nodes, 50 times per second of the whole session. The
-// distance field that the core reads does not influence this reference. The test is skipped, with a message,
-// where the anatomy is missing.
+// sampled 50 times per second during the whole session, at points that lie 0.5 mm apart along the tools, also
+// between the nodes. The distance field that the core reads does not influence this reference. The test is
+// skipped, with a message, where the anatomy is missing.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -21,7 +21,7 @@
 #include "host/session/run.hpp"
 #include "tools/bake/triangle_tree.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -87,7 +87,7 @@ int remove_scene(void **)
     return 0;
 }
 
-// Observes the session and measures the distance of the tools from the surface in every frame.
+// Observes the session, and in every frame measures the distance of the tools from the surface.
 class Referee : public crn::SteadySink
 {
   public:
@@ -130,9 +130,10 @@ void check(const char *what, double value, double most)
     if (!(value <= most)) fail_msg("%s = %g, allowed %g", what, value, most);
 }
 
-// The limits are: at most 0.1 % of the samples deeper in the wall than 0.3 mm, no sample deeper than 1 mm,
-// and a length error of at most 0.1 % (no tool is pushed against anything here). Every tool must be inserted
-// by at least `inserted_mm`. The reference distance takes the radius of the outermost tool into account.
+// The limits are: at most 0.1 % of the samples are deeper in the wall than 0.3 mm, no sample is deeper than 1
+// mm, and the length error is at most 0.1 % (no tool is pushed against an obstacle here). Every tool must be
+// inserted by at least `inserted_mm`. The reference distance is measured from the surface of the outermost
+// tool, not from the centreline.
 void drive(const std::vector<std::string> &instrument_files, const crn::Session &session, double inserted_mm)
 {
     if (!baked.is_there) skip();
@@ -165,8 +166,8 @@ void drive(const std::vector<std::string> &instrument_files, const crn::Session 
     check("length error in %", referee.length_error_max_pct, 0.1);
 }
 
-// The tool is pushed in strokes and turned a little, as by a hand. The script differs from
-// iliac_to_arch.session, which steers by the names of the shipped vessels.
+// The tool is pushed in strokes and turned a little, as by a hand. The file iliac_to_arch.session steers by
+// the names of the shipped vessels, so this test has its own script.
 crn::Session iliac_to_arch()
 {
     return crn::parse_session(

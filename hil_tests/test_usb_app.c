@@ -1,4 +1,4 @@
-/* These tests check the complete device on USB. Over the pair of bulk endpoints, the device gives the same
+/* These tests check the complete device on USB. Over its two bulk endpoints, the device must give the same
  * answers and the same state hashes as over any other pipe. The HID interface reports the device's state and
  * can remove motor power. The HID interface refuses every setting that the wire protocol would refuse. */
 #include <setjmp.h>
@@ -65,8 +65,8 @@ static void run_session(client *c, crn_wire_ticks *last)
     }
 }
 
-/* A session over USB tokens and an equal session over the simulator's pipe must give equal state hashes, bit
- * for bit. */
+/* A session over USB tokens must give, bit for bit, the same state hashes as the same session over the
+ * simulator's pipe. */
 static void a_session_over_usb_gives_the_hashes_of_any_other_pipe(void **state)
 {
     (void)state;
@@ -97,8 +97,8 @@ static void the_serial_number_is_that_of_the_port(void **state)
     assert_memory_equal(reply.serial, "USB-0001", strlen("USB-0001"));
 }
 
-/* The longest answer of a device is a snapshot. If a host requests three snapshots and reads later, it must
- * receive all three completely. */
+/* The longest answer of a device is a snapshot. If a host requests three snapshots and reads them only later,
+ * the host must receive all three snapshots completely. */
 static void no_answer_is_lost_when_the_host_reads_late(void **state)
 {
     (void)state;
@@ -154,8 +154,8 @@ static void hid_shows_the_state_and_takes_power_away(void **state)
 }
 
 /* A STOP over HID takes effect at once, even if the wire protocol has received only part of a frame, and does
- * not disturb the byte stream. When the rest of the frame arrives, the device answers it, and no sequence
- * number is missing. */
+ * not disturb the byte stream. When the remaining bytes of the frame arrive, the device must answer the
+ * frame, and no sequence number may be missing. */
 static void stop_by_hid_passes_a_frame_that_is_half_there(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* These tests check the first contact of a USB host with the device. The device must enumerate at both speeds
- * in the sequences that Linux and Windows use. Its descriptors must satisfy the standards, and its reports
- * must have the lengths that their descriptor states. The tests read the descriptors through the mailbox
- * only, and check them without the table from which the firmware makes them. */
+ * in the sequences that Linux and Windows use. The device's descriptors must satisfy the standards, and the
+ * device's reports must have the lengths that the report descriptor states. The tests read the descriptors
+ * only through the mailbox. The checks do not use the table from which the firmware makes the descriptors. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,8 +42,8 @@ static usb_result set_address(uint8_t address)
     return result;
 }
 
-/* Linux reads 64 bytes of the device descriptor at address 0, resets the device, sets its address, and reads
- * the device descriptor, then everything else. */
+/* Linux reads 64 bytes of the device descriptor at address 0, resets the device and sets its address. Then
+ * Linux reads the device descriptor again, and after that all other descriptors. */
 static void linux_way(bool high_speed)
 {
     usb_judged judged;
@@ -88,9 +88,9 @@ static void linux_enumerates_at_full_speed(void **state)
     linux_way(false);
 }
 
-/* Windows requests 255 bytes of every descriptor, so the device must send an empty packet after the 64 bytes
- * of its configuration. Windows also requests the Microsoft string 0xee (which the device refuses), the
- * descriptor set by the vendor code of the BOS, and the qualifier. */
+/* Windows requests 255 bytes of every descriptor. The configuration has 64 bytes, a full packet, so the
+ * device must send an empty packet after it. Windows also requests the Microsoft string 0xee (which the
+ * device refuses), the descriptor set by the vendor code of the BOS, and the qualifier. */
 static void windows_enumerates_and_learns_about_winusb(void **state)
 {
     (void)state;
@@ -119,8 +119,8 @@ static void windows_enumerates_and_learns_about_winusb(void **state)
     assert_int_equal(usb_rig_control(&rig, 0x00, 9, 1, 0, 0, NULL, NULL), USB_OK);
 }
 
-/* The device must shorten a descriptor to the length that the host requests, for every length, without
- * changing the remaining bytes. */
+/* If the host requests fewer bytes than a descriptor has, the device must send only the first bytes of this
+ * descriptor, unchanged; the test requests every length. */
 static void a_short_read_gets_the_beginning(void **state)
 {
     (void)state;
@@ -176,8 +176,8 @@ static void a_full_speed_device_has_no_other_speed(void **state)
     assert_good(usb_judge_configuration(bytes, count, 2, false, &judged));
 }
 
-/* The lengths in the report descriptor, including the report id, equal those of GET_REPORT and of the
- * pipe. */
+/* The lengths in the report descriptor, including the report id, must equal the lengths of the reports that
+ * GET_REPORT returns and of the reports in the pipe of the HID interface. */
 static void reports_have_the_lengths_of_their_descriptor(void **state)
 {
     (void)state;
@@ -223,7 +223,7 @@ static void strings_are_utf16_in_english(void **state)
     assert_int_equal(get_descriptor(0x0306, 0x0409, 255), USB_STALLED);
 }
 
-/* The reports `identity` and `capabilities` have the app's values. */
+/* The reports `identity` and `capabilities` must contain the values that the app has. */
 static void the_identity_tells_both_hashes(void **state)
 {
     (void)state;
@@ -238,7 +238,7 @@ static void the_identity_tells_both_hashes(void **state)
     assert_int_equal(identity.core_version, 7);
 }
 
-/* If the USB stack cannot serve a host, it must report this at power-up. */
+/* If the USB stack cannot serve a host, the device must report this at power-up. */
 static void a_bad_configuration_is_refused_at_power_up(void **state)
 {
     (void)state;

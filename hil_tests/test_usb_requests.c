@@ -122,7 +122,8 @@ static const request refused[] = {
     {0xff, 0xff, 0xffff, 0xffff, 64}, /* nothing of it */
 };
 
-/* The device must refuse with STALL, must answer the next request, and must not have changed anything. */
+/* The device must refuse the request with STALL, must answer the next request, and must not have changed
+ * anything. */
 static void what_is_not_allowed_is_refused_and_changes_nothing(void **state)
 {
     (void)state;
@@ -184,8 +185,8 @@ static void the_address_changes_after_the_status_stage(void **state)
     assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
 }
 
-/* A halted endpoint must answer STALL and report its halt. After the halt is cleared, the endpoint begins
- * with DATA0; the other endpoints continue meanwhile. */
+/* A halted endpoint must answer STALL and report its halt. After the halt is cleared, the endpoint must begin
+ * with DATA0; meanwhile the other endpoints must continue. */
 static void a_halt_is_set_seen_and_cleared(void **state)
 {
     (void)state;
@@ -205,8 +206,8 @@ static void a_halt_is_set_seen_and_cleared(void **state)
         assert_int_equal(usb_host_clear_halt(&rig.host, address), USB_OK);
         assert_int_equal(endpoint_status(address), 0);
     }
-    /* All four endpoints must work again. If their data toggles disagreed with the host's, the packets below
-     * would be dropped or refused. */
+    /* All four endpoints must work again. If the device's data toggles differed from the host's, the
+     * following packets would be dropped or refused. */
     static const uint8_t command[12] = {CRN_HID_ID_command, 1, 6, 0};
     usb_rig_tick(&rig);
     assert_int_equal(usb_host_in(&rig.host, 1, 64, bytes, 64, &count), USB_OK);

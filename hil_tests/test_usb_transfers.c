@@ -1,7 +1,7 @@
 /* These tests check the data in the USB pipes of the device. The bytes of the stream must arrive complete and
- * in order, whatever the sizes of the packets and whichever packets are lost. When a host does not read, the
- * device must wait. If a transfer is interrupted by a reset, a halt, a suspend or an unplugged cable, only
- * the frames in that transfer may be lost. */
+ * in order, whatever the sizes of the packets and whichever packets are lost. If a host does not read, the
+ * device must wait and keep its data. If a transfer is interrupted by a reset, a halt, a suspend or an
+ * unplugged cable, only the frames in that transfer may be lost. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +35,7 @@ static int set_up(void **state)
     return 0;
 }
 
-/* Makes `length` bytes, of which only the last one is zero, as a frame of the wire protocol has. */
+/* Writes `length` bytes, of which only the last byte is zero, as in a frame of the wire protocol. */
 static void make_frame(reference_random *random, uint8_t *frame, uint32_t length)
 {
     for (uint32_t i = 0; i + 1 < length; i++) frame[i] = (uint8_t)(1 + reference_random_below(random, 255));
@@ -135,8 +135,8 @@ static void random_packets_arrive_whole_and_in_order(void **state)
     }
 }
 
-/* The host writes and never reads. The device must then hold back the host's packets whenever a reply might
- * not fit, and must not lose any packet. */
+/* The host writes and never reads. The device must answer NAK to the host's packets when there might be no
+ * space for a reply, and must not lose any packet. */
 static void a_host_that_does_not_read_is_held(void **state)
 {
     (void)state;
@@ -152,7 +152,8 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(result, USB_NAKED);
     assert_int_equal(rig.frames_lost, 0);
     assert_in_range(written, 2, 5);
-    /* Every frame that the device accepted must come back; the frame that a NAK interrupted stays incomplete.
+    /* Every frame that the device accepted must come back to the host; the frame that the device interrupted
+     * by NAK stays incomplete.
      * */
     uint32_t got = 0;
     while (got < written * sizeof frame) {
@@ -164,8 +165,8 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(rig.frames_lost, 0);
 }
 
-/* If the device refuses a frame, no part of it may stay in the queue, and the device must report beforehand
- * how much space is free. */
+/* If the queue cannot hold a whole frame, the device must refuse the frame and put no part of it into the
+ * queue. Before that, the device must report how much space is free. */
 static void a_full_queue_refuses_whole_frames(void **state)
 {
     (void)state;
@@ -256,8 +257,8 @@ static void drain_new_stream(void)
     assert_int_equal(bytes[0], 0);
 }
 
-/* The exchange of data is interrupted after this number of packets in each direction. After the interruption
- * a new stream begins, and the next frame must come back. */
+/* The test interrupts the exchange of data after every possible number of packets in each direction. After
+ * the interruption a new stream begins, and the next frame must come back. */
 static void interruptions_cost_only_what_was_under_way(void **state)
 {
     (void)state;
@@ -297,8 +298,8 @@ static uint32_t next_report_tick(void)
     return report.tick;
 }
 
-/* The device must send exactly one state report for every tick. If a host reads late, it must get the waiting
- * reports: up to 64 ms of them, and one that is being transferred. */
+/* The device must send exactly one state report for every tick. If a host reads late, it must get up to 64 ms
+ * of waiting reports, and in addition the one report that is being transferred. */
 static void state_reports_follow_the_ticks(void **state)
 {
     (void)state;
@@ -397,7 +398,8 @@ static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
     assert_int_equal(rig.commands, 1);
 }
 
-/* Limits can be lowered but not raised; if the device refuses a report, it must not apply any part of it. */
+/* Limits can be lowered but not raised; if the device refuses a HID report with limits, it must not apply any
+ * part of this report. */
 static void settings_are_read_back_and_refused(void **state)
 {
     (void)state;
@@ -492,8 +494,8 @@ static void the_device_unplugs_itself_within_a_transfer(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* The test suspends and resumes a disconnected device, and sends tokens without a bus reset; the device must
- * not answer, and must work afterwards. */
+/* The test suspends and resumes a disconnected device, and sends tokens without a bus reset. The device must
+ * not answer these tokens, and must work again after the host has configured it. */
 static void a_bus_out_of_order_is_survived(void **state)
 {
     (void)state;

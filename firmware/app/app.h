@@ -1,7 +1,7 @@
 /* The firmware app runs the simulation core inside a device. The app contains the tick modes, encoders,
  * virtual coupling, force output, safety, faults and the wire protocol, and is the same code on every port.
- * The app trusts nothing that comes over the wire protocol until it has checked it, and a refused request
- * changes nothing.
+ * The app checks everything that comes over the wire protocol before using it, and a refused request changes
+ * nothing.
  *
  *          accepted HELLO        ARM             START
  *   INIT ----------------> READY ----> ARMED ----------> RUNNING
@@ -25,8 +25,8 @@ enum {
     CRN_APP_LIVE_BATCH_ticks = 16, /* one `live` frame per 16 ms */
     CRN_APP_LIVE_QUEUE_ticks = 256,
     CRN_APP_EVENT_QUEUE = 32,
-    /* The ring buffer has space for all ticks of the queue with three tools, and for a hundred commands in
-       them. */
+    /* The ring buffer has space for CRN_APP_LIVE_QUEUE_ticks encoded ticks of three tools, and for a hundred
+       commands that belong to these ticks. */
     CRN_APP_LIVE_QUEUE_BYTES =
         CRN_APP_LIVE_QUEUE_ticks *
             ((int)CRN_WIRE_BYTES_live_tick - (int)CRN_WIRE_MAX_order_list_items * (int)CRN_WIRE_BYTES_order) +
@@ -55,7 +55,7 @@ typedef struct crn_app_encoders {
 } crn_app_encoders;
 
 /* How one track is configured. The parts of the app (hands, haptics and safety) keep the values that follow
- * from this configuration. */
+ * from this configuration of the tracks. */
 typedef struct crn_app_track {
     crn_wire_track wire;         /* in force, as read back */
     crn_wire_track built;        /* as the rig's builder stated it */
@@ -64,8 +64,8 @@ typedef struct crn_app_track {
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
-/* Holds the messages that wait for space in the pipe to the host. Ticks wait in the encoding of a `live`
- * message, so that a tick without commands takes no space for commands. */
+/* Holds the messages that wait for space in the pipe to the host. In the queue, ticks have the encoding of a
+ * `live` message, so that a tick without commands takes no space for commands. */
 typedef struct crn_app_queue {
     uint32_t first, count; /* ring of live ticks */
     uint32_t begin, used;  /* ring of their bytes */
@@ -80,8 +80,8 @@ typedef struct crn_app_queue {
     uint8_t ticks[CRN_APP_LIVE_QUEUE_BYTES];
 } crn_app_queue;
 
-/* Holds the commands to the core for one tick, other than the hands' positions, checked and in the form that
- * the core accepts. */
+/* Holds the commands to the core for one tick, already checked and converted to the form that the core
+ * accepts. The positions of the user's hands are stored elsewhere. */
 typedef struct crn_app_order_set {
     crn_rhythm_order rhythm;
     crn_scaffold scaffold;
@@ -149,8 +149,8 @@ typedef struct crn_app_faults {
     crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
 } crn_app_faults;
 
-/* Messages being read and written. Of these buffers, only `ticks` and `snapshot` are still needed after a
- * request or a timer edge has been handled. */
+/* Messages being read and written. Only the buffers `ticks` and `snapshot` are still needed after a request
+ * or a timer edge has been handled. */
 typedef struct crn_app_buffers {
     union {
         crn_wire_scene_chunk scene_chunk;
@@ -200,28 +200,28 @@ typedef struct crn_app {
  * outlive the app. */
 void crn_app_init(crn_app *app, const crn_port *port);
 
-/* Receives bytes from the host, in pieces of any size. Replies leave through port->transmit before the
- * function returns. */
+/* Receives bytes from the host, in pieces of any size. The replies leave through port->transmit before
+ * crn_app_receive returns. */
 void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count);
 
 /* A host may also send requests without frames, as HID reports. The app checks a HID request as if it had
- * come in a frame, and keeps a half-received frame as it is. The app answers a HID request by a frame that
- * names no request. */
+ * come in a frame. A frame of which only a part has arrived is not disturbed by a HID request. The app
+ * answers a HID request by a frame whose field for the number of the answered request is 0. */
 
 /* The function accepts only STOP and RESET, and returns true when the state is then no longer RUNNING, or is
  * READY after RESET. */
 bool crn_app_order(crn_app *app, uint8_t action);
 
-/* Applies the message `rig`, which configures the first tracks; app->setup.tracks then contains the accepted
- * values. */
+/* Applies the message `rig`, which contains settings for one or more tracks, beginning with track 0;
+ * afterwards app->setup.tracks contains the accepted values. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
 /* Returns the force in mN that a track's sensor measures at this timer edge, or 0 without a working sensor.
  */
 int32_t crn_app_force_measured(const crn_app *app, uint32_t track);
 
-/* One millisecond has passed. The function reads the rig's sensors, checks the readings, computes a tick in
- * FREE_RUN and RUNNING, and writes the outputs. */
+/* One millisecond has passed. The function crn_app_timer reads the rig's sensors, checks the readings,
+ * computes a tick in FREE_RUN and RUNNING, and writes the outputs. */
 void crn_app_timer(crn_app *app);
 
 #endif

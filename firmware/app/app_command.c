@@ -1,5 +1,6 @@
-/* This file implements the states and modes of the app with the commands ARM, START, STOP, RESET, LOCKSTEP
- * and FREE_RUN, and the two steps that let START power the motors. */
+/* This file implements the states and modes of the app and the commands ARM, START, STOP, RESET, LOCKSTEP and
+ * FREE_RUN. This file also implements the two confirmation steps that must precede a START with powered
+ * motors. */
 #include "firmware/app/app_internal.h"
 
 enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes such a tool back without a jolt */ };
@@ -13,8 +14,8 @@ void crn_app_set_state(crn_app *app, uint8_t state)
 
 /* --- ARM: constants and rest state from what was set up --- */
 
-/* Checks that no tool begins with a longer inserted part than its length allows; returns false when the
- * set-up was refused. */
+/* Checks that no tool begins with an inserted length that exceeds the tool's own length; returns false when
+ * the set-up was refused. */
 static bool lengths_fit(crn_app *app)
 {
     for (uint32_t k = 0; k < app->setup.tool_count; k++) {
@@ -108,17 +109,19 @@ static void confirm(crn_app *app, uint32_t code)
 
 /* --- START, STOP, RESET, modes --- */
 
-/* Takes the hands' positions at the next reading as the new reference, at which there is no force. */
+/* Makes the hands' positions at the next reading the new zero position of the coupling, at which the
+ * coupling's force is zero. */
 static void forget_hands(crn_app *app)
 {
     crn_hands_take_reference(&app->hands);
     crn_haptics_reset(&app->haptics);
 }
 
-/* In FREE_RUN the app does not read the hands before START, so the mode begins with a new reference and with
- * the motors at zero. In LOCKSTEP a stopped session continues exactly where it was. A change of mode also
- * takes a new reference. START then begins with exactly the state of a snapshot taken in the state ARMED, so
- * a session of FREE_RUN that is resumed from such a snapshot replays bit for bit. */
+/* In FREE_RUN the app does not read the hands before START, so FREE_RUN begins with a new zero position of
+ * the coupling and with zero motor forces. In LOCKSTEP, a session continues after a STOP from exactly the
+ * state in which it stopped. A change of mode also makes the hands' positions at the next reading the new
+ * zero position of the coupling. START then begins with exactly the state of a snapshot taken in the state
+ * ARMED, so a session of FREE_RUN that is resumed from such a snapshot replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
     app->watchdog.silent_ticks = 0;

@@ -14,7 +14,7 @@ static bool fault_stops(crn_fault_code code)
     return false;
 }
 
-/* The fault log has one line for each fault code, with the first and last tick, the count, and the last
+/* The fault log has one entry for each fault code, with the first and last tick, the count, and the last
  * values. */
 void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
@@ -46,7 +46,7 @@ void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t va
     crn_app_notice(app, CRN_WIRE_EVENT_FAULT, (uint16_t)code, value1, value2);
 }
 
-/* Reports the findings of one part of the app in the order in which this part made them. */
+/* Reports the faults that one part of the app has found, in the order in which this part found them. */
 void crn_app_report(crn_app *app, const crn_findings *findings)
 {
     for (uint32_t i = 0; i < findings->count; i++) {

@@ -5,15 +5,15 @@
 
 #include "firmware/app/app.h"
 
-/* An error of the app itself is logged, the motors are switched off, and the state becomes FAULT; release
- * builds contain this check, too. */
+/* If this check finds an error in the app itself, the app logs the error, switches the motors off, and goes
+ * to the state FAULT; release builds contain the check, too. */
 #define CRN_REQUIRE(app, condition, value)                                                                   \
     do {                                                                                                     \
         if (!(condition)) crn_app_internal_error(app, __LINE__, (int32_t)(value));                           \
     } while (0)
 
-/* An error of the host is refused with a typed code and changes nothing; the macro then returns from the
- * function that handles the message. */
+/* If the host has made an error, this macro refuses the message with a typed code, changes nothing, and
+ * returns from the function that handles the message. */
 #define CRN_REJECT_IF(app, type, condition, code, detail1, detail2)                                          \
     do {                                                                                                     \
         if (condition) {                                                                                     \
@@ -46,9 +46,10 @@ void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place);
 
-/* Converts scene bytes to the core's view of the lumen (app_lumen.c). After the call, `lumen` points to
- * `motion` if the vessel moves, and to `lesions` if a balloon can open some of them. The function returns 0,
- * or the scene status that names the error; in case of an error all outputs are unchanged. */
+/* Converts the bytes of a scene to the form in which the core reads the lumen (app_lumen.c). After the call,
+ * `lumen` points to `motion` if the vessel moves, and to `lesions` if the vessel has lesions that a balloon
+ * can open. The function returns 0, or the scene status that names the error; in case of an error all outputs
+ * are unchanged. */
 uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen *lumen, crn_motion *motion,
                             crn_lesion lesions[CRN_LESION_MAX]);
 

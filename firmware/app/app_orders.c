@@ -1,7 +1,7 @@
-/* This file handles "orders", that is, the commands to the core in a tick other than the hands' positions
- * (shared/wire/wire_orders.def). Every command to the core is checked in this file and nowhere else. In
- * LOCKSTEP, the commands to the core are part of a tick's input. In FREE_RUN, the commands to the core arrive
- * in the message `orders` and wait for a tick. */
+/* This file handles "orders" (shared/wire/wire_orders.def). Orders are all commands that the core receives
+ * for a tick, except the positions of the hands. Every command to the core is checked in this file and
+ * nowhere else. In LOCKSTEP, the commands to the core are part of a tick's input. In FREE_RUN, the commands
+ * to the core arrive in the message `orders` and wait for a tick. */
 #include "firmware/app/app_internal.h"
 
 /* --- one order --- */
@@ -60,8 +60,8 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
 
 /* --- FREE_RUN --- */
 
-/* A message `input` may be repeated or dropped, but commands may not: each list of commands waits for its own
- * tick. */
+/* The app may repeat or drop a message `input`, but never a command to the core: each list of commands waits
+ * for its own tick. */
 void crn_app_orders(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_orders;

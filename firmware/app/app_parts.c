@@ -1,6 +1,6 @@
-/* This file runs the parts of the app that move motors and protect the hand. The code gives these parts their
- * inputs, reports their findings, and writes their decisions to the port. None of these parts accesses the
- * app or another part.
+/* This file runs the parts of the app that move the motors and protect the user's hand. The code gives the
+ * haptics and the safety checks their inputs, reports the faults that they find, and writes the resulting
+ * forces to the port. Neither the haptics nor the safety checks access the app or each other.
  *
  *   encoders -> hands -> haptics -> core -> haptics -> requested forces -> safety -> the port's outputs
  *   the rig's sample -> safety -> findings -> crn_app_report (app_fault.c) */
@@ -35,8 +35,8 @@ static crn_haptics_track haptics_track(const crn_wire_track *wire)
 static crn_hand_track hand_track(const crn_wire_track *wire)
 {
     return (crn_hand_track){
-        /* The conversion factor is 2^46 m / 10^12 = 2^34 / 5^12 per picometre, and 5e8 x 2^34 is below 2^63.
-         */
+        /* One picometre is 2^46 / 10^12 = 2^34 / 5^12 units of 2^-46 m. The product cannot overflow, because
+         * at most 5e8 pm per count times 2^34 is below 2^63. */
         .translation_m_q46_per_count =
             crn_divide_u64(((uint64_t)wire->translation_pm_per_count << 34) + 122070312u, 244140625u),
         .rotation_turn48_per_count = crn_divide_u64(((uint64_t)1 << 48) + wire->rotation_counts_per_turn / 2,
@@ -178,7 +178,7 @@ void crn_app_outputs_write(crn_app *app)
 }
 
 /* Removes the power of the motors. The forces that the app reports in LOCKSTEP belong to the session, not to
- * the motors, and continue unchanged. */
+ * the motors, so they stay the same when the motor power is removed. */
 void crn_app_motors_off(crn_app *app)
 {
     crn_port_outputs outputs;

@@ -106,8 +106,8 @@ static void put_treatment(const crn_app *app, crn_wire_nodes *nodes)
     nodes->lesions_open_q15_count = (uint16_t)count;
 }
 
-/* The picture of the tools shows the nodes beyond the introducer sheath and the first node inside the sheath.
- */
+/* The message `nodes`, from which the host draws the tools, contains the nodes beyond the introducer sheath
+ * and the first node inside the sheath. */
 void crn_app_send_nodes(crn_app *app)
 {
     crn_wire_nodes *nodes = &app->buffers.reply.nodes;

@@ -1,6 +1,6 @@
-/* Configuration of the tracks. The app checks a request for settings as a whole, and the host can read back
- * the values that are in force. A host may always lower force limits, but may raise them only while the local
- * unlock is closed. */
+/* Configuration of the tracks. The app accepts or refuses a request for settings as a whole, and the host can
+ * read back the values that are in force. A host may always lower force limits, but may raise them only while
+ * the local unlock is closed. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -26,10 +26,11 @@ static bool in_range(uint32_t value, uint32_t low, uint32_t high)
     return value >= low && value <= high;
 }
 
-/* A force gain above one multiplies the stiffness of the coupling that the hand feels. An encoder scale with
- * more travel per count than the known value has the same effect. Returns the product of the force gain and
- * the scale factor in 1/1000, rounded up. Overflow: the product wraps for values that are out of their ranges
- * and refused anyway; otherwise it is below 2^41. */
+/* A force gain above one multiplies the stiffness of the coupling that the hand feels. If the host gives an
+ * encoder scale with more travel per count than the known scale, the stiffness that the hand feels grows by
+ * the same factor as the travel. Returns the product of the force gain and the scale factor in 1/1000,
+ * rounded up. Overflow: the product wraps only if a value is outside its range, and such a value is refused
+ * anyway; otherwise the product is below 2^41. */
 static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t known)
 {
     const uint64_t gain_milli =
@@ -104,14 +105,15 @@ static bool is_coupled(const crn_wire_track *wire)
     return wire->coupling_N_per_m > 0 || wire->coupling_uN_m_per_rad > 0;
 }
 
-/* This table contains all of these rules. A scale that is too small hides large values from every check: a
- * force sensor's makes every force look small, and an encoder's makes every speed look small. The coupling
- * becomes stiffer than the rig can render when an encoder's scale is too large, when the gain is high, when
- * the claimed damping does not exist, or when a lag is concealed. When the host gives the wrong counting
- * direction for an encoder, every spring becomes a push. A track without a coupling is never driven, so a
- * host may set any of its values except the force sensor's scale, because that sensor is checked in every
- * state. The host may send again a value that a person at the rig has confirmed. False: *field names the
- * offender. */
+/* For each setting of a track, this table gives the rule for the values that a host may send without
+ * confirmation by a person at the rig. A scale that is too small hides large values from every check: with
+ * too small a scale of a force sensor every force looks small, and with too small a scale of an encoder every
+ * speed looks small. The virtual coupling becomes stiffer than the rig can render if the host gives too large
+ * a scale for an encoder, a high gain, a damping that the rig does not have, or too short a lag. If the host
+ * gives the wrong counting direction for an encoder, every simulated spring pushes the hand away instead of
+ * pulling it back. A track without a coupling is never driven, so a host may set any of its values except the
+ * force sensor's scale, because that sensor is checked in every state. The host may send again a value that a
+ * person at the rig has confirmed. False: *field names the offender. */
 static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *present, uint32_t *field)
 {
     const crn_wire_track *vouched = &present->vouched, *built = &present->built;
@@ -141,7 +143,7 @@ static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *pre
     return true;
 }
 
-/* Lists which changes of a track a host may make beyond those that are always allowed. */
+/* Lists the additional rights that a host may have when it changes the settings of a track. */
 typedef struct track_rights {
     bool raises_limits, states_all;
 } track_rights;
@@ -152,8 +154,8 @@ static bool track_is_good(const crn_wire_track *wire, const crn_app_track *prese
 {
     const crn_wire_track *limits =
         rights.raises_limits ? &first : &present->wire; /* the largest allowed now */
-    /* The travel per count that a person at the rig enters is accepted. Without this person, the true travel
-     * per count may be less than the value that the host sent. */
+    /* If a person at the rig has entered the travel per count, this value counts as true. Otherwise the true
+     * travel per count may be smaller than the value that the host sent. */
     const uint64_t along_milli = loop_milli(wire, rights.states_all ? 0 : wire->translation_pm_per_count,
                                             present->scale_pm_per_count),
                    about_milli = loop_milli(wire, rights.states_all ? 0 : present->scale_counts_per_turn,
@@ -187,7 +189,7 @@ static bool track_is_good(const crn_wire_track *wire, const crn_app_track *prese
     return rights.states_all || steps_are_free(wire, present, field);
 }
 
-/* Checks all settings of a track before it accepts any of them. False: *field names the offender. */
+/* Checks all settings of a track before accepting any of these settings. False: *field names the offender. */
 static bool track_set(crn_app_track *track, const crn_wire_track *asked, track_rights rights, uint32_t *field)
 {
     crn_wire_track wire = *asked;

@@ -77,7 +77,7 @@ static int32_t kPa_of(int32_t inflator_raw)
 }
 
 /* When `encoders` is NULL, the positions of the user's hands are unknown, and the app treats the hands as at
- * rest. Returns false when the state is FAULT and no tick was computed. */
+ * rest. Returns false if the state is FAULT and no tick was computed. */
 static bool tick(crn_app *app, const crn_app_encoders *encoders, const crn_app_order_set *orders,
                  crn_output *output)
 {

@@ -21,8 +21,9 @@ void crn_app_scene_begin(crn_app *app, const uint8_t *payload, size_t length)
     crn_app_send_status(app, type);
 }
 
-/* The app does not answer good chunks of an upload, so that an upload need not wait for replies. The app
- * refuses a bad chunk of an upload, and the following scene_end fails, too. */
+/* The app does not reply to a valid chunk of an upload, so that the host can send the next chunk without
+ * waiting. The app refuses an invalid chunk of an upload, and then also refuses the message scene_end that
+ * follows. */
 void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_scene_chunk;
@@ -131,7 +132,7 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
 static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}};
 
 /* In the state READY no model is in use, so the model's memory is free. The app checks the table of tools as
- * a whole by building a model in open space. */
+ * a whole by building a model that has these tools but no vessel. */
 void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_tools;

@@ -120,7 +120,8 @@ void crn_app_snapshot_chunk(crn_app *app, const uint8_t *payload, size_t length)
         app->buffers.snapshot[upload->received_bytes++] = chunk->data[i];
 }
 
-/* Converts a two's complement number of 64 bits without a conversion that C leaves to the implementation. */
+/* Returns the signed value of a 64-bit number in two's complement, without a cast whose result the C standard
+ * leaves to the compiler. */
 static int64_t i64_from_u64(uint64_t value)
 {
     return value <= (uint64_t)INT64_MAX ? (int64_t)value : -(int64_t)(UINT64_MAX - value) - 1;
@@ -164,9 +165,9 @@ static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, c
            is_within(motor->torque_uN_m, track->torque_limit_uN_m);
 }
 
-/* The app refuses a snapshot when a hand's lead over its tool exceeds what the axis allows, or when the
- * estimate of the tool's stiffness exceeds its largest value. With these limits, no product of a later tick
- * can overflow. */
+/* The app refuses a snapshot if a hand is farther ahead of its tool than the coupling's axis allows, or if
+ * the estimate of the tool's stiffness exceeds its largest value. Because a snapshot with larger values is
+ * refused, no product of a later tick can overflow. */
 static bool read_spring(crn_wire_reader *reader, const crn_haptics_axis *axis, crn_haptics_spring *spring)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);

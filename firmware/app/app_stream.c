@@ -124,8 +124,8 @@ static bool send_notice(crn_app *app)
 
 /* --- pictures --- */
 
-/* Runs after a tick of FREE_RUN. If an older picture still waits for space, the picture that is due now
- * replaces it. */
+/* Runs after a tick of FREE_RUN. If an older picture of the tools still waits for space in the pipe, the
+ * picture that is due now replaces the older one. */
 void crn_app_stream_tick(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -135,8 +135,8 @@ void crn_app_stream_tick(crn_app *app)
     queue->is_picture_due = true;
 }
 
-/* A picture is sent only if space remains for the next ticks. The picture shows the core's state at the
- * moment of sending. */
+/* The app sends a picture of the tools only if enough space remains for the next ticks. The picture shows the
+ * core's state at the moment of sending. */
 static void send_picture(crn_app *app)
 {
     if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;

@@ -60,8 +60,8 @@ static uint32_t radius_at_um(const crn_instrument *tool, uint32_t arc_um)
     return (uint32_t)crn_divide_u64(sum, b->arc_um - a->arc_um);
 }
 
-/* Returns the widest outer radius of the tool under the balloon, which is the radius of the folded
- * balloon. */
+/* Returns the radius of the folded balloon, which is the largest outer radius of the tool within the
+ * balloon's length. */
 static uint32_t folded_um(const crn_instrument *tool)
 {
     uint32_t distal = radius_at_um(tool, tool->balloon.distal_um),
@@ -133,8 +133,8 @@ void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tools, ui
 /* --- the maker's table ---------------------------------------------------------------------------------- */
 
 /* Returns y at x on the straight line through two points. Overflow is impossible: neighbouring points of a
- * table differ by less than 2^23 in x and in y. Beyond the last point, the result is at most a few times as
- * large. */
+ * table differ by less than 2^23 in x and in y. Beyond the last point of the table, the result is at most a
+ * few times as large as the last y. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
     return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
@@ -244,8 +244,8 @@ static int32_t radius_of(const crn_model *model, const crn_balloon_ball *ball)
     return ball->radius_m_q30 > folded ? ball->radius_m_q30 : folded;
 }
 
-/* Returns the centre of one of the balloon's balls before the ball grows in this tick. A ball that the vessel
- * wall holds moves with the wall; any other ball follows the tools' centreline. */
+/* Returns the centre of one of the balloon's balls before the ball grows in this tick. A ball of the balloon
+ * that touches the vessel wall moves with the wall; any other ball follows the tools' centreline. */
 static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_balloon_ball *ball,
                         const place *at)
 {
@@ -280,9 +280,10 @@ static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t len
     return force > BALL_MAX_N_Q22 ? BALL_MAX_N_Q22 : (int32_t)force;
 }
 
-/* Computes two directions that are perpendicular to each other and to the tools' centreline. The wall is
- * probed along each direction and against it, in four directions per tick. The two directions turn by 45
- * degrees from tick to tick, so that two successive ticks probe the wall in eight directions. */
+/* Computes two directions that are perpendicular to each other and to the tools' centreline. In each tick the
+ * code probes the wall in four directions: along each of the two directions and opposite to it. The two probe
+ * directions turn by 45 degrees from tick to tick, so that two successive ticks probe the wall in eight
+ * directions. */
 static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_q30[2])
 {
     int least = 0;
@@ -305,9 +306,9 @@ static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_
 }
 
 /* Returns the signed distance from the vessel wall to the surface of one of the balloon's balls, in one
- * direction. The distance is positive when the surface lies beyond the wall. The distance field is accurate
- * at a wall. The distance field is not accurate on the axis of a narrow vessel, because the spline rounds off
- * the ridge that the distance has there. */
+ * direction. The distance is positive if the ball's surface lies beyond the vessel wall. The distance field
+ * of the lumen is accurate at the vessel wall. The distance field is not accurate on the axis of a narrow
+ * vessel, because the spline rounds off the ridge that the distance has there. */
 static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            const crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
@@ -318,7 +319,7 @@ static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_l
     return crn_clamp(wall_distance(model, state, section, &surface), -FELT_M_Q30, FELT_M_Q30);
 }
 
-/* Moves the ball away from the two parts of the vessel wall that lie ahead of it and behind it in one
+/* Moves the ball away from the two parts of the vessel wall that lie on opposite sides of the ball along one
  * direction. Returns half of the difference between the ball's diameter and the clearance between the two
  * walls. The value is negative where the vessel is wider than the ball. */
 static int32_t fit_between(const crn_model *model, crn_state *state, const crn_lesion_section *section,
@@ -387,9 +388,9 @@ static void fold(const crn_model *model, crn_balloon_state *words, uint32_t numb
         (crn_balloon_ball){at->point_m_q30, at->is_free ? model->balloon.radius_m_q30[0] : 0, 0};
 }
 
-/* Adds to the matrix the spring that ties a ball of the balloon to the tools' centreline. The two nodes
- * beside the ball get their parts of the spring's stiffness. The coupling between the nodes is left out, and
- * the result is never softer than the exact spring. */
+/* Adds to the matrix the spring that ties a ball of the balloon to the tools' centreline. The spring's
+ * stiffness is divided between the two nodes beside the ball. The code leaves out the matrix entries that
+ * couple the two nodes, and the spring in the matrix is never softer than the exact spring. */
 static void tie(const crn_model *model, crn_state *state, const place *at)
 {
     const int32_t stiffness = STIFFNESS_N_m << model->stiffness_exponent;

@@ -26,14 +26,15 @@ void crn_balloon_build(crn_balloon_model *balloon, const crn_instrument *tools, 
 /* Returns the radius of a balloon that no wall confines. Format: Pa -> Q30 m. Overflow is impossible, because
  * pressures are limited to CRN_PRESSURE_MAX_Pa. */
 int32_t crn_balloon_free_radius(const crn_balloon_model *balloon, int32_t pressure_Pa);
-/* Returns the pressure at which an unconfined balloon has this radius. This pressure is the load that the
- * balloon's own wall bears. Format: Q30 m -> Pa; 0 while it unfolds. */
+/* Returns the pressure at which an unconfined balloon has the given radius. This pressure is the load that
+ * the balloon's own wall bears. Format: Q30 m -> Pa; 0 while it unfolds. */
 int32_t crn_balloon_own_pressure(const crn_balloon_model *balloon, int32_t radius_m_q30);
 
-/* The function crn_balloon_find runs before the solve, after the contacts were found: it lets the balloon's
- * balls grow against the wall at the predicted configuration, and adds their springs to the matrix. Then
- * crn_balloon_forces adds the forces of the balls' springs. After the solve, crn_balloon_finish moves each
- * ball along the tools' centreline where the force on the ball exceeds the friction of the wall. */
+/* The function crn_balloon_find runs before the solve, after the contacts with the wall were found. The
+ * function lets the balloon's balls grow against the wall at the predicted configuration, and adds the
+ * springs between balls and centreline to the matrix. Then crn_balloon_forces adds the forces of these
+ * springs to the right side of the linear system. After the solve, crn_balloon_finish moves each ball along
+ * the tools' centreline where the force on the ball exceeds the friction of the wall. */
 void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator_Pa);
 void crn_balloon_forces(const crn_model *model, crn_state *state);
 void crn_balloon_finish(const crn_model *model, crn_state *state, crn_output *output);

@@ -34,8 +34,9 @@ enum {
 };
 
 /* A knot gives the properties of an instrument at one arc length. Between knots, properties are interpolated
- * linearly by arc length, which is measured from the distal tip. Two knots at the same arc length make a
- * step. The function crn_model_build checks all values of an instrument's knots. */
+ * linearly by arc length, which is measured from the distal tip. Two knots at the same arc length describe an
+ * abrupt change of the properties. The function crn_model_build checks all values of an instrument's knots.
+ */
 typedef struct crn_knot {
     uint32_t arc_um;                /* 0 .. 2 000 000 from the tip, non-decreasing, first is 0 */
     uint32_t bend_stiffness_nN_m2;  /* EI: 100 (1e-7 N m^2) .. 30 000 000 (3e-2 N m^2) */
@@ -51,8 +52,8 @@ typedef struct crn_knot {
     int32_t rest_curvature2_per_m_milli; /* turning towards d2 */
 } crn_knot;
 
-/* A balloon on a tool. Only one of the nested tools may have a balloon. The table gives the diameter of the
- * unconfined balloon at each pressure. */
+/* A balloon on a tool. Only one of the nested tools may have a balloon. The balloon's table gives the
+ * diameter of the unconfined balloon at each pressure. */
 typedef struct crn_balloon {
     uint32_t point_count; /* points of the table, 2 .. CRN_BALLOON_POINT_MAX; 0: the tool has no balloon */
     uint32_t distal_um, proximal_um;              /* working length from the tool's tip: 2 to 60 mm */
@@ -113,8 +114,8 @@ typedef struct crn_hand_pose {
 /* Commands a stent to hold the points `first` to `last` of a lesion open to the extent `open_q30`. */
 typedef struct crn_scaffold {
     uint32_t lesion, first, last;
-    int32_t open_q30; /* 0 means that there is no order, and 1 is the largest value. An order for a station
-                         that does not exist has no effect */
+    int32_t open_q30; /* 0 means that this command has no effect, and 1 opens the points completely. An order
+                         for a station that does not exist has no effect */
 } crn_scaffold;
 
 /* Commands the position of one strut ring of a deployed stent. A ring is a circle in the lumen's reference
@@ -195,8 +196,8 @@ crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, 
 void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2);
 
 /* Makes a state in which nothing moves. The length inserted_um[k] of each tool k lies beyond the introducer
- * sheath, straight along the sheath's axis. The longest inserted length is limited to the range that the
- * tools allow; the lower limit is the length of a few elements. */
+ * sheath, straight along the sheath's axis. The longest inserted length of all tools is limited to the range
+ * that the tools allow; the lower limit is the length of a few elements. */
 void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *inserted_um);
 
 /* Advances the state by one tick. The function crn_step never fails: a value that its number format cannot
@@ -213,7 +214,7 @@ bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *
 /* Returns the full 64-bit hash, which is FNV-1a over the state's words. */
 uint64_t crn_state_hash64(const crn_state *state);
 
-/* These functions read the state for pictures and tests. */
+/* These functions read the state for drawing pictures and for tests. */
 uint32_t crn_model_tool_count(const crn_model *model);
 uint32_t crn_state_node_count(const crn_model *model); /* nodes of the line at its longest */
 uint32_t crn_state_free_count(const crn_state *state); /* nodes beyond the inserter: 0 .. free_count-1 */
@@ -226,15 +227,15 @@ int32_t crn_state_radius(const crn_state *state, uint32_t node);
 int32_t crn_state_inserted(const crn_state *state, uint32_t tool); /* Q30 m; the largest one leads */
 
 /* Computes the force of the wall on a free node in the present state, in Q22 N: the normal force along the
- * wall's inward normal, plus friction. Where the node does not touch the wall, the function returns false and
+ * wall's inward normal, plus friction. If the node does not touch the wall, the function returns false and
  * sets the force to zero. */
 bool crn_state_contact_force(const crn_model *model, const crn_state *state, uint32_t node,
                              crn_vec3 *force_N_q22);
 
 /* Returns the contact depth (in Q30 m) of the free node that is deepest in the wall. The depth is negative
- * while all free nodes are inside the lumen; it is INT32_MIN when the model has no lumen. Set-up uses
- * crn_state_depth to check whether a start is possible, and tests use it too; crn_step reports its own depth
- * in the output. */
+ * while all free nodes are inside the lumen; it is INT32_MIN when the model has no lumen. During set-up,
+ * crn_state_depth shows whether a start would put a tool into the wall; tests use the function, too. The
+ * function crn_step reports its own contact depth in the output. */
 int32_t crn_state_depth(const crn_model *model, const crn_state *state);
 /* Reports the balloon's shape for pictures: the radii of its balls (spheres), beginning at the distal end,
  * and in `arc_m_q30` the arc length from the leading tip to the balloon's distal end. Returns the number of
@@ -244,11 +245,12 @@ uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
                            int32_t *spacing_m_q30);
 
 /* The function crn_state_open returns how far a lesion of the lumen is open at one point of the lesion, in
- * Q30. The value 0 is the wall as prepared by the scene's baker, and 1 is the healthy vessel. The function
- * also returns 0 where the lesion has no such point. The function crn_model_stations returns the number of
- * points along a lesion that a balloon can open, or 0 where no lesion has that number. The function
- * crn_state_scaffold opens points of a lesion at once and holds them open permanently. The function returns
- * false when the lesion has no such points. */
+ * Q30. The value 0 stands for the narrowed wall as the program that bakes the scene has stored it, and 1
+ * stands for the healthy vessel. The function crn_state_open also returns 0 for a point that the lesion does
+ * not have. The function crn_model_stations returns the number of points along a lesion that a balloon can
+ * open, or 0 if no lesion has the given number. The function crn_state_scaffold opens points of a lesion at
+ * once and holds them open permanently. The function crn_state_scaffold returns false if the lesion does not
+ * have these points. */
 int32_t crn_state_open(const crn_state *state, uint32_t lesion, uint32_t station);
 uint32_t crn_model_stations(const crn_model *model, uint32_t lesion);
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order);

@@ -55,7 +55,7 @@ static int32_t inverse_per_m_q18(int32_t length_m_q30)
 }
 
 /* Builds the cells of the mesh, one for each node. The cell of a node reaches half an edge to either side of
- * the node; the cell of the tip has only one half. */
+ * the node; the cell of the tip node has only the half that lies behind the tip. */
 static void build_cells(crn_model *model)
 {
     int32_t begin = 0;
@@ -69,10 +69,10 @@ static void build_cells(crn_model *model)
     }
 }
 
-/* Chooses the lengths of the mesh's elements. Elements are short at the tip; each is at most 1.5 times as
- * long as the one before, up to the element length of the shaft. The lengths of the elements never decrease
- * towards the base. This order keeps |W| = |V - I| <= 2 in the solve (rod_solve.c). The mesh ends at the last
- * whole element. */
+/* Chooses the lengths of the mesh's elements. The elements are short at the tip. Each element is at most 1.5
+ * times as long as its neighbour nearer to the tip, up to the element length of the shaft. The lengths of the
+ * elements never decrease towards the base. Because the element lengths never decrease towards the base, |W|
+ * = |V - I| stays at most 2 in the solve (rod_solve.c). The mesh ends at the last whole element. */
 static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 {
     int32_t length = plan->tip;
@@ -96,7 +96,8 @@ static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
     if (model->node_count < 8) {
         return CRN_BUILD_LENGTH;
     }
-    /* Adds further edges to the mesh behind the last node, so that the solve may read the rows there. */
+    /* Adds further edges to the mesh behind the last node, because the solve also reads the entries of the
+     * two nodes behind a node. */
     for (uint32_t i = node; i <= node + 1; i++) {
         model->mesh[i] = model->mesh[node - 1];
         model->mesh[i].arc_m_q30 = arc;
@@ -108,8 +109,8 @@ static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 
 /* --- tools ---------------------------------------------------------------------------------------------- */
 
-/* Converts the values of a knot to the formats of crn_property. The factors are 2^35 / 1e9 from nN m^2 to
- * Q35, 2^20 / 1000 from milli/m to Q20, and 2^34 / 1e6 from mg/m to Q34 kg/m. */
+/* Converts the values of a knot to the formats of crn_property. The conversion factors are 2^35 / 1e9 from nN
+ * m^2 to Q35, 2^20 / 1000 from milli/m to Q20, and 2^34 / 1e6 from mg/m to Q34 kg/m. */
 static void knot_values(const crn_knot *knot, int32_t values[CRN_PROPERTY_COUNT])
 {
     values[CRN_BEND_N_M2_Q35] = scaled(knot->bend_stiffness_nN_m2, (uint64_t)1 << 35, 1000000000u);
@@ -242,8 +243,8 @@ static crn_build_status choose_exponent(crn_model *model)
         int64_t soft = crn_bend_spring_q8((int32_t)cell_stiffness_q26(model, i, range.softest_q35), c, c);
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
-    /* The file rod_feed.c keeps the diagonal entry of a joint that is clipped by more than CRN_CLIP_SURE
-     * below 2^28; the other terms must leave room for this entry. */
+    /* For a joint that the introducer sheath clips by more than CRN_CLIP_SURE, rod_feed.c keeps the diagonal
+     * entry below 2^28. The other terms of such a diagonal entry must therefore also stay below 2^28. */
     worst_q8 = worst_q8 > 2 * unclipped_q8 ? worst_q8 : 2 * unclipped_q8;
     worst_q8 += (int64_t)(2 * LOAD_RESERVE_N_m) << 8;
     uint32_t exponent = 14;

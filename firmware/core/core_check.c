@@ -1,5 +1,5 @@
-/* This file checks the tools and the entry that come from outside, before any constant is derived from them.
- */
+/* This file checks the tools and the place of entry that the caller gives, before any constant is derived
+ * from them. */
 #include "firmware/core/core_check.h"
 
 static bool in_range(uint32_t value, uint32_t low, uint32_t high)

@@ -10,8 +10,8 @@ enum {
     CRN_TOOL_MAX_um = 1600000,
 };
 
-/* These functions check the tools (number, ranges of their values, order and nesting) and the entry. *place
- * receives the tool and the knot that caused a refusal. */
+/* The functions of this header check the tools (number, ranges of their values, order and nesting) and the
+ * place of entry. *place receives the tool and the knot that caused a refusal. */
 crn_build_status crn_check_tools(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place);
 crn_build_status crn_check_entry(const crn_entry *entry);
 

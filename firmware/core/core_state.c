@@ -45,7 +45,7 @@ static int32_t inserted_q30(uint32_t um)
 }
 
 /* Sets the inserted lengths of the tools: each length is limited to what its tool allows, and the longest
- * length is at least the shortest one that the simulation allows. */
+ * length is at least the smallest length that the simulation allows. */
 static void place_tools(const crn_model *model, crn_state_words *words, const uint32_t *inserted_um)
 {
     const int32_t least = crn_least_inserted(model);
@@ -137,8 +137,9 @@ static bool within(int32_t value, int32_t most)
     return value >= -most && value <= most;
 }
 
-/* Checks the bounds that the arithmetic of a tick guarantees: a node's step of 3.9 mm (3.1 mm are possible),
- * a friction displacement (bristle) of 62 mm, and a rotation of half a radian a tick. */
+/* Checks that the values of a node stay within the bounds that the arithmetic of a tick guarantees. A node
+ * moves at most 3.9 mm per tick (3.1 mm are possible), its friction displacement (bristle) is at most 62 mm,
+ * and a tool turns by at most half a radian per tick. */
 static bool node_is_valid(const crn_node_state *node)
 {
     enum { STEP_MAX_M_Q33 = 1 << 25, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
@@ -151,7 +152,8 @@ static bool node_is_valid(const crn_node_state *node)
            is_small(&node->position_m_q30, CRN_POSITION_MAX_M_Q30) && node->contact <= CRN_CONTACT_STICKS;
 }
 
-/* No edge may be longer than twice its unstretched length, because no tick leaves a longer edge. */
+/* No edge may be longer than twice its unstretched length, because the computation of a tick never produces a
+ * longer edge. */
 static bool edge_is_valid(const crn_model *model, const crn_node_state *node, uint32_t i)
 {
     const int64_t most = 2 * (int64_t)model->mesh[i].length_m_q30; /* below 2^25 */
@@ -167,7 +169,7 @@ static bool edge_is_valid(const crn_model *model, const crn_node_state *node, ui
 }
 
 /* Nodes in the introducer sheath must lie on the sheath's axis, where place_inside() of rod_feed.c puts them.
- * The last tick may have moved them by no more than a rounding error. */
+ * A node in the introducer sheath may differ from this position only by a rounding error of the last tick. */
 static bool held_is_valid(const crn_model *model, const crn_node_state *node, int32_t beyond_m_q30)
 {
     enum { ROUNDING = 16 };
@@ -267,7 +269,7 @@ static void hashed_words(const crn_state_words *words, hashed_range ranges[2])
 }
 
 /* Computes two 32-bit polynomials, one over the even words and one over the odd words: the sum of word[i]
- * m^(n-i) with the odd FNV prime m. These two polynomials cost two operations a word and are computed in
+ * m^(n-i) with the odd FNV prime m. These two polynomials cost two operations per word and are computed in
  * every tick. Each step of the hash is a one-to-one function of the running sum and of the word, so a single
  * wrong word is always detected. */
 static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t lane[2])

@@ -1,8 +1,9 @@
-/* The state of one line. `crn_state_words` holds all data that pass from one tick to the next. These 32-bit
- * words, without pointers or padding, are hashed, saved and compared directly. The state also contains two
- * work areas, so that the core needs neither a heap nor a large stack. `crn_line` holds the combined
- * properties of all tools at their present positions. These values are derived from the state's words and the
- * model, and are kept while no tool slides against another. `crn_scratch` is dead between ticks. */
+/* The state of one line. `crn_state_words` holds all data that pass from one tick to the next. The 32-bit
+ * words of `crn_state_words`, which contain no pointers or padding, are hashed, saved and compared directly.
+ * The state also contains two work areas, so that the core needs neither a heap nor a large stack. `crn_line`
+ * holds the combined properties of all tools at their present positions. The combined properties are derived
+ * from the state's words and the model, and are kept while no tool slides against another. `crn_scratch` is
+ * dead between ticks. */
 #ifndef CRN_CORE_STATE_H
 #define CRN_CORE_STATE_H
 
@@ -56,8 +57,8 @@ typedef struct crn_lesion_state {
     int32_t kept_q30[CRN_LESION_MAX][CRN_LESION_STATION_MAX];
 } crn_lesion_state;
 
-/* A strut ring has a present position and the position to which a command has sent it. All fields of a strut
- * ring are 0 when the ring does not exist. */
+/* For each strut ring, this structure holds the present position and the position that a command has
+ * requested. All fields of a strut ring are 0 when the ring does not exist. */
 typedef struct crn_strut_ring {
     crn_vec3 centre_m_q30, wanted_m_q30;
     int32_t inside_m_q30, wanted_inside_m_q30;
@@ -130,8 +131,8 @@ typedef struct crn_sym3 {
     int32_t m[6];
 } crn_sym3;
 
-/* These assembled terms are no longer needed once the matrix is complete, so the results of the elimination
- * overwrite them. */
+/* The assembled terms of the matrix are no longer needed once the matrix is complete, so the results of the
+ * elimination overwrite them. */
 typedef struct crn_assembly {
     crn_vec3 stretch_q30;             /* edge: (x*[i+1] - x*[i]) / length */
     crn_vec3 axis1_q30[CRN_TOOL_MAX]; /* edge: axis d1 of a tool, where its rest shape needs it */

@@ -3,7 +3,8 @@
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"
 
-/* Returns the largest component of the deviation of any node from its slide along the tool, in Q33 m. */
+/* Returns, in Q33 m, the largest component of any node's deviation from the position that the node would have
+ * if the tools only slid along their centreline. */
 static int32_t largest_deviation(const crn_state *state)
 {
     int32_t largest = 0;
@@ -27,11 +28,12 @@ static void scale_step(crn_state *state, int32_t share_q30)
     }
 }
 
-/* Scales down the deviation of all nodes when a node would move more than max(0.5 mm, 1.5 feeds) beyond its
- * slide, or would end inside a resting wall where no contact was found. One scale factor for all nodes keeps
- * the shape; a separate limit for each node would add energy (docs/rod.md, "contact"). When consecutive ticks
- * miss a contact, the deviation is scaled down only in the first of these ticks. Otherwise the tools would be
- * held back tick after tick. Returns whether a contact was missed. */
+/* Scales down the deviation of all nodes in two cases: a node would deviate from its slide along the tool by
+ * more than 0.5 mm and by more than 1.5 times the tick's feed, or a node would end inside a wall at rest
+ * where no contact was found. One scale factor for all nodes keeps the shape; a separate limit for each node
+ * would add energy (docs/rod.md, "contact"). When consecutive ticks miss a contact, the deviation is scaled
+ * down only in the first of these ticks. If the deviation were scaled down in every tick that misses a
+ * contact, the tools would be held back tick after tick. Returns whether a contact was missed. */
 static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =
@@ -55,9 +57,10 @@ static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m
     return missed;
 }
 
-/* Solves the tick. A second solve follows where a contact with a moving wall was missed. Scaling the step
- * down instead would hold the tools back in every tick of a heartbeat. Returns the largest component of the
- * nodes' deviation from their slide. */
+/* Solves the tick. If a contact with a moving wall was missed, the linear system of the tick is solved a
+ * second time. If the code scaled the step down instead of solving again, the tools would be held back in
+ * every tick of a heartbeat. Returns the largest component by which any node deviates from its slide along
+ * the tool. */
 static int32_t solve(const crn_model *model, crn_state *state, crn_output *output)
 {
     crn_rod_solve(model, state);
@@ -73,9 +76,9 @@ static int32_t solve(const crn_model *model, crn_state *state, crn_output *outpu
 }
 
 /* The force on the hand that holds the leading tool is the force of all tools together on the introducer
- * sheath, less the forces on the other hands. The forces on the hands that hold the other tools are filtered
- * with a time constant of 8 ms, because the bending moment at a tool's tip is not steady while the tip
- * slides. */
+ * sheath, less the forces on the hands that hold the other tools. The forces on the hands that hold the other
+ * tools are filtered with a time constant of 8 ms, because the bending moment at a tool's tip is not steady
+ * while the tip slides. */
 static void share_handles(const crn_model *model, crn_state *state, int32_t line_axial_N_q22)
 {
     enum { FOLLOW = 8 };
@@ -114,8 +117,8 @@ static void report(const crn_model *model, const crn_state *state, crn_output *o
     crn_state_hash_lanes(state, output->hash_lane);
 }
 
-/* Advances heart and breath by one tick; the rest of the tick uses the wall's position at the end of the
- * tick. */
+/* Advances heart and breath by one tick. The later parts of this tick use the position that the wall has at
+ * the end of the tick. */
 static void beat(const crn_model *model, crn_state *state, const crn_input *input)
 {
     const crn_rhythm before = state->words.rhythm;

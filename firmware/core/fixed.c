@@ -24,7 +24,8 @@ uint64_t crn_divide_u64(uint64_t a, uint64_t b)
     uint64_t quotient = 0;
     uint64_t rest = 0;
     for (int bit = 63; bit >= 0; bit--) {
-        /* The remainder `rest` has at most the top 63 - bit bits of a, so the shift loses no bits. */
+        /* Before this step, the remainder `rest` is at most the number that the top 63 - bit bits of a
+         * represent, so the shift loses no bits. */
         rest = (rest << 1) | ((a >> bit) & 1u);
         if (rest >= b) {
             rest -= b;
@@ -86,8 +87,8 @@ void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30
     }
 }
 
-/* Computes asin x = x + x z p(z) with z = x^2 for 0 <= x <= 1/2, which Q31 can hold. Format: Q31 -> Q31
- * radians, at most pi/6. */
+/* Computes asin x = x + x z p(z) with z = x^2 for 0 <= x <= 1/2. All these values of x fit Q31. Format: Q31
+ * -> Q31 radians, at most pi/6. */
 static int32_t asin_small_q31(int32_t x_q31)
 {
     int32_t z_q31 = crn_mul(x_q31, x_q31, 31);
@@ -106,8 +107,8 @@ int32_t crn_asin_q29(int32_t a_q30)
     if (size_q30 <= CRN_ONE_Q30 / 2) {
         angle_q31 = asin_small_q31((int32_t)(size_q30 * 2));
     } else {
-        /* Computes sqrt((1 - a)/2): the number (1 - a) in Q30 is (1 - a)/2 in Q31, and shifted to Q62 it has
-         * a root in Q31. */
+        /* Computes sqrt((1 - a)/2). The bits of 1 - a in Q30 are also the bits of (1 - a)/2 in Q31; when this
+         * number is shifted to Q62, its square root is in Q31. */
         int32_t root_q31 = crn_sqrt64((uint64_t)(CRN_ONE_Q30 - size_q30) << 31);
         angle_q31 = half_pi_q31 - 2 * (int64_t)asin_small_q31(root_q31);
     }

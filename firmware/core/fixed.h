@@ -1,11 +1,13 @@
-/* Fixed-point operations of the core: this header (with fixed.c) shifts, rounds and saturates numbers.
+/* This header and fixed.c implement the core's fixed-point operations, which shift, round and saturate
+ * numbers.
  *
  * The suffix of a variable's name is its number format: `x_m_q30` is a length in metres times 2^30, stored in
- * an int32_t. The comment of every function gives its action, its number formats ("Format"), its behaviour
- * when a result does not fit ("Overflow"), and its error bound ("Error"). The error bound is in LSB of the
- * result and is checked against double in firmware/tests/test_fixed.c. Unless its comment says "floor", a
- * function rounds to the nearest value, and ties towards +infinity, by an addition and an arithmetic shift.
- * The Cortex-M7 DSP instructions (SMMULR) round in the same way, so every machine gives the same bits. */
+ * an int32_t. The comment of every function says what the function does, which number formats it uses
+ * ("Format"), what happens when a result does not fit ("Overflow"), and how large the error may be ("Error").
+ * The error bound is in LSB of the result and is checked against double in firmware/tests/test_fixed.c.
+ * Unless its comment says "floor", a function rounds to the nearest value, and ties towards +infinity, by an
+ * addition and an arithmetic shift. The Cortex-M7 DSP instructions (SMMULR) round in the same way, so the
+ * results are identical on every processor. */
 #ifndef CRN_FIXED_H
 #define CRN_FIXED_H
 
@@ -88,7 +90,8 @@ static inline int32_t crn_sub_sat(int32_t a, int32_t b)
 
 /* Returns a >> n, limited to the range -most .. most. Format: 64 bit -> 32 bit, floor, `most_high` being the
  * high word of `most` << n, 1 <= n <= 31. Overflow: the result is limited, and a bit of `flag` is set in
- * `*flags`. On a 32-bit machine the code examines only the high word of the 64-bit number. */
+ * `*flags`. To detect an overflow on a 32-bit machine, the code examines only the high word of the 64-bit
+ * number. */
 static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
 {
     int64_t most = (int64_t)most_high << (32 - n);
@@ -107,8 +110,8 @@ static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint
     return (int32_t)(a < 0 ? -most : (most > INT32_MAX ? INT32_MAX : most));
 }
 
-/* a b, exactly. On the Cortex-M7 this is one SMULL instruction, even where the compiler would treat a widened
- * operand as a 64-bit value. */
+/* a b, exactly. On the Cortex-M7 this product takes one SMULL instruction, even where the compiler would
+ * treat a widened operand as a 64-bit value. */
 static inline int64_t crn_product(int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -132,8 +135,8 @@ static inline int64_t crn_product_add(int64_t sum, int32_t a, int32_t b)
 }
 
 /* Returns the product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit
- * intermediate, 1 <= n <= 62. Overflow: saturates. Error: 1/2 LSB in range. On a 32-bit machine the code
- * examines only the upper word of the 64-bit number. */
+ * intermediate, 1 <= n <= 62. Overflow: saturates. Error: 1/2 LSB in range. To detect an overflow on a 32-bit
+ * machine, the code examines only the upper word of the 64-bit number. */
 static inline int32_t crn_mul(int32_t a, int32_t b, unsigned n)
 {
     int64_t sum = crn_product(a, b) + ((int64_t)1 << (n - 1));
@@ -193,10 +196,10 @@ static inline int32_t crn_mulh_sub(int32_t sum, int32_t a, int32_t b)
 #endif
 }
 
-/* Returns the product of a number and a factor of at most one, without saturation. Such factors are
- * components of unit vectors, sines and ratios. Format: Qa x Q30 -> Qa in steps of 4 LSB, the high word
- * shifted back. Overflow is impossible while |b| <= 1 + 2^-10 and |a| < 2^31 (1 - 2^-9); the caller ensures
- * both conditions. Error: 2 LSB. */
+/* Returns the product of a number and a factor of at most one, without saturation. Components of unit
+ * vectors, sines and ratios are examples of factors of at most one. Format: Qa x Q30 -> Qa in steps of 4 LSB,
+ * the high word shifted back. Overflow is impossible while |b| <= 1 + 2^-10 and |a| < 2^31 (1 - 2^-9); the
+ * caller ensures both conditions. Error: 2 LSB. */
 static inline int32_t crn_scale_q30(int32_t a, int32_t b_q30)
 {
     return crn_mulh(a, b_q30) * 4;
@@ -243,8 +246,8 @@ static inline unsigned crn_clz64(uint64_t a)
     return a == 0 ? 64u : (unsigned)__builtin_clzll(a);
 }
 
-/* Describes one interval of a falling piecewise linear function: the value at its start and the drop over its
- * length, both in Q30. */
+/* Describes one interval of a falling piecewise linear function by the value at the interval's start and by
+ * the decrease over the interval, both in Q30. */
 typedef struct crn_line_q30 {
     uint32_t value;
     uint32_t drop;
@@ -255,9 +258,9 @@ extern const crn_line_q30 crn_reciprocal_lines[128];
 extern const crn_line_q30 crn_rsqrt_lines[192];
 extern const int32_t crn_asin_coefficients_q31[7];
 
-/* Returns the value of a straight line at `fraction` (a number of `bits` bits) of its interval. Format: Q30.
- * Overflow: impossible (drop < 2^25). The relative error is that of the table, at most 2^-16.4; the Newton
- * step of the caller squares this error. */
+/* Returns the value of a piecewise linear function within one of its intervals, at the fraction `fraction` (a
+ * number of `bits` bits) of the interval. Format: Q30. Overflow: impossible (drop < 2^25). The relative error
+ * of this value is that of the table, at most 2^-16.4; the Newton step of the caller squares this error. */
 static inline uint32_t crn_line_at(const crn_line_q30 *line, uint32_t fraction, unsigned bits)
 {
     return line->value - (uint32_t)(((uint64_t)line->drop * fraction) >> bits);
@@ -299,9 +302,9 @@ static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
  * 2^31 - 1. The error is at most 1/2 LSB + 2^-29 of the square root; the root of 0 is 0. */
 int32_t crn_sqrt64(uint64_t a);
 
-/* Returns the quotient of two 64-bit integers, bit by bit in 64 steps. The function is slow but needs no
- * library function for division; it is for set-up and rare quotients. Format: floor(a / b). b = 0 gives
- * UINT64_MAX. Error: exact floor. */
+/* Returns the quotient of two 64-bit integers; the function computes one bit in each of 64 steps. The
+ * function crn_divide_u64 is slow but needs no library function for division; it is for set-up and for
+ * quotients that are rarely computed. Format: floor(a / b). b = 0 gives UINT64_MAX. Error: exact floor. */
 uint64_t crn_divide_u64(uint64_t a, uint64_t b);
 
 /* Computes sine and cosine of a binary angle. The function reduces the angle to the nearest quarter turn, and
@@ -310,9 +313,9 @@ uint64_t crn_divide_u64(uint64_t a, uint64_t b);
  * the test). */
 void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30);
 
-/* Returns the arc sine by a polynomial for |a| <= 1/2, and as pi/2 - 2 asin(sqrt((1 - |a|)/2)) beyond that.
- * Format: Q30 in [-1, 1] (beyond: clamped) -> Q29 radians in [-pi/2, pi/2]. Overflow: impossible. The error
- * of the arc sine is at most 1.5 LSB of Q29, that is, 2.8e-9 rad (1.37 LSB in the test). */
+/* Returns the arc sine, by a polynomial for |a| <= 1/2, and as pi/2 - 2 asin(sqrt((1 - |a|)/2)) for |a| >
+ * 1/2. Format: Q30 in [-1, 1] (beyond: clamped) -> Q29 radians in [-pi/2, pi/2]. Overflow: impossible. The
+ * error of the arc sine is at most 1.5 LSB of Q29, that is, 2.8e-9 rad (1.37 LSB in the test). */
 int32_t crn_asin_q29(int32_t a_q30);
 
 #endif

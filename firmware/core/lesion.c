@@ -55,9 +55,9 @@ static bool is_near(const crn_lesion *lesion, const crn_vec3 *p)
     return true;
 }
 
-/* The first estimate of the arc length is measured along the chord; two corrections then follow the
- * centreline's own direction. Each correction reduces an error e to about e times the curvature times the
- * distance from the centreline; in a vessel, curvature times distance is below a half. */
+/* The arc length is first estimated along the chord; two corrections then follow the direction of the
+ * centreline itself. Each correction reduces an error e to about e times the curvature times the distance
+ * from the centreline; in a vessel, curvature times distance is below a half. */
 bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32_t *arc_m_q30)
 {
     if (!is_near(lesion, place_m_q30)) {
@@ -97,8 +97,9 @@ static station_map map_of(const crn_lesion_station *station, int32_t open_q30)
     return (station_map){now > r ? crn_quotient(r, now, 30) : CRN_ONE_Q30, point_between(c, h, open_q30)};
 }
 
-/* Returns the change of the scale factor k times a distance across the vessel, divided by the spacing of the
- * lesion's points. Format: Q30, Q30 m -> Q26. */
+/* Returns how steeply the opening changes along the lesion: the change of the scale factor k between two
+ * points of the lesion, times the distance from the lesion's centreline, divided by the spacing of the
+ * points. Format: Q30, Q30 m -> Q26. */
 static int32_t steepness(int32_t change_q30, int32_t across_m_q30, uint32_t spacing_log2)
 {
     int64_t product = crn_asr64((int64_t)change_q30 * across_m_q30, spacing_log2 + 4);
@@ -124,8 +125,8 @@ static crn_lumen_sample mapped(crn_lumen_sample sample, const crn_vec3 *slope_q2
     return sample;
 }
 
-/* The wall of one lesion. Returns false beyond the lesion's ends, beyond two healthy radii from the middle
- * of the opened channel, or where the lesion is closed. */
+/* The wall of one lesion. Returns false for a point beyond the lesion's ends, for a point farther than two
+ * healthy radii from the middle of the opened channel, or where the lesion is closed. */
 static bool wall_of(const crn_lumen *lumen, const crn_lesion *lesion, const int32_t *open_q30,
                     const crn_vec3 *place, crn_lumen_sample *sample)
 {

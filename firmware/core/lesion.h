@@ -5,24 +5,24 @@
  * stations. Each station has the centrelines of the healthy vessel and of the remaining channel, and their
  * radii R and r. The core's state holds the opening of each point (station) of a lesion, from 0 (closed) to 1
  * (healthy vessel). The map from the narrowed to the healthy wall scales everything around the channel by R /
- * r, as does the program that bakes the scene. So the wall of a lesion with the opening w is where phi(X(x))
- * = 0,
+ * r, as the program that bakes the scene also does. So the wall of a lesion with the opening w is where
+ * phi(X(x)) = 0,
  *
  *     X = c + k (x - c_w),   k = r / (r + w (R - r)),   c_w = c + w (C - c)          c, C: middle of channel and vessel
  *     gradient               k grad phi + t (B . grad phi),   B = c' - k c_w' + k' (x - c_w),   t along the vessel
  *
  * All terms of the map are evaluated at the foot of x, that is, the point of the vessel's centreline that is
  * nearest to x. A point inside the narrowed lumen stays inside the lumen when the lesion opens
- * (docs/lesions.md). All positions of a lesion are in the reference pose of a vessel that moves. Where no
- * lesion is open the cost is one comparison. The code in shared/scene checks the data before use, because
- * they may come from an attacker. */
+ * (docs/lesions.md). All positions of a lesion are in the reference pose of a vessel that moves. If no lesion
+ * is open, a sample of the wall needs only one additional comparison. The code in shared/scene checks the
+ * data before use, because they may come from an attacker. */
 #ifndef CRN_LESION_H
 #define CRN_LESION_H
 
 #include "firmware/core/core_state.h"
 
-/* Samples the vessel wall where a lesion is open, in the reference pose. Returns false where no lesion is
- * open; there the lumen's own distance field describes the wall. */
+/* Samples the vessel wall at a point in the reference pose where a lesion is open. Returns false if no lesion
+ * is open at the point; in this case the lumen's own distance field describes the wall. */
 bool crn_lesion_contact(const crn_lumen *lumen, const crn_lesion_state *lesions, const crn_vec3 *place_m_q30,
                         crn_lumen_sample *sample);
 
@@ -33,8 +33,8 @@ typedef struct crn_lesion_section {
     int32_t ratio_q30, widened_q24; /* k and 1 / k */
 } crn_lesion_section;
 
-/* Returns false where no lesion is open. Where two lesions overlap, the map is that of the lesion with the
- * lower number. */
+/* Returns false where no lesion is open. If two lesions overlap, the function uses the map of the lesion with
+ * the lower number. */
 bool crn_lesion_section_at(const crn_lumen *lumen, const crn_lesion_state *lesions,
                            const crn_vec3 *place_m_q30, crn_lesion_section *section);
 /* Returns the distance to the vessel wall where the lesion is opened as `section` describes. The distance to

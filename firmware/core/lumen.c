@@ -1,10 +1,11 @@
 /* This file samples the lumen's distance field; docs/lumen.md describes the memory layout, the equations and
  * their errors.
  *
- * Both sampling functions take the same steps. From a world point, these functions find the coarse brick,
- * then a finer brick where the lattice is refined, then the point's position in the brick in voxels (Q20).
- * Last, they read 27 int8 coefficients of this brick. The work of a sample does not depend on the data: two
- * refinements and 27 coefficients (taps). */
+ * The functions crn_lumen_distance and crn_lumen_contact find a sample by the same steps. The code first
+ * finds the coarse brick that contains a world point, then a finer brick where the lattice is refined, and
+ * then the point's position in this brick in voxels (Q20). Last, the code reads the 27 int8 coefficients
+ * around this position. Every sample takes the same amount of work, whatever the data are: the code makes two
+ * refinement steps and reads 27 coefficients (taps). */
 #include "firmware/core/lumen.h"
 
 enum {
@@ -34,10 +35,10 @@ static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint3
     return lumen->children[(ptrdiff_t)entry * 8 + octant - (ptrdiff_t)CRN_LUMEN_ENTRY_REFINED * 8];
 }
 
-/* Finds the brick. Returns false where the point lies in no brick and `far_m_q30` is its distance. Overflow:
- * the lattice, which was checked before, lies within the Q30 range. A coordinate difference modulo 2^32 is
- * therefore the true difference for points inside the lattice; for points outside, it fails the comparison
- * with the lattice's size. */
+/* Finds the brick. Returns false if the point lies in no brick; in this case `far_m_q30` is the distance to
+ * the wall. Overflow: the lattice, which was checked before, lies within the Q30 range. Computed modulo 2^32,
+ * a coordinate difference is therefore correct for a point inside the lattice; for a point outside, the
+ * difference is too large in the comparison with the lattice's size. */
 static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
 {
     place->level = 0;
@@ -97,8 +98,9 @@ static inline lumen_weights weights_at(uint32_t x_q20)
 }
 
 /* These functions return the high words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32).
- * Error: 1 LSB (floor). Overflow is impossible. The weights of a value sum to one. The weights of a slope
- * have one fraction bit less and sum to two in magnitude. Sums therefore stay below 2^31 * 2^30. */
+ * Error: 1 LSB (floor). Overflow is impossible. The three spline weights that give a value sum to one. The
+ * three weights that give a slope have one fraction bit less than those that give a value, and their
+ * magnitudes sum to two. The sums of three products therefore stay below 2^31 * 2^30. */
 static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
     return crn_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);
@@ -136,8 +138,9 @@ static inline lumen_row_weights row_weights_at(uint32_t x_q20)
     const int32_t rise = (int32_t)((u_q20 + (1 << 5)) >> 6), fall = (1 << 14) - rise;
 #if CRN_HIGH_WORDS_BY_DSP
     /* A 32-bit word that begins one coefficient early holds the three wanted coefficients in its upper bytes.
-     * In the brick's first column such a word would begin before the brick. There the word begins at the
-     * brick and is shifted. */
+     * In the brick's first column, a word that begins one coefficient early would begin before the brick. In
+     * this column the code instead reads the word that begins with the brick's first coefficient, and shifts
+     * this word. */
     return (lumen_row_weights){(uint32_t)low | (uint32_t)high << 16,
                                ((uint32_t)-fall & 0xffffu) | (uint32_t)rise << 16,
                                (uint32_t)middle | (uint32_t)(fall - rise) << 16, x_q20 >> 20 == 0 ? 8 : 0};
@@ -180,8 +183,7 @@ static inline int_fast32_t value_of_row(const int8_t *c, const lumen_row_weights
 static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
 {
     int64_t both = c[0] * w->low + c[1] * w->middle + c[2] * w->high;
-    /* When the value in the lower half of the word is negative, it borrows one from the slope in the upper
-     * half. */
+    /* A negative value in the lower half of the word borrows one from the slope in the upper half. */
     return (lumen_row){(int32_t)(uint32_t)both, crn_asr64(both + ((int64_t)1 << 31), 32)};
 }
 
@@ -211,15 +213,15 @@ static inline lumen_plane plane_of(const int8_t *c, const lumen_row_weights *x, 
 }
 
 /* Sums the 27 weighted coefficients (taps), first along x, then along y, then along z. Overflow is
- * impossible: a value lies between the extremes of its taps, within 2^7, and a slope within twice that range.
- * Each weight has an error of 1 LSB of Q15. These errors cause an error of 15 nm in the distance, and of 3e-5
- * in a slope of one. */
+ * impossible: an interpolated value lies between the smallest and the largest of its coefficients, which are
+ * within +-2^7, and a slope is at most twice as large. Each weight has an error of 1 LSB of Q15. The errors
+ * of the weights cause an error of 15 nm in the distance, and of 3e-5 in a slope of one. */
 static inline lumen_taps spline_27(const lumen_place *p)
 {
     const lumen_row_weights x = row_weights_at(p->x_q20);
     const lumen_weights y = weights_at(p->y_q20), z = weights_at(p->z_q20);
-    /* The coefficient of the sample nearest to floor(x) is number floor(x) + 1, so the taps are the
-     * coefficients floor(x) .. floor(x) + 2. */
+    /* Of the three coefficients (taps) along an axis, the middle one has the number floor(x) + 1, so the code
+     * reads the coefficients floor(x) .. floor(x) + 2. */
     const int8_t *c = p->brick + ((p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20));
     const lumen_plane a = plane_of(c, &x, &y), b = plane_of(c + SLICE, &x, &y),
                       d = plane_of(c + 2 * SLICE, &x, &y);

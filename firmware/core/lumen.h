@@ -1,5 +1,5 @@
-/* The lumen is described by a sparse signed-distance field of the inner vessel wall, which is read-only
- * during a session.
+/* The lumen is described by a sparse field of signed distances from the inner vessel wall; the field is
+ * read-only during a session.
  *
  * The signed distance phi, in metres in Q30, is negative inside the lumen (where blood is), and positive in
  * the wall and beyond. The contact depth of a wire of radius r is phi + r. The inward normal is n =
@@ -72,8 +72,8 @@ typedef struct crn_lumen {
     const uint16_t *index;           /* brick_count_xyz product entries, x fastest */
     const uint16_t *children;        /* child_row_count x 8 entries */
     const int8_t *samples;           /* brick_count x CRN_LUMEN_BRICK_SAMPLES */
-    const struct crn_motion *motion; /* This pointer leads to the motion of the vessel (motion.h), or is NULL
-                                        when the vessel does not move. The samplers below ignore it */
+    const struct crn_motion *motion; /* This pointer points to the motion of the vessel (motion.h), or is NULL
+                                        if the vessel does not move. The samplers below ignore it */
     uint32_t lesion_count; /* lesions that give way, at most CRN_LESION_MAX. The samplers ignore them too */
     const crn_lesion *lesions;
 } crn_lumen;
@@ -89,8 +89,8 @@ typedef struct crn_lumen_sample {
 int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
 /* Returns the distance and the inward normal from the triquadratic B-spline (27 coefficients, continuous
- * first derivative), for contact. Far from the wall the function returns the distances of crn_lumen_distance.
- */
+ * first derivative), for contact. Far from the wall, crn_lumen_contact returns the same distance as
+ * crn_lumen_distance. */
 crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
 #endif

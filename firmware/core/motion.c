@@ -1,15 +1,16 @@
 /* This file looks up the displacements of a moving vessel in its two lattices, one for the heartbeat and one
- * for breath (motion.h, docs/heart.md). Every look-up takes the same amount of work. For the heartbeat, a
- * look-up blends three coefficients for each of three components at the 8 corners of a cell. This blending
- * runs once for the present displacement and once for the change in the tick. For breath, a look-up reads the
- * displacements at 8 corners. The blended displacements of a cell are kept for the next point in the same
- * cell; keeping them does not change any result. The file motion_wall.c computes the displacement of the wall
- * in a tick. */
+ * for breath (motion.h, docs/heart.md). Every look-up of a displacement takes the same amount of work. For
+ * the heartbeat, a look-up blends three coefficients for each of three components at the 8 corners of a cell.
+ * The blending for the heartbeat runs once for the present displacement and once for the change in the tick.
+ * For breath, a look-up reads the displacements at 8 corners. The blended displacements of a cell are kept
+ * for the next point in the same cell; keeping them does not change any result. The file motion_wall.c
+ * computes the displacement of the wall in a tick. */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
-/* Returns the three weights of the quadratic B-spline at the fraction f between two half keyframes: the first
- * is (1-f)^2/2, the last is f^2/2, and the middle one is the remainder to one. */
+/* Returns the three weights of the quadratic B-spline at the fraction f of an interval that reaches from
+ * half-way before a keyframe to half-way after it: the first weight is (1-f)^2/2, the last is f^2/2, and the
+ * middle one is the remainder to one. */
 crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
 {
     uint64_t place_q32 = (uint64_t)heart_phase32 * CRN_MOTION_KEYFRAMES + ((uint64_t)1 << 31);
@@ -136,9 +137,9 @@ static inline found find(const crn_lattice *lattice, crn_motion_field *field, co
     return find_other(lattice, field, p, node);
 }
 
-/* Finds the tetrahedron of a cell that holds the point. The edges of a tetrahedron start at the cell's low
- * node. They lead first along the axis with the point's largest fraction, then along the axis with the next
- * largest fraction. */
+/* Finds the tetrahedron of a lattice cell that contains the point. The path along the edges of the
+ * tetrahedron starts at the corner of the cell with the smallest coordinates. The path leads first along the
+ * axis with the point's largest fraction, then along the axis with the next largest fraction. */
 static inline uint32_t tetrahedron_at(const int32_t *p_q31)
 {
     return (p_q31[1] >= p_q31[2] ? 4u : 0u) | (p_q31[2] >= p_q31[4] ? 2u : 0u) |
@@ -220,10 +221,11 @@ crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const 
     return stands_still(pose, world_m_q30) ? *world_m_q30 : pull_inside(motion, pose, world_m_q30);
 }
 
-/* Adds to `squares` the largest |difference|^2 of neighbouring nodes along one axis, for each of the `row`
- * numbers that a node has for each of its three components. Format: coefficients. Overflow is impossible: the
- * displacements of neighbouring nodes differ by at most 2^13 (checked when a scene is loaded). One axis
- * therefore adds at most 3 x 2^26, and three axes add less than 2^30. */
+/* Every lattice node has `row` numbers for each of its three components. For each of these numbers, the
+ * function finds the largest |difference|^2 between neighbouring nodes along one axis and adds it to
+ * `squares`. Format: coefficients. Overflow is impossible: the displacements of neighbouring nodes differ by
+ * at most 2^13 (checked when a scene is loaded). One axis therefore adds at most 3 x 2^26, and three axes add
+ * less than 2^30. */
 static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint32_t row, uint32_t axis,
                         uint32_t *squares)
 {
@@ -286,18 +288,18 @@ int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_m
     return crn_scale_q30(crn_quotient(one, one + beat_q28, 30), crn_quotient(one, one + breath_q28, 30));
 }
 
-/* Returns the derivative of a displacement component along one axis. The derivative is the sum of the term of
- * this axis, the two mixed terms of this axis with one other axis, and the term of all three axes. Overflow:
- * as value_here's. */
+/* Returns the derivative of a displacement component along one axis. The derivative is the sum of four terms:
+ * the linear term of this axis, the two mixed terms of this axis with one other axis, and the mixed term of
+ * all three axes. Overflow: as value_here's. */
 static inline int32_t slope_here(int32_t axis, int32_t with_b, int32_t b_q31, int32_t with_c, int32_t c_q31,
                                  int32_t with_both, int32_t both_q31)
 {
     return axis + from_q31((int64_t)with_b * b_q31 + (int64_t)with_c * c_q31 + (int64_t)with_both * both_q31);
 }
 
-/* Computes the gradient I + dw_i/dx_j of the map in the cell of the last point; outside the lattice the
- * gradient is the identity. Format: Q34 m per spacing -> Q28. Overflow is impossible, because entries of the
- * gradient are at most 1 5/8 (checked when a scene is loaded). */
+/* Computes the gradient I + dw_i/dx_j of the map in the cell of the point that was looked up last; outside
+ * the lattice the gradient is the identity. Format: Q34 m per spacing -> Q28. Overflow is impossible, because
+ * entries of the gradient are at most 1 5/8 (checked when a scene is loaded). */
 static void gradient_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t *p = pose->beat.powers_q31;
@@ -364,8 +366,8 @@ static int32_t shrink_of_breath(const crn_motion *motion, crn_motion_pose *pose)
     return field->shrink_q30;
 }
 
-/* Returns a lower bound of 1 / |I + J| at the last point, as the product of a factor for the heartbeat and a
- * factor for breath. Format: Q30. */
+/* Returns a lower bound of 1 / |I + J| at the point that was looked up last, as the product of a factor for
+ * the heartbeat and a factor for breath. Format: Q30. */
 static int32_t shrink_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t beat_q30 = shrink_of_gradient((const int32_t(*)[3])pose->gradient_q28);
@@ -376,8 +378,8 @@ enum {
     ROUNDING_M_Q30 = 32
 }; /* bounds the quotients here and in crn_motion_contact, for distances up to 15.6 mm */
 
-/* Computes the distance to the wall for a point that lies within a lattice. This function is separate from
- * its caller, so that it costs nothing for a node that lies outside both lattices. */
+/* Computes the distance to the wall for a point that lies within a lattice. This code is a separate function,
+ * so that a node outside both lattices costs no time. */
 CRN_APART static int32_t distance_inside(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose, const crn_vec3 *world_m_q30,
                                          int32_t shrink_q30, int32_t far_m_q30)
@@ -406,7 +408,8 @@ int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, cr
 }
 
 /* Returns the mapped normal (I + dw/dx)^T n for a unit normal n. Format: Q30 -> Q26. Overflow is impossible:
- * a component of the result is at most 1 + 5/8 sqrt(3), below the format's 8. Error: 2 LSB. */
+ * a component of the result is at most 1 + 5/8 sqrt(3), and the number format holds values below 8. Error: 2
+ * LSB. */
 static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3 *normal_q30)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;
@@ -419,7 +422,7 @@ static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3
 }
 
 /* Multiplies the mapped normal by (I + depth db/dx)^T. Overflow is impossible: the components of the normal
- * grow by a factor of at most 1 + 3/8 sqrt(3), and stay below the format's 8. */
+ * grow by a factor of at most 1 + 3/8 sqrt(3), and stay below 8, the limit of the number format. */
 static inline void map_by_breath(const crn_motion *motion, const crn_motion_pose *pose, crn_vec3 *mapped_q26)
 {
     const crn_vec3 beaten_q26 = *mapped_q26;

@@ -1,18 +1,20 @@
-/* This header describes vessels that move. Its functions find the position in the reference pose, in which
- * the lumen is described, of a point of the present world.
+/* This header describes vessels that move. For a point of the moving vessel, the functions of this header
+ * find the point's position in the reference pose, in which the lumen is described.
  *
  * Two coarse lattices hold displacements: w for the heartbeat and b for breath. The functions first undo the
- * displacement by breath and then that by the heartbeat, because the chest carries the beating heart.
+ * displacement by breath and then the displacement by the heartbeat, because the chest moves the beating
+ * heart with it.
  *
  *     X1 = x + depth b(x),  X = X1 + w(X1)
  *
- * Look-ups alone therefore map a world point to the point X of the reference pose, without iteration, and the
- * vessel wall is where phi(X) = 0. In a lattice cell, the heartbeat's displacement w is trilinear. The
- * displacement b by breath is smooth. In each of the cell's six tetrahedra (Kuhn) it is linear, and a linear
- * look-up takes a third of the work. As a function of time, the heartbeat's displacement w is a periodic
- * quadratic B-spline with 24 coefficients (C1). The program that bakes a scene filters the coefficients
- * beforehand, so that the spline passes through the keyframes. Outside a lattice, and on its boundary, the
- * displacements w and b are 0.
+ * A world point is therefore mapped to its point X of the reference pose by two look-ups without iteration,
+ * and the vessel wall is where phi(X) = 0. In a lattice cell, the heartbeat's displacement w is trilinear.
+ * The displacement b by breath changes smoothly from place to place. In each of a cell's six tetrahedra
+ * (Kuhn) the displacement b is therefore interpolated linearly, which takes a third of the work of a
+ * trilinear look-up. As a function of time, the heartbeat's displacement w is a periodic quadratic B-spline
+ * with 24 coefficients (C1). The program that bakes a scene filters the coefficients beforehand, so that the
+ * spline passes through the keyframes. Outside a lattice, and on its boundary, the displacements w and b are
+ * 0.
  *
  *     gradient of the depth used    g = (I + depth db/dx)^T (I + dw/dx)^T grad phi
  *     step of the wall in a tick    -(I + depth db/dx)^-1 ((I + dw/dx)^-1 (w now - w before)
@@ -51,7 +53,7 @@ typedef struct crn_motion {
     crn_lattice breath;
     /* The displacements b are stored node by node, x fastest, with three components for each node. The
      * displacements of neighbouring nodes differ by at most 3/8 of the lattice spacing. The pointer is NULL
-     * when breath does not move the vessel. */
+     * if breath does not move the vessel. */
     const int16_t *inhaled;
 } crn_motion;
 
@@ -75,9 +77,10 @@ typedef struct crn_motion_field {
     uint32_t corner_rows[8]; /* numbers from a cell's low node to its corners */
     crn_motion_cell ways; /* displacements from the corners back to the reference pose; for breath: those of a
                              full breath */
-    /* The same displacements as polynomials. For the heartbeat, the polynomial's terms belong to 1, x, y, xy,
-     * z, xz, yz and xyz. For breath, the polynomial's terms 0, 1, 2 and 4 belong to 1, x, y and z in the
-     * tetrahedron of the last point, and the other terms are not used. */
+    /* The same displacements as polynomials. For the heartbeat, the eight coefficients of a cell's polynomial
+     * belong to the terms 1, x, y, xy, z, xz, yz and xyz. For breath, the polynomial's coefficients 0, 1, 2
+     * and 4 belong to the terms 1, x, y and z in the tetrahedron of the point looked up last, and the other
+     * coefficients are not used. */
     int32_t terms_m_q34[3][8];
     int32_t low_m_q30[3];  /* position of the cell's low node */
     int32_t powers_q31[8]; /* x, y, xy, z, xz, yz, xyz of the last point pulled back, from [1] on */
@@ -88,7 +91,7 @@ typedef struct crn_motion_field {
 
 /* Holds the phases of heart and breath at the beginning and the end of a tick, and the values that were last
  * derived from the lattices for these two moments. Successive nodes of a wire usually lie in the same cell,
- * so they reuse the derived values. */
+ * so the derived values are used again for the next node. */
 typedef struct crn_motion_pose {
     crn_motion_moment now, before;
     crn_motion_field beat, breath;
@@ -132,9 +135,9 @@ int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_m
 
 /* Returns a lower bound of the distance that crn_motion_contact gives at the same point; at the wall or
  * beyond the wall, this bound is at least 0. Inside the lumen, the bound is the distance in the reference
- * pose divided by a limit on the factor by which the motion lengthens a gradient. The reciprocal of a limit
- * that holds everywhere is given as `shrink_q30`. Where this general limit gives a distance of `far_m_q30` or
- * more, the function uses the limit at this point instead. */
+ * pose divided by a limit on the factor by which the motion increases a gradient. The caller gives in
+ * `shrink_q30` the reciprocal of a limit on this factor that holds at every point. If this general limit
+ * gives a distance of `far_m_q30` or more, the function uses the more exact limit at this point instead. */
 int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                             const crn_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30);
 

@@ -22,8 +22,9 @@ static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
 }
 
 /* Computes the changes of the displacements at a cell's corners in this tick. Usually the tick begins and
- * ends between the same two keyframes; then the change of the weights, which sums to zero, gives the result.
- * Overflow is impossible, because the sum has two products of a number up to 2^15 and a number up to 2^13. */
+ * ends between the same two keyframes. In this case the result is the sum of the coefficients times the
+ * changes of their weights; these changes sum to zero. Overflow is impossible, because the sum has two
+ * products of a number up to 2^15 and a number up to 2^13. */
 static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->changes);
@@ -51,8 +52,8 @@ static inline int32_t between(int32_t a, int32_t b, int32_t share_q31)
     return a + from_q31((int64_t)(b - a) * share_q31);
 }
 
-/* Returns the change of the heartbeat's displacement w in this tick at the last point, limited to 2 mm. Q39
- * m. */
+/* Returns the change of the heartbeat's displacement w in this tick at the point that was looked up last,
+ * limited to 2 mm. Q39 m. */
 static inline crn_vec3 change_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     if (pose->changes.node != pose->beat.ways.node) {
@@ -78,10 +79,11 @@ static inline crn_vec3 cross_high(const crn_vec3 *a, const crn_vec3 *b)
 }
 
 /* Solves (I + dw/dx) step = -change for `step` by Cramer's rule, where w is the displacement by the
- * heartbeat. With the matrix columns a, b and c, the two products b x c and change x a contain all four
- * determinants that the rule needs. Overflow is impossible: a component of a column is at most 2, so b x c is
- * below 2^27 (Q24), the determinant is below 2^26 (Q20), and change x a is below 2^29 (Q35). Before the
- * division, the components of the step are below 2^29 in Q31, which is 250 mm. */
+ * heartbeat. From the matrix columns a, b and c, the code computes the two products b x c and change x a,
+ * which contain all four determinants that Cramer's rule needs. Overflow is impossible: a component of a
+ * column is at most 2, so b x c is below 2^27 (Q24), the determinant is below 2^26 (Q20), and change x a is
+ * below 2^29 (Q35). Before the division, the components of the step are below 2^29 in Q31, which is 250 mm.
+ */
 static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;
@@ -104,10 +106,11 @@ static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
     return step;
 }
 
-/* Computes the wall's step with breath, (I + J)^-1 u with u = step - change of breath, by the series u - J (u
- * - J u). The relative error of the step is |J|^3: a twentieth where breath is as steep as it may be, and 0.3
- * % in the shipped heart. Overflow is impossible: u is at most 4 mm, and the sum of the series is below 6 mm,
- * which is below 2^26 in Q33 m. */
+/* Computes the displacement of the wall by heartbeat and breath together, (I + J)^-1 u, by the series
+ * u - J (u - J u), where u is the heartbeat's step less the change of breath. The relative error of the
+ * result is |J|^3, which is 1/20 for the steepest breath motion that a scene may have, and 0.3 % in the
+ * shipped heart. Overflow is impossible: u is at most 4 mm, and the sum of the series is below 6 mm, which is
+ * below 2^26 in Q33 m. */
 static void step_with_breath(const crn_motion *motion, crn_motion_pose *pose, crn_vec3 *step_m_q33)
 {
     enum {

@@ -49,7 +49,7 @@ static uint32_t varied_interval_ms(crn_rhythm *rhythm)
 }
 
 /* Shortens the present interval between two heartbeats to the coupling interval of a commanded premature
- * beat, if the beat still has enough time left. */
+ * beat, if enough of the present interval is left. */
 static void place_premature(crn_rhythm *rhythm)
 {
     uint32_t cut = mean_interval_ms(rhythm) * rhythm->premature_milli / 1000u;

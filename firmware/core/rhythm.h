@@ -1,11 +1,12 @@
 /* This header defines the rhythm of heartbeat and breath, that is, the phase of heart and chest in their
  * cycles at each tick (docs/heart.md, "rhythm").
  *
- * One whole cycle of heart or breath is a phase of 2^32. The heart's phase 0 is the beginning of the QRS
- * complex (end of filling). The phase CRN_PHASE_SYSTOLE_END is the closure of the aortic valve at every heart
- * rate. Systole and diastole have separate lengths, and within each of them the phase is linear in time.
- * Phase 0 of breath is the end of expiration, and phase 2^31 is the end of inspiration. Keyframe k of a
- * scene's motion belongs to the phase k / 24 of a cycle, so that keyframe 10 is the end of systole. */
+ * A phase of 2^32 stands for one whole cycle of heart or breath. The heart's phase 0 is the beginning of the
+ * QRS complex (end of filling). At every heart rate, the aortic valve closes at the phase
+ * CRN_PHASE_SYSTOLE_END. Systole and diastole have separate lengths, and within each of them the phase is
+ * linear in time. Phase 0 of breath is the end of expiration, and phase 2^31 is the end of inspiration.
+ * Keyframe k of a scene's motion belongs to the phase k / 24 of a cycle, so that keyframe 10 is the end of
+ * systole. */
 #ifndef CRN_RHYTHM_H
 #define CRN_RHYTHM_H
 
@@ -81,8 +82,8 @@ bool crn_rhythm_order_is_valid(const crn_rhythm_order *order);
  * effect. */
 void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order);
 
-/* Returns whether crn_rhythm_step could have produced this rhythm. The caller uses this check for states that
- * come from outside the core. */
+/* Returns whether crn_rhythm_step could have produced this rhythm. The check is meant for states that come
+ * from outside the core. */
 bool crn_rhythm_is_valid(const crn_rhythm *rhythm);
 
 /* Returns the depth of inspiration, from 0 at the end of expiration to 1 at the end of inspiration. The depth

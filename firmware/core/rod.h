@@ -25,8 +25,8 @@ static inline int32_t crn_clamp(int32_t value, int32_t low, int32_t high)
 
 /* --- a tool's properties along its arc length ----------------------------------------------------------- */
 
-/* Returns the position of an arc length within a span of a tool, as a fraction in Q30, limited to the span's
- * ends. */
+/* Returns where an arc length lies within a span of a tool, as a fraction in Q30, limited to the span's ends.
+ */
 static inline int32_t crn_span_fraction(const crn_span *span, int32_t arc_m_q30)
 {
     int32_t beyond = arc_m_q30 - span->begin_m_q30;
@@ -52,9 +52,10 @@ static inline int64_t crn_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q
     return (ac_q4 * bend_N_m_q26) >> 22;
 }
 
-/* Returns the axial spring stiffness EA / length of an edge; the softer of the edge's two joints has the
- * bending stiffness W. The result is limited to the cap, and to 512 W a^2, because far above that the
- * determinant of a block loses its bits. The result has the unit N/m with 8 fractional bits. */
+/* Returns the axial spring stiffness EA / length of an edge. W is the bending stiffness of the softer of the
+ * edge's two joints. The result is limited to the largest axial stiffness of the model, and to 512 W a^2,
+ * because with a much larger stiffness the determinant of a block would lose its bits. The result has the
+ * unit N/m with 8 fractional bits. */
 static inline int64_t crn_axial_spring_q8(const crn_model *model, uint32_t edge, int32_t bend_N_m_q26)
 {
     int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;
@@ -69,9 +70,9 @@ static inline int32_t crn_to_exponent(int64_t value_q8, unsigned exponent)
     return crn_sat32(exponent >= 8 ? value_q8 << (exponent - 8) : crn_rshift_round64(value_q8, 8 - exponent));
 }
 
-/* Returns the inertia term m / h^2 in Q(a) N/m, a <= 14. A mass in Q40 kg times 1e6 2^10 / 2^32 is N/m in
- * Q18. The matrix and the right side must contain the same rounded inertia, because a difference of 2 % would
- * cancel the damping. Overflow: impossible, below 2^29. */
+/* Returns the inertia term m / h^2 in Q(a) N/m, a <= 14. A mass in Q40 kg, multiplied by 1e6 2^10 / 2^32,
+ * gives a stiffness in Q18 N/m. The matrix and the right side must contain the same rounded inertia term,
+ * because a difference of 2 % between them would cancel the damping. Overflow: impossible, below 2^29. */
 static inline int32_t crn_line_inertia(const crn_model *model, const crn_line_node *line)
 {
     return crn_asr32(crn_mulh(line->mass_kg_q40, 1024000000), 18 - model->stiffness_exponent);
@@ -150,21 +151,21 @@ uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free
 void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint32_t i,
                            const crn_vec3 *slide_m_q33, crn_vec3 *shift_m_q33);
 
-/* Corrects the lengths of edges in the deviation that the solve found, from the hand to the tip
- * (rod_length.c). The caller passes the largest component of the deviation. */
+/* Corrects the deviation that the solve found so that turning edges keep their length, edge by edge from the
+ * hand to the tip (rod_length.c). The caller passes the largest component of the deviation. */
 void crn_rod_keep_lengths(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 
-/* Returns the joint at node i for this tick. For i = na-1 and i = na, the introducer sheath's distal end
- * clips the joint. */
+/* Returns the joint at node i for this tick. The introducer sheath's distal end cuts off a part of the joints
+ * at nodes na-1 and na. */
 static inline const crn_joint *crn_rod_joint(const crn_state *state, uint32_t i)
 {
     uint32_t na = state->words.free_count;
     return i + 1 < na ? &state->line.nodes[i].joint : &state->scratch.mouth[i + 1 - na];
 }
 
-/* Computes the half of tool k's rest rotation at a joint that belongs to one edge, times the fraction
- * `release_q30` that is applied now. The rest rotation is the angle between the two edges of the joint in the
- * tool's stress-free shape. Format: Q30 rad. */
+/* Computes the half of tool k's rest rotation at a joint that belongs to one of the joint's two edges, and
+ * multiplies this half by the fraction `release_q30` that is applied now. The rest rotation is the angle
+ * between the two edges of the joint in the tool's stress-free shape. Format: Q30 rad. */
 void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q30, const crn_vec3 *axis1,
                        const crn_vec3 *tangent, crn_vec3 *half);
 
@@ -175,14 +176,14 @@ static inline int32_t crn_surface_way(int32_t radius_m_q30, int32_t turn_q30)
     return (int32_t)(((int64_t)radius_m_q30 * turn_q30 + (1 << 26)) >> 27);
 }
 
-/* These two functions return the rest rotation of joint i in the frames of this tick: the first for one tool,
- * the second for all tools that have a curved rest shape at the joint. Format: Q30 rad. */
+/* These two functions return the rest rotation of joint i in the frames of this tick: the first function for
+ * one tool, the second function for all tools that have a curved rest shape at the joint. Format: Q30 rad. */
 crn_vec3 crn_rod_tool_turn(const crn_state *state, const crn_joint *joint, uint32_t tool, uint32_t i);
 crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const crn_joint *joint,
                            uint32_t i);
 
-/* Computes the edges' reference axes from the introducer sheath to the tip, and the tools' material axes at
- * edges where a curved rest shape needs them (rod_frames.c). */
+/* Computes the reference axes of all edges, from the introducer sheath to the tip, and the material axes of
+ * the tools at edges where a curved rest shape needs them (rod_frames.c). */
 void crn_frames_carry(const crn_model *model, crn_state *state);
 /* Makes the axis orthogonal to the tangent t and of unit length, to first order. The remaining error of the
  * axis is the square of its initial error. */
@@ -210,12 +211,13 @@ crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
  * the contacts (rod_contact.c). */
 void crn_contact_find(const crn_model *model, crn_state *state);
 void crn_contact_forces(const crn_model *model, crn_state *state);
-/* Looks for contacts that the predicted configuration did not show, from the solution and its largest
- * component. Returns the number of contacts that were added. */
+/* Searches the solution of the linear system for contacts with the wall that did not exist at the predicted
+ * configuration. The caller passes the largest component of the solution. Returns the number of contacts that
+ * were added. */
 uint32_t crn_contact_missed(const crn_model *model, crn_state *state, int32_t largest_m_q33);
-/* Returns the factor, at most 1, by which the solution may be multiplied before a node with a missed contact
- * is 0.1 mm deep in the wall. The caller passes the largest component of the part of the solution that is
- * applied in any case. Format: Q30. */
+/* Returns the largest factor, at most 1, by which the solution can be multiplied so that no node with a
+ * missed contact is deeper than 0.1 mm in the wall. The caller passes the largest component of the solution,
+ * after the general limit of a node's motion per tick was applied. Format: Q30. */
 int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 /* Updates the friction displacements (bristles) after the solve, and fills the output's contact fields. */
 void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *output);
@@ -230,7 +232,7 @@ int32_t crn_rod_handle_axial(const crn_model *model, const crn_state *state);
 /* Computes the new positions of the nodes and fills the output's length error (rod_advance.c). */
 void crn_rod_advance(const crn_model *model, crn_state *state, crn_output *output);
 
-/* Computes the hash of the state that costs little enough for every tick (core_state.c). */
+/* Computes a hash of the state that is cheap enough to be computed in every tick (core_state.c). */
 void crn_state_hash_lanes(const crn_state *state, uint32_t lane[2]);
 
 #endif

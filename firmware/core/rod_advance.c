@@ -2,8 +2,8 @@
 #include "firmware/core/rod.h"
 
 /* Limits a node's coordinate to +-1.98 m, so that a tick's slide can be added without overflow. A node
- * reaches this limit only in a scene without walls. The sum cannot overflow, because a tick's motion is below
- * 2^22 in Q30. */
+ * reaches the limit of 1.98 m only in a scene without walls. The sum cannot overflow, because a tick's motion
+ * is below 2^22 in Q30. */
 static int32_t limit_position(int32_t m_q30)
 {
     return crn_clamp(m_q30, -CRN_POSITION_MAX_M_Q30, CRN_POSITION_MAX_M_Q30);
@@ -20,11 +20,11 @@ static void move_node(crn_state *state, uint32_t i)
     }
 }
 
-/* Returns the elongation of all free edges together. The elongation is the one at the predicted configuration
- * x*, plus the terms t . (delta[i+1] - delta[i]), plus the length that rod_length.c took back because edges
- * turned. Edges that turn too slowly for the correction in rod_length.c get longer by the fraction angle^2 /
- * 2. This fraction is below 0.4 % and is not counted here. Format: sum of Q33 m in 64 bits. Overflow is
- * impossible, because the length of an edge is below 2^25 in Q30 m. */
+/* Returns the elongation of all free edges together. The result is the elongation at the predicted
+ * configuration x*, plus the terms t . (delta[i+1] - delta[i]), plus the length that rod_length.c took back
+ * because edges turned. Edges that turn too slowly for the correction in rod_length.c get longer by the
+ * fraction angle^2 / 2. This fraction is below 0.4 % and is not counted here. Format: sum of Q33 m in 64
+ * bits. Overflow is impossible, because the length of an edge is below 2^25 in Q30 m. */
 static int64_t elongation_m_q33(const crn_model *model, const crn_state *state)
 {
     int64_t sum = state->scratch.kept_m_q33;

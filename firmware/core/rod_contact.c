@@ -11,12 +11,12 @@
  *
  * The displacement of a tool's surface is the displacement of the node, plus the slide of the outer tool
  * along the common centreline, plus r theta along n x t for the tool's rotation theta. One friction limit mu
- * N therefore bounds sliding and turning together, and a wire that slides turns freely. After the solve, the
+ * N therefore bounds sliding and turning together, so a wire that slides turns freely. After the solve, the
  * surface's displacement is added to the friction displacement z (bristle), which is limited to mu N / k_t.
  *
  * Stent struts (strut.h) are treated like the vessel wall. A node that touches both stent struts and vessel
- * wall has two contacts. The matrix contains the normals of a node's two contacts. The bristle belongs to the
- * deeper contact, and friction uses the sum of the two normal forces. */
+ * wall has two contacts. The matrix contains the normals of a node's two contacts. The friction displacement
+ * (bristle) of the node is that of its deeper contact, and friction uses the sum of the two normal forces. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 #include "firmware/core/rod_friction.h"
@@ -61,7 +61,7 @@ static inline int32_t normal_force(int32_t depth_m_q30)
     return force > 0 ? NORMAL_MAX_N_Q22 : -NORMAL_MAX_N_Q22;
 }
 
-/* Returns the slide of the outermost tool along the centreline at node i, in Q33 m, positive to the tip. */
+/* Returns the outermost tool's slide along the centreline at node i, in Q33 m, positive towards the tip. */
 static inline int32_t surface_slide(const crn_state *state, const crn_line_node *line)
 {
     int32_t under = state->scratch.slide_m_q33[line->under];
@@ -69,9 +69,9 @@ static inline int32_t surface_slide(const crn_state *state, const crn_line_node 
     return under + (int32_t)(more >> 15);
 }
 
-/* Returns friction displacement plus surface displacement, without the node's deviation and the tool's
- * rotation. Overflow is impossible: friction displacements are below 2^29.1 (NORMAL_MAX), slides below 2^24.
- */
+/* Returns the sum of the friction displacement and the surface's displacement, without the node's deviation
+ * and the tool's rotation. Overflow is impossible: friction displacements are below 2^29.1 (NORMAL_MAX),
+ * slides below 2^24. */
 static inline crn_vec3 surface_way(const crn_model *model, const crn_state *state, const crn_node_state *node,
                                    const crn_work *work, const crn_line_node *line)
 {
@@ -82,7 +82,7 @@ static inline crn_vec3 surface_way(const crn_model *model, const crn_state *stat
     return slide != 0 ? without(&way, &node->tangent_q30, slide) : way;
 }
 
-/* Returns the surface's displacement at node i by the tool's last rotation, along normal x tangent. */
+/* Returns how far the tool's rotation in the last tick moves its surface at node i along normal x tangent. */
 static inline int32_t surface_roll(const crn_node_state *node, const crn_line_node *line)
 {
     return crn_surface_way(line->radius_m_q30, node->spin_q30[line->outer]);
@@ -126,8 +126,8 @@ CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work
 }
 
 /* Sets the stiffnesses of node i's contact for the motion expected in this tick. `expected` is the node's
- * deviation from its slide (its memory may be that of `around`, which replaces it), and `inwards` is the
- * deviation's component along the normal. `predicted_m_q30` is the contact depth of the node after the
+ * expected deviation from its slide (it may share memory with `around`, which is written later), and
+ * `inwards` is its component along the normal. `predicted_m_q30` is the contact depth of the node after the
  * deviation. Overflow is impossible: the friction displacement is below 2^29.2, deviations are below 2^29 and
  * the displacement by rolling is below 2^23, so every component of their sum is below 2^30.5. */
 static inline void touch(const crn_model *model, crn_state *state, const crn_node_state *node, crn_work *work,
@@ -201,7 +201,7 @@ CRN_RARE static void push_second(crn_state *state, const crn_second_contact *sec
     }
 }
 
-/* Samples the wall at a node; `placed` means that wall_distance() looked up the same point last. */
+/* Samples the wall at a node; `placed` is true if wall_distance() looked up this point last. */
 static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state, const crn_work *work,
                                        bool placed)
 {
@@ -218,7 +218,8 @@ static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state,
                   : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
 }
 
-/* Computes a node's depth and normal at x*; returns false where the distance field has no gradient. */
+/* Computes a node's contact depth and the wall's normal at x*; returns false where the distance field has no
+ * gradient. */
 static inline bool sample(const crn_model *model, crn_state *state, crn_work *work, const crn_line_node *line,
                           bool placed)
 {
@@ -242,9 +243,9 @@ static void clear(crn_node_state *node)
     node->contact = CRN_CONTACT_NONE;
 }
 
-/* Returns the node's distance to the wall at the predicted configuration as if all lesions were closed. With
- * open lesions the true distance is at least as large. For a moving wall the function returns a lower bound
- * of the distance that the sample will give, or a value of at least 0. */
+/* Returns the node's distance to the wall at the predicted configuration as if all lesions were closed. If
+ * lesions are open, the true distance is at least as large as the returned one. For a moving wall the
+ * function returns a lower bound of this distance, which is at least 0 at the wall or beyond the wall. */
 static inline int32_t wall_distance(const crn_model *model, crn_state *state, const crn_work *work,
                                     int32_t far_m_q30)
 {
@@ -255,7 +256,7 @@ static inline int32_t wall_distance(const crn_model *model, crn_state *state, co
                                      state->scratch.wall_shrink_q30, far_m_q30);
 }
 
-/* A node that touched the wall in the last tick is sampled at once, any other only when near enough. */
+/* A node is sampled only if it touched the wall in the last tick or is near the wall now. */
 static inline bool may_touch(const crn_model *model, crn_state *state, const crn_node_state *node,
                              crn_work *work, const crn_line_node *line)
 {
@@ -270,15 +271,15 @@ static inline bool may_touch(const crn_model *model, crn_state *state, const crn
     return sample(model, state, work, line, placed);
 }
 
-/* Returns the depth of a contact at x* (the predicted configuration) or after the drift, if greater. */
+/* Returns the greater of two contact depths: at x* (the predicted configuration), and after the drift. */
 static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, const crn_vec3 *drift_m_q33)
 {
     const int32_t predicted = crn_sub_sat(depth_m_q30, along(drift_m_q33, normal_q30) >> 3);
     return predicted > depth_m_q30 ? predicted : depth_m_q30;
 }
 
-/* Where a node is deeper in stent struts than in the wall, the struts become its first contact; the shallower
- * surface becomes its second contact if the node touches it, too. */
+/* Of stent struts and wall, the surface in which a node is deeper becomes the node's first contact. The
+ * shallower of these two surfaces becomes the second contact if the node touches this surface, too. */
 CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_work *work,
                                  const crn_line_node *line, bool is_at_wall)
 {
@@ -330,7 +331,7 @@ static inline void find_node(const crn_model *model, crn_state *state, crn_node_
     touch(model, state, node, work, line, predicted, &work->drift_m_q33, inwards);
 }
 
-/* When springs hold the tip (in a validation case), these springs take the place of a contact. */
+/* If springs hold the tip (in a validation case), these springs take the place of a contact. */
 static void hold_node(const crn_model *model, crn_state *state, uint32_t i, const crn_vec3 *anchor_m_q30)
 {
     crn_work *work = &state->scratch.nodes[i];
@@ -411,7 +412,7 @@ CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_wor
 }
 
 /* Returns whether node i ends deeper than 0.1 mm in the wall although no contact was found at the predicted
- * configuration. When a contact was missed, the function also returns the node's inward displacement. `reach`
+ * configuration. If a contact was missed, the function also returns the node's inward displacement. `reach`
  * is twice the largest component of the deviation, less the allowed depth of 0.1 mm. */
 static inline bool was_missed(const crn_model *model, crn_state *state, uint32_t i, int32_t reach_m_q30,
                               int32_t *inwards_m_q33)

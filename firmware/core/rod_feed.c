@@ -3,7 +3,7 @@
  * introducer sheath or captures in it. The code also computes the position that every node would have if the
  * tools only slid along their centreline: x* = x - T ds, where ds is the displacement of the leading tip. The
  * solve then finds each node's deviation from this slide, so a fast feed adds no force of its own to the
- * right side (docs/rod.md, "feed"). */
+ * right side of the linear system (docs/rod.md, "feed"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -14,10 +14,10 @@ enum {
     TURN32_TO_Q30_RAD = 1686629713, /* pi / 2 in Q30 */
 };
 
-/* Returns the feed of a tool that brings the force H on its handle to the limit F_max. The feed is (F_max -
- * H) times the compliance of the free part of the tool and the wall. When the force exceeds its limit, the
- * feed is negative, and the tool slips back slowly through the hand. Format: N Q22 x m/N Q40 -> m Q30.
- * Overflow: the feed saturates at the largest feed of a tick. */
+/* Returns the feed at which the force H on a tool's handle reaches its limit F_max. The feed is (F_max - H)
+ * times the combined compliance of the free part of the tool and the wall. If the force exceeds its limit,
+ * the feed is negative, and the tool slips back slowly through the hand. Format: N Q22 x m/N Q40 -> m Q30.
+ * Overflow: the feed saturates at the largest feed that is permitted in a tick. */
 static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 {
     const int32_t slip_max = CRN_FEED_MAX_M_Q30 / 16;
@@ -29,11 +29,12 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
     return limit > CRN_FEED_MAX_M_Q30 ? CRN_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
-/* Returns the compliance that the hand meets: its displacement per newton, in Q40 m/N. This value is the
- * compliance of the free part of the tool and the wall, or a smaller compliance that was observed in the last
- * ticks. The observed compliance is smaller when the wall's friction holds the front of a wire, so that the
- * hand moves only the stiff part behind. The observed compliance may grow by 1/128 a tick, so that a single
- * soft tick (a snap, a pause) does not hide a stiff tool (docs/rod.md, "stall"). */
+/* Returns the compliance that the hand feels, which is its displacement per newton, in Q40 m/N. This value is
+ * the compliance of the free part of the tool and the wall, or a smaller compliance that was observed in the
+ * last ticks. The observed compliance is smaller than that of the whole wire if the wall's friction holds the
+ * front of the wire, so that the hand moves only the part between the hand and this place. The observed
+ * compliance may grow by only 1/128 per tick. A single tick in which the tool moves easily (after a snap or a
+ * pause) therefore does not make a stiff tool seem soft (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
@@ -54,9 +55,10 @@ static uint32_t line_compliance(const crn_state *state)
     return most > LEAST_m_N_Q40 ? most : LEAST_m_N_Q40;
 }
 
-/* Limits a tool's feed so that the force on the hand stays within its limit. The feed of the leading tip is
- * also limited, so that the forces of all hands together stay within their limit. Without this second limit,
- * two tools whose tips touch one wall would raise each other's part of the force, tick by tick. */
+/* Limits the feed of a tool so that the force on the user's hand stays within its limit. The function also
+ * limits the feed of the leading tip, so that the sum of the forces on all hands stays within its limit.
+ * Without this second limit, the forces of two tools whose tips touch the same wall would rise from tick to
+ * tick, because each tool would increase the force on the other. */
 static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32_t k, int32_t feed_m_q30)
 {
     const crn_state_words *words = &state->words;
@@ -71,8 +73,9 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
 }
 
 /* Returns the feed of one tool in this tick, in Q30 m. The hand may move ahead of its tool by four times the
- * largest feed of a tick. When a hand moves farther ahead, it slips, like a hand on a wire or a wire in the
- * rig's rollers. A tool stalls (is not fed further) when it pushes or pulls as hard as a hand can. */
+ * largest feed of a tick. If a hand moves farther ahead of its tool, it slips, as a hand slips on a wire or a
+ * wire slips in the rig's rollers. A tool stalls (is not fed further) when it pushes or pulls as hard as a
+ * hand can. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
@@ -125,7 +128,7 @@ static void feed_tools(const crn_model *model, crn_state *state, const crn_input
 }
 
 /* Turns the tools' material frames in the introducer sheath towards the angles of the user's hands. In each
- * tick the frames turn by a quarter of the difference, and at most at 20 rad/s. */
+ * tick the frames turn by a quarter of the remaining difference, and at most at 20 rad/s. */
 static void turn_bases(const crn_model *model, crn_state *state, const crn_input *input)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
@@ -175,8 +178,8 @@ static void place_inside(const crn_model *model, crn_state *state, int32_t inser
     work->force_N_q22 = (crn_vec3){{0, 0, 0}};
 }
 
-/* Carries the rounding error of each node's weight (gravity) to the next node, so that the total weight is
- * exact. */
+/* Adds the rounding error of each node's weight (gravity) to the weight of the next node, so that the total
+ * weight is exact. */
 typedef struct weight_carry {
     int64_t rest[3];
 } weight_carry;
@@ -219,10 +222,10 @@ static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 
     return square_q28;
 }
 
-/* Computes the slide T / T^2 ds of a node in a fold (a sharp bend). This slide moves the node along each of
- * its two edges as far as the other end of the edge moves. For bends of a right angle or more, the slide is
- * limited to twice its normal value. Overflow is impossible, because a slide of 0.5 mm becomes at most 0.71
- * mm. */
+/* Computes the slide T / T^2 ds of a node in a fold (a sharp bend). Along each of its two edges, this slide
+ * moves the node as far as the other end of the edge moves. For bends of a right angle or more, the slide in
+ * a fold is limited to twice the slide of a straight tool. Overflow is impossible, because a slide of 0.5 mm
+ * becomes at most 0.71 mm. */
 CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 {
     const int32_t factor_q28 = square_q28 > 1 << 27 ? crn_quotient(1 << 28, square_q28, 28) : 1 << 29;
@@ -232,9 +235,10 @@ CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 }
 
 /* Puts node i at its predicted position x* = x + slide, and adds the inertia m/h^2 ((1 - gamma h) u - slide)
- * to the right side. Overflow is impossible. Slides stay below 2^24 in Q33 m (feed 0.71 mm, turn 0.6 mm,
- * shift 0.5 mm). Displacements per tick are below 2^25 (1.25 mm more by cap and shift), their differences
- * below 2^26, and eight times these differences below 2^29. */
+ * to the right side. Overflow is impossible. Slides stay below 2^24 in Q33 m: the feed contributes at most
+ * 0.71 mm, the tip's rotation at most 0.6 mm, and the shift at most 0.5 mm. Displacements per tick are below
+ * 2^25 (the step limit and the shift permit 1.25 mm more than the slide), their differences are below 2^26,
+ * and eight times these differences are below 2^29. */
 static inline void predict_node(const crn_model *model, crn_state *state, uint32_t i,
                                 const crn_vec3 *slide_m_q33)
 {
@@ -262,7 +266,7 @@ typedef struct fold_shift {
 } fold_shift;
 
 /* Computes the slide of a node that lies in a fold (a sharp bend) or between a fold and the tip. `is_inside`
- * is true when the edge behind the node also slides and is not part of the rigid tip. */
+ * is true if the edge behind the node also slides and is not part of the rigid tip. */
 CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state, uint32_t i, bool is_inside,
                                  int32_t square_q28, fold_shift *fold, crn_vec3 *slide_m_q33)
 {
@@ -280,9 +284,10 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
     fold->is_passed |= is_fold;
 }
 
-/* Moves nodes 0 .. count-1 by the slide -T ds. The first `rigid` nodes move like node `rigid`, and in
- * addition by the displacement from the tip's rotation, which the scratch memory holds. The loop starts at
- * the hand, so that where the tool is folded the nodes nearer to the tip follow the edges behind them. */
+/* Moves nodes 0 .. count-1 by the slide -T ds. The first `rigid` nodes move like node `rigid`. These nodes
+ * also move by the displacement that the tip's rotation causes, which the scratch memory holds. The loop runs
+ * from the hand towards the tip. Where the tool is folded, the nodes nearer to the tip therefore follow the
+ * edges behind them. */
 static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count, uint32_t rigid)
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
@@ -304,8 +309,8 @@ static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count
 }
 
 /* Returns the factor by which a joint's stiffness may grow when the introducer sheath's end clips the joint's
- * cell. The joint's entries in the matrix must stay below 2^26, because four of them add up in a diagonal
- * below 2^29 (core_build.c), and W must stay below 16 N m. */
+ * cell. The joint's entries in the matrix must stay below 2^26, because a diagonal entry below 2^29 contains
+ * the sum of four such entries (core_build.c). W must stay below 16 N m. */
 static int32_t clip_room(const crn_joint *joint)
 {
     int32_t entry = joint->p > joint->r ? joint->p : joint->r;
@@ -318,10 +323,10 @@ static int32_t clip_room(const crn_joint *joint)
 }
 
 /* Each of the two joints at the introducer sheath's distal end represents only that part of its cell that
- * lies outside the sheath. The stiffness W of a clipped joint therefore grows by cell / part, and the joint's
- * rest rotation shrinks by part / cell. The number format sets the smallest part of a cell that may remain.
- * Where the remaining part of a cell is smaller than this limit, the joint bends as if the tool outside the
- * sheath were longer by the difference. */
+ * lies outside the sheath. The stiffness W of a clipped joint therefore grows by the factor cell / part, and
+ * the joint's rest rotation shrinks by the factor part / cell. The number format determines how small the
+ * part of a cell may be that remains outside the sheath. If the remaining part of a cell is smaller than this
+ * limit, the joint bends as if the tool outside the sheath were longer by the difference. */
 static void clip_joint(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     crn_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];
@@ -346,7 +351,8 @@ static void clip_joint(const crn_model *model, crn_state *state, int32_t inserte
 }
 
 /* Returns the number of nodes beyond the introducer sheath's distal end once the tip has advanced to arc
- * length s beyond this end. A tick's feed passes at most eight nodes. */
+ * length s beyond this end. The feed of one tick moves at most eight nodes past the introducer sheath's
+ * distal end. */
 static uint32_t count_free(const crn_model *model, uint32_t count, int32_t inserted_m_q30)
 {
     for (int step = 0; step < 8 && model->mesh[count].arc_m_q30 < inserted_m_q30; step++) {

@@ -18,13 +18,13 @@ enum {
     TENSION_MAX_N_Q22 = 240 << 22, /* edge force, clamped: forty times the force of a hand */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
     /* Limits the force of one joint on one node. Straightening the curve of a 6F guiding catheter (R is 7 mm)
-     * in elements of 1 mm needs 52 N. Hands that push this curve through the sheath's distal end, which bends
-     * it the other way, caused 91 N. Twice the limit fits 32 bits. */
+     * in elements of 1 mm needs 52 N. The largest force seen was 91 N, when hands pushed this curve through
+     * the sheath's distal end, which bends it the other way. Twice the limit fits 32 bits. */
     PART_MAX_N_Q22 = 240 << 22,
 };
 
-/* Adds one force component. Overflow: the sum of the forces saturates at 512 N, which is more than the solve
- * accepts (rod_solve.c states its limit). */
+/* Adds one force component. Overflow: the sum of the forces saturates at 512 N; the solve (rod_solve.c)
+ * limits forces to a smaller value. */
 static inline void add(crn_vec3 *sum, int k, int32_t value)
 {
     sum->v[k] = crn_add_sat(sum->v[k], value);
@@ -59,7 +59,7 @@ static crn_vec3 relative(int32_t inverse_per_m_q18, const crn_vec3 *from, const 
 }
 
 /* Computes the vector w, the tangent t and the strain of the edge between two positions. The square of the
- * length of w is at most 3 x 2^62, which fits 64 bits without a sign. */
+ * length of w is at most 3 x 2^62, which fits an unsigned 64-bit number. */
 static int32_t stretch_of(int32_t inverse_per_m_q18, const crn_vec3 *from, const crn_vec3 *to, crn_vec3 *w,
                           crn_vec3 *t, uint32_t *fault_bits)
 {
@@ -154,7 +154,7 @@ static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
     return (CRN_ONE_Q30 >> 1) + (lack >> 2) + (crn_scale_q30(lack, lack) >> 3);
 }
 
-/* Returns the force term tau kb / 2 = tau (t x t') / (1 + t.t'), by which the twisting moment tau bends the
+/* Returns the force term tau kb / 2 = tau (t x t') / (1 + t.t'), with which the twisting moment tau bends the
  * tool. Format: tau Q30 N m -> Q30 N m. Overflow is impossible, because the factor of tau is at most 7/8. */
 static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, const crn_vec3 *after)
 {
@@ -175,8 +175,8 @@ static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, cons
  * oscillation does not grow and the other terms in the matrix damp it. Without the matrix term, a J-shaped
  * wire tip of 1.5 mm oscillated by 11 um for ever (docs/rod.md, "rows"). Tools that are straight at the joint
  * when free of stress turn freely and add nothing to the twist resistance. Overflow is impossible: the sum of
- * the tools' moments is limited to 32 bits, its product with a factor of at most 7/8 fits, and the total with
- * the geometric stiffness k_g is limited to the spring of the edge. */
+ * the tools' moments is limited to 32 bits, and its product with a factor of at most 7/8 fits. The sum of
+ * this product and the geometric stiffness k_g is limited to the edge's axial stiffness. */
 static void resist_twist(const crn_model *model, crn_state *state, const crn_joint *joint, uint32_t i)
 {
     const crn_node_state *node = &state->words.nodes[i];

@@ -1,8 +1,8 @@
 /* This file makes edges of the mesh keep their length while they turn fast (docs/rod.md, "Turning edges").
  * When both ends of an edge move along straight lines while the edge turns by a small angle, the edge gets
  * longer by the fraction angle^2 / 2 of its length. In a tool with an axial stiffness of some kN, this
- * elongation would cause a tension of many newtons. The code takes back the excess length by moving the nodes
- * between the edge and the tip back along the turned edge, towards the hand. */
+ * elongation would cause a tension of many newtons. To take back the excess length, the code moves the nodes
+ * between the edge and the tip along the turned edge towards the hand. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -57,7 +57,7 @@ void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint3
 }
 
 /* Returns whether the deviations of an edge's two ends differ along any axis by more than a sixteenth of the
- * edge's length. When the deviations differ by less, the edge gets 0.4 % longer at most. */
+ * edge's length. If the deviations differ by less than this limit, the edge gets 0.4 % longer at most. */
 static inline bool is_fast(const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, int32_t length_m_q30)
 {
     const int32_t most = length_m_q30 / 2; /* a sixteenth in Q33 */
@@ -69,9 +69,9 @@ static inline bool is_fast(const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q3
     return beyond >> 31 != 0;
 }
 
-/* Returns the rotation of an edge by the deviation that the solve found. The rotation is the displacement of
- * the edge's rear end relative to its front end, divided by the edge's length. Each component of the rotation
- * is at most 1. */
+/* Returns the rotation of an edge that results from the deviations found by the solve at its two ends. The
+ * rotation is the displacement of the edge's rear end relative to its front end, divided by the edge's
+ * length. Each component of the rotation, which is a ratio of two lengths, is at most 1. */
 static crn_vec3 turn_of(const crn_model *model, uint32_t i, const crn_vec3 *front_m_q33,
                         const crn_vec3 *end_m_q33)
 {

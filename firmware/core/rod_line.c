@@ -33,7 +33,7 @@ typedef struct cell {
 } cell;
 
 /* length / stiffness. Format: Q30 m / Q35 N m^2 -> Q32 1 / (N m). Overflow is impossible, because the largest
- * compliance, 8 mm / 1e-7 N m^2, is only 2^49. */
+ * compliance, 8 mm / 1e-7 N m^2, is only 2^49 in the number format used here. */
 static int64_t compliance_q32(int32_t length_m_q30, int32_t stiffness_q35)
 {
     unsigned lead = crn_clz32((uint32_t)stiffness_q35) - 1; /* at most 19: stiffness >= 1e-7 N m^2 */
@@ -54,8 +54,8 @@ static int32_t inverse_of(int64_t value, unsigned q)
 }
 
 /* Returns length / compliance, which is the series average of a stiffness over this length. Format: Q30 m /
- * Q32 1/(N m) -> Q35 N m^2. Overflow: saturates. The relative error is that of the compliance, which is 1
- * part in `compliance`. */
+ * Q32 1/(N m) -> Q35 N m^2. Overflow: saturates. The relative error of the result is 1 / `compliance`,
+ * because the compliance is rounded to an integer. */
 static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
 {
     unsigned lead = crn_clz64((uint64_t)compliance);
@@ -65,9 +65,9 @@ static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
 }
 
 /* Limits the rest rotation of a cell to 1.2 rad, which the number format and the limit of the joint's force
- * permit. The file core_build.c refuses a tool whose stress-free shape turns by more in one of its own cells.
- * A hook-shaped tip reaches this limit only inside a stiffer tool that leads, where the mesh has the long
- * cells of that tool's shaft. */
+ * permit. The file core_build.c refuses a tool whose stress-free shape turns by more than this limit in one
+ * of the tool's own cells. A hook-shaped tip reaches this limit of 1.2 rad only inside a stiffer tool that
+ * leads, where the mesh has the long cells of that tool's shaft. */
 static int32_t limit_turn(int32_t turn_q30)
 {
     return crn_clamp(turn_q30, -CRN_TURN_OF_CELL_MAX_Q30, CRN_TURN_OF_CELL_MAX_Q30);
@@ -78,10 +78,11 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
     return crn_mul(per_m_q20, length_m_q30, 20);
 }
 
-/* Returns the rest rotation g of a joint at which the direction of the unit edges changes by `turn` when free
- * of stress. At the angle `turn` the unit edges differ by 2 sin(turn / 2), and g is applied along the mean of
- * their axes, whose length is cos(turn / 2). The rest rotation g is therefore 2 tan(turn / 2) = turn (1 +
- * turn^2 / 12 + turn^4 / 120). The error of this series is 0.1 % at 1 rad. */
+/* Returns the rest rotation g of a joint. In the stress-free shape, the direction of the tool changes by the
+ * angle `turn` at this joint. At the angle `turn` the unit vectors along the two edges differ by 2 sin(turn /
+ * 2), and g is applied along the mean of the two edges' axes, whose length is cos(turn / 2). The rest
+ * rotation g is therefore 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). The error of this series
+ * is 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);
@@ -96,8 +97,8 @@ static void seek(const crn_tool *tool, uint32_t *span, int32_t arc_m_q30)
     }
 }
 
-/* Returns the integrals of a tool's properties between two of its own arc lengths. In each span between two
- * knots, the property in the middle of the part counts. */
+/* Returns the integrals of a tool's properties between two of its own arc lengths. For the part of the tool
+ * that lies in one span, the code uses the property's value in the middle of this part. */
 static stretch integrate(const crn_tool *tool, uint32_t span, int32_t from, int32_t to)
 {
     stretch sum = {0, 0, 0, 0};
@@ -221,8 +222,8 @@ static void divided_cell(walk *w, cell c, crn_joint *joint)
         }
         int64_t least = 1;
         if (w->line->offset_m_q30[k] > c.begin) {
-            /* The compliance of at least a tenth of the cell is used, so that a tip that has just entered the
-             * cell does not make a rigid joint. */
+            /* The code uses the compliance of at least a tenth of the cell, so that a tip that has just
+             * entered the cell does not make a rigid joint. */
             int32_t tip_q35 = w->model->tools[k].spans[0].from[CRN_TWIST_N_M2_Q35];
             least = compliance_q32((c.end - c.begin) / 10, tip_q35);
         }
@@ -351,7 +352,7 @@ static void build_surface(walk *w, uint32_t i, cell c)
 }
 
 /* Sets the axial stiffness EA of edge i to the value that the softer of its two joints permits in the number
- * format, but at most to the cap. */
+ * format, but at most to the model's largest axial stiffness. */
 static void build_edge(walk *w, uint32_t i)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -490,7 +491,8 @@ static uint32_t steady_node(const crn_model *model, const crn_line *line, uint32
     return i < count ? i : count;
 }
 
-/* Returns the first node for which the two edges in front are as long as all edges behind. */
+/* Returns the first node for which each of the two edges in front of the node is as long as every edge behind
+ * the node. */
 static uint32_t uniform_node(const crn_model *model)
 {
     uint32_t i = model->node_count + 2;

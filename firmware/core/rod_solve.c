@@ -5,19 +5,19 @@
  *
  * The two nodes na and na+1, which the introducer sheath holds, do not deviate from the slide (delta = 0). In
  * the diagonal block of a node, S is the stiffness of the edge behind the node, and R is the stiffness of
- * everything else that acts on the node. Further, T = R + Q, V = D^-1 T (so that D^-1 (Q - S) is V - I), and
- * P = kb D^-1.
+ * everything else that acts on the node. The other blocks are T = R + Q, V = D^-1 T (so that D^-1 (Q - S) is
+ * V - I), and P = kb D^-1.
  *
  *   R[i+1] += R + Q + Q^T - T^T V     R[i+2] -= kb P      Q[i+1] += kb (I - V^T)
  *   r[i+1] += r - V^T r               r[i+2] -= P r
  *   back: delta[i] = D^-1 r[i] + delta[i+1] - V delta[i+1] - P delta[i+2]
  *
- * In this form no terms as large as S cancel, and the bending pattern 1, -2, 1 of a free rod is exact from
- * the tip on. The solve needs one reciprocal by Newton's method for each node and no division. Each row of
- * the matrix adds the contributions of the two rows before it, so that a sum of up to six products is rounded
- * once and no intermediate result is stored. Factors have 32 bits and sums have 64 bits, so each product
- * takes one SMLAL instruction on the Cortex-M7. The number formats are Q(a) N/m below 2^29 for D, R, S, Q, T
- * and kb, Q29 for V and P, Q22 N for r, and Q33 m for delta. */
+ * With these blocks, no terms as large as S cancel, and the bending pattern 1, -2, 1 of a free rod is exact
+ * from the tip on. The solve needs one reciprocal by Newton's method for each node and no division. Each row
+ * of the matrix adds the contributions of the two rows before it, so that a sum of up to six products is
+ * rounded once and no intermediate result is stored. Factors have 32 bits and sums have 64 bits, so each
+ * product takes one SMLAL instruction on the Cortex-M7. The number formats are Q(a) N/m below 2^29 for D, R,
+ * S, Q, T and kb, Q29 for V and P, Q22 N for r, and Q33 m for delta. */
 #include "firmware/core/rod.h"
 
 /* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */
@@ -68,8 +68,8 @@ static inline void invert(const crn_sym3 *d, inverse3 *inverse)
         m[k] = crn_narrow64(n[k], cut);
     }
     int64_t determinant = (int64_t)xx * m[XX] + (int64_t)xy * m[XY] + (int64_t)xz * m[XZ];
-    /* For an instrument far softer than the step of the number format, the determinant could fall below this
-     * value; the limit keeps every shift in range. */
+    /* For an instrument far softer than the step of the number format, the determinant could fall below 2^31;
+     * this lower limit keeps every shift in range. */
     const int64_t least = (int64_t)1 << 31;
     determinant = determinant < least ? least : determinant;
     unsigned lead = clz64((uint64_t)determinant); /* 3 .. 32 */
@@ -170,7 +170,7 @@ static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
  * the tangent across n. A step across the normal n and the tangent t' turns the direction of the normal
  * force, because the wall is round. Without k_r = N / r, such a step would oscillate for ever where there is
  * no friction (docs/rod.md, "contact"). With b = n x t and c = n.t, the last bracket I - n n^T - t' t'^T is b
- * b^T + c^2 (I - n n^T). When a tip touches the wall head on, there is no tangent t' across n, and k_r then
+ * b^T + c^2 (I - n n^T). If a tip touches the wall head on, there is no tangent t' across n, and k_r then
  * acts in all directions across n. */
 static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_sym3 *d)
 {
@@ -284,9 +284,9 @@ static inline void give(given *from, const int32_t *q, const int32_t *t, const i
     from->second = second;
 }
 
-/* Eliminates row i of the matrix, where V' and P'' are those of the two rows before. The assembled forces
- * stay unchanged, so that a second solve can start from these forces. Returns true when a force had to be
- * limited. */
+/* Eliminates row i of the matrix. V' belongs to the row just before, and P'' belongs to the row before that.
+ * The assembled forces stay unchanged, so that a second solve can start from these forces. Returns true if a
+ * force had to be limited. */
 static inline bool eliminate_row(const crn_model *model, crn_state *state, uint32_t i, const joints3 *joint,
                                  const int32_t *v_q29, const int32_t *p_q29, given *from)
 {

@@ -1,12 +1,12 @@
-/* This file treats a tip with a tight curve as a rigid body. A rigid tip takes over the displacement of the
- * node behind it and, while the tip touches nothing, its rotation of the last tick.
+/* This file treats a tip with a tight curve as a rigid body. In each tick a rigid tip moves like the node
+ * behind it. If the tip touches nothing, the tip also repeats its own rotation of the last tick.
  *
- * If a tightly curved tip of radius R slid along its own curve by ds, it would turn by ds / R in each tick.
- * If the tip's rotation were not predicted, the tip would lag when the hand turns it, because the matrix
- * keeps the directions of rest rotations fixed in space. For a tip of length s and curvature kappa on a wire
- * of length L, the solve recovers only about 1 / (kappa^2 s L) of the missing rotation in each tick
- * (docs/rod.md, "feed"). For a tip that touches the wall, no rotation is predicted. At the wall the solve
- * stops the tip's rotation, and a tip for which further rotation is predicted trembles. */
+ * If a tightly curved tip of radius R slid along its own curve by ds in each tick, it would turn by ds / R in
+ * each tick. If the tip's rotation were not predicted, the tip would lag when the hand turns it, because the
+ * matrix keeps the directions of rest rotations fixed in space. For a tip of length s and curvature kappa on
+ * a wire of length L, the solve recovers only about 1 / (kappa^2 s L) of the missing rotation in each tick
+ * (docs/rod.md, "feed"). For a tip that touches the wall, the code predicts no rotation. At the wall the
+ * solve stops the tip's rotation, and a tip for which further rotation is predicted trembles. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -20,11 +20,11 @@ enum {
 
 /* Returns the number of nodes from the tip that move as one rigid body. The rigid part reaches to the last
  * joint within 40 mm of the tip whose rest shape is curved more tightly than 110 / m (a J, a pigtail, the
- * first bend of a guiding catheter). Sliding by ds along its own curve of radius R would turn such a tip by
- * ds / R in each tick. The solve undoes this turning only over EI kappa^2 s / (EI / L) ticks, because its
- * matrix keeps rest rotations fixed in space. A J-shaped tip of 1.5 mm radius on 50 mm of soft wire therefore
- * lagged by 20 mm at 30 mm/s. Overflow is impossible: rotations are below 1.3 rad, and the length of a cell
- * is below 2^24 in Q30 m. */
+ * first bend of a guiding catheter). If the rigid part of the tip slid by ds along its own curve of radius R,
+ * it would turn by ds / R in each tick. The solve needs EI kappa^2 s / (EI / L) ticks to undo this rotation,
+ * because its matrix keeps rest rotations fixed in space. A J-shaped tip of 1.5 mm radius on 50 mm of soft
+ * wire therefore lagged by 20 mm at 30 mm/s. Overflow is impossible: rotations are below 1.3 rad, and the
+ * length of a cell is below 2^24 in Q30 m. */
 static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint32_t free_count)
 {
     uint32_t rigid = 0;
@@ -46,9 +46,9 @@ static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint
 }
 
 /* Removes the rotation about an axis through node `root` from the remaining motion of the tip. The function
- * adds the part of this rotation that is predicted to continue to the slide. In this function, `drift_m_q33`
+ * adds to the slide the part of this rotation that is predicted to continue. In this function, `drift_m_q33`
  * holds the tip's motion relative to the motion of node `root`. The angle of rotation follows from least
- * squares: sum (a x r).w / sum (a x r)^2. Returns the sum of the products a x r, in Q24 m. Overflow is
+ * squares: sum (a x r).w / sum (a x r)^2. Returns the vector sum of the products a x r, in Q24 m. Overflow is
  * impossible: lever arms are below 2^26.7 in Q30 (96 mm, where a restored state has edges twice as long),
  * motions are below 2^26.9 in Q33, and there are fewer than 2^8 nodes, so sums stay below 2^62. */
 static crn_vec3 turn_about(crn_state *state, uint32_t root, const crn_vec3 *axis_q30)

@@ -3,14 +3,15 @@
  *
  * The tools share one centreline, so the code does not compute a contact between the inner tool and the outer
  * tool's bore. Instead, a tool presses on the tool around it with the force that its bending puts on the
- * nodes that the two tools share. Friction mu N then resists sliding (one friction displacement along the
- * centreline for each pair of tools) and turning (one for each edge, in rod_twist.c), in both directions.
+ * nodes that the two tools share. Friction mu N between the two tools then resists sliding and turning, in
+ * both directions. For sliding, there is one friction displacement along the centreline for each pair of
+ * tools; for turning, there is one for each edge (rod_twist.c).
  *
- * The hand of a tool that does not lead feels how the elastic energy of all tools changes as its tool slides
- * at fixed shape. Where the tool's properties change, the force on the hand is the jump of psi = |M + P|^2 /
- * (2 EI) - S / 2. Here M is the bending moment, and P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 are sums
- * over all tools at this point. This force on the hand is the configurational force of a rod whose
- * cross-section changes abruptly. */
+ * If a tool does not lead, the force on its hand is the change of the elastic energy of all tools as this
+ * tool slides while the shape of the centreline stays fixed. Where the tool's properties change, the force on
+ * the hand is the jump of psi = |M + P|^2 / (2 EI) - S / 2. Here M is the bending moment, and P = sum EI_m
+ * kappa_m and S = sum EI_m kappa_m^2 are sums over all tools at this point. This force on the hand is the
+ * configurational force of a rod whose cross-section changes abruptly. */
 #include "firmware/core/rod.h"
 
 /* --- how hard tools press on each other ----------------------------------------------------------------- */
@@ -29,8 +30,8 @@ static inline int32_t limited(int64_t value, int64_t most)
     return (int32_t)(value > 0 ? most : -most);
 }
 
-/* Returns a / 2^n limited to +-2^log2_most, for 32 - log2_most < n < 32. On a 32-bit machine the code
- * examines only the upper word of the 64-bit number. */
+/* Returns a / 2^n limited to +-2^log2_most, for 32 - log2_most < n < 32. To detect an overflow on a 32-bit
+ * machine, the code examines only the upper word of the 64-bit number. */
 static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
 {
     if (sizeof(void *) > 4) {
@@ -150,10 +151,11 @@ static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *a
     }
 }
 
-/* Returns the stiffness of the friction against turning. While the reach of the friction displacement
- * (bristle) is within the limit mu N r, this stiffness is that of the bristle; beyond the limit the stiffness
- * is limit / reach. The reach of the friction displacement follows from the rotations of the last tick.
- * Overflow is impossible, because the quotient limit / reach is then below 4e-4 N m. */
+/* Returns the stiffness of the friction against turning. While the length `reach` of the friction
+ * displacement (bristle) is within the limit mu N r, this stiffness is that of the bristle; beyond the limit
+ * the stiffness is limit / reach. The value of `reach` follows from the rotations of the last tick. Overflow
+ * is impossible, because the quotient limit / reach, which is used only beyond the limit, is below 4e-4 N m.
+ */
 static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
     int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
@@ -295,8 +297,8 @@ static int32_t straight_handle(const crn_vec3 *moment_N_m_q30, int32_t before_q3
 }
 
 /* Returns the bending moment at joint i, computed from the neighbouring joints. Bending moments are
- * continuous along the tools, but the moment that the cell itself gives lags while a tip slides through the
- * cell. Q30 N m. */
+ * continuous along the tools, but the moment computed from the cell itself lags behind while a tip slides
+ * through the cell. Q30 N m. */
 static crn_vec3 moment_around(const crn_model *model, const crn_state *state, uint32_t i)
 {
     crn_vec3 ahead, behind, moment;
@@ -333,9 +335,9 @@ static int32_t joint_handle(const crn_model *model, const crn_state *state, uint
     return crn_sub_sat(potential(&before, &moment), potential(&after, &moment));
 }
 
-/* A curved tool that lies in the straight introducer sheath stores elastic energy. Returns the force at the
- * sheath's distal end that the elastic energy per length of a curved tool in the straight sheath causes on
- * the tool's hand. */
+/* A curved tool that lies in the straight introducer sheath stores elastic energy. Returns the force on a
+ * curved tool's hand that results at the sheath's distal end from the elastic energy per length of the tool
+ * in the straight sheath. */
 static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30)
 {
     section own = {0, {{0, 0, 0}}, 0};
@@ -356,8 +358,8 @@ static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i
 }
 
 /* Returns joint i's contribution to the force on tool k's hand, like joint_handle(), for a cell within one
- * span of tool k. The bending stiffness EI comes from the joint, and the change of EI comes from the span
- * between two knots. */
+ * span of tool k. The joint gives the bending stiffness EI, and the span between two knots gives the change
+ * of EI along the tool. */
 static int32_t smooth_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                              const crn_span *span, int32_t from, int32_t to)
 {
@@ -411,10 +413,11 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
 }
 
 /* Tools that are bent push on the introducer sheath along the sheath's axis with EI kappa^2 / 2 at the distal
- * end, because the part that is fed in has to be straight. This push is the configurational force of a
- * sliding sleeve (Bigoni et al. 2014, Mechanics Research Communications). The joint whose cell the sheath's
- * distal end cuts has W = EI / part, and the angle between its edges is kappa part. Format: Q26 N m x Q30^2
- * -> Q30 N m, / Q30 m -> Q22 N. */
+ * end, because the part that is fed in has to be straight. The push of bent tools on the sheath is the
+ * configurational force of a sliding sleeve (Bigoni et al. 2014, Mechanics Research Communications). For the
+ * joint whose cell the sheath's distal end cuts, `part` is the length of the cell outside the sheath. This
+ * joint has W = EI / part, and the angle between its edges is kappa part. Format: Q26 N m x Q30^2 -> Q30 N m,
+ * / Q30 m -> Q22 N. */
 static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;
@@ -464,8 +467,8 @@ void crn_tools_turned(const crn_model *model, crn_state *state)
     }
 }
 
-/* Computes the friction of sliding between neighbouring tools. A friction displacement along the centreline
- * puts equal and opposite forces on the two hands. */
+/* Computes the friction of sliding between neighbouring tools. A friction displacement between two tools puts
+ * equal and opposite forces along the centreline on the two hands that hold these tools. */
 void crn_tools_slide(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {

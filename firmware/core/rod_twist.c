@@ -5,8 +5,8 @@
  * tool's frames; this dependence makes a J-shaped tip follow the hand. Two kinds of friction resist the
  * rotation: the friction of the wall on the tool that touches it, and the friction between a tool and the
  * tool around it. The twist of each tool takes one tridiagonal solve, from the tool's tip to the base. The
- * edge in the introducer sheath is held at the angle of the user's hand, so torque reaches the tip within the
- * tick (docs/rod.md, "twist"). */
+ * edge in the introducer sheath is held at the angle of the user's hand, so torque from the hand reaches the
+ * tip within the same tick (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -66,9 +66,10 @@ wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
     return (resistance){crn_mulh(lever_N_q28, -work->reach_m_q33) * 2, crn_mulh(lever_N_q28, radius_m_q30)};
 }
 
-/* Returns the friction on tool k at an edge. The sum contains the friction with the neighbouring tools, at
- * their newest known rotations, and the friction with the wall. Overflow is impossible: the friction
- * stiffness of a pair of tools is below 2^15, so the torque between two tools is below 2^20. */
+/* Returns the friction on tool k at an edge. The friction on an edge is the sum of the friction with the
+ * neighbouring tools, at their newest known rotations, and the friction with the wall. Overflow is
+ * impossible: the friction stiffness of a pair of tools is below 2^15, so the torque between two tools is
+ * below 2^20. */
 static inline __attribute__((always_inline)) resistance
 edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *work,
                 const crn_line_node *line, uint32_t k, bool outermost)
@@ -101,8 +102,8 @@ typedef struct twist_carry {
 } twist_carry;
 
 /* Returns right / pivot in Q30, given the reciprocal 2^61 / mantissa, for `right` in Q30 and pivot = mantissa
- * 2^(1 - lead) in Q26. On a 32-bit machine the code examines only the upper word of the 64-bit number.
- * Overflow: saturates. */
+ * 2^(1 - lead) in Q26. To detect an overflow on a 32-bit machine, the code examines only the upper word of
+ * the 64-bit number. Overflow: saturates. */
 static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, int32_t reciprocal,
                                                                 unsigned lead)
 {
@@ -121,8 +122,8 @@ static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, i
 
 /* Eliminates the equation of edge j of tool k. Pivots and couplings are in Q26 N m, the right side is in Q30
  * N m, and angles are in Q30 rad. Overflow is impossible: the twist stiffness k is below 2^30 (rod_line.c),
- * curvature terms are below 2^29 each, and friction and the stiffness of the hold are below 2^30 + 2^20, so
- * the pivot fits 32 bits without a sign. Moments saturate. */
+ * the curvature terms are below 2^29 each, and the stiffnesses of friction and of a spring that holds the
+ * edge are together below 2^30 + 2^20, so the pivot fits an unsigned 32-bit number. Moments saturate. */
 static inline __attribute__((always_inline)) void eliminate_edge(const crn_model *model, crn_state *state,
                                                                  uint32_t k, uint32_t j, bool outermost,
                                                                  twist_carry *carry)
@@ -174,7 +175,7 @@ static void turn_axis(const crn_vec3 *tangent, int32_t angle_q30, crn_vec3 *axis
 }
 
 /* Solves by back-substitution for the rotations of tool k's edges, from the base to the tip. Edges ahead of
- * tool k, which its tip is about to reach, take the frame of the edge that contains the tip. */
+ * tool k, which its tip is about to reach, get the frame of the edge that contains the tip. */
 static inline __attribute__((always_inline)) void substitute(crn_state *state, uint32_t k, uint32_t first)
 {
     uint32_t na = state->words.free_count;

@@ -162,8 +162,8 @@ static bool is_joined(const crn_strut_state *struts, uint32_t i)
     return true;
 }
 
-/* Returns the direction of the chain of strut rings at one ring, from the ring before to the ring after.
- * Overflow is impossible, because joined rings are less than 2^24 (Q30 m) apart. */
+/* Returns the direction of the chain of strut rings at one ring, which points from the previous ring to the
+ * next ring. Overflow is impossible, because joined rings are less than 2^24 (Q30 m) apart. */
 static crn_vec3 along_chain(const crn_strut_state *struts, uint32_t i, bool has_before, bool has_behind)
 {
     const crn_strut_ring *ring = &struts->rings[i];
@@ -245,7 +245,7 @@ static section section_between(const crn_strut_ring *ring, const crn_vec3 *first
 
 /* Finds the struts' cross-section for a point that lies between ring i and the next ring. Returns false when
  * the point does not lie between these two rings. The code tests the signs of the dot products first, because
- * they exclude all but one or two of the ring pairs near a point. */
+ * these signs exclude all but one or two of the pairs of rings near a point. */
 static bool section_at(const crn_strut_state *struts, uint32_t i, const crn_vec3 *place, section *at)
 {
     const crn_strut_ring *a = &struts->rings[i], *b = a + 1;

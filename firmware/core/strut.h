@@ -16,29 +16,31 @@
  * The position of a node's centre decides on which side of the struts the node lies. Each end of the chain of
  * strut rings is a rounded edge. The contact normal at the rounded end of a stent is tilted at least 45
  * degrees to one side, so that no friction holds a tip there. Commands move an existing strut ring by at most
- * 5 um a tick. Where there is no strut ring, the cost is one comparison for each node. The file
- * docs/lesions.md explains more. */
+ * 5 um a tick. If no strut ring exists, the struts cost only one additional comparison for each node. The
+ * file docs/lesions.md explains more. */
 #ifndef CRN_STRUT_H
 #define CRN_STRUT_H
 
 #include "firmware/core/core_state.h"
 
-/* Begins a tick: the strut rings move on towards their commanded positions, and a box is put around all of
- * them. */
+/* Begins a tick: the function moves the strut rings towards their commanded positions, and computes a box
+ * that contains all of them. */
 void crn_struts_step(crn_state *state);
 
 /* Finds the stent shell that is deepest in contact with a node of this radius, in the reference pose, and
- * samples its surface. The distance to the struts is negative on the node's own side of them, and the normal
- * points away from the struts. Returns false when no shell is within half a millimetre of the node. */
+ * samples its surface. The distance to the struts is negative on the side of the struts on which the node
+ * lies, and the normal points away from the struts. Returns false if no shell is within half a millimetre of
+ * the node. */
 bool crn_struts_contact(const crn_strut_state *struts, const crn_vec3 *place_m_q30, int32_t radius_m_q30,
                         crn_lumen_sample *sample);
 
-/* Samples the struts as above at a point in world coordinates, where the vessel may have moved. */
+/* Samples the struts as crn_struts_contact does, but at a point in world coordinates, where the vessel may
+ * have moved. */
 bool crn_struts_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
                      const crn_vec3 *world_m_q30, int32_t radius_m_q30, crn_lumen_sample *sample);
 
-/* Samples the struts during a tick, right after the wall was sampled at this point; the tick's box excludes
- * most points at once. */
+/* Samples the struts during a tick, right after the wall was sampled at this point. Most points lie outside
+ * the box around all strut rings, and for these points the function returns false at once. */
 bool crn_struts_here(const crn_model *model, crn_state *state, const crn_vec3 *world_m_q30,
                      int32_t radius_m_q30, crn_lumen_sample *sample);
 

@@ -2,7 +2,8 @@
 #include "firmware/core/vector.h"
 
 /* Returns a b - c d, rounded once. Overflow is impossible before saturation, because |a b - c d| <= 2^63 -
- * 2^31. The rounding half is added after the shift, so that rounding cannot overflow. */
+ * 2^31. The code adds the highest bit that the shift drops only after the shift, so that rounding cannot
+ * overflow. */
 static int32_t minor_2x2(int32_t a, int32_t b, int32_t c, int32_t d, unsigned n)
 {
     int64_t difference = (int64_t)a * b - (int64_t)c * d;
@@ -18,7 +19,8 @@ crn_vec3 crn_vec3_cross(crn_vec3 a, crn_vec3 b, unsigned n)
 
 crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length)
 {
-    /* The square of each component is at most 2^62, so the sum of three fits 64 bits unsigned. */
+    /* The square of each component is at most 2^62, so the sum of three squares fits an unsigned 64-bit
+     * number. */
     uint64_t square = (uint64_t)((int64_t)a.v[0] * a.v[0]) + (uint64_t)((int64_t)a.v[1] * a.v[1]) +
                       (uint64_t)((int64_t)a.v[2] * a.v[2]);
     if (square == 0) {

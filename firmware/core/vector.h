@@ -64,9 +64,10 @@ static inline crn_vec3 crn_vec3_cross_unit(const crn_vec3 *unit_q30, const crn_v
 crn_vec3 crn_vec3_cross(crn_vec3 a, crn_vec3 b, unsigned n);
 
 /* Scale to unit length. Format: any Q -> Q30. Overflow: only the result *length can overflow, and it
- * saturates at its largest value. The error is at most 3 LSB of Q30 per component for a vector of any length
- * >= 1 LSB, and 1/2 LSB + 2^-29 relative for *length. For a zero vector, the returned direction is `fallback`
- * and the length is 0. If `length` is not NULL, *length receives the length in the input's format. */
+ * saturates at its largest value. The error of the direction is at most 3 LSB of Q30 per component for a
+ * vector of any length >= 1 LSB; the relative error of *length is at most 1/2 LSB + 2^-29. For a zero vector,
+ * the returned direction is `fallback` and the length is 0. If `length` is not NULL, *length receives the
+ * length in the input's format. */
 crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length);
 
 #endif

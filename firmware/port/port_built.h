@@ -1,12 +1,12 @@
-/* This header has the data about the rig for which a port was built. */
+/* This header declares the data that the builder of a rig gives to the port of this rig. */
 #ifndef CRN_PORT_BUILT_H
 #define CRN_PORT_BUILT_H
 
 #include <stdint.h>
 
 /* These data come from the rig's builder and hold for every track. The builder's data limit the values that a
- * host may set without a person at the rig (docs/haptics.md, "Who may state what"); a value is 0 where the
- * builder gives none. */
+ * host may set without a person at the rig (docs/haptics.md, "Who may state what"). A value of 0 means that
+ * the builder gives no such value. */
 typedef struct crn_port_built {
     uint32_t translation_pm_per_count; /* 0: 1,000,000 */
     uint32_t rotation_counts_per_turn; /* 0: 65,536 */

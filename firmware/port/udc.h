@@ -1,5 +1,5 @@
-/* This header declares the USB device controller as the USB stack uses it, that is, the functions that a port
- * provides and firmware/app/usb calls.
+/* This header declares the USB device controller as the USB stack uses it: the functions that a port provides
+ * and that firmware/app/usb calls.
  *
  * The port powers up its USB controller itself and passes a filled crn_udc to the stack. The stack then calls
  * these functions, always from the main loop and never from an interrupt. None of these functions waits, and
@@ -53,34 +53,35 @@ typedef struct crn_udc {
     void *context; /* passed back in every call */
     bool can_high_speed;
 
-    /* Turns the pull-up resistor on or off; while it is off, the host sees an empty socket. */
+    /* Turns the pull-up resistor on or off; while the resistor is off, the host sees an empty socket. */
     void (*connect)(void *context, bool connected);
 
-    /* Sets the USB address at which the controller answers from now on; the stack calls this function when
-     * the status stage of SET_ADDRESS is over. */
+    /* Sets the USB address at which the controller answers from now on. The stack calls this function at the
+     * end of the status stage of SET_ADDRESS. */
     void (*set_address)(void *context, uint8_t address);
 
     /* Opens an endpoint in its initial state: the next packet is DATA0, and the endpoint is neither stalled
-     * nor armed. An endpoint that is already open is set to the same initial state. Returns false when the
-     * controller cannot have such an endpoint. */
+     * nor armed. An endpoint that is already open is set to the same initial state. Returns false if the
+     * controller cannot provide such an endpoint. */
     bool (*open)(void *context, uint8_t endpoint, crn_udc_type type, uint16_t packet_bytes);
     void (*close)(void *context, uint8_t endpoint);
 
     /* Begins one transfer on an endpoint; the stack never begins a second transfer on this endpoint before
-     * the first is done or has become void. An IN transfer sends `count` bytes in packets, the last one short
-     * or full; with a `count` of 0 it sends one empty packet. An OUT transfer receives until `count` bytes
-     * are full or a short packet came; with a `count` of 0 it awaits one empty packet. */
+     * the first is done or has become void. For an IN transfer, the controller sends `count` bytes in
+     * packets, of which the last is short or full; if `count` is 0, it sends one empty packet. For an OUT
+     * transfer, the controller receives packets until it has `count` bytes or a packet is short; if `count`
+     * is 0, it waits for one empty packet. */
     void (*arm)(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count);
 
     /* Makes the endpoint answer STALL and drops its armed transfer. The stall ends when the endpoint is
      * opened, at a bus reset or, on endpoint 0 (in both directions), at the next setup packet. */
     void (*stall)(void *context, uint8_t endpoint);
 
-    /* Enters the electrical test mode `selector` (USB 2.0, 9.4.9) until power-down. The pointer is NULL when
-     * the controller has no test modes. */
+    /* Enters the electrical test mode `selector` (USB 2.0, 9.4.9) until power-down. The pointer to this
+     * function is NULL if the controller has no test modes. */
     void (*test)(void *context, uint8_t selector);
 
-    /* Returns the next event. The function returns false when there is no new event. */
+    /* Returns the next event. The function returns false if there is no new event. */
     bool (*poll)(void *context, crn_udc_event *event);
 } crn_udc;
 

@@ -1,8 +1,8 @@
 /* This header compiles firmware/port/imxrt1062/usb_udc.c unchanged against a model of the controller as the
  * chip's manual describes it (i.MX RT1060, chapter 42). The model of the USB controller covers queue heads,
- * transfer descriptors, prime, flush, bits that are cleared by writing ones, the trip wire of setup packets,
- * and the host on its bus. The code accesses every register through the macros LOAD and STORE of
- * imxrt1062_registers.h, which the model defines here. */
+ * transfer descriptors, the priming and flushing of endpoints, bits that are cleared by writing ones, the
+ * trip wire of setup packets, and the host on the bus. The code accesses every register through the macros
+ * LOAD and STORE of imxrt1062_registers.h, which the model defines here. */
 #ifndef CRN_BOARD_USB_MODEL_H
 #define CRN_BOARD_USB_MODEL_H
 
@@ -51,8 +51,8 @@ static volatile uint32_t *model_place(uint32_t base, uint32_t offset)
     return cell(offset);
 }
 
-/* Transfer descriptors hold only 32 bits of an address, which stand for the address nearest to the model's
- * memory. */
+/* Transfer descriptors hold only 32 bits of an address. The model completes these bits to the address that is
+ * nearest to the model's own memory. */
 static uint8_t *address_of(uint32_t low)
 {
     uintptr_t here = (uintptr_t)&memory;
@@ -106,8 +106,7 @@ static void prime_pipe(uint32_t pipe)
 
 static void write_control(uint32_t number, uint32_t value)
 {
-    /* The two directions of an endpoint use the same bits here; a direction that is switched off keeps no
-     * data toggle. */
+    /* The control bits RXR and TXR reset the data toggles of the two directions of an endpoint. */
     if (number != 0 && (value & MASK(USB_ENDPTCTRL_0_RXR)) != 0) model.toggle[2 * number] = 0;
     if (number != 0 && (value & MASK(USB_ENDPTCTRL_0_TXR)) != 0) model.toggle[2 * number + 1] = 0;
     *cell(USB_ENDPTCTRL0 + 4 * number) = value & ~(MASK(USB_ENDPTCTRL_0_RXR) | MASK(USB_ENDPTCTRL_0_TXR));
@@ -167,7 +166,7 @@ static void retire(uint32_t pipe, uint32_t left, uint32_t status)
     *cell(USB_USBSTS) |= STATUS_TRANSFER;
 }
 
-/* Returns HOST_ACKED when a transfer is ready for this token. */
+/* Returns HOST_ACKED if a transfer is ready for this token. */
 static host_answer look(uint32_t pipe)
 {
     const uint32_t number = pipe / 2, control = *cell(USB_ENDPTCTRL0 + 4 * number);
@@ -217,7 +216,8 @@ static host_answer host_out(uint32_t number, const uint8_t *bytes, uint32_t coun
     return HOST_ACKED;
 }
 
-/* A transfer that was primed on endpoint 0 stays primed; the driver has to remove it. */
+/* A setup packet does not end a transfer that was primed on endpoint 0; the driver has to remove this
+ * transfer. */
 static void host_setup(const uint8_t bytes[8])
 {
     take_setup_bytes(bytes);

@@ -15,11 +15,11 @@
  *           0x89       an order without a frame, as HID sends it: action u8
  *           0x8a       every millisecond's work takes this long: u8 x 50 us
  *
- * A fuzz input has at most 48 operations, so that its run ends in a short time. The program builds devices
+ * A fuzz input has at most 48 operations, so that a run with one input is short. The program builds devices
  * once and copies them, because building a set of tools for every input took a hundred times as long as the
  * fuzzed operations. After every write of the outputs, the guarantees of docs/faults.md must hold. The motors
- * have no power except in FREE_RUN and RUNNING, no force exceeds its limit and slew limit, and the drive line
- * does not change without power. */
+ * have no power except in FREE_RUN and RUNNING, no force exceeds its limit and slew limit, and without power
+ * the drive line (the square wave that keeps the power stage on) does not change. */
 #include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 
@@ -88,7 +88,8 @@ static int32_t size_of(int32_t value)
 }
 
 /* Checks that a force stays within its limit, and that one write of the outputs raises it by no more than the
- * slew limit. A force may start and fall at once, and may change its sign within the slew limit. */
+ * slew limit. A force may start from zero and fall to zero in one write, and may change its sign if it stays
+ * below the slew limit. */
 static void check_motor(int32_t value, int32_t last, int32_t limit, int32_t slew)
 {
     promise(size_of(value) <= limit);
@@ -186,7 +187,8 @@ static size_t read_pipe(void *context, uint8_t *bytes, size_t capacity)
     return count;
 }
 
-/* Uses short tools of few elements, whose ticks cost a tenth of a real one. */
+/* Uses short tools of few elements, because one tick with them takes a tenth of the time of a tick with real
+ * tools. */
 static void short_tools(crn_wire_tools *tools, uint16_t count)
 {
     client_plain_tools(tools, count);
@@ -325,8 +327,8 @@ static void step(input *in, uint8_t count)
     send(CRN_WIRE_TYPE_step, payload, writer.length);
 }
 
-/* Acts as if all chunks of an upload had arrived with the right CRC, so that only the checks of header and
- * core decide. */
+/* Restores a damaged snapshot as if all its chunks had arrived with the right CRC, so that only the checks of
+ * the snapshot's header and of the core can refuse it. */
 static void restore_damaged(input *in, uint8_t count)
 {
     command(CRN_WIRE_ACTION_STOP, 0);
@@ -436,11 +438,12 @@ enum {
     FREE = CRN_WIRE_ACTION_FREE_RUN
 };
 
-/* Makes one operation of a fuzz input, which sends a command whose code and tick are 0. */
+/* Makes one operation of a fuzz input: a `command` message with the given action, and with code and tick 0.
+ */
 #define COMMAND(action) 0x16, CRN_WIRE_BYTES_command, action, 0, 0, 0, 0, 0, 0, 0, 0
 
-/* Starts from a device in the state READY and sends one long message as an operation, so that mutations of
- * set-up messages begin here. */
+/* Makes a fuzz input that brings the device into the state READY and then sends one long set-up message, so
+ * that the fuzzer's mutations start from a valid set-up message. */
 static size_t message_seed(uint8_t type, const crn_wire_writer *writer, uint8_t *bytes)
 {
     const uint8_t begin[] = {0x82, 1,    COMMAND(STOP),           COMMAND(RESET),
@@ -469,7 +472,8 @@ static void shaped_wire(crn_wire_tools *tools, uint16_t knots)
     wire->element_fine_um = 10000;
 }
 
-/* Makes messages `tools`: first plain tools of two knots, then one with a shape. */
+/* Makes a fuzz input with a `tools` message: up to CRN_WIRE_TOOL_MAX plain tools of two knots, or a shaped
+ * wire. */
 static size_t tools_seed(uint16_t which, uint8_t *bytes)
 {
     static crn_wire_tools tools;

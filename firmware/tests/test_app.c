@@ -1,6 +1,7 @@
 /* These tests check the app through the bytes of the simulated port: states and modes follow the diagram of
  * app.h, refusals have a typed code and change nothing, and encoder jumps stop the session. The tests also
- * check that forces are limited, and that a session restored from a snapshot continues bit for bit. */
+ * check that forces stay within their limits, and that a session restored from a snapshot continues with
+ * exactly the same results. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -232,9 +233,9 @@ static void a_step_at_another_tick_is_refused_and_changes_nothing(void **state)
     assert_int_equal(status.tick, 10);
 }
 
-/* The hand moves 20 um per tick for 1000 ticks, which is 20 mm; the first reading only sets the zero. The
- * tool's position has a tolerance of 0.1 mm, because the tool's inertia makes the coupling between hand and
- * tool yield. */
+/* The hand moves 20 um per tick for 1000 ticks, which is 20 mm in total; the first reading of the encoder
+ * only sets the zero position. The tool's position has a tolerance of 0.1 mm, because the tool's inertia
+ * makes the coupling between hand and tool yield. */
 static void the_instrument_follows_the_encoder(void **state)
 {
     (void)state;
@@ -250,8 +251,8 @@ static void the_instrument_follows_the_encoder(void **state)
     }
 }
 
-/* The same motion of the hand gives the same hashes when the encoder's counter starts at any other value and
- * wraps during the motion. */
+/* If the encoder's counter starts at any other value and wraps during the motion, the same motion of the hand
+ * gives the same hashes. */
 static void counters_may_wrap(void **state)
 {
     (void)state;

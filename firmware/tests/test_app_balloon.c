@@ -15,7 +15,8 @@
 
 static crn_wire_reject reject;
 
-/* Makes one wire with a balloon of 3 x 18 mm at 8 bar, which measures 0.89 mm when folded. */
+/* Makes one wire with a balloon whose size is 3 x 18 mm at 8 bar and whose diameter is 0.89 mm when it is
+ * folded. */
 static void balloon_tools(crn_wire_tools *tools)
 {
     static const crn_wire_balloon_point table[] = {{600, 2920}, {800, 3000}, {1200, 3120}};
@@ -88,7 +89,7 @@ static void tools_with_a_table_that_is_none_are_refused(void **state)
     }
 }
 
-/* Sends two inputs, of which the second contains the command. */
+/* Sends two inputs in one message; only the second input contains the command. */
 static void ask_for_strut(crn_wire_step *step, const crn_wire_strut *strut)
 {
     *step = (crn_wire_step){.tick = 0, .inputs_count = 2};
@@ -118,8 +119,9 @@ static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
     }
 }
 
-/* A host can command a ring of stent struts without a scene. A command for an invalid strut ring is refused
- * before any tick is computed, and the answer names the kind of the command and its position in the list. */
+/* A host can command a ring of stent struts even if no scene is loaded. A command for an invalid strut ring
+ * is refused before any tick is computed. The refusal gives the kind of the command and its position in the
+ * list of commands. */
 static void struts_that_are_none_are_refused_whole(void **state)
 {
     (void)state;

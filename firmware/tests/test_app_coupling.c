@@ -1,8 +1,9 @@
 /* These tests check the virtual coupling between hand and tool (docs/haptics.md) on the simulated port. In
- * free motion the tool follows the hand without lag, and the hand feels no force. The hand feels a seal as
- * friction, which holds the tool without chatter; the hand feels a blocked tool as a spring. The hand slips
- * at the force limit, and force gain, force limit and slew limit have the effects that were set. The state of
- * the virtual coupling is part of the snapshot. Unexplained energy removes the force. */
+ * free motion the tool follows the hand without lag, and the hand feels no force. The hand feels the seal of
+ * the sheath as friction, which holds the tool without chatter. If the tool is blocked, the hand feels a
+ * spring. At the force limit the coupling slips; the force gain, the force limit and the slew limit act as
+ * set by the host. The state of the virtual coupling is part of the snapshot. Unexplained energy removes the
+ * force. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -74,8 +75,8 @@ static void a_free_tool_follows_without_lag_or_drag(void **state)
     assert_true(worst_um < 120 && worst_mN < 120);
 }
 
-/* When only the friction of the seal acts on the tool, the hand feels this friction against its motion in
- * both directions, and the friction settles without chatter. */
+/* If only the friction of the seal acts on the tool, the hand feels this friction against its motion in both
+ * directions, and the friction settles without chatter. */
 static void a_seal_is_felt_as_its_friction_and_does_not_chatter(void **state)
 {
     (void)state;
@@ -110,8 +111,8 @@ static void a_seal_resists_turning_too(void **state)
 }
 
 /* In this test the seal's friction is 2 N and the coupling's stiffness is 1 N/mm, so a hand that is 1 mm
- * ahead of the tool feels a force of one newton. A hand that is 20 mm ahead feels the 2 N at which the tool
- * slides, and no more. */
+ * ahead of the tool feels a force of one newton. If the hand is 20 mm ahead of the tool, the tool slides, and
+ * the hand feels only the seal's friction of 2 N. */
 static void a_held_tool_is_felt_as_the_coupling_s_spring(void **state)
 {
     (void)state;
@@ -196,9 +197,9 @@ static void shake(int tick)
     bench_tick(&b);
 }
 
-/* A hand that shakes by 0.5 mm from tick to tick gains energy from any spring that is computed once a tick.
- * The passivity observer detects this energy, removes the force and reports the fault. When the hand then
- * pushes on, it returns the energy, and the session continues. */
+/* If a spring is computed only once a tick, a hand that shakes by 0.5 mm from tick to tick gains energy from
+ * it. The passivity observer detects this energy, removes the force and reports the fault. If the hand then
+ * pushes on, it gives back the energy that it gained, and the session continues. */
 static void forces_that_give_energy_are_reduced(void **state)
 {
     (void)state;
@@ -219,8 +220,8 @@ static void forces_that_give_energy_are_reduced(void **state)
     assert_true(least_mN < begin_mN / 4);
 }
 
-/* In this test the shaking hand continues to shake. After 100 such ticks in a row the motor power is removed,
- * because the oscillation would never end by itself. */
+/* In this test the shaking hand continues to shake. After 100 ticks in a row in which the hand gains energy,
+ * the motor power is removed, because the oscillation would never end by itself. */
 static void energy_that_a_track_gives_for_100_ms_takes_the_power(void **state)
 {
     (void)state;

@@ -1,8 +1,8 @@
-/* These tests check the device's reaction to everything that can hurt a finger, with one test per fault of
- * shared/wire/wire_faults.def (tools/check/tests/test_faults.py compares the names). Each test injects a
- * fault at the sensors while a motor gives a force. Each test counts the edges of the timer until no motor
- * gives a force any more, measured behind the power stage. The time until the force ends is at most the value
- * in the table of faults, and the force does not return. */
+/* These tests check the device's reaction to every fault that can hurt a user's finger, with one test per
+ * fault of shared/wire/wire_faults.def (tools/check/tests/test_faults.py compares the names). Each test
+ * injects a fault at the sensors while a motor gives a force. Each test counts the edges of the timer until
+ * no motor gives a force any more, measured behind the power stage. The time until the force ends is at most
+ * the value in the table of faults, and the force does not return. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -136,8 +136,8 @@ static void a_power_stage_that_does_not_go_off_is_told(void **state)
     expect_latched(CRN_FAULT_CODE_STAGE_STUCK);
 }
 
-/* The device is in the state FAULT for another cause, which remains the reported cause. The fault log still
- * records, once, that a person must switch off the supply by hand. */
+/* In this test the device is already in the state FAULT for another cause, and the device keeps reporting
+ * that cause. The fault log still records, once, that a person must switch off the supply by hand. */
 static void a_stage_that_does_not_go_off_in_a_fault_is_told_too(void **state)
 {
     (void)state;
@@ -221,8 +221,8 @@ static void a_lost_force_sensor_takes_the_power(void **state)
     }
 }
 
-/* The hand pushes in the direction in which the encoder moves, so the additional force must come from the
- * motor. */
+/* The measured force has the same direction as the encoder's motion, so the motor causes the part of the
+ * force that was not commanded. */
 static void a_force_that_was_not_asked_takes_the_power(void **state)
 {
     (void)state;
@@ -238,7 +238,8 @@ static void a_force_that_was_not_asked_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_FORCE_MISMATCH);
 }
 
-/* The test checks this fault in READY, ARMED and RUNNING while no force is commanded. */
+/* In each of the states READY, ARMED and RUNNING, the test makes the force sensor show a force while no motor
+ * force is commanded. */
 static void a_force_while_none_is_asked_takes_the_power(void **state)
 {
     (void)state;
@@ -296,7 +297,7 @@ static void one_spike_of_over_current_is_no_fault(void **state)
     expect_state(CRN_WIRE_STATE_RUNNING);
 }
 
-/* The hand releases the handle: no hand opposes the motor's 1.5 N any more, and the carriage of 0.1 kg
+/* The hand releases the handle, so nothing opposes the motor's force of 1.5 N, and the carriage of 0.1 kg
  * accelerates. */
 static int released_ms;
 static void release(int encoder_sign)

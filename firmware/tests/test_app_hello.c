@@ -1,7 +1,7 @@
 /* These tests check what happens when a second program connects to a rig that has power, and which events
- * feed a port's watchdog. When a second program connects while another one is in control, the first loses
- * nothing; when a program has gone, the next one can take over. Only timer edges that the app has completed
- * count as signs of life for the watchdog. */
+ * feed a port's watchdog. If a second program connects while another program is in control, the program in
+ * control loses nothing. If the program in control has gone, the next program can take over. Only timer edges
+ * that the app has completed count as signs of life for the watchdog. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -132,8 +132,8 @@ static uint32_t no_time(void *context)
     return 0;
 }
 
-/* To simulate app code that never returns, the test leaves the code that handles an edge by a jump (longjmp);
- * the test can then continue. */
+/* To simulate app code that never returns, the test jumps out of the code that handles an edge of the timer
+ * (longjmp); the test can then continue. */
 static void outputs(void *context, const crn_port_outputs *wanted)
 {
     (void)context;

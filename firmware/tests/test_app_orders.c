@@ -41,7 +41,7 @@ static void start_free(void)
     bench_drain(&b);
 }
 
-/* Checks that the next `ticks_wanted` ticks report these numbers of commands. */
+/* Checks that in the next `ticks_wanted` ticks the device reports the given numbers of commands. */
 static void expect_counts(const uint16_t *counts, uint32_t ticks_wanted)
 {
     static crn_wire_live live;
@@ -116,7 +116,8 @@ static void hostile_bytes_are_malformed_and_order_nothing(void **state)
     expect_counts((const uint16_t[16]){0}, 16);
 }
 
-/* These messages belong to version 4 of the protocol, in which a message had one command each. */
+/* In version 4 of the wire protocol, a message had one command each, and the types of the messages in this
+ * test belong to that version. */
 static void messages_of_the_protocol_before_are_unknown(void **state)
 {
     (void)state;
@@ -143,8 +144,8 @@ static void orders_have_their_own_message_in_free_run(void **state)
     expect_counts((const uint16_t[16]){0}, 16);
 }
 
-/* The device can keep the commands of eight future ticks. The device refuses a ninth message with commands
- * and keeps the first eight unchanged; after a tick there is space again. */
+/* The device can keep the commands of eight future ticks. After eight messages with commands, the device
+ * refuses the ninth and keeps the first eight unchanged; after a tick, the device accepts a message again. */
 static void a_full_queue_refuses_and_keeps_what_waits(void **state)
 {
     (void)state;

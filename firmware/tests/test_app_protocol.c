@@ -90,8 +90,8 @@ static void a_permission_is_good_for_one_start(void **state)
     refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
 }
 
-/* A person has confirmed the power of the motors but has not pressed START. Neither a host that comes an hour
- * later nor one that sends HELLO now has this permission. */
+/* A person has confirmed the power of the motors but has not pressed START. This confirmation is valid
+ * neither for a host that comes an hour later nor for one that sends HELLO now. */
 static void a_permission_is_not_left_lying_about(void **state)
 {
     (void)state;
@@ -114,8 +114,8 @@ static void a_permission_is_not_left_lying_about(void **state)
     expect_reject(CRN_REJECT_CODE_WRONG);
 }
 
-/* The test sends every frame of a conversation that powers the motors alone, and twice, to an armed device.
- * None of these frames powers a motor. */
+/* The test takes the frames of a conversation that powers the motors, and sends each single frame twice to an
+ * armed device. None of these single frames powers a motor. */
 static void no_single_frame_powers_a_motor(void **state)
 {
     (void)state;
@@ -167,8 +167,8 @@ static void an_unsafe_rig_is_not_armed_and_the_cause_is_named(void **state)
     refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_NO_RIG);
 }
 
-/* Without a sensor, forces cannot be checked. Without a force sensor, power is therefore allowed only when a
- * person at the rig closes the switch inside the rig. */
+/* Without a force sensor, the device cannot check the motors' forces. The device therefore powers motors
+ * without a force sensor only if a person at the rig closes the switch inside the rig. */
 static void a_rig_without_force_sensor_is_powered_only_by_the_local_unlock(void **state)
 {
     (void)state;
@@ -333,8 +333,8 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
     }
 }
 
-/* By the condition b > K (T / 2 + t) + B without lag, a damping of 1 N s/m less 0.2 N s/m supports a coupling
- * of 1,600 N/m, but not one of 1,601 N/m. */
+/* The condition for a coupling is b > K (T / 2 + t) + B. With a rig damping b of 1 N s/m, a coupling damping
+ * B of 0.2 N s/m and no lag t, a stiffness K of 1,600 N/m is allowed, but not 1,601 N/m. */
 static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 {
     (void)state;
@@ -348,8 +348,8 @@ static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 }
 
 /* A host that gives a thousandth of the true force per count of a sensor would defeat every check of forces.
- * The force sensors of the test bench have 1 mN per count, and a host may always send this present value
- * again. */
+ * The force sensors of the test bench have 1 mN per count, and a host may always send the value that is set
+ * at present. */
 static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -428,8 +428,8 @@ static void the_sensors_are_read_as_they_are(void **state)
     assert_int_equal(sensors.lines, CRN_WIRE_LINE_SUPPLY);
 }
 
-/* The test creates its own app, because the simulated device hides its app; the messages of the test's app
- * are discarded. */
+/* The simulated device gives no access to its app, so this test creates an app of its own; the messages of
+ * this app are discarded. */
 static crn_app alone;
 static uint32_t frames_sent;
 

@@ -1,9 +1,9 @@
 /* These tests check the forces on a carriage (the moving handle of a track) that nobody holds. The motor's
  * force on a carriage that nobody holds ends within 32 ms, and the carriage gets no faster than a hand would
  * make it. A motor that accelerates a released carriage nevertheless loses its power. A hand that throws the
- * carriage or moves it fast is not mistaken for a motor. An oscillation that the control loop sustains in a
- * hand is ended, while a tremor of the hand may continue. The test sets the force with which a hand holds the
- * carriage, and the bench's force sensor reads this force. */
+ * carriage or moves it fast is not mistaken for a motor. The device ends an oscillation that the control loop
+ * sustains in a hand, while a tremor of the hand may continue. The test sets the force with which a hand
+ * holds the carriage, and the bench's force sensor reads this force. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,8 +31,8 @@ static void expect_running(void)
         fail_msg("ended by %s", crn_wire_fault_name(status.fault_code));
 }
 
-/* Runs one edge of the timer at which the carriage has moved by `um` and the hand holds it with `held_mN`;
- * the bench adds the motor's force to the sensor's reading. */
+/* Runs one edge of the timer at which the carriage has moved by `um` and the hand holds it with the force
+ * `held_mN`. The reading of the force sensor is the sum of this force and the motor's force. */
 static void edge(int32_t um, int32_t held_mN)
 {
     b.rig.hands[0].translation_counts += um;
@@ -40,8 +40,8 @@ static void edge(int32_t um, int32_t held_mN)
     bench_tick(&b);
 }
 
-/* Starts a session with a wire in a seal of 2 N friction. A hand has pushed in by `um` against the coupling
- * of 1 N/mm, and holds. */
+/* Starts a session with a wire in a seal of 2 N friction. The hand has pushed the wire in by `um` against the
+ * coupling of 1 N/mm, and then holds still. */
 static void push_seal(int32_t um)
 {
     crn_wire_track track = client_plain_track();
@@ -75,7 +75,8 @@ static void a_force_that_nobody_holds_goes(void **state)
     assert_in_range(motor_mN(), 700, 900);
 }
 
-/* A motor force of 0.8 N makes a carriage oscillate that no hand holds; after 32 ms the oscillation is gone.
+/* A motor force of 0.8 N makes a carriage oscillate if no hand holds the carriage; after 32 ms the
+ * oscillation must be over.
  */
 static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
 {
@@ -91,8 +92,8 @@ static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
     assert_true(largest <= LOOSE_mN);
 }
 
-/* The carriage moves away from the wall in the direction of its motor's force. When the carriage would reach
- * 0.1 m/s in the next tick, only the force that a hand holds remains. */
+/* The carriage moves away from the wall in the direction of its motor's force. If the carriage would reach
+ * 0.1 m/s in the next tick, the device reduces the motor's force to the force that a hand opposes. */
 static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 {
     (void)state;
@@ -106,8 +107,8 @@ static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 
 /* --- causes of a stop --- */
 
-/* No hand touches the carriage. With 1.8 N from its motor, the carriage gets 20 to 40 mm/s faster in each
- * millisecond, as if the motor gave more force than commanded. */
+/* No hand touches the carriage. With a force of 1.8 N from its motor, the carriage becomes 20 to 40 mm/s
+ * faster in each millisecond, as if the motor gave more force than the device commanded. */
 static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **state)
 {
     (void)state;
@@ -135,8 +136,8 @@ static void a_carriage_that_was_thrown_is_no_fault(void **state)
     expect_running();
 }
 
-/* The hand moves in at 0.25 m/s against a seal that slips at 0.3 N, and out at 0.5 m/s. The carriage of 80 g
- * needs a force of 0.4 N for the hand's acceleration of 5 m/s^2. */
+/* The hand moves towards the patient at 0.25 m/s against a seal that slips at 0.3 N, and moves back at 0.5
+ * m/s. The carriage of 80 g needs a force of 0.4 N for the hand's acceleration of 5 m/s^2. */
 static void a_fast_hand_is_no_fault(void **state)
 {
     (void)state;
@@ -158,8 +159,8 @@ static void a_fast_hand_is_no_fault(void **state)
     expect_running();
 }
 
-/* The hand yields to a force of 0.3 N that oscillates with it at 20 Hz, like a hand that is shaken. In each
- * oscillation of the hand, the motor does work on the hand. It ends within 0.2 s. */
+/* The motor's force of 0.3 N oscillates at 20 Hz, and the hand moves with this force as if it were shaken. In
+ * each oscillation of the hand, the motor does work on the hand. It ends within 0.2 s. */
 static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **state)
 {
     (void)state;

@@ -32,7 +32,8 @@ static void step_asking(uint32_t tick, uint8_t action, uint16_t value)
     send_step(&step);
 }
 
-/* The input of the second tick commands 140 beats a minute; the beat after the present one is 428 ms long. */
+/* The input of the second tick commands 140 beats a minute; the beat that follows the present beat is 428 ms
+ * long. */
 static void an_input_asks_at_its_own_tick(void **state)
 {
     (void)state;

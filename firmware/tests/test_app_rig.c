@@ -1,7 +1,7 @@
-/* These tests check the configuration of the tracks. They show which couplings a rig can render at a given
- * force gain, and which data about a rig a host may change without a person at the rig. The tests exchange
- * bytes with the simulated port. The rig of this port was built with 1 um per count, with 1 N s/m and 2 uN m
- * s/rad of its own damping, and without lag. */
+/* These tests check the configuration of the tracks. The tests show which couplings a rig can render at a
+ * given force gain, and which data about a rig a host may change without a person at the rig. The tests
+ * exchange bytes with the simulated port. According to its builder's data, the rig of this port has 1 um per
+ * count, its own damping of 1 N s/m and 2 uN m s/rad, and no lag. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -76,9 +76,9 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
 
 /* --- couplings that a rig can render --- */
 
-/* By the condition b > G (K (T / 2 + t) + B), a damping of 1 N s/m just supports a coupling of 800 N/m and
- * 0.2 N s/m at a lag of 0.5 ms. A force gain of 2 makes the hand feel 1,600 N/m, so only half of the
- * stiffness and half of the damping are allowed. */
+/* By the condition b > G (K (T / 2 + t) + B), a rig with a damping of 1 N s/m and a lag of 0.5 ms just
+ * supports a coupling of 800 N/m and 0.2 N s/m. With a force gain of 2, the hand feels 1,600 N/m instead of
+ * 800 N/m, so only half of this stiffness and half of the damping are allowed. */
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;
@@ -100,8 +100,8 @@ static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
     expect_refused(&track, FIELD_COUPLING_ALONG);
 }
 
-/* With a force gain below one, the tool pushes back less than with its true force, but the coupling itself is
- * as stiff as before. */
+/* With a force gain below one, the hand feels less than the tool's true force, but the stiffness of the
+ * coupling itself is unchanged. */
 static void a_gain_below_one_allows_nothing_stiffer(void **state)
 {
     (void)state;
@@ -129,8 +129,8 @@ static void a_gain_counts_about_the_line_too(void **state)
 
 /* --- who may state which values --- */
 
-/* Lists values of one setting that the host sends one after the other, while the local unlock is open or
- * closed. */
+/* Describes one value of a setting that the host sends, whether the local unlock is open at that time, and
+ * whether the device must accept the value. */
 typedef struct ask {
     uint32_t value;
     bool is_unlocked, is_taken;
@@ -164,7 +164,7 @@ static crn_wire_track soft_track(void)
 }
 
 /* Without a person at the rig, no host can make the user feel a force greater than that of the tool. The host
- * may always set a smaller value, and may send the present value again. */
+ * may always set a smaller force gain than the present one, and may send the present gain again. */
 static void a_gain_above_one_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -174,8 +174,8 @@ static void a_gain_above_one_needs_the_local_unlock(void **state)
         {1000, false, true}, {4000, false, false}, {4001, true, false});
 }
 
-/* If a host claims damping that the rig does not have, the device accepts a coupling that the rig cannot
- * render. */
+/* If a host could claim damping that the rig does not have, the device would accept a coupling that the rig
+ * cannot render. */
 static void more_damping_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -188,8 +188,8 @@ static void more_damping_than_was_built_needs_the_local_unlock(void **state)
         {2001, true, true}, {0, false, true});
 }
 
-/* If a host conceals the motors' lag, the device also accepts a coupling that the rig cannot render. The rig
- * was built with a lag of 700 us. */
+/* If a host could conceal the motors' lag, the device would also accept a coupling that the rig cannot
+ * render. The rig was built with a lag of 700 us. */
 static void less_lag_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -217,9 +217,9 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
     }
 }
 
-/* The rule for the encoder's scale is that for the force sensor: a host may change the scale by a quarter
- * from the built value, and with the unlock to any value. Before this rule existed, a host could change the
- * encoder's scale by a factor of 5 x 10^5. */
+/* The rule for the encoder's scale is the same as for the force sensor's scale. A host may change the scale
+ * by up to a quarter of the built value, and with the local unlock to any value. Before the device had this
+ * rule, a host could change the encoder's scale by a factor of 5 x 10^5. */
 static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -234,8 +234,8 @@ static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void 
         {65536, false, true});
 }
 
-/* When a host claims a quarter more travel per count than is true, the coupling becomes a quarter stiffer
- * than its setting. */
+/* If a host claims a quarter more travel per count than is true, the coupling becomes a quarter stiffer than
+ * its setting. */
 static void a_larger_scale_counts_as_stiffness(void **state)
 {
     (void)state;
@@ -259,8 +259,8 @@ static void a_larger_scale_counts_as_stiffness(void **state)
     expect_taken(&track);
 }
 
-/* When a host claims the wrong counting direction of an encoder, every spring becomes a push away from its
- * rest position. */
+/* If a host claims the wrong counting direction of an encoder, every spring becomes a push away from its rest
+ * position. */
 static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **state)
 {
     (void)state;
@@ -272,8 +272,8 @@ static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **st
 }
 
 /* In LOCKSTEP the host provides the positions of the user's hands, in its own counts, and no motor is driven.
- * Values that a person at the rig has confirmed stay valid when the host sends the rig's settings again. A
- * host's values that no person at the rig has confirmed are not used to judge a coupling. */
+ * If a person at the rig has confirmed values, they stay valid when the host sends the rig's settings again.
+ * The device does not use a host's values to judge a coupling if no person at the rig has confirmed them. */
 static void a_track_without_a_coupling_may_have_any_scale(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* These tests check safety and snapshots with several tools, through bytes on the simulated port. Each tool
- * has its own force limits, slew limits and faults, and snapshots contain all of them. In FREE_RUN, a hand
- * that moved while the session was stopped does no harm, and neither does a silent host. */
+ * has its own force limits, slew limits and faults, and snapshots contain all of them. In FREE_RUN, the
+ * device stays safe if a hand moves while the session is stopped, and if the host is silent. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -133,8 +133,9 @@ static void send_rig(const uint32_t *limits_mN, uint16_t count)
     client_rig(&host, tracks, count);
 }
 
-/* The message requests more for the third track than is allowed. The first two tracks, for which the message
- * requests less, also keep their old values. */
+/* The host's message sets the force limit of the third track higher than is allowed, so the device refuses
+ * the message. The first two tracks also keep their old force limits, although the message lowers these
+ * limits to allowed values. */
 static void a_rig_is_taken_over_whole_or_not_at_all(void **state)
 {
     (void)state;
@@ -157,8 +158,8 @@ static bool grows_within(int32_t last, int32_t now, int32_t slew)
     return now <= (last > 0 ? last : 0) + slew && now >= (last < 0 ? last : 0) - slew;
 }
 
-/* All hands jerk at a force gain of 4: every motor stays within its own limit and slew limit in every tick,
- * and more than one motor moves. */
+/* All hands jerk at a force gain of 4. In every tick, the force of every motor must stay within its own limit
+ * and slew limit; more than one motor must be active. */
 static void motors_stay_within_their_own_limit_and_slew(void **state)
 {
     (void)state;
@@ -189,9 +190,9 @@ static void motors_stay_within_their_own_limit_and_slew(void **state)
 
 /* --- snapshots --- */
 
-/* The hands hold three heavy tools (100 g/m) upright. Each tool has a weight of 0.25 N, so every motor is
- * commanded to give four times this weight, 1 N. A motor whose slew state was lost would need 20 ticks to
- * return to its force. */
+/* Three users' hands hold three heavy tools (100 g/m) upright. Each tool weighs 0.25 N, so every motor is
+ * commanded to give four times this weight, 1 N. If the snapshot lost a motor's last force, the motor would
+ * need 20 ticks to reach this force again. */
 static void start_upright(uint16_t count)
 {
     static crn_wire_tools tools;
@@ -263,8 +264,8 @@ static void a_lockstep_session_goes_on_after_stop_as_if_it_had_not_stopped(void 
     assert_memory_equal(&last[0], &last[1], sizeof last[0]);
 }
 
-/* The device refuses a snapshot when a field of any tool in its header is damaged, and a snapshot of fewer
- * tools. */
+/* The device refuses a snapshot if a field of any tool in the snapshot's header is damaged, or if the
+ * snapshot has fewer tools than the session. */
 static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
 {
     (void)state;
@@ -312,7 +313,8 @@ static void take_ticks(void)
 }
 
 /* One hand was far from its zero position before the session began, and another hand moves while the session
- * is stopped. Neither of these two hand motions counts as a jump, and neither moves its tool. */
+ * is stopped. The device must treat neither of these two hand motions as a jump of the encoder, and neither
+ * motion may move a tool. */
 static void what_hands_do_while_stopped_is_no_motion(void **state)
 {
     (void)state;
@@ -338,8 +340,8 @@ static void what_hands_do_while_stopped_is_no_motion(void **state)
     expect_inserted(CATHETER, 50, 0.05);
 }
 
-/* The motor holds the weight of an upright wire. When the host falls silent, the motor's force fades to zero:
- * it stays unchanged for 30 ticks and then fades for 20 ticks. The motor's force stays at zero although the
+/* The motor holds the weight of an upright wire. When the host falls silent, the motor's force stays
+ * unchanged for 30 ticks and then fades to zero in 20 ticks. The motor's force stays at zero although the
  * wire's weight remains, and returns with the host's next frame. */
 static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {

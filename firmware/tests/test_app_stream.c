@@ -1,7 +1,7 @@
 /* These tests check the messages that the device sends without a request. When the pipe to the host is full,
  * the device in FREE_RUN drops a picture rather than a tick, and reports the loss. Notices report which event
- * happened at which tick, a STOP takes effect at its tick, and a replay of FREE_RUN's ticks in LOCKSTEP is
- * equal bit for bit. */
+ * happened at which tick, and a STOP takes effect at the tick that it names. A replay of FREE_RUN's ticks in
+ * LOCKSTEP is equal bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,8 +54,8 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     assert_int_equal(status.ticks_lost, 0);
 }
 
-/* The host does not read for a second and then reads again: the device kept 256 ticks, reports the gap, and
- * all other messages are in order. */
+/* The host does not read for a second and then reads again. In this time the device kept only 256 ticks, so
+ * it reports a gap in the ticks; all other messages arrive in order. */
 static void ticks_that_nobody_takes_are_counted_as_lost(void **state)
 {
     (void)state;
@@ -162,8 +162,8 @@ static void a_stop_is_carried_out_at_its_tick(void **state)
 
 static crn_wire_live_tick session[600];
 
-/* The hand pushes, turns and trembles, and feels the tool through the coupling and the friction of the seal.
- * The same inputs in LOCKSTEP give the same hashes, forces and motor values in every tick. */
+/* In this test the hand pushes, turns and trembles, and feels the tool through the coupling and the friction
+ * of the seal. The same inputs in LOCKSTEP give the same hashes, forces and motor values in every tick. */
 static void free_run_replays_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;

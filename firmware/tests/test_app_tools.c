@@ -101,8 +101,8 @@ static void start_three(void)
 /* --- motion --- */
 
 /* The wire is pushed by 30 mm and the catheter by 10 mm, while the guiding catheter is pulled back by 10 mm.
- * In free space each tool follows its own hand; 0.3 mm is the allowance for friction between the tools and
- * for the hands' coupling. */
+ * In free space each tool follows its own hand; the test allows 0.3 mm for friction between the tools and for
+ * the compliance of the coupling to the hand. */
 static void each_hand_moves_its_own_tool(void **state)
 {
     (void)state;
@@ -148,8 +148,8 @@ static void a_session_with_three_tools_gives_the_same_hashes_every_time(void **s
 
 /* --- set-up --- */
 
-/* A wire of 0.6 mm does not pass the catheter's lumen of 0.5 mm: the tools are refused as a whole, and the
- * old tools can still be armed. */
+/* A wire of 0.6 mm does not fit into the catheter's lumen of 0.5 mm. The device refuses the tools as a whole,
+ * and can still be armed with the old tools. */
 static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(void **state)
 {
     (void)state;
@@ -210,8 +210,8 @@ static void none_and_four_tools_are_refused(void **state)
     assert_int_equal(reject.code, CRN_REJECT_MALFORMED);
 }
 
-/* An `entry` message gives one inserted length per tool; when the number of tools changes, the host must send
- * the message again. */
+/* An `entry` message gives one inserted length per tool; if the number of tools changes, the host must send a
+ * new `entry` message. */
 static void an_entry_belongs_to_its_number_of_tools(void **state)
 {
     (void)state;

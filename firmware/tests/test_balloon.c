@@ -1,8 +1,8 @@
 /* These tests check the model of a balloon on a tool (docs/balloon.md). Where nothing confines the balloon,
- * its diameter follows the manufacturer's table. In a rigid vessel narrower than its free diameter, the
- * balloon fills the vessel, presses on the wall with pressure times area, and holds by friction. A deflated
- * balloon has no remaining effect, and a balloon bursts above its pressure limit. The tests compare the
- * results with closed forms. */
+ * its diameter follows the manufacturer's table. In a rigid vessel that is narrower than the unconfined
+ * balloon, the balloon fills the vessel, presses on the wall with a force of pressure times area, and is held
+ * by friction. A deflated balloon no longer acts on tool or vessel, and a balloon bursts above its pressure
+ * limit. The tests compare the results with closed forms. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -164,7 +164,7 @@ static void an_inflated_balloon_is_held_by_friction_times_wall_force(void **stat
     rig_free(r);
 }
 
-/* Holds the largest force at the hands and the worst length error since the last call. */
+/* Holds the largest force at the hands and the worst length error since the last reset of these values. */
 typedef struct worst {
     double hand_N, length_pct, aside_mm;
 } worst;
@@ -176,8 +176,8 @@ static void look(const rig *r, uint32_t tools, worst *w)
     w->length_pct = fmax(w->length_pct, 100 * fabs(r->output.strain_max_q30 / Q30));
 }
 
-/* Makes an introducer sheath that is placed as in a patient: neither its end at the origin nor its axis
- * through the origin. */
+/* Makes an introducer sheath in a position as in a patient: the sheath's end does not lie at the origin, and
+ * the sheath's axis does not pass through the origin. */
 static crn_entry entry_of_a_patient(void)
 {
     const crn_entry entry = {{{(int32_t)(-0.08 * Q30), (int32_t)(-0.3 * Q30), (int32_t)(0.04 * Q30)}},
@@ -199,11 +199,12 @@ static double aside_mm(const rig *r)
     return most;
 }
 
-/* In free space no vessel presses on the balloon, so the hand feels only the weight. A ball (sphere) of the
- * balloon that leaves the sheath or another tool begins on the tools' centreline at that point. In an earlier
- * version such a ball began at the origin of the patient frame, some 300 mm away, and a spring of 2 N/mm tied
- * it to the tool. This earlier error gave 512 N at the hand, a length error of 9.5 %, and a depth of 3.5 mm
- * in the wall of the shipped scene. The limits in this test are a few times the printed values. */
+/* In free space no vessel presses on the balloon, so the hand feels only the weight. The balloon is modelled
+ * as a row of balls (spheres). If a ball leaves the sheath or another tool, its centre begins on the tools'
+ * centreline at that point. In an earlier version, the centre of such a ball began at the origin of the
+ * patient frame, some 300 mm away from the tool, and a spring of 2 N/mm tied the ball to the tool. This
+ * earlier error gave 512 N at the hand, a length error of 9.5 %, and a depth of 3.5 mm in the wall of the
+ * shipped scene. The limits in this test are a few times larger than the values that the test prints. */
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;
@@ -243,9 +244,8 @@ static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(voi
 }
 
 /* At 20 bar in a bore of 1.2 mm, the friction coefficient of 0.1 lets the balloon hold 36 N, more than any
- * hand. When the hand pushes and pulls at 250 mm/s, the tool stalls and slips through the hand (docs/rod.md,
- * "Feed"), and no value leaves its range. The force limit of the test is 30 N, which a hand's grip can
- * withstand. */
+ * hand. If the hand pushes and pulls at 250 mm/s, the tool stays and slips in the hand (docs/rod.md, "Feed"),
+ * and no number leaves its range. The force limit of the test is 30 N, which a hand's grip can withstand. */
 static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **state)
 {
     (void)state;
@@ -266,9 +266,9 @@ static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **st
     rig_free(r);
 }
 
-/* After each inflation in an elastic vessel, the words of the balloon's state must be exactly equal, and the
- * nodes equal within 1 um. The test does not count the first five inflations, because they leave some
- * friction that later inflations do not change. */
+/* In an elastic vessel, every inflation and deflation must return the words of the balloon's state to exactly
+ * the same values, and the nodes to the same positions within 1 um. The test does not count the first five
+ * inflations, because they leave some friction displacements, which later inflations do not change. */
 static void two_hundred_inflations_leave_nothing_behind(void **state)
 {
     (void)state;
@@ -336,8 +336,8 @@ static void across_a_hard_stenosis_it_takes_the_shape_of_a_dog_bone(void **state
     free(r);
 }
 
-/* In this test only the balloon's distal end is in the stenosis. The slope of the vessel's taper, up to 0.18,
- * exceeds the slope of 0.1 at which friction holds the balloon. */
+/* In this test only the balloon's distal end is in the stenosis. The vessel tapers with a slope of up to
+ * 0.18, whereas friction can hold the balloon only up to a slope of 0.1. */
 static void badly_placed_it_is_squeezed_out(void **state)
 {
     (void)state;

@@ -59,7 +59,7 @@ static uint8_t pattern(uint32_t i)
     return (uint8_t)(i * 167 + i / 251);
 }
 
-/* The transfer's buffer begins at any offset in a memory page. */
+/* The test lets the transfer's buffer begin at every kind of offset in a memory page. */
 static _Alignas(4096) uint8_t area[TRANSFER_BYTES_MAX + 2 * PAGE_BYTES];
 static uint8_t packet[1024];
 static uint32_t count;
@@ -272,8 +272,8 @@ static void endpoints_end_in_one_poll_each_and_none_is_lost(void **state)
     assert_int_equal(seen, bit_of(2) | bit_of(0x82) | bit_of(0x81));
 }
 
-/* The driver restarts a transfer that the bus disturbed; it permanently refuses a transfer with more bytes
- * than requested. */
+/* If the bus disturbs a transfer, the driver restarts it; if the host sends more bytes than requested, the
+ * driver refuses the transfer permanently. */
 static void a_broken_transfer_is_repeated_and_a_longer_one_stalls(void **state)
 {
     (void)state;
@@ -357,8 +357,8 @@ static void settle(void)
     }
 }
 
-/* Carries out a whole control transfer that sends no data to the device; returns the bytes of an answer in
- * `packet`. */
+/* Carries out a whole control transfer in which the host sends no data bytes to the device; returns the bytes
+ * of the device's answer in `packet`. */
 static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t length)
 {
     const uint8_t setup[8] = {type, number, (uint8_t)value,  (uint8_t)(value >> 8),
@@ -380,8 +380,8 @@ static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t l
     return total;
 }
 
-/* The host gives the device an address, reads its descriptors and configures it, and a frame returns through
- * the bulk pair, as with the token mailbox (docs/usb.md). */
+/* The host gives the device an address, reads its descriptors and configures it. A frame that the host sends
+ * through the bulk endpoints comes back, as with the token mailbox (docs/usb.md). */
 static void the_stack_enumerates_and_talks_on_this_controller(void **state)
 {
     (void)state;

@@ -1,8 +1,9 @@
 /* These tests check the closed loop of hand, rig, virtual coupling and rod (docs/haptics.md). In each of the
- * five contact situations, a simulated hand approaches the contact, holds, and leaves, with a firm or loose
- * grip. No situation shows a sustained oscillation above 0.05 N, a fault, or more energy than the passivity
- * observer's bound. The mechanical model is firmware/tests/reference/haptic_rig.c; its motor lags, and its
- * encoder has steps and jitter. */
+ * five contact situations, a simulated hand, with a firm or loose grip, approaches the contact, holds still,
+ * and withdraws. In no situation may there be an oscillation above 0.05 N that continues, a fault, or more
+ * energy than the passivity observer allows. The mechanical model is in
+ * firmware/tests/reference/haptic_rig.c; this model has a motor with lag, and an encoder with steps and
+ * jitter. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -84,8 +85,8 @@ static crn_wire_track track_of(uint32_t seal_mN)
 
 static haptic_rig rig;
 
-/* Runs `ticks` ticks in which the hand holds still; returns half the range of the force in the second half of
- * the run. */
+/* Runs `ticks` ticks in which the hand holds still; returns half the difference between the largest and the
+ * smallest force in the second half of the run. */
 static double hold(double at_m, int ticks, double *mean_N)
 {
     double low = INFINITY, high = -INFINITY, sum = 0;

@@ -35,8 +35,8 @@ static void begin(uint32_t stiffness_N_per_m, uint32_t seal_mN)
     crn_haptics_reset(&haptics);
 }
 
-/* Computes one tick in which the tool does not move; returns the position to which the coupling would have
- * the core move the tool. */
+/* Computes one tick in which the tool does not move; returns the position that the coupling gives to the core
+ * as the target for the tool. */
 static crn_hand_position tick(void)
 {
     crn_hand_position followed[CRN_PORT_TOOL_MAX];
@@ -128,8 +128,8 @@ static void a_coupling_takes_hand_and_tool_as_they_are_and_gives_no_force(void *
     }
 }
 
-/* The coupling's force is 1 N/mm times 2 mm = 2 N. The tool follows by at most 0.48 mm a tick, so the lead of
- * the position given to the core is four times as large. */
+/* The tool follows the hand by at most 0.48 mm a tick. The position that the haptics give to the core is
+ * therefore ahead of the tool by four times this distance. */
 static void a_lead_of_the_hand_is_a_force_on_it_and_a_step_of_the_tool(void **state)
 {
     (void)state;
@@ -168,8 +168,8 @@ static void within_the_friction_the_tool_does_not_move(void **state)
     assert_true(tick().feed_m_q30 > 0);
 }
 
-/* The coupling's force reaches 8 N after 8 mm; then the hand slips, and when the hand comes back the force is
- * smaller at once. */
+/* After 8 mm the coupling's force is 8 N, its limit, and the coupling slips; when the hand then moves back,
+ * the force falls at once. */
 static void a_hand_slips_beyond_the_force_limit(void **state)
 {
     (void)state;
@@ -188,8 +188,8 @@ static void a_hand_slips_beyond_the_force_limit(void **state)
 /* --- passivity --- */
 
 /* The tool moves outwards and pushes the hand, which moves with it at the same speed, so the hand receives 2
- * mJ per tick. The haptics report more than 10 mJ as a finding in every tick, and 32 ticks later no force is
- * left. */
+ * mJ per tick. The haptics report a finding in every tick in which the hand has received more than 10 mJ, and
+ * 32 ticks later the force is zero. */
 static void a_force_that_gives_energy_is_reported_and_reduced_to_nothing(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* These tests check that an edge of the mesh keeps its length while it turns fast, both when a folded wire
- * slides along itself and in the deviation that the solve finds. The tests measure the distances between the
- * nodes. See docs/rod.md, "Turning edges". */
+/* These tests check that an edge of the rod's mesh keeps its length while the edge turns fast. An edge turns
+ * fast if a folded wire slides along itself, or if the solver computes a large deviation of the nodes. The
+ * tests measure the distances between the nodes. See docs/rod.md, "Turning edges". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,8 +37,8 @@ static rig *folded_rig(double angle_rad)
     return r;
 }
 
-/* Returns the length of edge i between the predicted positions of its nodes, plus the deviation that the
- * solve found. */
+/* Returns the distance between the predicted positions of the two nodes of edge i; if `has_solved`, the
+ * solver's deviations are added to the positions. */
 static double length_m(const rig *r, int i, bool has_solved)
 {
     double square = 0;
@@ -62,7 +62,7 @@ static double worst_length_error(const rig *r, int edges, bool has_solved)
 }
 
 /* The hand pulls and pushes the wire by 0.25 mm a tick, that is, at 250 mm/s. The tolerance of the edges'
- * length is 12 ppm; the measured error is 4 ppm. If each node slid along the mean of its two tangents alone,
+ * length is 12 ppm; the measured error is 4 ppm. If each node slid only along the mean of its two tangents,
  * the length error would be 12 % at a right angle. */
 static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
 {
@@ -79,10 +79,10 @@ static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
     }
 }
 
-/* The node at a right-angled corner, when the wire is fed by 10 um a tick, moves along each of its two edges
- * as far as the other end of that edge. The tolerance of the position is 0.1 um, which is the square of the
- * feed divided by the length of an edge. If the corner slid along the mean of its two tangents, it would move
- * half as far. */
+/* If the wire is fed by 10 um a tick, the node at a right-angled corner moves along each of its two edges as
+ * far as the node at the other end of that edge. The tolerance of the position is 0.1 um. This value is the
+ * square of the feed divided by the length of an edge. If the corner node slid along the mean of its two
+ * tangents, it would move only half as far along each edge. */
 static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
 {
     (void)context;
@@ -96,9 +96,9 @@ static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
     free(r);
 }
 
-/* In this test the solve rotates the first two edges by 0.25 rad to the side. The tolerance of the edges'
- * length is 0.4 %; an error of 0.14 % remains from the fourth power of the angle. Without the correction of
- * rod_length.c, each edge would be 3.1 % longer. */
+/* In this test the solver rotates the first two edges by 0.25 rad to the side. The tolerance of the edges'
+ * length is 0.4 %. The correction leaves an error of 0.14 %, which grows with the fourth power of the angle.
+ * Without the correction of rod_length.c, each edge would be 3.1 % longer. */
 static void edges_that_the_solve_swings_keep_their_length(void **context)
 {
     (void)context;
@@ -116,7 +116,7 @@ static void edges_that_the_solve_swings_keep_their_length(void **context)
     free(r);
 }
 
-/* Makes a wire in which the solve has moved every second node aside by this displacement. */
+/* Makes a wire in which the solver has moved every second node sideways by the given displacement. */
 static rig *shaken_rig(double way_m)
 {
     rig *r = folded_rig(0);
@@ -128,8 +128,8 @@ static rig *shaken_rig(double way_m)
     return r;
 }
 
-/* When no edge of 1 mm turns by more than 0.06 rad, the correction leaves the solve's nodes unchanged to the
- * last bit, and takes no length back. */
+/* If no edge of 1 mm turns by more than 0.06 rad, the correction of the edges' lengths does nothing: it
+ * changes no bit of the solver's node positions. */
 static void a_small_deviation_is_left_as_it_is(void **context)
 {
     (void)context;
@@ -147,8 +147,9 @@ static void a_small_deviation_is_left_as_it_is(void **context)
     free(r);
 }
 
-/* For angles beyond a right angle, the limits of rod_length.c leave a remaining length error. The tolerances
- * are three times this remaining length error, which is 0.23 % at 120 degrees and 1.4 % at 150 degrees. */
+/* If a fold is sharper than a right angle, the limits in rod_length.c prevent a complete correction, and a
+ * length error remains. The tolerances are three times this remaining length error, which is 0.23 % at 120
+ * degrees and 1.4 % at 150 degrees. */
 static void a_sharp_fold_keeps_its_edges_nearly(void **context)
 {
     (void)context;

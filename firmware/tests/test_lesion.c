@@ -1,8 +1,9 @@
 /* Claims about lesions (docs/lesions.md). The tests show that a fully opened lesion equals the healthy
- * vessel, that a partly opened one lies in between, and that the normals of its wall match its distances. The
- * tests also show that a balloon opens a lesion by its pressure on the wall. After deflation, a lesion
- * recoils by its recoil fraction (completely where it is elastic), and a stent's scaffold holds it open. The
- * tests compare the results with the closed form of a stenosis in a straight tube. */
+ * vessel, and that a partly opened lesion is wider than the closed lesion and narrower than the vessel. The
+ * normals of the lesion's wall must match its distances. The tests also show that a balloon opens a lesion by
+ * its pressure on the wall. After deflation, a lesion recoils by its recoil fraction (completely where it is
+ * elastic), and a stent's scaffold holds it open. The tests compare the results with the closed form of a
+ * stenosis in a straight tube. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -147,8 +148,9 @@ static double distance_mm(const rig *r, const crn_lesion_state *lesions, crn_vec
     return sample.distance_m_q30 * 1e3 / Q30;
 }
 
-/* The test checks the distance at points of the expected wall. The tolerance is 0.02 mm (the error of the
- * narrow channel's distance field, docs/lesions.md) times the factor by which the lesion is widened. */
+/* The test takes points on the wall that it expects, and checks the distance that the core computes there.
+ * The tolerance is 0.02 mm (the error of the narrow channel's distance field, docs/lesions.md) times the
+ * factor by which the lesion is widened. */
 static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **state)
 {
     (void)state;
@@ -173,7 +175,7 @@ static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **stat
 
 /* The gradient of the distance equals the normal within 4 degrees near the wall, where contact takes place.
  * The test computes the gradient by finite differences over 0.02 mm. The map that widens the lesion is linear
- * between the lesion's points (stations) and has kinks at these points. */
+ * between the points at which the lesion is described (stations), and has kinks at these points. */
 static void normals_are_those_of_the_distance(void **state)
 {
     (void)state;
@@ -288,8 +290,8 @@ static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
     free(r);
 }
 
-/* A balloon of 2 mm stops growing where its own wall bears the part of the pressure that the lesion does not
- * bear. The lesion opens no wider than the balloon. */
+/* A balloon of 2 mm stops growing at the diameter at which the balloon's own wall and the lesion together
+ * withstand the pressure. The lesion opens no wider than the balloon. */
 static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
 {
     (void)state;
@@ -309,8 +311,9 @@ static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
     free(r);
 }
 
-/* After every inflation, the words of an elastic lesion's state must return exactly to their values, and the
- * nodes within 1 um. A plastic lesion keeps its permanent opening from the first inflation on. */
+/* After every inflation of the balloon and its deflation, the words of an elastic lesion's state must have
+ * exactly their former values, and the nodes their former positions within 1 um. A plastic lesion keeps its
+ * permanent opening from the first inflation on. */
 static void inflations(int count, double recoil, bool is_elastic)
 {
     rig *r = rig_make(200, recoil);
@@ -356,8 +359,9 @@ static void two_hundred_inflations_leave_a_plastic_lesion_at_its_residual(void *
     inflations(REFERENCE_RUN(200), 0.3, false);
 }
 
-/* When the host commands a stent scaffold, its points stay open to the commanded extent once the balloon is
- * deflated. A command for points that the lesion does not have has no effect. */
+/* After the host has commanded a stent scaffold for some points of the lesion, these points stay open to the
+ * commanded extent when the balloon is deflated. A command for points that the lesion does not have has no
+ * effect. */
 static void a_scaffold_holds_its_stations(void **state)
 {
     (void)state;

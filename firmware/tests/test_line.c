@@ -1,7 +1,8 @@
-/* These tests check the combined properties of nested tools. The stiffness of a node's cell is the series
- * average of the tools' compliances, wherever a tool's tip lies in the cell. A tool's twist stiffness at a
- * point does not depend on which other tool's tip is near. The core refuses tools whose shape, twist
- * stiffness or mass does not fit the cells of the mesh, and names the tool. */
+/* These tests check the combined properties of nested tools. The compliance of a node's cell is the sum of
+ * the compliances of its parts with and without the outer tool, wherever the outer tool's tip lies in the
+ * cell. A tool's twist stiffness at a point does not depend on which other tool's tip is near. The core
+ * refuses tools whose shape, twist stiffness or mass does not fit the cells of the mesh, and names the tool.
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -42,8 +43,9 @@ static crn_build_status build(rig *r, const crn_instrument *tools, uint32_t coun
 }
 
 /* The test has two uniform tools, and puts the tip of the outer one at 101 positions in one cell. The
- * expected value is 1/W = (cell - part) / EI + part / (EI + EI'). The tolerance is 1/1000, for the rounding
- * of the reciprocals and of the cell's length. */
+ * expected stiffness W of the cell follows from 1/W = (cell - part) / EI + part / (EI + EI'), where the outer
+ * tool covers the length `part` of the cell. The tolerance is 1/1000, for the rounding of the reciprocals and
+ * of the cell's length. */
 static void check_divided_cell(double inner_N_m2, double outer_N_m2, uint32_t element_um)
 {
     rig *r = calloc(1, sizeof *r);
@@ -82,7 +84,8 @@ static void a_tip_anywhere_in_a_cell_gives_the_series_average(void **context)
 }
 
 /* The twist stiffness of a wire grows 500 times over 300 mm, and keeps its value GJ(arc) / cell at the tip of
- * the catheter around the wire. The tolerance of 2 % is the change of stiffness by the taper over one cell.
+ * the catheter around the wire. The tolerance of 2 % allows for the change of stiffness that the taper causes
+ * over one cell.
  */
 static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
 {
@@ -155,7 +158,8 @@ static void a_tool_that_cannot_reach_the_shortest_line_is_refused(void **context
     check_refused(tools, 2, CRN_BUILD_LENGTH, 0, 0);
 }
 
-/* A twist stiffness of 3e-2 N m^2 in elements of 1 mm gives 30 N m a joint, beyond the limit of 16 N m. */
+/* With elements of 1 mm, a twist stiffness of 3e-2 N m^2 gives each joint a stiffness of 30 N m, beyond the
+ * limit of 16 N m. */
 static void a_twist_beyond_the_joints_format_is_refused(void **context)
 {
     (void)context;
@@ -164,9 +168,10 @@ static void a_twist_beyond_the_joints_format_is_refused(void **context)
     check_refused(&tool, 1, CRN_BUILD_OVERFLOW, 0, 0);
 }
 
-/* A bending stiffness of 1e-7 N m^2 for 100 mm and one of 3e-2 N m^2 behind it, in elements of 8 mm, are each
- * in range. No single exponent of the number format has enough bits for the two stiffnesses, and the computed
- * shape of the tip would be noise. */
+/* This tool has a bending stiffness of 1e-7 N m^2 over its first 100 mm and of 3e-2 N m^2 behind them. With
+ * elements of 8 mm, each of the two stiffnesses alone would be allowed. No single exponent of the number
+ * format represents both stiffnesses with enough bits; the computed shape of the tip would be noise, so the
+ * core refuses the tool. */
 static void a_tip_too_soft_beside_its_shaft_is_refused(void **context)
 {
     (void)context;

@@ -145,9 +145,9 @@ static void contact_is_the_quadratic_b_spline(void **state)
     if (worst_normal > 2e-3) fail_msg("worst normal error %.3g, allowed 2e-3", worst_normal);
 }
 
-/* When the cheap distance function shows that a point is too far from the wall, this point can never have
- * been a contact. The cheap distance is also safe in vessels as narrow as a voxel, at creases, and in fields
- * that are not distances. */
+/* The cheap distance function decides that some points are too far from the wall for contact; the full
+ * contact function must find no contact at such a point. The cheap distance function must also be safe in
+ * vessels as narrow as a voxel, at creases of the wall, and in fields whose values are not distances. */
 static void distance_is_that_of_contact_bit_for_bit(void **state)
 {
     (void)state;

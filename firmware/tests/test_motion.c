@@ -48,8 +48,9 @@ static uint32_t phase32(double phase)
     return (uint32_t)(uint64_t)floor((phase - floor(phase)) * 4294967296.0);
 }
 
-/* Makes the pose of the vessel for a tick that ends at the heart's phase `phase` and began the phase `step`
- * before. The chest is at the end of expiration or, when `breath` is 1, at the end of inspiration. */
+/* Makes the pose of the vessel for a tick at whose end the heart has the phase `phase`, and during which this
+ * phase grew by `step`. The chest is at the end of expiration or, when `breath` is 1, at the end of
+ * inspiration. */
 static crn_motion_pose pose_of(const crn_motion *motion, double phase, double step, double breath)
 {
     crn_rhythm now = {.heart_phase32 = phase32(phase), .breath_phase32 = breath > 0 ? 1u << 31 : 0},
@@ -170,9 +171,10 @@ static double depth_at(crn_motion_pose *pose, const double *x)
     return crn_lumen_contact(&tube->lumen, &reference).distance_m_q30 / q30_per_m;
 }
 
-/* The test computes the direction of the normal within 1 degree by central differences of the distance in the
- * reference pose, over 20 um. The expected distance is phi divided by the length of the gradient. Near the
- * border of two cells a difference covers both, so 2 % of the points may fail. */
+/* The normal that the core computes must agree, within 1 degree, with the central differences of the distance
+ * in the reference pose, which the test computes over 20 um. The expected distance is phi divided by the
+ * length of its gradient, where phi is the distance in the reference pose. Near the border of two cells, a
+ * central difference uses points in both cells, so up to 2 % of the tested points may fail. */
 static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
 {
     (void)state;
@@ -213,10 +215,10 @@ static int16_t up_to(reference_random *random, int32_t most)
     return (int16_t)((int32_t)reference_random_below(random, 2u * (uint32_t)most + 1) - most);
 }
 
-/* The cheap distance function alone decides that a node is far from the wall. Where the full contact function
- * finds a small distance, the cheap function must therefore not return a large one. The test uses the lattice
- * of the beating vessel, and a random lattice whose neighbouring nodes differ as much as a scene may have
- * them differ. */
+/* The cheap distance function alone decides that a node is far from the wall. If the full contact function
+ * finds a small distance at a point, the cheap function must therefore not return a large distance there. The
+ * test uses the lattice of the beating vessel, and a random lattice in which the displacements of
+ * neighbouring nodes differ by as much as a scene may contain. */
 static void the_cheap_distance_never_hides_a_contact(void **state)
 {
     (void)state;
@@ -263,9 +265,10 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
     }
 }
 
-/* The test compares the displacement of the wall in a tick with the displacement of the map's own point, at
- * 120 beats a minute. The two displacements must differ by less than 2 um plus 5 % of the fastest wall's
- * displacement (0.13 mm in a tick). In every second case the chest also moves, with 20 breaths a minute. */
+/* The test compares the wall's displacement in a tick, as computed by the core, with the displacement of the
+ * same wall point by the exact map, at 120 beats a minute. The two displacements must differ by less than 2
+ * um plus 5 % of the largest wall displacement in a tick (0.13 mm). In every second case the chest also
+ * moves, with 20 breaths a minute. */
 static void the_wall_step_is_that_of_the_map(void **state)
 {
     (void)state;
@@ -389,8 +392,8 @@ static void a_wire_in_a_beating_vessel_is_carried(void **state)
     assert_int_equal(f.faults & ~(uint32_t)CRN_FAULT_STEP_CAPPED, 0);
 }
 
-/* A session that continues from a snapshot taken in mid-beat has the same hashes, so the state contains all
- * data about the motion. */
+/* A session that continues from a snapshot taken in the middle of a heartbeat has the same hashes as the
+ * uninterrupted session, so the state contains all data about the motion. */
 static void a_beating_state_can_be_saved_and_goes_on_the_same(void **state)
 {
     (void)state;

@@ -1,8 +1,8 @@
 /* Claims about heartbeat and breath. Heartbeats have the ordered length. The tests show that the length of
  * systole follows its formula and not the interval between beats, and that the phase has no jumps whatever
  * the host commands. The intervals between heartbeats have the set variability, and vary in the same way on
- * every run. A premature beat is followed by a pause after which the rhythm is in step again. A command to
- * the heart with a value out of its range has no effect. */
+ * every run. A premature beat is followed by a pause, after which the beats come at the same times as without
+ * the premature beat. A command to the heart with a value out of its range has no effect. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -38,10 +38,10 @@ static uint32_t to_next_beat(crn_rhythm *rhythm)
     return ticks;
 }
 
-/* The interval between heartbeats is 60 000 / rate ms, within 1 ms. The aortic valve closes 540 - 2.1 rate ms
- * after the QRS complex: 456 ms at 40 beats a minute, 204 ms at 160 beats a minute. If systole were scaled
- * linearly with the interval, its correct length of 393 ms at 70 beats a minute would become 624 ms at 40
- * beats a minute. */
+/* The interval between heartbeats is 60 000 ms divided by the heart rate in beats a minute, within 1 ms. The
+ * aortic valve closes (540 - 2.1 rate) ms after the QRS complex, where `rate` is in beats a minute. The
+ * result is 456 ms at 40 beats a minute and 204 ms at 160 beats a minute. Systole at 70 beats a minute lasts
+ * 393 ms. If systole were scaled linearly with the interval, it would last 624 ms at 40 beats a minute. */
 static void systole_follows_its_formula_and_not_the_interval(void **state)
 {
     (void)state;
@@ -106,9 +106,9 @@ static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
 }
 
 /* The premature beat is commanded 100 ms after a QRS complex with a coupling interval of 60 %. The next QRS
- * complex comes at 60 % of the interval, and the output marks this beat as premature. The beat after the
- * premature one comes when the second regular beat would have come. The systole of the premature beat lasts
- * as long as the formula gives for a heart rate of 60000 / 514 beats a minute. */
+ * complex comes at 60 % of the interval, and the output marks this beat as premature. The next beat after the
+ * premature beat comes at the time at which the second regular beat would have come. The systole of the
+ * premature beat lasts as long as the formula gives for a heart rate of 60000 / 514 beats a minute. */
 static void a_premature_beat_is_followed_by_its_pause(void **state)
 {
     (void)state;
@@ -126,8 +126,8 @@ static void a_premature_beat_is_followed_by_its_pause(void **state)
     assert_int_equal(to_next_beat(&rhythm), 857);
 }
 
-/* When the command comes late in a beat, no time is left in this beat, and the beat after the next QRS
- * complex is the premature one. */
+/* If the command comes late in a beat, it is too late for a premature beat in this cycle; the premature beat
+ * then ends the next cycle. */
 static void a_premature_beat_that_is_asked_for_too_late_comes_in_the_next_cycle(void **state)
 {
     (void)state;
@@ -140,7 +140,8 @@ static void a_premature_beat_that_is_asked_for_too_late_comes_in_the_next_cycle(
     assert_true((rhythm.bits & CRN_RHYTHM_IS_PREMATURE) != 0);
 }
 
-/* The present beat ends; then the heart rests at the end of filling until a command starts it again. */
+/* After the command for asystole, the present beat ends; then the heart rests at the end of filling until a
+ * command starts it again. */
 static void asystole_stands_at_the_end_of_filling(void **state)
 {
     (void)state;
@@ -214,9 +215,9 @@ static void what_is_out_of_range_is_no_order(void **state)
     }
 }
 
-/* The test runs 200,000 ticks, with a random command in 1 of 50 ticks. The check accepts every state of this
- * run, so that a snapshot may restore it. The phase goes from one keyframe to the next in no less than 2 ms,
- * which bounds the wall's speed. */
+/* The test runs 200,000 ticks, with a random command in 1 of 50 ticks. The core's check of a state that is to
+ * be restored must accept every state of this run, so that every snapshot of such a session can be restored.
+ * The phase takes at least 2 ms from one keyframe to the next; this minimum time limits the wall's speed. */
 static void whatever_is_asked_for_the_phase_has_no_jumps(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* These tests check that the rod bends, hangs, slides and stalls as the equations of docs/rod.md state. The
  * tests also check that the state can be hashed, saved and restored, and that the core refuses bad
- * instruments and states by name. The tests compare the results with closed forms (elastica) and exact tube
- * distances in double precision, and check invariants. */
+ * instruments and bad states with an error that names the cause. The tests compare the results with closed
+ * forms (elastica) and exact tube distances in double precision, and check invariants. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,9 +22,9 @@ static const double Q30 = 1073741824.0;
 
 /* --- elastica: FACTS of docs/validation.md, cases 1 and 2 ----------------------------------------------- */
 
-/* The project allows an error of 0.5 % of the length L at 64 elements; the discretisation alone causes 0.03
- * %. The program `make bench` runs every stiffness of the range; this test runs the softest rod and a stiff
- * one. */
+/* The project allows an error of the rod's tip of 0.5 % of the length L at 64 elements; the discretisation
+ * alone causes 0.03 %. The program `make bench` runs every stiffness of the range; this test runs the softest
+ * rod and a stiff one. */
 static void tip_loaded_cantilever_takes_the_elastica(void **context)
 {
     (void)context;
@@ -74,7 +74,7 @@ typedef struct insertion {
     double depth_mm, strain_pct, force_N, resting_um;
 } insertion;
 
-/* Holds the worst values of a whole insertion at 0.1 m/s and of one second of rest after it. */
+/* Holds the largest errors during a whole insertion at 0.1 m/s and during the second of rest after it. */
 static insertion insert(const reference_tube *tube, double bend_N_m2, double to_m)
 {
     crn_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
@@ -103,8 +103,8 @@ static insertion insert(const reference_tube *tube, double bend_N_m2, double to_
 }
 
 /* A wire is pushed 450 mm through two bends of 51 and 57 mm radius. The nodes of the wire stay within 0.3 mm
- * of the exact wall and its length within 0.45 %, and the wire comes to rest (no chatter above 1 um per
- * tick). */
+ * of the exact wall, and the wire's length stays within 0.45 %. After the insertion the wire comes to rest:
+ * no node moves by more than 1 um per tick. */
 static void wires_pass_the_bends_without_leaving_the_tube(void **context)
 {
     (void)context;
@@ -130,8 +130,8 @@ static void wire_rests_in_a_vessel_of_1_5_mm_radius(void **context)
     reference_tube_free(tube);
 }
 
-/* The end wall blocks the tip: the hand slips at 6 N instead of crushing the wire. The tolerance is 10 %, for
- * the last step. */
+/* When the end wall blocks the tip, the wire slips in the hand at 6 N, so the hand does not crush it. The
+ * tolerance of the force is 10 %, because the force grows in steps and the last step may exceed 6 N. */
 static void blocked_tip_stalls_the_feed(void **context)
 {
     (void)context;
@@ -156,10 +156,10 @@ static void blocked_tip_stalls_the_feed(void **context)
 /* --- friction ------------------------------------------------------------------------------------------- */
 
 /* A wire rests on the floor of a straight tube of 1.5 mm radius; the hand pulls and pushes it at constant
- * speed. The force on the handle is mu N, where N is the weight less what the introducer sheath supports. The
- * sheath supports two thirds of the span (72 EI h / w)^(1/4) over which the wire, of weight w per length,
- * hangs from height h. The first 10 mm of travel bring every friction displacement (bristle) to its limit.
- * The tolerance of the force is 10 %, because the push bends the hanging span. */
+ * speed. The force on the handle is mu N, where N is the wire's weight without the part that the introducer
+ * sheath supports. The sheath supports two thirds of the span (72 EI h / w)^(1/4) over which the wire, of
+ * weight w per length, hangs from height h. The first 10 mm of travel bring every friction displacement
+ * (bristle) to its limit. The tolerance of the force is 10 %, because the push bends the hanging span. */
 static void sliding_on_the_floor_costs_mu_times_weight(void **context)
 {
     (void)context;
@@ -184,8 +184,8 @@ static void sliding_on_the_floor_costs_mu_times_weight(void **context)
     reference_tube_free(tube);
 }
 
-/* Returns the mean push on a wire that is fed along the floor at 20 mm/s. The wire's weight changes every 3
- * ms by the fraction `share` of itself. */
+/* Returns the mean of the hand's pushing force on a wire that is fed along the floor at 20 mm/s. Every 3 ms
+ * the wire's weight changes between (1 + share) and (1 - share) times its normal value. */
 static double push_when_shaken_N(double share)
 {
     const reference_piece straight = {0.4, 0, 0};
@@ -205,10 +205,10 @@ static double push_when_shaken_N(double share)
     return sum_N / 1000;
 }
 
-/* A wire whose weight alternates between zero and twice its value needs the same push as a wire of constant
- * weight, because friction follows the mean weight. The tolerance of the push is 20 %, because the nodes hop.
- * When friction was computed from the predicted force of a hopping node (5 mN for each micrometre), the push
- * was 19 times as large as now. */
+/* A wire whose weight alternates between zero and twice its normal value needs the same pushing force as a
+ * wire of constant weight, because friction follows the mean weight. The tolerance of the pushing force is 20
+ * %, because the nodes hop. An earlier version computed friction from the predicted force of a hopping node
+ * (5 mN for each micrometre); the pushing force was then 19 times as large as now. */
 static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 {
     (void)context;
@@ -250,11 +250,12 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     reference_tube_free(tube);
 }
 
-/* When the prediction misses a contact in several successive ticks, the node is hardly deeper than 0.1 mm at
- * the end of the first of these ticks. In this first tick the core scales down the deviation of all nodes,
- * which costs no second solve. The test measures the depth along the wall's normal at the predicted
- * configuration. A displacement of 0.75 mm (the cap) along the tangent of a wall of 4 mm radius deepens the
- * node by another 0.07 mm, which is the bound; 0.0135 mm were seen. */
+/* If the prediction misses a contact in several successive ticks, the node is at the end of the first of
+ * these ticks hardly deeper than 0.1 mm in the wall. To keep the node at this depth, the core scales down the
+ * deviation of all nodes in that first tick; the core need not solve the equations a second time. The test
+ * measures the depth along the wall's normal at the predicted configuration. A displacement of 0.75 mm (the
+ * largest in a tick) along the tangent of a wall of 4 mm radius moves the node deeper by another 0.07 mm,
+ * which is the test's bound. The largest measured value was 0.0135 mm. */
 static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 {
     (void)context;
@@ -291,9 +292,9 @@ static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
     reference_tube_free(tube);
 }
 
-/* Outside the distance field there is no normal and so no contact, but a node there counts as the deepest. In
- * this test the whole wire lies 0.1 m beside the tube. The expected depth is the value of the distance field
- * far from walls, 15.6 mm, plus the wire's radius. */
+/* A node outside the distance field has no wall normal and so no contact, but it must still count as the node
+ * that is deepest in the wall. In this test the whole wire lies 0.1 m beside the tube. The expected depth
+ * is 15.6 mm (the distance that the field has everywhere far from walls) plus the wire's radius. */
 static void a_node_beyond_the_field_is_the_deepest(void **context)
 {
     (void)context;
@@ -449,8 +450,9 @@ static void bad_instruments_are_refused_with_their_knot(void **context)
     assert_int_equal(build(&good, &entry, &place), CRN_BUILD_ENTRY);
 }
 
-/* A tool that the hand pushes in past its end or pulls out completely stops at the end and reports the stop.
- * The hand's motion beyond the end is not stored up: when the hand reverses, the wire follows within 2 mm. */
+/* If the hand pushes a tool in beyond its proximal end, or pulls it out completely, the tool stops at that
+ * end and reports the stop. The core does not store the hand's motion beyond the end: when the hand reverses,
+ * the wire follows after at most 2 mm of the hand's motion. */
 static void feed_stops_at_both_ends(void **context)
 {
     (void)context;

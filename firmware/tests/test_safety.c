@@ -1,7 +1,7 @@
 /* These tests check the safety checks that run at every edge of the timer, from samples alone, without a rod,
- * a scene or the wire protocol. The tests try each limit just below and just above its value; each fault has
- * the code and the number of edges that shared/wire/wire_faults.def states. In a rig at rest, the checks find
- * no fault. */
+ * a scene or the wire protocol. The tests try each limit with a value just below it and a value just above
+ * it. Each fault must have the code and the number of timer edges that shared/wire/wire_faults.def states. In
+ * a rig at rest, the checks find no fault. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

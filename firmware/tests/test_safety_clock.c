@@ -1,7 +1,8 @@
 /* These tests check the device's reactions to time, from the clock's readings alone, without a rod, a scene
- * or the wire protocol. When the processor stops, or ticks fall behind, the device removes the motor power.
- * When the host is silent, the forces fade within 42 ms. Any answer uses up the code for powering the motors,
- * and code and permission expire. */
+ * or the wire protocol. If the processor stops, or the ticks fall behind, the device removes the motor power.
+ * If the host is silent, the forces fade within 42 ms. To power the motors, a host must answer with a code.
+ * Any answer, right or wrong, uses up this code; the code and the permission to power the motors also expire.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* These tests check the force that the motors are commanded to give, from samples alone, without a rod, a
- * scene or the wire protocol. Force limit and slew limit hold, and a carriage that nobody holds loses its
- * motor force within 32 ms. The device stops when a motor drives a carriage too fast, when a track gives
- * energy to the hand for 100 ms, and when a motor sustains an oscillation. */
+ * scene or the wire protocol. The motor's force must stay within its limit and its slew limit. If nobody
+ * holds a carriage, its motor's force must end within 32 ms. The device stops when a motor drives a carriage
+ * too fast, when a track gives energy to the hand for 100 ms, and when a motor sustains an oscillation. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -127,8 +127,8 @@ static void a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed(void **
     }
 }
 
-/* The carriage does not move in this test, so the speed limits have no effect. The force stays for the first
- * 12 edges of the timer, and fades in the next 20 edges. */
+/* The carriage does not move in this test, so the speed limits have no effect. The motor's force stays
+ * unchanged for the first 12 edges of the timer, and fades during the next 20 edges. */
 static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **state)
 {
     (void)state;
@@ -142,8 +142,8 @@ static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **sta
     }
 }
 
-/* The force sensor may be wrong by a quarter, so the code assumes that a hand holds up to a third more than
- * the measured force. */
+/* The force sensor may be wrong by a quarter, so the hand may hold up to a third more than the measured
+ * force; the code assumes this larger force. */
 static void a_force_that_a_hand_holds_stays(void **state)
 {
     (void)state;
@@ -159,8 +159,9 @@ static void a_force_that_a_hand_holds_stays(void **state)
 
 /* --- what stops --- */
 
-/* Runs `edges` edges of the timer in which the motor gives 40 mN to a carriage at rest that nobody touches;
- * then the carriage moves by `counts`. */
+/* During the first `edges` edges of the timer, the motor gives 40 mN to a carriage at rest that nobody
+ * touches. Then the carriage moves by `counts` encoder counts at every edge, and the force sensor shows
+ * `felt_mN` millinewtons. */
 static int run_away(int edges, int32_t counts, int32_t felt_mN)
 {
     safety_bench_drive(&bench);
@@ -174,8 +175,9 @@ static int run_away(int edges, int32_t counts, int32_t felt_mN)
     return 0;
 }
 
-/* The speed is computed from one count less than was read: a reading of 252 um in 1 ms means at least 251
- * mm/s. Over eight edges, a reading of 250 um per ms means just less than 250 mm/s. */
+/* One count of the encoder is subtracted before the speed is computed, because a reading may be one count too
+ * large: 252 um in 1 ms means a speed of at least 251 mm/s. If the encoder moves by 250 um in each of eight
+ * milliseconds, the computed speed is therefore just less than 250 mm/s. */
 static void a_carriage_that_its_motor_made_fast_stops(void **state)
 {
     (void)state;
@@ -188,8 +190,8 @@ static void a_carriage_that_its_motor_made_fast_stops(void **state)
     assert_int_equal(run_away(50, 252, 0), 0);   /* the motor gave too little: 2 mN s */
 }
 
-/* A hand has thrown the carriage, so the carriage is already fast at the first edge at which nobody touches
- * it. */
+/* A hand has thrown the carriage, so the carriage is already fast at the first edge of the timer at which
+ * nobody touches it. */
 static void a_carriage_that_a_hand_throws_goes_on(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* These tests check that no snapshot, however wrong, leads to undefined behaviour. A snapshot is either
- * refused and changes nothing, or its ticks stay within their number formats and are the same on every run
- * (the sanitizers are the judges of this test). */
+/* These tests check that no snapshot, however wrong, leads to undefined behaviour. The core must either
+ * refuse the snapshot and change nothing, or compute ticks that stay within their number formats and are the
+ * same on every run. Sanitizers detect undefined behaviour in this test. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +29,7 @@ typedef struct rig {
 static const double stiffness_N_m2[CRN_TOOL_MAX] = {1.85e-3, 4e-4, 1e-3};
 static const uint32_t radius_um[CRN_TOOL_MAX] = {445, 900, 1300}, bore_um[CRN_TOOL_MAX] = {0, 500, 950};
 
-/* The state of this test has three curved, heavy tools that hands have pushed and turned for 200 ticks. */
+/* In the state of this test, three curved, heavy tools have been pushed and turned by hands for 200 ticks. */
 static rig *rig_make(void)
 {
     rig *r = calloc(1, sizeof *r);
@@ -96,8 +96,8 @@ static uint64_t run(rig *r)
     return crn_state_hash64(&r->state);
 }
 
-/* Restores the altered bytes and, when the core accepts them, runs the state twice. Returns true when the
- * core accepted the state. */
+/* Restores the altered bytes and, if the core accepts them, runs the restored state twice and compares the
+ * results. Returns true if the core accepted the state. */
 static bool check_altered(rig *r)
 {
     memcpy(&r->state, &r->start, sizeof r->state);
@@ -163,7 +163,7 @@ static void a_folded_line_with_wild_velocities_stays_defined(void **context)
     rig_free(r);
 }
 
-/* When a tool starts near the border of the coordinate range, its straight shape stays inside this range. */
+/* If a tool begins near the border of the coordinate range, its straight shape stays inside this range. */
 static void a_start_beyond_the_border_of_space_is_cut_off_there(void **context)
 {
     (void)context;

@@ -68,7 +68,7 @@ static void run(rig *r, int ticks)
     for (int t = 0; t < ticks; t++) crn_step(&r->model, &r->state, &r->input, &r->output);
 }
 
-/* Makes a straight stent whose axis is parallel to x at this height, by one command a tick. */
+/* Returns the command for ring i of a straight stent, whose axis is parallel to x at the height `z_um`. */
 static crn_strut_order ring(uint32_t i, int32_t z_um, uint32_t inside_um)
 {
     return (crn_strut_order){i + 1,
@@ -165,7 +165,8 @@ static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
 }
 
 /* The struts of a stent in a bend of 20 mm radius, which widens by a tenth, follow the torus between the
- * stent's rings. The tolerance covers the 25 um that chords of 2 mm cut off, and the slope of the cone. */
+ * stent's rings. The tolerance allows for the 25 um by which chords of 2 mm deviate from the arc, and for the
+ * slope of the cone. */
 static void a_bent_shell_follows_its_rings(void **state)
 {
     (void)state;
@@ -239,8 +240,9 @@ static void struts_go_with_a_beating_vessel(void **state)
 
 /* --- a wire on one side --------------------------------------------------------------------------------- */
 
-/* A force of ten times its weight presses the wire on the inside of the struts, in a wider tube. The wire's
- * axis rests at the struts' radius less the wire's radius, apart from the penetration that the weight causes.
+/* A force of ten times the wire's weight presses the wire on the inside of the struts; the stent lies in a
+ * tube that is wider than the stent. The wire's axis rests at the struts' radius less the wire's radius,
+ * apart from the penetration that the weight causes.
  */
 static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
 {
@@ -287,8 +289,8 @@ static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
     free(r);
 }
 
-/* One cell of the stent withstands the contact force k_c (r + t/2) + k_deep (r + t/2 - 0.2 mm) of one node,
- * which is 3.25 N here. */
+/* One cell of the stent withstands the contact force of one node up to k_c (r + t/2) + k_deep (r + t/2 - 0.2
+ * mm), which is 3.25 N here. */
 static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
 {
     (void)state;
@@ -389,8 +391,8 @@ static void between_struts_and_wall_it_rests_without_chatter(void **state)
     free(r);
 }
 
-/* When the hand pulls the wire, it slips at friction times the forces of struts and wall on it, and stays
- * outside the stent. */
+/* When the hand pulls the wire, the wire slips at the friction coefficient times the forces that struts and
+ * wall exert on it, and stays outside the stent. */
 static void pulling_it_out_needs_friction_on_both_sides(void **state)
 {
     (void)state;
@@ -416,8 +418,8 @@ static void pulling_it_out_needs_friction_on_both_sides(void **state)
 
 /* --- balloon, orders, states ---------------------------------------------------------------------------- */
 
-/* A balloon inside a stent narrower than itself grows as wide as without the stent, because the host opens
- * the struts. */
+/* A balloon inside a stent that is narrower than the balloon grows as wide as without the stent, because the
+ * host opens the struts. */
 static void a_balloon_presses_through(void **state)
 {
     (void)state;
@@ -445,7 +447,7 @@ static void a_balloon_presses_through(void **state)
     assert_true(fabs(widest_m[0] - 1.6e-3) < 2e-6 && fabs(widest_m[1] - widest_m[0]) < 2e-6);
 }
 
-/* A strut ring moves by 5 um a tick and reaches its commanded position exactly, to the last bit. */
+/* A ring of stent struts moves by 5 um a tick and reaches its commanded position exactly, to the last bit. */
 static void a_ring_goes_where_it_is_ordered(void **state)
 {
     (void)state;

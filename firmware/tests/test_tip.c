@@ -81,10 +81,10 @@ static void curved_tip_follows_the_hand_in_free_space(void **context)
     free(r);
 }
 
-/* The hand turns a J-shaped tip of 1.5 mm radius (a Rosen wire), 200 mm out of the sheath, at half a turn a
- * second; the test measures the angle by which the tip lags behind. The tolerance is 6 degrees. The measured
- * lag of the tip is 5.4 degrees, of which the filter of the hand's angle causes 0.7. When the tip's rotation
- * was not predicted, the tip lagged by 23 degrees. */
+/* The hand turns a J-shaped tip of 1.5 mm radius (a Rosen wire), which is 200 mm outside the sheath, at half
+ * a turn a second. The test measures the angle by which the tip lags behind the hand. The tolerance is 6
+ * degrees. The measured lag of the tip is 5.4 degrees, of which the filter of the hand's angle causes 0.7.
+ * Before the core predicted the tip's rotation, the tip lagged by 23 degrees. */
 static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
 {
     (void)context;
@@ -122,9 +122,9 @@ static void curved_wire_without_load_takes_its_circle(void **context)
 }
 
 /* The hand feeds a half circle of 1.5 mm radius (a Rosen wire's J) on soft wire at 30 mm/s through free space
- * and draws it back. The tip of the half circle stays 2 R off the axis. The tolerance of the tip's position
- * is 0.1 mm; an error of 0.05 mm remains from settling when the hand starts. A tip that slid along its own
- * curve would swing aside by 50 mm. */
+ * and draws it back. The tip of the half circle stays at a distance of 2 R from the axis of the wire. The
+ * tolerance of the tip's position is 0.1 mm. The tip has an error of 0.05 mm, because it is still settling
+ * when the hand starts to move. A tip that slid along its own curve would swing aside by 50 mm. */
 static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
 {
     (void)context;
@@ -142,9 +142,10 @@ static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
     free(r);
 }
 
-/* A J-shaped tip of 1.5 mm radius lies on the wall of a tube, three seconds after the hand has stopped. No
- * node of the wire moves by more than a micrometre a tick, as in a wire without a curved tip (0.1 um is
- * measured). Without the twist's resistance in the matrix, the J-shaped tip oscillated by 11 um. */
+/* A J-shaped tip of 1.5 mm radius lies on the wall of a tube; the hand stopped three seconds ago. No node of
+ * the wire may move by more than a micrometre a tick, which is also the limit for a wire without a curved
+ * tip; the measured motion is 0.1 um. In an earlier version, whose matrix did not contain the wire's
+ * resistance to twist, the J-shaped tip oscillated by 11 um. */
 static void a_tight_j_rests_on_the_wall(void **context)
 {
     (void)context;

@@ -1,8 +1,8 @@
 /* These tests check nested (coaxial) tools (docs/rod.md, "tools"). Nested tools add their stiffness, and each
  * tool keeps its own feed, rotation and rest shape. Nested tools press and rub on each other in both
- * directions, and each may become the leading tool without a jolt. The vessel wall resists the turning of a
- * tool by Coulomb's law of friction. The tests compare the results with closed forms of composite beams,
- * stored energy, and force balances. */
+ * directions, and no node jumps when another tool becomes the leading tool (the one that reaches farthest).
+ * The vessel wall resists the turning of a tool by Coulomb's law of friction. The tests compare the results
+ * with closed forms of composite beams, stored energy, and force balances. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,8 +24,8 @@ static const double pi = 3.14159265358979;
 
 enum { WIRE, CATHETER, GUIDE };
 
-/* Makes a tool with a bent end: the tool has rest curvature over the first `bent_mm`, and behind that it is
- * straight and has the stiffness `shaft`. */
+/* Makes a tool with a bent end: over the first `bent_mm` the tool has a rest curvature; behind that length it
+ * is straight and has the stiffness `shaft`. */
 typedef struct tool_plan {
     double tip_N_m2, shaft_N_m2, curve_per_m, bent_mm;
     uint32_t radius_um, bore_um;
@@ -112,7 +112,7 @@ typedef struct journey {
 } journey;
 
 /* Moves one tool by `way_m` at `speed_m_s` and then waits two seconds for the tools to come to rest. Returns
- * the work of all hands and the largest motion of any node. */
+ * the work of all hands and the largest displacement of any node in one tick. */
 static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
 {
     journey j = {0, 0};
@@ -292,7 +292,8 @@ static void turning_friction_acts_on_both_hands(void **context)
 
 /* --- lead ----------------------------------------------------------------------------------------------- */
 
-/* The largest motion of a node is 0.1 mm a tick, of which the feed itself is 0.05 mm. */
+/* While another tool becomes the leading tool, no node moves by more than 0.1 mm a tick; the hand's feed
+ * alone causes 0.05 mm of this motion. */
 static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **context)
 {
     (void)context;
@@ -394,9 +395,9 @@ static void the_wall_resists_turning_with_mu_n_r(void **context)
     assert_true(fabs(resting_torque(0, 0)) < 1e-7);
 }
 
-/* One friction limit mu N holds for the combined slip along and around the wire. When a hand draws a wire ten
- * times as fast as the wire's surface turns (6.67 mm/s against 0.667 mm/s), the wire resists turning by only
- * about a tenth, 1 / sqrt(101). */
+/* The friction limit mu N holds for the slip along the wire and the slip around the wire together. When a
+ * hand draws a wire ten times as fast as the wire's surface turns (6.67 mm/s against 0.667 mm/s), the wire
+ * resists turning by only about a tenth, 1 / sqrt(101). */
 static void a_wire_that_slides_turns_almost_freely(void **context)
 {
     (void)context;
@@ -437,7 +438,8 @@ static const tool_plan three_shaped[] = {{1e-5, 5e-4, 66, 20, 445, 0, 0.1, 0},
                                          {2e-4, 5e-4, 30, 40, 800, 500, 0.1, 0.05},
                                          {5e-4, 8e-4, 15, 40, 1150, 850, 0.1, 0.05}};
 
-/* The long form of this test, with a million ticks, is the row hands.length_error_max_pct of `make bench`. */
+/* The program `make bench` runs this test with a million ticks and prints the result in the row
+ * hands.length_error_max_pct. */
 static void random_hands_keep_three_tools_in_the_vessel(void **context)
 {
     (void)context;
@@ -480,8 +482,8 @@ static void three_tools_are_restored_bit_for_bit(void **context)
     free(r);
 }
 
-/* The combined properties of the tools that the core keeps between ticks equal the values that a fresh start
- * computes, wherever the tools slide. */
+/* The core keeps the combined properties of the nested tools from tick to tick. After the tools have slid,
+ * these properties must equal the values that are computed from nothing. */
 static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
 {
     (void)context;
@@ -514,8 +516,8 @@ static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
 
 /* A 6F Judkins left guiding catheter with a 0.014 in wire and a balloon catheter inside leaves the sheath and
  * enters an artery of 3.6 mm radius. The artery keeps the guiding catheter's primary curve open (R = 7 mm,
- * 0.052 N m when straight), and the sheath's distal end bends this curve in the opposite direction. The
- * forces of a joint exceed 60 N in elements of 1 mm. */
+ * 0.052 N m when straight), and the sheath's distal end bends this curve in the opposite direction. In
+ * elements of 1 mm, the forces at a joint of this guiding catheter exceed 60 N. */
 static void a_tight_guide_comes_out_of_the_sheath_without_saturating(void **context)
 {
     (void)context;

@@ -25,8 +25,8 @@ static crn_vec3 random_vector(reference_random *random)
     return a;
 }
 
-/* Returns the vector for one of the 27 combinations of extreme and zero components, for each value of
- * `index`. */
+/* Returns one of 27 vectors for each value of `index`; the components of these vectors are extreme or zero in
+ * every combination. */
 static crn_vec3 extreme_vector(unsigned index)
 {
     const int32_t ends[3] = {INT32_MIN, 0, INT32_MAX};

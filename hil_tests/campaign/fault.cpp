@@ -92,7 +92,7 @@ void set_word(Fault &fault, const std::string &word)
     }
 }
 
-// The function all_faults() builds its list with this helper.
+// This class collects the faults of the list that all_faults() returns.
 class Catalogue
 {
   public:
@@ -104,7 +104,8 @@ class Catalogue
     std::vector<Fault> faults;
 };
 
-// Adds one fault for each frame of a session in which the device sends frames only as answers to requests.
+// Adds faults for each of the first `count` frames of a session in which the device sends frames only as
+// answers to requests.
 void add_frames(Catalogue &c, Session session, std::uint32_t count)
 {
     for (bool to_host : {false, true}) {
@@ -251,8 +252,9 @@ std::vector<Fault> spread_of(const std::vector<Fault> &faults, std::size_t count
     std::vector<Fault> chosen;
     for (std::size_t round = 0; chosen.size() < std::min(count, faults.size()); round++) {
         for (const auto &[name, group] : by_kind) {
-            // The step width of 7919 has no common divisor with most group sizes, so the selected faults
-            // cover all ticks and both directions of the frames.
+            // Within each kind of fault, every 7919th fault is selected. The number 7919 has no common
+            // divisor with the sizes of most groups, so the selected faults cover all ticks and both
+            // directions of the frames.
             if (round < group.size() && chosen.size() < count)
                 chosen.push_back(group[(round * 7919 + 13) % group.size()]);
         }

@@ -18,8 +18,8 @@ namespace
     throw crn::LinkError("the device is gone: its cable was cut. Remedy: plug it in, then begin with HELLO");
 }
 
-// Changes the device's message so that the device claims to have a scene: our whole scene, another scene of
-// the same size, or the completed upload of ours.
+// Changes the device's message so that the device claims to have a scene already. The claimed scene is the
+// host's whole scene, another scene of the same size, or the host's scene as a completed upload.
 void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
 {
     crn_wire_set_up there;
@@ -182,7 +182,7 @@ void FaultyPipe::write(std::span<const std::uint8_t> bytes)
     if (!late.empty()) inner_.write(late);
 }
 
-// Splits the device's bytes into frames, and applies the fault to the frame that the fault names.
+// Splits the device's bytes into frames, and applies the fault to the one frame that the fault's line names.
 void FaultyPipe::take_from_device()
 {
     std::uint8_t bytes[4096];

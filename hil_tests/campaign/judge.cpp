@@ -23,7 +23,7 @@ crn_wire_instrument short_wire()
     return wire;
 }
 
-// Sends messages that no host of this project would send; their frame format is valid.
+// Sends a message in a valid frame, although no host of this project would send this message.
 void send_raw(crn::Transport &pipe, std::uint16_t type, std::span<const std::uint8_t> payload)
 {
     const crn_wire_header header = {1, 0, type};
@@ -73,9 +73,9 @@ int bar_ms(SafeClass which)
     return which == SafeClass::host_silence ? 50 : 5;
 }
 
-// When a motor no longer obeys the firmware, only the current limit of the motor's driver limits its force;
-// the builder of the rig sets this limit. In all other cases the current limit is 1.5 times the firmware's
-// force limit, so that the force at the actuator shows the firmware's own limit.
+// If a motor no longer obeys the firmware, its force is limited only by the current limit of the motor's
+// driver, which the builder of the rig sets. For all other faults the driver's current limit is 1.5 times the
+// firmware's force limit, so that the force at the actuator shows the firmware's own limit.
 PlantSettings campaign_plant(bool has_stuck_motor)
 {
     const double above = has_stuck_motor ? 1.0 : 1.5;

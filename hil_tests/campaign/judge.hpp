@@ -1,9 +1,9 @@
 // Runs one session with one fault, at any test level (L0 to L3), and judges whether the device stayed safe.
 // After the fault, the force at the motor must have stayed within its limit and must have ended in time, and
 // the host must have been informed. The recording must contain every tick up to the fault. The session must
-// either have been resumed and have given the same state hash, or have ended as docs/hil.md describes. The
-// reference sessions without a fault always run at test level 0, so the test also compares the other levels
-// with level 0.
+// either have been resumed and have given the same state hash as the session without a fault, or have ended
+// as docs/hil.md describes. The sessions are compared with reference sessions without a fault. The reference
+// sessions always run at test level 0, so the test also compares the other levels with level 0.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "hil_tests/campaign/faulty_pipe.hpp"
@@ -18,7 +18,7 @@ inline constexpr double torque_limit_N_m = 0.02; // likewise
 inline constexpr double force_none_N = 0.02,
                         torque_none_N_m = 0.0002; // less than the friction of the bearings
 
-// Holds the results of the sessions when no fault is injected.
+// Holds the results of the sessions in which no fault is injected.
 struct Undisturbed {
     std::vector<crn_wire_tick_state> lockstep, free_run;
     std::uint64_t lockstep_hash = 0;
@@ -48,8 +48,8 @@ bool same_state(const crn_wire_tick_state &a, const crn_wire_tick_state &b);
 Undisturbed run_undisturbed(Level &level);
 Outcome run_fault(Level &level, const Fault &fault, const Undisturbed &undisturbed);
 
-// These two functions run the two kinds of session (LOCKSTEP or its set-up, and FREE_RUN), and throw Failure
-// if a condition does not hold.
+// Each of the functions run_asked (LOCKSTEP or its set-up) and run_free (FREE_RUN) runs a session with a
+// fault, and throws Failure if a condition does not hold.
 void run_asked(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
 void run_free(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
 void free_run_undisturbed(Level &level, Undisturbed &undisturbed);

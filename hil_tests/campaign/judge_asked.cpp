@@ -10,8 +10,8 @@ namespace
 
 constexpr int attempts_max = 6;
 
-// A host that records. After an error the host in this test begins again with the message HELLO, and
-// continues at the tick that the device has reached.
+// A host that records. After an error, the host in this test sends HELLO again, and continues at the tick
+// that the device has reached.
 class Host
 {
   public:
@@ -48,8 +48,8 @@ class Host
     }
 
   private:
-    // Returns true if the device still runs this session and has reached exactly the tick that was recorded
-    // last.
+    // Returns true if the device still runs this session, and if the device's last tick is also the last tick
+    // in the recording.
     bool goes_on()
     {
         link_.emplace(pipe_);
@@ -107,8 +107,8 @@ class Host
               static_cast<unsigned long long>(undisturbed_.lockstep_hash));
     }
 
-    // The recording must equal that of the undisturbed session, except for the false content of the one
-    // changed frame.
+    // The recording must equal that of the undisturbed session, except for the content of the one frame that
+    // the fault falsified.
     void take(const crn_wire_tick_state &state)
     {
         const std::size_t i = state.tick - 1;

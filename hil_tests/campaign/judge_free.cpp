@@ -14,8 +14,8 @@ constexpr std::uint32_t host_every_ms = 8, silent_ms = 30, latched_ms = 20, last
 constexpr double hand_m_per_s = 0.1, hand_rad_per_s = 3.0, harm_N = 1.0;
 constexpr double reversed_growth_N = 12 * 0.050; // the lag that is assumed, 4 ms of judging, 50 mN per ms
 
-// Lists the reports that the device may send after a fault of the rig. A 0 in the list means that the device
-// may also stay silent, if the fault had no effect.
+// Lists, for each fault of the rig, the fault codes that the device may report afterwards. A 0 in the list
+// means that the device need not report anything if the fault had no effect.
 struct Answer {
     const char *kind;
     std::vector<int> codes;
@@ -141,7 +141,8 @@ void Loop::talk()
     is_cut_ = fault_ != nullptr && is("link.cut") && pipe_.has_struck();
 }
 
-// From this moment on, the motor's force must end within the time limit that applies to this class of faults.
+// Marks the present moment as the moment from which the motor's force must end within the time limit of this
+// class of faults.
 void Loop::expect_off(SafeClass which)
 {
     if (onset_ms_ >= 0) return;
@@ -179,7 +180,7 @@ void Loop::observe()
               plant.motor_torque_peak_N_m() * 1e3, since, bar_ms(outcome_.safe_class));
 }
 
-// The time of the host's silence counts from the last frame that arrived complete.
+// The time for which the host has been silent counts from the last frame of the host that arrived complete.
 void Loop::watch_silence()
 {
     const std::uint32_t gap = ms_ - last_frame_ms_;
@@ -352,9 +353,9 @@ void Loop::judge()
           "the actuator gave %.3f N and %.2f mN m, limits %.3f and %.2f", outcome_.peak_N,
           outcome_.peak_N_m * 1e3, force_limit_N, torque_limit_N_m * 1e3);
     if (is("rig.encoder_reversed") && fault_->value == 0) {
-        // No hand holds the carriage. The allowed force is the larger of the force before the fault and the
-        // force that moves the carriage, plus the increase that the slew limit permits in the 12 ms until the
-        // fault is detected.
+        // No hand holds the carriage. The test takes the larger of two forces: the force before the fault,
+        // and the force that moves the carriage. The allowed force is this force plus the increase that the
+        // slew limit permits in the 12 ms until the device detects the fault.
         const double there_N = std::max(harm_N, std::abs(undisturbed_.motor_N[fault_->at - 1]));
         check(outcome_.peak_N <= there_N + reversed_growth_N, "the reversed track rose to %.3f N from %.3f N",
               outcome_.peak_N, there_N);
@@ -378,7 +379,7 @@ void Loop::judge()
     start_again();
 }
 
-// After RESET and repair the next session runs as if nothing had happened.
+// After RESET and repair of the fault, the next session must run as if no fault had happened.
 void Loop::start_again()
 {
     repair();

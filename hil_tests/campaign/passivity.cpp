@@ -30,7 +30,7 @@ const std::vector<std::uint8_t> &end_wall()
     return scene;
 }
 
-// Returns false when the device refused the settings because they break its passivity rule (docs/haptics.md).
+// Returns false if the device refused the settings because they break its passivity rule (docs/haptics.md).
 bool set_up(Bench &bench, crn::Link &link, const PassivityTrial &trial)
 {
     link.hello();
@@ -105,8 +105,8 @@ class HandSession
             if (ms_++ % talk_every_ms == 0) keep_talking(link_);
             bench_.advance(1);
             if (meter != nullptr) meter->take(axis().motor_force());
-            // When a motor loses its power, a hand that pushes against the motor moves the carriage by
-            // itself.
+            // When a motor loses its power, the pushing hand moves the carriage by itself; this speed of the
+            // carriage does not count.
             if (bench_.plant().is_stage_on() || is_released_)
                 outcome_.fastest_m_per_s = std::max(outcome_.fastest_m_per_s, std::abs(axis().tool_speed()));
             outcome_.largest_N = std::max(outcome_.largest_N, axis().motor_peak());
@@ -214,8 +214,8 @@ std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string 
         fastest_m_per_s = std::max(fastest_m_per_s, outcome.fastest_m_per_s);
         if (!outcome.failure.empty()) std::printf("BROKEN %s", line.c_str());
     }
-    // Prints each total with its name on a line of its own, and repeats these lines at the end of the table.
-    // `make bars` reads these lines.
+    // Prints each total with its name on a line of its own, and adds the lines with the totals to the end of
+    // the table. `make bars` reads these lines.
     char totals[256];
     std::snprintf(totals, sizeof totals,
                   "passivity.combinations\t%zu\npassivity.accepted\t%zu\npassivity.stopped\t%zu\n"

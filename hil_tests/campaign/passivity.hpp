@@ -1,15 +1,15 @@
 // Tests whether the force feedback is passive, with a simulated rig whose wire meets an end wall. The tests
-// cover a grid of force gain, coupling stiffness, declared damping and motor lag, and grip of the hand. The
-// device refuses the settings that its passivity rule forbids. With every setting that the device accepts,
-// the motors must not oscillate. The local unlock (a switch inside the rig that permits values beyond the
-// free limits) is closed. The device therefore accepts false values of damping and lag, and only the
-// passivity rule can refuse settings.
+// cover a grid of five quantities: force gain, coupling stiffness, declared damping, motor lag, and grip of
+// the hand. The device refuses the settings that its passivity rule forbids. With every setting that the
+// device accepts, the motors must not oscillate. In these tests the local unlock (a switch inside the rig
+// that permits values beyond the limits that hold without it) is closed. The device therefore accepts false
+// values of damping and lag, and only the passivity rule can refuse settings.
 //
-// In a trial, the hand pushes a stiff wire by 30 mm against the end of its tube, holds the wire for 0.6 s,
-// and releases it for 0.6 s. A trial fails when the carriage got faster than 0.25 m/s, or the motor's force
-// oscillated by more than 50 mN for more than 100 ms. These limits apply from the moment at which the hand
-// releases the wire. Before the release, these limits also apply in the second half of the hold, when the
-// impact on the wall is over.
+// In a trial, the hand pushes a stiff wire by 30 mm against the end of its tube, holds the wire still for 0.6
+// s, and then releases the wire; the trial ends 0.6 s later. A trial fails if the carriage moved faster than
+// 0.25 m/s, or if the motor's force oscillated by more than 50 mN for more than 100 ms. These limits apply
+// from the moment at which the hand releases the wire. While the hand still holds the wire, these limits
+// apply only in the second half of the hold, when the impact on the wall is over.
 #pragma once
 #include "hil_tests/cases/conversation.hpp"
 #include <vector>
@@ -29,8 +29,8 @@ struct PassivityOutcome {
     std::string failure;    // empty: all held
 };
 
-// Measures for how long a force has oscillated by more than `span_N`. An oscillation lasts as long as each
-// reversal of the force comes within 150 ms after the previous reversal.
+// Measures for how long a force has oscillated by more than `span_N`. An oscillation continues as long as
+// each reversal of the force comes within 150 ms after the previous reversal.
 class CycleMeter
 {
   public:

@@ -1,5 +1,6 @@
 // Prints the results of a campaign as a table and writes them to a file of tab-separated values. The table
-// has one line per kind of fault, and the longest time until the rig was safe for each class of faults.
+// has one line per kind of fault. The table also gives, for each class of faults, the longest time until the
+// rig was safe.
 #pragma once
 #include "hil_tests/campaign/judge.hpp"
 #include <map>

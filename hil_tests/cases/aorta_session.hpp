@@ -1,5 +1,5 @@
-// Runs the aorta session of `make run` on a device that is connected by any kind of pipe. The functions
-// report the state hash and the cost of every tick.
+// Runs the aorta session of `make run` on a device that is connected by any kind of pipe. The functions of
+// this header report the state hash and the cost of every tick of the session.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/script/session.hpp"
@@ -32,7 +32,7 @@ struct AortaRun {
 void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
                   const crn_wire_rig &rig);
 
-// Returns the vessels whose names the session uses for steering. The vessels are read from the file of bodies
+// Returns the vessels by whose names the session script steers. The vessels are read from the file of bodies
 // that lies beside the scene file.
 std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
 // Reads the wire's shape from the device if the session script needs it at this tick, and passes it to the
@@ -40,18 +40,17 @@ std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
 void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,
                    crn::SessionPlayer &player, double inserted_m);
 
-// Runs the session. If `instructions` is given, it returns the number of processor instructions executed so
-// far, and every request to the device steps one tick. Otherwise every request steps as many ticks as
-// possible.
+// Runs the session. If `instructions` is given, this function must return the number of processor
+// instructions that the device has executed so far, and every request to the device then computes only one
+// tick. Without `instructions`, every request computes as many ticks as possible.
 AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions = {});
 
-// Returns an element length for the wire's shaft, in um; with this length the wire has at most `elements`
-// elements.
+// Returns an element length for the wire's shaft, in um, at which the wire has at most `elements` elements.
 std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements);
 
-// Returns the quantile of `values`: the fraction `quantile` (0 to 1) of them do not exceed the returned
-// number.
+// Returns the quantile of `values`, which is a number that the fraction `quantile` (0 to 1) of the values do
+// not exceed.
 double quantile_of(std::vector<double> values, double quantile);
 
 } // namespace hil

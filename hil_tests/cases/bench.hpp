@@ -1,12 +1,13 @@
 // This header describes a device on a test bench: the pipe to the device, the rig around it, and time. The
-// interface is equal at every test level (L0 to L3), and the test cases use only this interface.
+// interface of a test bench is the same at every test level (L0 to L3), and the test cases use only this
+// interface.
 //
 //   L0  SimBench        the app as a library in this process            (hil_tests/l0)
 //   L1  EmulatedBench   the image on an emulated Cortex-M7              (hil_tests/l1)
 //   L2, L3  RemoteBench the image beside a program hil_rig, by USB      (remote_bench.hpp)
 //
-// The bench controls time: the function advance() runs the device and the simulated rig (plant) in turn,
-// millisecond by millisecond. While advance() does not run, the device does nothing.
+// The bench controls time: the function advance() runs the device and the simulated rig (plant) alternately,
+// for one millisecond each. While advance() does not run, the device does nothing.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "host/link/transport.hpp"
@@ -27,7 +28,7 @@ class Bench
     Plant &plant() { return plant_; }
     const crn_port_outputs &outputs() const { return outputs_; }
 
-    // Runs the device with its rig for this many milliseconds.
+    // Runs the device together with its rig for this many milliseconds of the rig's time.
     void advance(std::uint32_t milliseconds)
     {
         for (std::uint32_t i = 0; i < milliseconds; i++) {
@@ -36,8 +37,8 @@ class Bench
         }
     }
 
-    // Halts the processor, as under a debugger, while the rig runs on. The halt also lasts `wall_s` seconds
-    // of wall-clock time.
+    // Halts the processor for `milliseconds` of the rig's time, as under a debugger, while the rig runs on.
+    // The halt also lasts `wall_s` seconds of wall-clock time.
     void freeze(std::uint32_t milliseconds, double wall_s = 0.0)
     {
         hold(true);
@@ -51,7 +52,7 @@ class Bench
 
     // Arranges that the device's cable is pulled in the middle of a transfer, after `bytes` more bytes have
     // been sent to the device. The cable is plugged in again after `away_ms` of the rig's time. Returns false
-    // when the device has no cable at this level.
+    // if the device has no cable at this test level.
     virtual bool pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
     {
         static_cast<void>(bytes), static_cast<void>(away_ms);
@@ -71,7 +72,7 @@ class Bench
 
   protected:
     // Passes the sensor values `inputs` to the device, lets the device do the work of one millisecond, and
-    // returns the device's outputs to the rig.
+    // returns the outputs that the device sends to the rig.
     virtual crn_port_outputs edge(const crn_port_inputs &inputs) = 0;
     virtual void hold(bool held) = 0;
     virtual void pass_frozen_ms() {} // for levels where the device's clock is not its own

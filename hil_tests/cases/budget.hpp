@@ -19,7 +19,7 @@ struct Overruns {
     double worst_us() const;
 };
 
-// Runs the aorta session in FREE_RUN, in which the simulated rig moves the hands; the emulated processor
+// Runs the aorta session in FREE_RUN, in which the simulated rig moves the hands. The emulated processor
 // executes 1,000 / 2^icount_shift instructions per us.
 Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint32_t ticks_max);
 

@@ -1,5 +1,5 @@
-// A test case checks one property of a device with its rig, by equal code at every test level (L0 to L3). A
-// test case makes its own test bench. The case communicates with the device through host/link, and with the
+// A test case checks one property of a device with its rig, by the same code at every test level (L0 to L3).
+// A test case makes its own test bench. The case communicates with the device through host/link, and with the
 // simulated rig through the class Plant. A test case fails by an exception whose text contains the measured
 // value and the limit. The report contains the measurements of every test case.
 #pragma once
@@ -18,7 +18,7 @@ class Failure : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Holds the results of a test case that the final table shows, such as "power off after 5 ms".
+// Holds the results of a test case, such as "power off after 5 ms", for the final table.
 struct Report {
     std::string text;
     std::string hash;              // of the aorta session

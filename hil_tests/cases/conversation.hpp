@@ -15,7 +15,7 @@ namespace hil
 // Returns a straight tube as a scene file, for sessions without anatomy.
 const std::vector<std::uint8_t> &tube_scene();
 
-// Describes the point at which a session ended.
+// Describes the state of a session at its end.
 struct Ending {
     std::uint32_t tick = 0;
     std::uint64_t hash = 0;
@@ -32,7 +32,8 @@ void set_up(crn::Link &link);
 // Returns the input of tick `i` of the sample session: the tool is pushed in, turned, and pulled back out.
 crn_wire_tick_input sample_input(std::uint32_t tick);
 
-// Arms the device, runs `ticks` ticks in LOCKSTEP in batches, and calls `between` after every batch.
+// Arms the device, runs `ticks` ticks in LOCKSTEP in batches of `batch` ticks, and calls `between` after
+// every batch.
 Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
                         const std::function<void(std::uint32_t tick)> &between = {});
 
@@ -42,12 +43,12 @@ Ending host_only_session(std::uint32_t ticks, std::uint32_t batch);
 // Brings the device from the state READY to RUNNING in FREE_RUN, with power on the motors.
 void start_free_run(Bench &bench, crn::Link &link);
 
-// Sends a frame, so that the device knows that the host is alive, and returns the ticks that the device sent
-// in the meantime.
+// Sends a frame, so that the device notices that the host is alive, and returns the ticks that the device has
+// sent since the last call.
 std::vector<crn_wire_tick_state> keep_talking(crn::Link &link);
 
-// Continues a session in FREE_RUN for `milliseconds`: the host sends a sign of life every 8 ms and receives
-// the device's messages.
+// Continues a session in FREE_RUN for `milliseconds`: the host sends a frame every 8 ms, so that the device
+// does not consider the host silent, and receives the device's messages.
 void keep_running(crn::Link &link, std::uint32_t milliseconds, Ending *ending = nullptr);
 
 // Makes a hand on track 0 push at 60 mm/s, turn, and yield to the force that it feels; the wire bends in the

@@ -51,7 +51,7 @@ struct Sum {
 class Table
 {
   public:
-    // Runs the function `work` and counts an exception as its failure.
+    // Runs the function `work`; an exception from `work` counts as a failed test case.
     template <class Work> void run(const std::string &level, const std::string &name, Work work)
     {
         if (crn::is_interrupted()) return;
@@ -152,8 +152,8 @@ void judge_instructions(const hil::AortaRun &run, hil::Report &report)
                "%s; allowed: median 500,000, p99.9 600,000, max 900,000", report.text.c_str());
 }
 
-// Writes one line for each tick of the counted session, with the number of instructions and of solver runs,
-// so that expensive ticks can be found.
+// Writes one line for each tick of the counted session. The line contains the number of instructions and the
+// number of solver runs, so that the user can find expensive ticks.
 void write_counts(const hil::AortaRun &run, crn::PendingFile &file)
 {
     for (std::size_t i = 0; i < run.tick_instructions.size(); i++)
@@ -234,8 +234,8 @@ void run_aorta(const Options &options, Table &table)
         crn::EmulatedTransport pipe(emulator);
         check_hash(expected, hil::run_aorta(pipe, options.files, options.ticks_max), report);
     });
-    // A run takes minutes on an emulated processor whose time is counted in instructions. Other programs on
-    // the machine therefore do not change the measured cost, and several runs may use one machine.
+    // A run takes minutes, because the emulated processor counts its time in instructions. Other programs on
+    // the machine do not change the counted instructions, so several runs may share one machine.
     std::array<std::future<hil::Overruns>, 2> overruns;
     for (std::size_t shift : {0, 1})
         overruns[shift] = std::async(std::launch::async, hil::overruns_of_aorta, budget,

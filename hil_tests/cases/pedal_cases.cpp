@@ -24,15 +24,15 @@ crn::XrayPicture blank_picture(std::uint32_t tick)
     return picture;
 }
 
-// Holds the time at which a pedal was pressed, on the clock of the simulated rig, and the ticks in which the
-// X-ray room received the press.
+// Holds the times at which a pedal was pressed and released, on the clock of the simulated rig, and the ticks
+// in which the X-ray room received these events.
 struct Press {
     std::uint64_t down_ms = 0, up_ms = 0;
     std::uint32_t down_tick = 0, up_tick = 0, pulses = 0;
 };
 
-// Runs a session in which the rig sets the pace, with an X-ray room that obeys the rig's pedals, as in
-// run_free.cpp.
+// Runs a session in which the rig sets the pace. The session has an X-ray room that obeys the rig's pedals,
+// as in run_free.cpp.
 class Suite
 {
   public:

@@ -107,8 +107,8 @@ bool RemoteBench::pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
     return true;
 }
 
-// When a device has disappeared, an earlier call has already reported this, so this call searches for the
-// device again.
+// If the device has disappeared, an earlier call has already reported this error, so the present call
+// searches for the device again.
 crn::UsbTransport &RemoteBench::usb()
 {
     if (usb_) return *usb_;

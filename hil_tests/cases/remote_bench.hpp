@@ -1,8 +1,8 @@
-// At levels 2 and 3 the device is in an emulator of another process (hil_rig), and the host's real USB code
-// accesses it. The simulated rig (class Plant) runs in this process.
+// At levels 2 and 3 the device runs in an emulator in another process (hil_rig), and the host reaches the
+// device through the host's real USB code. The simulated rig (class Plant) runs in this process.
 //
-// The plant makes time. The device has received all written bytes before the next millisecond begins. The
-// messages of the device arrive complete and in order, but a little later.
+// The plant makes time. The device receives all bytes that the host has written before the next millisecond
+// begins. The device's messages reach the host complete and in order, but a little later.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include "hil_tests/l1/bench_server.hpp"
@@ -20,8 +20,8 @@ class BenchChannel
     ~BenchChannel();
     BenchChannel(const BenchChannel &) = delete;
     BenchChannel &operator=(const BenchChannel &) = delete;
-    // Throws std::runtime_error when the other end of the pipe no longer exists, or with the message of an
-    // error that occurred at the other end.
+    // Throws std::runtime_error if the other end of the pipe no longer exists, or if an error occurred at the
+    // other end; then the exception has the message of that error.
     BenchAnswer ask(BenchOrder order, const crn_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
 
   private:

@@ -113,8 +113,8 @@ void every_fault_of_the_rig_is_safe_in_5_ms_and_latched(Level &level, const Case
     report.add(text("%d faults, safe after %d ms at most", faults, worst_ms));
 }
 
-// A debugger stops the processor. The power stage monitors the drive line without the processor, and the
-// device detects the halt afterwards.
+// A debugger stops the processor. The power stage monitors the drive line without the processor, so the power
+// ends while the processor is halted; the device detects the halt afterwards.
 void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, const CaseOptions &options,
                                                                 Report &report)
 {
@@ -134,9 +134,9 @@ void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, co
     report.add(text("power off after %d ms, then %s", off_ms, crn_wire_fault_name(code)));
 }
 
-// The supply voltage drops at an arbitrary moment of a session, and the processor restarts. Afterwards the
-// motors have no power and the device knows nothing of the old session; a new session gives the usual state
-// hashes.
+// The supply voltage drops at an arbitrary moment of a session, and the processor restarts. After the restart
+// the motors have no power and the device knows nothing of the old session; a new session gives the usual
+// state hashes.
 void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const CaseOptions &, Report &report)
 {
     Running session(level);
@@ -162,7 +162,7 @@ void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const Case
     report.add("power off, INIT, same hashes again");
 }
 
-// When the host no longer sends anything, the motor forces must fade. The limit of 50 ms is the time from the
+// If the host no longer sends anything, the motor forces must fade. The limit of 50 ms is the time from the
 // host's last frame until the motor force is zero.
 void a_silent_host_ends_the_forces_in_50_ms(Level &level, const CaseOptions &, Report &report)
 {

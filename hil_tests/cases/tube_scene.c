@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* The LUMEN section of docs/scene.md. The lattice is refined at most once, so every refined row (child)
- * belongs to a coarse brick. */
+ * belongs to a brick of the coarse lattice. */
 static uint8_t *lumen_section(const crn_lumen *lumen, size_t *bytes)
 {
     const uint32_t *n = lumen->brick_count_xyz;

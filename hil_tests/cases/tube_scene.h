@@ -1,5 +1,5 @@
-/* Makes scenes for test cases that need a vessel wall: tubes around a path of straight pieces and bends. The
- * distance to the wall follows from a formula. */
+/* Makes scenes for test cases that need a vessel wall: tubes around a path of straight pieces and bends. A
+ * formula gives the distance to the wall. */
 #ifndef CRN_HIL_TUBE_SCENE_H
 #define CRN_HIL_TUBE_SCENE_H
 
@@ -16,9 +16,9 @@ typedef struct hil_piece {
     double length_m, angle_rad; /* 0: straight */
 } hil_piece;
 
-/* Writes the scene file of a closed tube; returns the size of the file, or 0 when `capacity` is too small.
- * The tools enter at the origin, in the direction +x. `level` (0 or 1) states how often the distance field is
- * refined. */
+/* Writes the scene file of a closed tube to `file`; returns the size of the file in bytes, or 0 if `capacity`
+ * is too small. The tools enter at the origin, in the direction +x. `level` (0 or 1) is the number of times
+ * that the distance field is refined. */
 size_t hil_scene_of(const hil_piece *pieces, uint32_t count, double radius_m, uint32_t level, uint8_t *file,
                     size_t capacity);
 

@@ -1,7 +1,7 @@
 // In these test cases the cable is pulled in the middle of a transfer. A device on USB disconnects itself
 // from the bus during one packet of the transfer (docs/usb.md). With any other kind of pipe, the test closes
-// the pipe in the middle of a frame. The bytes that are under way when the cable is pulled are lost in both
-// directions.
+// the pipe in the middle of a frame. All bytes that have been sent but not yet received when the cable is
+// pulled are lost, in both directions.
 #include "hil_tests/cases/conversation.hpp"
 #include <algorithm>
 #include <optional>
@@ -26,8 +26,8 @@ class Cable final : public crn::Transport
         if (!bench_.pull_cable(bytes, away_ms)) left_ = bytes;
     }
 
-    // Plugs the cable in again after the device has been unplugged for `away_ms`. Afterwards the host can
-    // reach the device, or a device that replaces it.
+    // Plugs the cable in again after the device has been unplugged for `away_ms`. After the cable is plugged
+    // in, the host can reach the device, or a device that replaces it.
     void plug()
     {
         bench_.advance(away_ms + 1);
@@ -73,8 +73,8 @@ class Cable final : public crn::Transport
     bool is_out_ = false;
 };
 
-// Simulates a host whose cable is pulled once during the upload of the scene and once during the session, and
-// which continues after both interruptions.
+// Simulates a host whose cable is pulled once during the upload of the scene and once during the session. The
+// host continues after both interruptions.
 class Traveller
 {
   public:
@@ -111,8 +111,8 @@ class Traveller
         cable_.pull(bytes_[which]);
     }
 
-    // Returns true if the device has executed the host's last request and has reached the point at which its
-    // answers ended.
+    // Returns true if the session on the device can continue: the device has executed the host's last
+    // request, and its tick is the last tick that the host has received.
     bool goes_on()
     {
         const crn_wire_status status = link_->read_status();
@@ -181,8 +181,8 @@ void a_cable_pulled_in_mid_transfer_costs_no_bit(Level &level, const CaseOptions
                     unsigned{pulls - resumed}));
 }
 
-// The motor forces are zero 50 ms after the host's last byte. The device continues the session without a
-// host, and when the host returns, the motor forces return.
+// The motor forces must be zero 50 ms after the host's last byte. The device continues the session without a
+// host; when the host returns, the motor forces return.
 void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions &, Report &report)
 {
     constexpr std::uint32_t push_ms = 200, silent_ms = 50;

@@ -1,4 +1,4 @@
-// At test level 0 the device's application is a library in this process, which runs in turn with the
+// At test level 0 the device's application is a library in this process, where it runs alternately with the
 // simulated rig.
 #pragma once
 #include "firmware/port/sim/sim.h"

@@ -15,7 +15,7 @@ std::uint32_t word(std::int32_t value)
     return static_cast<std::uint32_t>(value);
 }
 
-// Returns false when the program at the other end has closed the connection.
+// Returns false if the program at the other end has closed the connection.
 bool read_all(int file, void *bytes, std::size_t count)
 {
     auto *place = static_cast<char *>(bytes);
@@ -105,8 +105,8 @@ void make_rig_edge(crn::Emulator &emulator, const crn_port_inputs &inputs, std::
 {
     rig_page &page = emulator.page();
     rig_host_half &host = page.host;
-    // In every run, messages that were sent before this millisecond are received before the millisecond's
-    // work begins.
+    // All messages that were sent before this millisecond are received before the millisecond's work begins,
+    // so every run of a test is the same.
     emulator.wait([&] { return rig_read(&page.device.to_device_tail) == host.to_device_head; }, "a request");
     rig_write(&host.inputs_begin, host.inputs_begin + 1);
     std::atomic_thread_fence(std::memory_order_release);

@@ -38,8 +38,8 @@ crn_port_outputs take_rig_outputs(rig_page &page);
 // millisecond.
 void make_rig_edge(crn::Emulator &emulator, const crn_port_inputs &inputs, std::uint32_t milliseconds);
 
-// Answers requests from `connection` until it is closed. Returns false when the connection broke in the
-// middle of a request.
+// Answers requests from `connection` until the other end closes the connection. Returns false if the
+// connection broke in the middle of a request.
 bool serve_bench(crn::Emulator &emulator, int connection);
 
 } // namespace hil

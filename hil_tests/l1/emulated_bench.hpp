@@ -1,5 +1,5 @@
-// At test level 1 the firmware image runs on an emulated Cortex-M7, in turn with the simulated rig, and both
-// use shared memory.
+// At test level 1 the firmware image runs on an emulated Cortex-M7. The image and the simulated rig run
+// alternately and use the same shared memory.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include "host/link/emulated_transport.hpp"
@@ -28,8 +28,8 @@ class EmulatedBench final : public Bench
 class EmulatedLevel final : public Level
 {
   public:
-    // A session needs a processor that can finish the work of each millisecond in time. If `icount_shift` is
-    // 0, the emulated processor executes 1,000 instructions per us.
+    // The emulated processor must be fast enough to finish the work of each millisecond in time. If
+    // `icount_shift` is 0, the emulated processor executes 1,000 instructions per us.
     explicit EmulatedLevel(int icount_shift = 0, const std::string &debugger = "")
         : options_{{}, icount_shift, {}, debugger}
     {

@@ -9,8 +9,8 @@
  *
  * The command line may name several devices, but --here and --app may each occur only once.
  *
- * The exit code is that of the program. The exit code is 1 when the device does not start, or 2 when the
- * arguments are wrong. */
+ * The exit code is that of the tested program. If the device does not start, the exit code is 1; if the
+ * arguments are wrong, the exit code is 2. */
 #define _GNU_SOURCE
 #include "hil_tests/l2/mock.h"
 
@@ -79,8 +79,9 @@ static char *describe(mock *m, const uint8_t *descriptors, uint32_t count)
     return g_string_free(text, FALSE);
 }
 
-/* Makes a device node that programs can poll; the node is made here, because umockdev makes a node only once.
- * This process keeps the FIFO open, so that no program ever finds the other end closed. */
+/* Makes a device node that programs can poll. This file makes the node itself, because umockdev makes a node
+ * only once. This process keeps the FIFO open for reading and writing, so no program ever finds the other end
+ * closed. */
 static int make_fifo(const mock *m, const char *node)
 {
     char *path = g_build_filename(m->root, node, NULL);
@@ -130,9 +131,9 @@ static void tell(mock *m, const char *what)
     g_free(path);
 }
 
-/* umockdev would end a program that is in the middle of a call when its node is removed. Therefore the nodes
- * of an unplugged device stay, and answer ENODEV until the device returns. The device returns only after
- * programs have had time to close its nodes. */
+/* If the node of an unplugged device were removed, umockdev would end every program that is in the middle of
+ * a call on this node. Therefore the nodes of an unplugged device stay, and answer ENODEV until the device
+ * returns. The device returns only after programs have had time to close its nodes. */
 static void detach(mock *m)
 {
     if (!m->is_attached) return;
@@ -200,8 +201,8 @@ static void on_complete(void *context, const usb_urb *urb)
         mock_usbfs_complete(m, urb);
 }
 
-/* A device in this process does its work every millisecond and whenever a transfer is submitted; a device in
- * another process is polled. */
+/* If the device is in this process, the function waits until the next millisecond or until a transfer is
+ * submitted; a device in another process is polled. */
 static void wait_for_work(mock *m)
 {
     const int64_t until = m->peer.kind == USB_PEER_FILE ? usb_peer_now_ns() + STEP_ns : m->peer.next_tick_ns;
@@ -260,7 +261,8 @@ static void name_nodes(mock *m, unsigned number)
     snprintf(m->hid_node, sizeof m->hid_node, "/dev/hidraw%u", number);
 }
 
-/* Returns NULL, or an error message. The first `used` words of the command line select the devices. */
+/* Returns NULL on success, otherwise an error message. Sets `*used` to the number of words at the beginning
+ * of the command line that select the devices. */
 static const char *open_devices(int count, char **words, int *used)
 {
     const char *wrong = NULL;
@@ -300,9 +302,9 @@ static void make_nodes(mock *m, UMockdevTestbed *testbed)
     m->urbs = (usb_urbs){.host = m->peer.host, .complete = on_complete, .context = m};
 }
 
-/* With umockdev, every ioctl call exchanges half a dozen messages between two threads. Waking a thread on
- * another processor costs more than the message itself. On one processor, the loop-back rig's round trips are
- * fast enough to finish each millisecond of work in time. */
+/* When umockdev is used, every ioctl call exchanges half a dozen messages between two threads. Waking a
+ * thread on another processor costs more than the message itself. If both threads run on one processor, the
+ * loop-back rig's round trips are fast enough to finish each millisecond of work in time. */
 static void stay_on_one_processor(void)
 {
     cpu_set_t here;
@@ -323,9 +325,10 @@ int main(int argc, char **argv)
                 wrong);
         return 2;
     }
-    /* Threads and the program inherit this setting of the timer slack. After every ioctl, umockdev sleeps for
-     * a duration of zero, which takes 50 us by Linux's usual slack. An interrupt transfer in each direction
-     * takes six ioctl calls, which would then last longer than a USB frame of 1 ms. */
+    /* The threads of this program, and the program that it starts, inherit the setting of the timer slack.
+     * After every ioctl call, umockdev sleeps for a duration of zero, which takes 50 us with Linux's usual
+     * timer slack. With this sleep, the six ioctl calls for one interrupt transfer in each direction would
+     * last longer than a USB frame of 1 ms. */
     prctl(PR_SET_TIMERSLACK, SLACK_ns);
     if (mocks[0].peer.kind == USB_PEER_RIG) stay_on_one_processor();
     UMockdevTestbed *testbed = umockdev_testbed_new();

@@ -1,6 +1,6 @@
 /* For the library hidapi, this file does the work of the Linux drivers usbhid and hidraw. The code reads the
- * device's reports while a program has the node open, and keeps the last 64 of them. The code also sends the
- * reports that programs write, and turns feature reports into control transfers. */
+ * device's reports while a program has the device node open, and keeps the last 64 reports. The code also
+ * sends the reports that programs write, and turns feature reports into control transfers. */
 #include "hil_tests/l2/mock.h"
 
 #include <errno.h>

@@ -64,7 +64,8 @@ void mock_usbfs_complete(mock *m, const usb_urb *urb)
         if ((uint64_t)(uintptr_t)one == urb->id) finish(m, one, mock_errno(urb->result), urb->done);
 }
 
-/* Ends the transfers in progress as the kernel would, and makes the node ready for the programs that poll it.
+/* Ends the transfers in progress with an error as the kernel would, and makes the device node ready, so that
+ * the programs that poll the node notice the end.
  * */
 void mock_usbfs_unplugged(mock *m)
 {
@@ -180,8 +181,8 @@ static int clear_halt(mock *m, UMockdevIoctlData *argument)
     return m->is_plugged ? mock_errno(usb_host_clear_halt(m->peer.host, (uint8_t)endpoint)) : ENODEV;
 }
 
-/* Interface 0 is the HID interface: libusb takes it from usbhid when a program claims it. In both ioctl
- * calls, the number of the interface comes first in the data of the argument. */
+/* Interface 0 is the HID interface. When a program claims this interface, libusb takes it from the driver
+ * usbhid. In the data of both ioctl calls (claim and release), the number of the interface comes first. */
 static int claim(mock *m, UMockdevIoctlData *argument, bool is_taken)
 {
     unsigned interface;

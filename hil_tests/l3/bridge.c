@@ -7,7 +7,7 @@
  *
  * The program waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), and ends when QEMU
  * disconnects. The device may disconnect itself, restart, and connect again at any time. The exit code is
- * normally 0. The exit code is 1 when the device hangs, and 2 when the arguments are wrong. */
+ * normally 0. The exit code is 1 if the device hangs, and 2 if the arguments are wrong. */
 #define _GNU_SOURCE /* ppoll */
 #include <errno.h>
 #include <poll.h>
@@ -81,10 +81,11 @@ static bool address_device(bridge *b)
 }
 
 /* Fills usbredir's two tables with the interfaces and endpoints of the device's configuration. The bridge
- * reports interrupt endpoints to QEMU as bulk endpoints. Otherwise usbredir would read the endpoints as fast
- * as this bridge can, and would collect data that the guest does not fetch. With bulk endpoints, every read
- * of the guest causes one read of the device, at the pace of the guest's own USB controller (xHCI), as on a
- * real cable. The guest reads the true type of the endpoints from the device's descriptors. */
+ * reports interrupt endpoints to QEMU as bulk endpoints. If the bridge reported interrupt endpoints, usbredir
+ * would read them as fast as this bridge can, and would collect data that the guest does not fetch. With bulk
+ * endpoints, every read by the guest causes one read from the device. The guest's own USB controller (xHCI)
+ * therefore sets the pace, as on a real cable. The guest reads the true type of the endpoints from the
+ * device's descriptors. */
 static void describe(bridge *b, const uint8_t *bytes, uint32_t count)
 {
     struct usb_redir_interface_info_header interfaces;
@@ -142,7 +143,7 @@ static bool show(bridge *b)
     return true;
 }
 
-/* Handles the case that the device was connected, was disconnected, or restarted unnoticed. */
+/* Informs the guest if the device was connected, was disconnected, or has restarted since the last call. */
 static void watch_plug(bridge *b)
 {
     const usb_host *host = b->peer.host;
@@ -244,7 +245,7 @@ static void on_control(void *context, uint64_t id, struct usb_redir_control_pack
     usbredirparser_send_control_packet(b->parser, id, header, count > 0 ? bytes : NULL, (int)count);
 }
 
-/* Holds one transfer of the guest; this program owns the transfer's buffer until the answer is sent. */
+/* Begins one transfer of the guest; this program owns the transfer's buffer until the answer is sent. */
 static bool submit(bridge *b, uint64_t id, uint8_t endpoint, uint32_t length, const uint8_t *data,
                    int data_bytes)
 {

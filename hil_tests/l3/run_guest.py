@@ -99,7 +99,7 @@ def write_script(path, command):
 
 
 def watch(guest, deadline):
-    """Prints the command's output and returns its exit code, or None when the guest did not start the command."""
+    """Prints the command's output and returns its exit code, or None if the guest did not start the command."""
     late = threading.Timer(max(deadline - time.monotonic(), 0), guest.kill)
     late.start()
     code = None

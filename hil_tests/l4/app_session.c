@@ -1,7 +1,7 @@
 /* This program runs a LOCKSTEP session with three tools through the whole app and its wire protocol, in this
- * process. The program prints the state hashes that arrive over the wire protocol after every batch of ticks,
- * and the hash of the protocol's schema. The printed lines are equal on every machine, whatever its byte
- * order. */
+ * process. After every batch of ticks, the program prints the state hash that arrives over the wire protocol.
+ * The program also prints the hash of the protocol's schema. The printed lines are equal on every machine,
+ * whatever its byte order. */
 #include <stdio.h>
 
 #include "firmware/tests/reference/client.h"

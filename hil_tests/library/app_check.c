@@ -1,6 +1,6 @@
 /* This program runs a LOCKSTEP session with three tools over libusb on the complete device application. The
- * program compares the state hashes with those of an equal session over the simulator's pipe in this process.
- * Prints TAP. */
+ * program compares the state hashes with those of the same session on a simulated device in this process,
+ * which is reached through the simulator's pipe. Prints TAP. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,7 +61,7 @@ static bool bulk_open(bulk *b)
     return libusb_clear_halt(b->device, STREAM_OUT) == 0 && libusb_clear_halt(b->device, STREAM_IN) == 0;
 }
 
-/* The tools move back and forth, so that the set of nested tools moves in both directions. */
+/* The tools move back and forth, so that the session covers motion of the nested tools in both directions. */
 static bool run_session(client *c, crn_wire_tick_state *last)
 {
     static crn_wire_ticks ticks;

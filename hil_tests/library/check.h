@@ -12,7 +12,7 @@
 #endif
 enum { CHECK_VENDOR_ID = CRN_USB_VENDOR_ID, CHECK_PRODUCT_ID = CRN_USB_PRODUCT_ID };
 
-/* Prints "ok N - name" or "not ok N - name", and returns its argument `good`. */
+/* Prints "ok N - name" if `good` is true and "not ok N - name" otherwise; returns `good`. */
 bool check(bool good, const char *name);
 
 /* Prints a line that begins with "# "; the arguments are those of printf. */
@@ -23,8 +23,8 @@ int check_end(void);
 
 int64_t check_now_us(void);
 
-/* Returns the serial number that follows `--serial` on the command line, or NULL without this option. Other
- * arguments end the program with exit code 2. */
+/* Returns the serial number that follows `--serial` on the command line, or NULL without this option. Any
+ * other argument ends the program with exit code 2. */
 const char *check_serial(int argc, char **argv);
 
 #endif

@@ -84,13 +84,14 @@ static bool states_follow(void)
     const int64_t us = check_now_us() - begin;
     check_note("link.hid_reports_per_s %lld", (long long)REPORTS * 1000000 / us);
     check_note("link.hid_ticks_lost %u of %u", (unsigned)lost, (unsigned)(REPORTS + lost));
-    /* On a busy machine a few reports are lost. A program that shares the reports with another program loses
-     * every second report. If a machine is too slow for 1,000 reports per second, it also loses reports.
-     * Therefore `make test` only prints the fraction of lost reports, and `make hil-mock` judges it. */
+    /* On a busy machine, hidapi loses a few reports. If two programs read the reports of one device, each
+     * program gets only every second report. A machine that is too slow for 1,000 reports per second also
+     * loses reports. Therefore `make test` only prints the fraction of lost reports, whereas `make hil-mock`
+     * fails if too many reports are lost. */
     return getenv("UNPACED") != NULL || lost < REPORTS / 2;
 }
 
-/* After each command, its number must come back in a state report. */
+/* The number of each command must come back in a state report. */
 static bool commands_are_answered(void)
 {
     const int64_t begin = check_now_us();

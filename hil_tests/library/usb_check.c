@@ -68,7 +68,7 @@ static void make_frame(int length)
     frame[length - 1] = 0;
 }
 
-/* Reads bytes until `length` of them have arrived, and joins short reads. */
+/* Reads bytes until `length` bytes have arrived, and joins the results of short reads. */
 static bool read_bytes(int length)
 {
     int got = 0;
@@ -238,9 +238,10 @@ static bool recovers_from_a_halt(void)
     return begin_stream() && echo(700);
 }
 
-/* After a device has returned to the bus, programs can list it before they can open it. The bus's table lists
- * the device first. The access rights of its node (and at test level L2 the program that answers for it)
- * follow later. A program that finds the device but gets no answer therefore searches for the device again.
+/* After a device has returned to the bus, programs can list it before they can open it. The device appears in
+ * the bus's table first. The access rights of the device's node, and at test level L2 also the program that
+ * answers for the device, are ready only later. A program that finds the device but gets no answer therefore
+ * searches for the device again.
  * */
 static bool answers(void)
 {

@@ -1,6 +1,6 @@
-// Runs the commands of cournand that talk to a device. Each command runs in this process from its command
-// line to its exit code, with a device on the simulated bus that sends false messages (lies). The header also
-// declares a check of whether the recordings of these commands are true.
+// Runs the commands of the program cournand that communicate with a device. Each command runs in this process
+// from its command line to its exit code, with a device on the simulated bus that sends false messages
+// (lies). The header also declares a function that checks whether the recordings of these commands are true.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include <functional>
@@ -20,14 +20,14 @@ const std::vector<LiedTo> &lied_to();
 
 // Writes scene, tool and session into the folder. The session is `ticks` long.
 void write_inputs(const std::string &folder, unsigned ticks);
-// Runs the command and returns its exit code. The process must end after this call, because threads of the
-// simulated bus continue to run.
+// Runs the command and returns its exit code. The caller must end the process after this call, because
+// threads of the simulated bus continue to run.
 int run_command(const LiedTo &command, const Lie &lie, const std::string &folder,
                 const std::function<void()> &struck);
 
 // Returns an empty text if the recording is true. A recording is true if every tick, full hash and snapshot
-// in it equals what this machine's core computes, and if it is complete whenever the command reported
-// success. If the recording is false, the returned text states the difference.
+// in it equals the result of this machine's core. If the command reported success, the recording must also be
+// complete. If the recording is false, the returned text states the difference.
 std::string falsehood(const std::string &recording, bool has_to_be_complete);
 
 } // namespace hil

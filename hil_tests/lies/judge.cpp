@@ -32,8 +32,8 @@ double since(Clock::time_point begin)
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// Runs `work` in a child process, which exits with the result of `work` and writes its output to a file. The
-// child process sends a byte through the pipe when the first false message is sent.
+// Runs `work` in a child process. The child process writes its output to a file and exits with the result of
+// `work`. The child process sends a byte through the pipe when the first false message is sent.
 class Child
 {
   public:
@@ -71,8 +71,8 @@ class Child
     Child(const Child &) = delete;
     Child &operator=(const Child &) = delete;
 
-    // Waits until the process has ended, `may_stop` returns true, or `seconds` have passed. Returns true when
-    // the process has ended.
+    // Waits until the child process has ended, `may_stop` returns true, or `seconds` have passed. Returns
+    // true if the child process has ended.
     bool wait(double seconds, const std::function<bool()> &may_stop = {})
     {
         const Clock::time_point begin = Clock::now();
@@ -117,8 +117,8 @@ bool has_control_characters(const std::string &path)
     return text.find("\x1b[2J") != std::string::npos;
 }
 
-// Measures how soon the process ends after the first Ctrl-C. If the process does not end, it gets a second
-// Ctrl-C, after which it must end.
+// Sends Ctrl-C (SIGINT) to the process and measures how soon the process ends. If the process does not end,
+// it gets a second Ctrl-C, after which it must end.
 void interrupt(const LieCase &one, const std::string &folder, const std::string &output, Verdict &verdict)
 {
     Child child(output, [&](const std::function<void()> &struck) {
@@ -190,7 +190,7 @@ Verdict judge_one(const LieCase &one, const std::string &folder)
         const std::string wrong = check_recording(recording, folder + "/check", verdict.code == 0);
         verdict.is_false = !wrong.empty();
         if (verdict.is_false) verdict.failure = "recorded falsely: " + wrong;
-        // A run that ends before the false message was sent leaves a file under a temporary name.
+        // A command that ends before the false message was sent leaves its recording under a temporary name.
         for (const fs::directory_entry &entry : fs::directory_iterator(folder))
             if (entry.path().string().find(".part") != std::string::npos) fs::remove(entry.path());
     }
@@ -300,8 +300,8 @@ std::vector<Verdict> judge(const std::vector<LieCase> &cases, unsigned jobs, uns
     constexpr int more_rounds = 2;
     constexpr std::size_t again_max = 40;
     std::vector<Verdict> verdicts = judge_once(cases, jobs, ticks, tell);
-    // A command that was too slow is run and judged again while nothing else runs; a command that hangs will
-    // hang again.
+    // A command that was too slow on a busy machine is run and judged again while nothing else runs; a
+    // command that really hangs will hang again.
     for (int round = 0; round < more_rounds; round++) {
         std::vector<LieCase> late;
         std::vector<std::size_t> places;

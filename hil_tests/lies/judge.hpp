@@ -1,5 +1,6 @@
 // Runs one command in a separate process with a device that sends one false message (a lie). The verdict
-// states how the command ended, how soon, how soon after Ctrl-C, and whether the recording is false.
+// states how the command ended, how long it took, how long it took to end after Ctrl-C, and whether the
+// recording is false.
 #pragma once
 #include "hil_tests/lies/commands.hpp"
 
@@ -25,7 +26,7 @@ inline constexpr double lie_limit_s = 10.0, lie_interrupt_limit_s = 1.0;
 
 std::vector<LieCase> cases_of(std::size_t lies_per_command); // 0: all.
 // Runs and judges all test cases in `cases`, of which `jobs` run at a time. `tell` may be empty. Ctrl-C ends
-// it early. The recording of a session has a snapshot if the session lasts 5,000 ticks or more.
+// it early. The recording of a session contains a snapshot if the session has 5,000 ticks or more.
 std::vector<Verdict> judge(const std::vector<LieCase> &cases, unsigned jobs, unsigned ticks,
                            const std::function<void(std::size_t done)> &tell);
 

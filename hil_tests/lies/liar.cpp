@@ -23,7 +23,7 @@ Frame notice_frame()
     return {{1, 0, CRN_WIRE_TYPE_notice}, empty_message(CRN_WIRE_TYPE_notice).payload};
 }
 
-// The code of the fault campaign makes the false messages that replace a whole message.
+// If a lie replaces a whole message, the code of the fault campaign makes the false message.
 std::uint32_t campaign_lie(const Lie &lie)
 {
     static const char *const words[] = {"half",     "longer", "type",  "",      "ones",
@@ -158,8 +158,8 @@ bool Liar::lie_about_frame(const Frame &frame, const Bytes &raw)
 
 // --- messages ---
 
-// A snapshot consists of a begin message, chunks and an end message. A change in the middle needs another
-// checksum in the begin message.
+// A snapshot consists of a begin message, chunks and an end message. If a chunk in the middle is changed, the
+// begin message needs another checksum.
 bool Liar::lie_about_snapshot(const Frame &frame, const Bytes &raw)
 {
     if (!lie_.is_group("snapshot.")) return false;
@@ -226,7 +226,8 @@ bool Liar::lie_about_message(Frame &frame)
     return change_field(lie_, frame, last_ticks_);
 }
 
-// Sends a message that the host did not request, as if it answered the present request.
+// Sends a message that the host did not request, and for half of the lies marks it as the answer to the
+// host's present request.
 void Liar::forge()
 {
     Frame frame = empty_message(type_of(lie_));
@@ -286,7 +287,7 @@ std::size_t Liar::stream(std::span<std::uint8_t> bytes)
 std::size_t Liar::give(std::span<std::uint8_t> bytes)
 {
     pull();
-    // Messages that the device sent before the false message are delivered complete.
+    // The messages that the device sent before the false message still reach the host complete.
     if (is_streaming_ && out_.empty() && !is_only_slow()) return stream(bytes);
     if (is_streaming_ && lie_.is("stream.drip_frames")) return drip(bytes);
     while (!late_.empty() && late_.front().first <= Clock::now()) {

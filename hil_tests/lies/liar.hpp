@@ -1,5 +1,6 @@
-// Simulates a rig that sends one false message (a lie): the firmware's own device behind a filter that
-// changes its messages. The simulated bus holds its own lock while it calls the functions of this rig.
+// Simulates a rig that sends one false message (a lie). The rig consists of the firmware's own device and a
+// filter that changes the device's messages. The simulated bus holds its own lock while it calls the
+// functions of this rig.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include "hil_tests/lies/lie.hpp"
@@ -27,9 +28,9 @@ Bytes encode(const Frame &frame);
 class Liar
 {
   public:
-    // `frames` is the number of frames that an honest device sends to this command. If a lie concerns a frame
-    // with a higher number, it is applied to an earlier frame. The function `struck` is called when the lie
-    // is first applied.
+    // `frames` is the number of frames that a device without a lie sends while this command runs. If a lie
+    // names a frame with a higher number than `frames`, the lie is applied to an earlier frame. The function
+    // `struck` is called when the lie is first applied.
     Liar(const Lie &lie, unsigned frames, crn_sim *sim, std::function<void()> struck);
     void take(std::span<const std::uint8_t> bytes);
     std::size_t give(std::span<std::uint8_t> bytes);
@@ -65,12 +66,13 @@ class Liar
     std::deque<std::pair<Clock::time_point, Bytes>> late_;
 };
 
-// Changes one field of a message as the lie demands; returns false if the lie does not concern this message.
-// (liar_fields.cpp)
+// Changes one field of a message as the given lie states; returns false if the lie does not concern this
+// message. (liar_fields.cpp)
 bool change_field(const Lie &lie, Frame &frame, const Bytes &last_ticks);
-// Returns the type of message to which a lie about a field applies, or 0 if it applies to every type.
+// Returns the type of the messages whose field the lie changes, or 0 if the lie applies to messages of every
+// type.
 std::uint16_t type_of(const Lie &lie);
-// Returns an empty message of that type, which the rig then changes and sends without a request.
+// Returns an empty message of the given type, which the rig then changes and sends without a request.
 Frame empty_message(std::uint16_t type);
 
 } // namespace hil

@@ -11,8 +11,8 @@ namespace hil
 namespace
 {
 
-// Applies the function `change` to the message in the frame. If the message cannot be decoded, or no longer
-// fits into its frame after the change, it stays unchanged.
+// Decodes the message in the frame, applies the function `change` to it, and encodes it again. If the message
+// cannot be decoded, or no longer fits into its frame after the change, the frame stays unchanged.
 template <class Message>
 bool alter(Frame &frame, bool (*decode)(const std::uint8_t *, std::size_t, Message *),
            bool (*put)(crn_wire_writer *, const Message *), const std::function<void(Message &)> &change)

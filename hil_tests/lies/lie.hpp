@@ -1,4 +1,4 @@
-// Lists the lies (false messages) that a simulated device can send. One line of text names each lie
+// Lists the lies (false messages) that a simulated device can send. One line of text identifies a lie
 // completely, for example "ticks.lane0 at=3 value=0".
 //
 //   stream.*   from the n-th frame on the device only does this, for ever: zeros, garbage, silence, drips
@@ -24,8 +24,8 @@ struct Lie {
 };
 
 std::string line_of(const Lie &lie);
-// Converts a line of text to a lie. Throws std::invalid_argument if a word of the line is unknown; the
-// message contains that word.
+// Converts a line of text, which names a lie, to the lie. Throws std::invalid_argument if a word of the line
+// is unknown; the message contains that word.
 Lie lie_of_line(const std::string &line);
 
 std::vector<Lie> stream_lies(); // of the wire

@@ -1,6 +1,6 @@
-// This is the program hil_lies. The program tests every command that talks to a device with a device that
-// sends false messages (docs/hil.md). The program tests all lies, an evenly spread selection of the lies, or
-// one lie that a line of text names.
+// This is the program hil_lies. The program runs every command that communicates with a device, with a device
+// that sends false messages (docs/hil.md). The program uses all lies (false messages), an evenly spread
+// selection of the lies, or the one lie that a line of text names.
 #include "hil_tests/lies/judge.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/pending_file.hpp"
@@ -42,8 +42,8 @@ Totals totals_of(const std::vector<hil::Verdict> &verdicts)
     return totals;
 }
 
-// Prints each total with its name on a line of its own, and repeats these lines at the end of the table.
-// `make bars` reads these lines.
+// Prints each total with its name on a line of its own. The lines with the totals also end the table. `make
+// bars` reads these lines.
 std::string text_of(const Totals &totals, char between)
 {
     std::ostringstream text;

@@ -62,9 +62,9 @@ void Axis::advance(double command, bool powered)
     if (hand_ == Hand::none) hand_force_ = 0.0;
 }
 
-// Holds the impulses of the two frictions, between tool and roller (grip) and in the roller's bearing; both
-// are limited. For both frictions, either the sliding speed is zero or the impulse is at its limit. The two
-// unknown impulses are found by projected Gauss-Seidel iteration.
+// Computes the impulses of two limited frictions: the grip between tool and roller, and the friction in the
+// roller's bearing. At each of the two frictions, either the sliding speed is zero or the impulse is at its
+// limit. The two unknown impulses are found by projected Gauss-Seidel iteration.
 void Axis::solve(double tool_free, double tool_mobility, double roller_free)
 {
     const double roller_mobility = 1.0 / settings_.roller_inertia;

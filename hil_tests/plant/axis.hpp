@@ -7,10 +7,10 @@
 //                                                                                 |
 //      motor force, first-order lag ----> roller, inertia m_r, speed w: Coulomb and viscous friction, encoder
 //
-// Positions are in m or rad and positive into the patient; forces are in N or N m. A motor command is
-// positive when it pushes the hand back out, so it accelerates the tool in the negative direction. Every step
-// of 50 us computes both frictions together, as impulses with limits. A body at rest therefore stays exactly
-// at rest while the force on it is below its friction.
+// Positions are in m or rad and positive into the patient; forces are in N or N m. A positive motor command
+// pushes the hand back out of the patient, so it accelerates the tool in the negative direction. Every time
+// step of 50 us computes the friction of the grip and of the bearing together, as two impulses with limits. A
+// body at rest therefore stays exactly at rest while the force on it is below its friction.
 #pragma once
 
 namespace hil
@@ -29,7 +29,7 @@ struct AxisSettings {
     double hand_damping = 6.0;     // N s/m
 };
 
-// Holds the corresponding settings for a torque about the tool's axis, in kg m^2, N m, N m s and rad.
+// Holds the settings for the rotation about the tool's axis, in kg m^2, N m, N m s and rad.
 inline constexpr AxisSettings rotation_axis_settings{2e-7,  2e-7,   2e-4,   2e-6, 0.05,
                                                      0.025, 0.0015, 0.0003, 0.02, 1e-4};
 
@@ -50,8 +50,8 @@ class Axis
   public:
     explicit Axis(const AxisSettings &settings) : settings_(settings) {}
 
-    // Runs one millisecond. `command` is the force in N that the motor is ordered to exert; `powered` states
-    // whether the power stage is on.
+    // Runs one millisecond. `command` is the force in N that the device commands the motor to exert;
+    // `powered` states whether the power stage is on.
     void step(double command, bool powered);
 
     void set_hand(Hand hand) { hand_ = hand; }

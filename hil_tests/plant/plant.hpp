@@ -7,9 +7,9 @@
 //
 // The power stage is on while four conditions hold: the supply is good, the emergency stop is released,
 // `enable` is set, and the device has changed the drive line within the last CRN_PORT_DRIVE_HOLD_ms
-// milliseconds. The power stage monitors these conditions without the device, so a halted device loses motor
-// power whatever the cause. The simulated rig is deterministic: with equal seeds and equal outputs of the
-// device it gives equal sensor values.
+// milliseconds. The power stage monitors these conditions by itself, so a halted device loses motor power
+// whatever the cause of the halt. The simulated rig is deterministic: if the seeds are the same and the
+// device's outputs are the same, the sensor values are the same.
 #pragma once
 #include "firmware/port/port.h"
 #include "hil_tests/plant/axis.hpp"
@@ -80,8 +80,8 @@ class Plant
 
     explicit Plant(const PlantSettings &settings);
 
-    // Simulates one millisecond with these outputs of the device; afterwards `inputs()` returns the sensor
-    // values at the end of that millisecond.
+    // Simulates one millisecond in which the device has the given outputs; afterwards `inputs()` returns the
+    // sensor values at the end of that millisecond.
     void step(const crn_port_outputs &outputs);
     const crn_port_inputs &inputs() const { return inputs_; }
 
@@ -93,7 +93,7 @@ class Plant
     double motor_peak_N() const;
     double motor_torque_peak_N_m() const;
 
-    // The caller may set these fields; their values appear in the next sensor values.
+    // The caller may set the following fields; their values appear in the next sensor values.
     bool emergency_stop = false, supply_good = true, local_unlock = false;
     std::uint32_t buttons = 0;
     std::int32_t syringe_counts = 0, inflator_raw = 0;

@@ -20,8 +20,8 @@ class Random
     }
     double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; } // [0, 1)
     std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(next() % count); }
-    // Returns a random number with mean 0 and standard deviation 1, which is never beyond +-6: the sum of
-    // twelve uniform random numbers, less 6.
+    // Returns a random number with mean 0 and standard deviation 1, which is between -6 and +6. The number is
+    // the sum of twelve uniform random numbers, less 6.
     double normal()
     {
         double sum = -6.0;

@@ -4,11 +4,11 @@
 //   hil_rig [--serial S] [--live] -- COMMAND ARGUMENT...
 //
 // The device's image runs in an emulator. The device gets its clock and its sensor values from one of two
-// sources. Either a simulated rig in this process makes them in real time (--live: a hand pushes, turns and
-// pulls back against the motors), or the client of the bench socket sends them. In COMMAND, {mailbox} is
-// replaced by the memory address of the device's USB tokens, as bridge and mock_bus expect it, and {bench} by
-// the path of the socket. The exit code is that of COMMAND, or 1 when COMMAND, the rig or the device did not
-// start.
+// sources. With --live, a simulated rig in this process makes clock and sensor values in real time, and its
+// hand pushes, turns and pulls back against the motors. Without --live, the client of the bench socket sends
+// the clock and the sensor values. In COMMAND, {mailbox} is replaced by the location of the device's USB
+// tokens (a memory file and an offset), as bridge and mock_bus expect it, and {bench} by the path of the
+// socket. The exit code is that of COMMAND, or 1 if COMMAND, the rig or the device did not start.
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
@@ -68,8 +68,9 @@ class LiveRig
 
     std::string mailbox() { return bench_.emulator().memory_path() + ":0"; }
 
-    // Runs in real time until `is_over`. After the machine was suspended, the lost time is not made up for,
-    // because neither the rig nor the device noticed it.
+    // Runs the rig and the device in real time until `is_over` is true. If the machine was suspended, the rig
+    // does not run faster to make up for the lost time, because neither the rig nor the device has noticed
+    // the suspension.
     void run(const std::atomic<bool> &is_over)
     {
         Clock::time_point due = Clock::now();

@@ -74,7 +74,8 @@ class Pool
         std::string text;
     };
 
-    // A session in progress counts as a session, but its ticks are not counted before it ends.
+    // A session in progress counts towards the number of sessions, but its ticks count only when it has
+    // ended.
     bool is_done() const
     {
         if (settings_.hours > 0) return seconds_since(begin_) >= settings_.hours * 3600;
@@ -89,7 +90,7 @@ class Pool
         workers_.push_back({process, session, ""});
     }
 
-    // Returns the results of the session as one line of the file, or nothing when the session could not be
+    // Returns the results of the session as one line of the file, or nothing if the session could not be
     // judged.
     std::optional<std::string> work(const DrawnSession &session) const
     {

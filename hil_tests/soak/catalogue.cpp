@@ -25,8 +25,8 @@ double length_mm(const crn::VesselBranch &branch, std::size_t last_point)
     return sum_m * 1e3;
 }
 
-// Returns the distance from the introducer sheath, measured against the blood flow, to the point at which
-// blood enters the tree of vessels, plus an allowance for the depth beyond that point.
+// Returns how deep tools may go: the distance from the introducer sheath, against the blood flow, to the
+// point at which blood enters the tree of vessels, plus an allowance for the depth beyond that point.
 int depth_of(const SoakScene &scene)
 {
     const crn::VesselTree &tree = scene.vessels;
@@ -97,8 +97,8 @@ SoakTool read_soak_tool(const std::string &path)
     return tool;
 }
 
-// Adds every valid set of nested instruments that begins with `set`; which sets are valid follows the core's
-// own rule (crn_check_tools).
+// Adds every valid set of nested instruments whose inner instruments are those of `set`. The core's own rule
+// (crn_check_tools) decides which sets are valid.
 void add_sets(const std::vector<SoakTool> &tools, const std::vector<std::size_t> &set,
               std::vector<std::vector<std::size_t>> &sets)
 {

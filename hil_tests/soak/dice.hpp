@@ -1,5 +1,5 @@
-// Provides random numbers that are equal with every C++ library. The generator std::mt19937_64 is defined to
-// the bit, whereas the distributions of the C++ library are not.
+// Provides random numbers that are the same with every C++ library. The C++ standard defines every bit of the
+// generator std::mt19937_64, but not of the distributions in the library.
 #pragma once
 #include <cstdint>
 #include <random>
@@ -16,7 +16,7 @@ class Dice
         engine_.discard(16);
     }
     // Returns a random number 0 .. count - 1. Taking the remainder makes some numbers more frequent than
-    // others, but by less than 1e-12 here.
+    // others, but the probabilities here differ by less than 1e-12.
     std::size_t below(std::size_t count) { return static_cast<std::size_t>(engine_() % count); }
     int between(int low, int high)
     {

@@ -22,7 +22,7 @@ struct Cast {
 };
 
 // Chooses an instrument at random and then a random set that contains this instrument, so that all
-// instruments occur about equally often. About three of ten sessions have only one tool.
+// instruments occur about equally often. About three of ten random sessions have only one tool.
 Cast draw_tools(const Catalogue &catalogue, const SoakScene &scene, Dice &dice)
 {
     const bool is_treated = !scene.stations.empty(); // there is a lesion for a balloon
@@ -110,8 +110,8 @@ void move_two_hands(Scribe &scribe)
     scribe.end();
 }
 
-// Writes a statement that injects contrast medium through the lumen of a tool, as fast as a hand or a pump
-// can while a wire is in the lumen.
+// Writes a statement that injects contrast medium through the lumen of a tool. The flow is at most what a
+// hand or a pump can achieve while a wire is in the lumen.
 void inject(Scribe &scribe)
 {
     Dice &dice = scribe.dice();
@@ -236,8 +236,8 @@ DrawnSession draw_session(const Catalogue &catalogue, std::uint64_t seed, std::u
         scribe.begin(k, std::min(begin_mm, begin_max_mm));
     }
     go_in(scribe, cast);
-    // If the script contains a command to load the first stent, the balloon carries no stent when the session
-    // begins.
+    // If the script contains a command to load the first stent, the balloon has no stent on it when the
+    // session begins.
     std::size_t loads_left = cast.stents.empty() || dice.chance(50) ? 0 : cast.stents.size();
     const int seconds = dice.between(settings.seconds_min, settings.seconds_max);
     for (int k = 0; scribe.seconds() < seconds && k < statements_max; k++) wander(scribe, cast, loads_left);

@@ -1,6 +1,6 @@
 // A drawn session is a session made at random: its scene, its tools, its stents, and an ordinary session
-// script (docs/session.md) as lines. A drawn session can therefore be printed, and repeated by `cournand
-// run`.
+// script (docs/session.md) as lines. A drawn session can therefore be printed, and can be repeated by the
+// command `cournand run`.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -29,8 +29,8 @@ std::string without_tabs(std::string text)
     return text.empty() ? "-" : text;
 }
 
-// Reads the output of the process until the process closes the pipe. Returns false when the process did not
-// end within its time.
+// Reads the output of the process until the process closes the pipe. Returns false if the process did not end
+// within `seconds_max`.
 bool read_all(int pipe, pid_t who, double seconds_max, std::string &text)
 {
     const Clock::time_point begin = Clock::now();

@@ -1,6 +1,6 @@
 // The program soak runs random valid sessions for hours and judges them by the limits (bars) of docs/soak.md.
-// The exit code is 0 when no session exceeded a limit, 1 when a session exceeded a limit or the program
-// failed, and 2 for wrong usage.
+// The exit code is 0 if no session exceeded a limit, 1 if a session exceeded a limit or the program failed,
+// and 2 for wrong usage.
 #include "hil_tests/soak/campaign.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
@@ -111,8 +111,8 @@ void check(Options &options)
         };
 }
 
-// Returns a text that identifies everything on which the results depend. If the program, a scene, an
-// instrument or a limit changes, the file of results starts from the beginning.
+// Returns a text (key) that identifies everything on which the results depend. If the program, a scene, an
+// instrument or a limit changes, the key changes, and the program begins a new file of results.
 std::string key_of(const Options &options, const soak::Catalogue &catalogue)
 {
     std::uint32_t crc = 0;

@@ -10,8 +10,8 @@ namespace
 
 constexpr int bar_kPa = 100;
 
-// Holds one step of a route (plan): the tools move to these depths at the same time; -1 means that a tool
-// does not move.
+// Holds one step of a route (plan): wire, catheter and guiding catheter move to these depths at the same
+// time; a depth of -1 means that this tool does not move.
 struct Step {
     int wire_mm, catheter_mm, guide_mm;
     int mm_s;
@@ -32,7 +32,7 @@ void walk(Scribe &scribe, const Step &step, double hurry)
     if (moves) scribe.end();
 }
 
-// Returns a random factor between 1 and 3 by which the hands are faster than in the shipped session.
+// Returns a random factor between 1 and 3; the hands move faster than in the shipped session by this factor.
 double some_hurry(Scribe &scribe)
 {
     return scribe.dice().between(10, 30) * 0.1;
@@ -44,7 +44,8 @@ void turn_by_about(Scribe &scribe, std::size_t k, int deg)
     scribe.end();
 }
 
-// Returns the burst pressure and the pressure on the label of a balloon; both are rounded down to whole bar.
+// Returns the burst pressure of a balloon and the rated pressure on its label; both are rounded down to whole
+// bar.
 int burst_bar(const SoakTool &tool)
 {
     return tool.instrument.balloon ? static_cast<int>(tool.instrument.balloon->rated_burst_kPa / bar_kPa)
@@ -160,7 +161,8 @@ void plan_balloon(Scribe &scribe, std::size_t balloon, bool load)
         scribe.push_until(balloon, std::max(back_mm, 4), std::max(60, scribe.some_speed_mm_s()));
         scribe.end();
     } else if (dice.chance(60)) {
-        // The balloon moves along the wire; sometimes it is filled while it is still in its sheath.
+        // The balloon moves along the wire; in some sessions the balloon is filled while it is still in its
+        // sheath.
         const int most_mm = std::max(scribe.inserted_mm(0), 20);
         scribe.push_until(balloon, std::clamp(dice.between(5, most_mm), 1, scribe.depth_max_mm(balloon)),
                           std::max(20, scribe.some_speed_mm_s()));

@@ -1,6 +1,6 @@
 // Provides routes into the vessels that random motion would not find: over the wire, round the arch into a
 // coronary artery, or into a renal artery. This header also provides sequences that use a balloon. A plan is
-// a sequence of script statements; its numbers are chosen at random around those of the shipped sessions.
+// a sequence of script statements; its numbers are chosen at random near the numbers of the shipped sessions.
 #pragma once
 #include "hil_tests/soak/scribe.hpp"
 
@@ -12,8 +12,8 @@ void plan_over_the_wire(Scribe &scribe);  // at least two tools
 void plan_coronary(Scribe &scribe);       // three tools, like pci_lad.session
 void plan_coronary_guide(Scribe &scribe); // two tools, like coronary.session
 void plan_renal(Scribe &scribe);          // three tools, like pci_renal.session.
-// Advances the balloon to a point, fills it, moves the tool that carries it, and empties the balloon. `load`:
-// with the next stent.
+// Advances the balloon to a point, fills the balloon, moves the tool that has the balloon, and empties the
+// balloon. `load`: with the next stent.
 void plan_balloon(Scribe &scribe, std::size_t balloon, bool load);
 
 } // namespace soak

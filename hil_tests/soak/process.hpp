@@ -1,4 +1,4 @@
-// Starts a process that writes one text and ends.
+// Starts a process that writes one text to a pipe and then ends.
 #pragma once
 #include <functional>
 #include <optional>
@@ -15,9 +15,9 @@ struct Process {
     int pipe; // carries its output; it is closed when the process ends
 };
 
-// Runs `work` in the new process. The new process exits with 0 when the whole text that `work` returned has
-// been read. The process exits with 1 when the text was not read completely, or when `work` returned no text.
-// It ends with its parent. Throws std::runtime_error.
+// Runs `work` in the new process. The new process exits with 0 after the parent process has read the whole
+// text that `work` returned. The new process exits with 1 if the parent did not read the whole text, or if
+// `work` returned no text. It ends with its parent. Throws std::runtime_error.
 Process start_process(const std::function<std::optional<std::string>()> &work);
 
 // Waits for the process and returns its status in the form of waitpid().

@@ -1,5 +1,5 @@
 // Keeps the results of all sessions of one seed in a file of tab-separated rows, one row per session. A later
-// call continues the file.
+// call of the program adds rows to the same file.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include <map>
@@ -21,8 +21,9 @@ Row row_of(const std::string &line); // throws std::runtime_error
 class RowsFile
 {
   public:
-    // `key` identifies the program and inputs that made the rows; a file with another key is renamed to
-    // "path.old". If the last line of the file is incomplete, it is deleted. Throws std::runtime_error.
+    // `key` identifies the program and the inputs that made the rows; a file that has another key is renamed
+    // to "path.old". If the last line of the file is incomplete, the constructor deletes this line. Throws
+    // std::runtime_error.
     RowsFile(const std::string &path, const std::string &key);
 
     void add(const Row &row); // written to the file at once

@@ -102,8 +102,8 @@ void Scribe::inflate(int bar, int bar_s)
     bar_ = bar;
 }
 
-// Returns a random speed of a hand: most hands are steady, some hurry, and one in eight moves as fast as
-// possible.
+// Returns a random speed of a hand: most speeds are moderate, some are high, and one in eight is the highest
+// possible speed.
 int Scribe::some_speed_mm_s()
 {
     switch (dice_.weighted({25, 45, 18, 12})) {

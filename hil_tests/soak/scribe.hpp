@@ -1,4 +1,4 @@
-// Writes the statements of a session script and tracks how far the tools are inserted, as far as this can be
+// Writes the statements of a session script and tracks the inserted length of each tool, if it can be
 // predicted without simulation.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
@@ -26,8 +26,9 @@ class Scribe
     void say(const std::string &line) { lines_.push_back(line); }
     void begin(std::size_t k, int mm);
     void wait_ms(int ms);
-    // These functions add parts to the present statement, and `end` completes it. The parts of a statement
-    // run at the same time, so a statement takes as long as its longest part.
+    // The following functions add parts to the present statement, and the function `end` completes the
+    // statement. The parts of a statement run at the same time, so a statement takes as long as its longest
+    // part.
     void push(std::size_t k, int mm, int mm_s, int stroke_mm = 0); // negative: withdraw
     void push_together(int mm, int mm_s);
     void turn(std::size_t k, int deg, int deg_s);

@@ -45,7 +45,8 @@ std::vector<std::string> parts_of(const std::string &line)
     return parts;
 }
 
-// Holds the shortest session so far, and the trials and time that are left.
+// Holds the shortest session so far that still exceeds the limit, and the numbers of trials and seconds that
+// are left.
 class Shrinker
 {
   public:
@@ -73,8 +74,8 @@ class Shrinker
                std::chrono::duration<double>(Clock::now() - begin_).count() > limits_.seconds;
     }
 
-    // Returns true if the shorter session exceeds the same limit as the original session; the shorter session
-    // is then the best so far.
+    // Judges the shorter session and returns true if it exceeds the same limit as the original session; the
+    // shorter session is then the best so far.
     bool accept(const DrawnSession &shorter)
     {
         if (is_spent() || shorter.lines.empty() || shorter.tools.empty()) return false;
@@ -94,8 +95,8 @@ class Shrinker
         return accept(shorter);
     }
 
-    // Statements after the one at which the limit was exceeded have no effect, because the session ends
-    // before them.
+    // The session ends at the statement in which it exceeded the limit, so later statements have no effect
+    // and can be removed.
     void cut_the_end()
     {
         for (std::size_t count = best_.session.lines.size() / 2; count > 0;) {
@@ -106,8 +107,8 @@ class Shrinker
         }
     }
 
-    // Removes blocks of lines from the script, first half of the lines and finally single lines (Zeller's
-    // delta debugging, complements only).
+    // Removes blocks of lines from the script; the first block is half of the lines, and the last blocks are
+    // single lines (Zeller's delta debugging, complements only).
     bool leave_out_lines()
     {
         bool is_shorter = false;
@@ -157,9 +158,9 @@ class Shrinker
     Shrunk best_;
 };
 
-// Returns a part of the script without a tool: the function removes the tool's own name, and gives every tool
-// outside of it the name of the next inner tool. The result is an empty text if the part contained only
-// statements for that tool.
+// Returns a part of the script without the given tool: the function removes this tool's name, and gives every
+// tool that lies outside of this tool the name of the next inner tool. The result is an empty text if the
+// part contained only statements for the removed tool.
 std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);
@@ -178,7 +179,7 @@ std::string part_without(const std::string &part, std::size_t tool)
     return join(words, " ");
 }
 
-// Halves every number that is followed by this unit and is at least `least`.
+// Halves every number that is followed by the word `unit` and is at least `least`.
 std::vector<std::string> halved(const std::string &part, const std::string &unit, int least)
 {
     std::vector<std::string> words = words_of(part);

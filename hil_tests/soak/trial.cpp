@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 
 constexpr crn::RoomCommand first_stent{crn::RoomAction::load_stent, {}};
 
-// The recording is deleted when the session has been judged, even if an error ends the judgement.
+// The recording file is deleted when this object is destroyed after the session has been judged, even if an
+// error ends the judgement.
 struct RecordingFile {
     explicit RecordingFile(const std::string &folder)
         : path((folder.empty() ? fs::temp_directory_path() : fs::path(folder)) /
@@ -41,7 +42,7 @@ bool has_action(const crn::Session &script, crn::RoomAction action)
     return false;
 }
 
-// Holds all objects that one session needs, made as `cournand run` makes them.
+// Holds all objects that one session needs; the constructor makes them in the same way as `cournand run`.
 struct Stage {
     Stage(const Catalogue &catalogue, const DrawnSession &drawn)
         : scene(catalogue.scene(drawn.scene)), script(crn::parse_session(script_of(drawn), name_of(drawn)))

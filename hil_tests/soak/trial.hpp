@@ -1,7 +1,7 @@
 // Runs one session with the host's own run_session(), and judges it by the limits of docs/soak.md, which are
-// called bars. The hands, the device, the stents, the contrast medium and the recording are those of
-// `cournand run`; no pictures are made. The session ends at the first tick that exceeds a limit. A session
-// that exceeds no limit is replayed from its recording, tick by tick.
+// called bars. Hands, device, stents, contrast medium and recording work as in `cournand run`, but no
+// pictures are made. The session ends at the first tick that exceeds a limit. A session that exceeds no limit
+// is replayed from its recording, tick by tick.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/drawn.hpp"
@@ -17,7 +17,7 @@ struct Bars {
 };
 
 // The result of a session. `broken` is the name of the exceeded limit, or empty if the session exceeded no
-// limit. The limits have the names saturation, penetration, length, force, iodine, replay, fault (another
+// limit. The limits have these names: saturation, penetration, length, force, iodine, replay, fault (another
 // fault of the core), error (an exception, or a refused input), crash and time.
 struct Verdict {
     std::string broken, text; // one sentence
@@ -43,7 +43,8 @@ Verdict run_trial(const Catalogue &catalogue, const DrawnSession &session, const
 // Runs and judges the session in a separate process, so that a crash and an endless loop also give a verdict.
 Verdict run_isolated(const std::function<Verdict()> &trial, double seconds_max);
 
-// These functions convert a verdict to words separated by tabs, and back. Throws std::runtime_error.
+// The functions line_of and verdict_of convert a verdict to words that are separated by tabs, and back.
+// Throws std::runtime_error.
 std::string line_of(const Verdict &verdict);
 Verdict verdict_of(const std::string &line);
 

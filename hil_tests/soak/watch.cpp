@@ -10,8 +10,8 @@ namespace soak
 namespace
 {
 
-// These three reports of the core do not mean wrong physics: a snap was scaled down, a tool slips because it
-// is completely out or in, or a hand is too fast.
+// Three reports of the core do not mean that its physics is wrong: the motion in a snap was scaled down, a
+// tool slips because it is completely out or in, or a hand is too fast.
 bool is_allowed(std::uint16_t code)
 {
     return code == CRN_FAULT_CODE_CORE_STEP_CAPPED || code == CRN_FAULT_CODE_CORE_INSERT_END ||
@@ -60,10 +60,10 @@ void Watch::tick(const crn_wire_tick_input &, const crn_wire_tick_state &state)
     fault_bits_ = state.core_fault_bits;
 }
 
-// After the core has set a new fault bit, the log is read at the end of the next batch. If a session reaches
-// its maximum length, it ends at the end of a batch of ticks, when device and recording have reached the same
-// tick. The tick at which the log is read and the tick at which the session ends do not change while a batch
-// is processed.
+// If the core sets a new fault bit, the watch reads the device's fault log at the end of the next batch of
+// ticks. If a session reaches its maximum length, it ends at the end of a batch of ticks, because device and
+// recording have then reached the same tick. While a batch of ticks is processed, the result of this function
+// must not change.
 std::uint32_t Watch::next_tick() const
 {
     const std::uint32_t end = seen_tick_ <= settings_.ticks_max ? settings_.ticks_max : UINT32_MAX;

@@ -19,7 +19,7 @@ struct Enough {
 class Watch final : public crn::FrameSink
 {
   public:
-    // `log` reads the device's fault log.
+    // The function `log` reads the device's fault log.
     Watch(const TrialSettings &settings, const crn::PatientContrast &contrast,
           std::function<crn_wire_fault_log()> log);
 
@@ -30,8 +30,8 @@ class Watch final : public crn::FrameSink
     // Reads the device's present log. Throws Enough if the log contains a fault that must not occur in any
     // session.
     void look_at_faults(std::uint32_t tick);
-    // Called when the session is over: checks that the injected iodine equals the iodine in the vessels plus
-    // the iodine that has left the vessels. Throws Enough.
+    // The caller calls this function when the session is over. The function checks that the injected iodine
+    // equals the iodine in the vessels plus the iodine that has left the vessels. Throws Enough.
     void balance_iodine(std::uint32_t tick) const;
     const Verdict &worst() const { return worst_; }
 

@@ -127,7 +127,7 @@ size_t usb_device_read(void *context, uint8_t *bytes, size_t capacity)
         device->last =
             usb_host_packet_in(&device->host, STREAM, device->read_bytes, PACKET, &device->read_end);
         if (device->last != USB_OK) device->read_end = 0;
-        /* An empty packet only ends a longer read and has no other meaning. */
+        /* An empty packet has no meaning except that it ends a longer read. */
         if (device->last == USB_OK && device->read_end == 0)
             device->last =
                 usb_host_packet_in(&device->host, STREAM, device->read_bytes, PACKET, &device->read_end);

@@ -25,12 +25,12 @@ typedef struct usb_device {
     uint8_t read_bytes[USB_DEVICE_READ_BYTES];
 } usb_device;
 
-/* Powers up the device on the bus; a host is connected but has not reset the bus yet. Returns false when the
+/* Powers up the device on the bus; a host is connected but has not reset the bus yet. Returns false if the
  * USB stack refused its configuration. */
 bool usb_device_start(usb_device *device, const char *serial);
 
 /* Powers up the device as usb_device_start does, resets the bus, sets address and configuration, and reads
- * the zero that begins the byte stream. Returns false when the device refused one of these requests. */
+ * the zero that begins the byte stream. Returns false if the device refused one of these requests. */
 bool usb_device_open(usb_device *device);
 
 /* Runs one millisecond. */
@@ -39,7 +39,8 @@ void usb_device_tick(usb_device *device);
 /* Lets the device do all work that is possible without a further action of the host. */
 void usb_device_settle(usb_device *device);
 
-/* These functions give access to the byte stream as a pipe; `context` is a pointer to the usb_device. */
+/* The following functions give access to the byte stream as a pipe; `context` is a pointer to the usb_device.
+ */
 void usb_device_write(void *context, const uint8_t *bytes, size_t count);
 size_t usb_device_read(void *context, uint8_t *bytes, size_t capacity);
 

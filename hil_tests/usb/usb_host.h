@@ -2,10 +2,11 @@
  * keeps data toggles, repeats lost packets, and gives up in time. Tests, fuzz targets and bridges use this
  * controller; the device may run in the same process or in another process.
  *
- * The caller provides the function `wait`, which the controller calls between two reads of the mailbox, and
- * between two attempts for a packet that was answered with NAK. If the device is in this process, `wait` runs
- * the device; if the device is in another process, `wait` sleeps. `wait` returns false after the deadline
- * that `begin_wait` set, which limits how long a device may take to serve one token. NAKs are counted. */
+ * The caller provides the function `wait`. The controller calls `wait` between two reads of the mailbox, and
+ * between two attempts to send a packet if the device has answered NAK. If the device is in this process,
+ * `wait` runs the device; if the device is in another process, `wait` sleeps. After the deadline that
+ * `begin_wait` set, `wait` returns false. This deadline limits how long a device may take to answer one
+ * token. NAKs are counted. */
 #ifndef CRN_USB_HOST_H
 #define CRN_USB_HOST_H
 
@@ -66,7 +67,7 @@ usb_result usb_host_packet_out(usb_host *host, uint8_t endpoint, const uint8_t *
 usb_result usb_host_packet_in(usb_host *host, uint8_t endpoint, uint8_t *bytes, uint32_t capacity,
                               uint32_t *count);
 
-/* Reads packets until `capacity` bytes are full or a short packet comes. */
+/* Reads packets until `capacity` bytes have arrived, or until a short packet ends the transfer. */
 usb_result usb_host_in(usb_host *host, uint8_t endpoint, uint16_t packet_bytes, uint8_t *bytes,
                        uint32_t capacity, uint32_t *count);
 usb_result usb_host_out(usb_host *host, uint8_t endpoint, uint16_t packet_bytes, const uint8_t *bytes,

@@ -1,5 +1,6 @@
 /* Are these descriptors right? Checks USB descriptors against the standards (USB 2.0 chapter 9, HID 1.11
- * section 6, Microsoft OS 2.0), without the table from which the firmware makes them. */
+ * section 6, Microsoft OS 2.0). The checks do not use the table from which the firmware makes the
+ * descriptors. */
 #ifndef CRN_USB_JUDGE_H
 #define CRN_USB_JUDGE_H
 
@@ -34,8 +35,8 @@ const char *usb_judge_configuration(const uint8_t *bytes, size_t count, uint8_t 
                                     usb_judged *judged);
 const char *usb_judge_reports(const uint8_t *bytes, size_t count, usb_judged_report *reports,
                               size_t *report_count);
-/* Also returns the vendor code and the length of the Microsoft descriptor set that the BOS descriptor
- * announces. */
+/* In addition, the function returns the vendor code and the length of the Microsoft descriptor set that the
+ * BOS descriptor announces. */
 const char *usb_judge_bos(const uint8_t *bytes, size_t count, uint8_t *vendor_code, uint16_t *set_bytes);
 const char *usb_judge_ms_os(const uint8_t *bytes, size_t count, uint8_t *first_interface);
 

@@ -1,6 +1,6 @@
-/* Opens the device that a bridge shows to a host. The device is a loop-back rig or the complete application
- * in this process, or a program in another process (such as an emulator) whose mailbox is a file that both
- * processes map into memory. */
+/* Opens the device that a bridge shows to a host. The device is in this process (a loop-back rig or the
+ * complete application), or it is a program in another process, such as an emulator. The mailbox of such a
+ * program is a file that both processes map into memory. */
 #ifndef CRN_USB_PEER_H
 #define CRN_USB_PEER_H
 
@@ -24,18 +24,21 @@ enum { USB_PEER_DEADLINE_s = 5 }; /* of a token */
 
 int64_t usb_peer_now_ns(void);
 
-/* Opens a loop-back rig in this process, which makes its ticks in real time. When the host sends command 200,
- * the rig sends value1 frames of value2 bytes at once. */
+/* Opens a loop-back rig in this process, which makes its ticks in real time. If the host sends command 200,
+ * the rig sends `value1` frames of `value2` bytes each, without a pause. */
 void usb_peer_open_here(usb_peer *peer);
 
-/* Opens the device's application in this process, which runs in real time. There can be only one. */
+/* Opens the device's application in this process; the device then runs in real time. There can be only one.
+ */
 void usb_peer_open_app(usb_peer *peer, const char *serial);
 
-/* Opens a mailbox at `offset` in a file that is large enough for it. Returns NULL, or an error message. */
+/* Opens the mailbox that begins at `offset` in a file; the file must be large enough for a mailbox at this
+ * offset. Returns NULL on success, otherwise an error message. */
 const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset);
 
 /* Opens the device that a command line names ("--here", "--app", "--app=SERIAL", or "--mailbox" and
- * FILE[:OFFSET]), and counts the words that it used. Returns NULL, or an error message. */
+ * FILE[:OFFSET]). Counts how many words of the command line name the device. Returns NULL on success,
+ * otherwise an error message. */
 const char *usb_peer_open(usb_peer *peer, int count, char **words, int *used);
 
 /* Lets a device in this process do all work that is due by now. */

@@ -43,7 +43,7 @@ bool usb_urbs_cancel_any(usb_urbs *urbs, usb_urb *urb)
     return false;
 }
 
-/* Advances the transfer by one packet, and returns true when the whole transfer is over. */
+/* Advances the transfer by one packet, and returns true if the whole transfer is over. */
 static bool step_out(usb_urbs *urbs, usb_urb *urb, uint16_t packet_bytes, bool *moved)
 {
     uint32_t packet = urb->length - urb->done;

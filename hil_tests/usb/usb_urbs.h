@@ -35,15 +35,15 @@ static inline unsigned usb_urbs_pipe(uint8_t endpoint)
     return (endpoint & 0x0fu) | (endpoint & 0x80 ? 0x10u : 0);
 }
 
-/* Adds a transfer to its endpoint's queue; returns false when there is no such endpoint, or the queue is
+/* Adds a transfer to its endpoint's queue; returns false if there is no such endpoint, or if the queue is
  * full. */
 bool usb_urbs_submit(usb_urbs *urbs, const usb_urb *urb);
 
 /* Removes a transfer from its queue. The submitter owns the transfer's buffer again, and the function
- * `complete` is not called. Returns false when the transfer does not exist. */
+ * `complete` is not called. Returns false if the queue does not contain this transfer. */
 bool usb_urbs_cancel(usb_urbs *urbs, uint64_t id, usb_urb *urb);
 
-/* Removes the first transfer of an endpoint's queue, if the queue is not empty. */
+/* Removes the first transfer from an endpoint's queue, if the queue is not empty. */
 bool usb_urbs_cancel_any(usb_urbs *urbs, usb_urb *urb);
 
 /* Tries one packet per endpoint. Returns true when something moved. If nothing serves the mailbox, the

@@ -5,7 +5,7 @@
 
 In the arguments, `{mailbox}` is replaced by the location of the USB tokens in the emulator's memory (FILE:OFFSET), as
 `bridge` and `mock_bus` expect it. The device has no rig, and the emulator provides its clock ticks of 1 ms. The exit
-code is that of the command, or 1 when the device did not start. No process outlives the command."""
+code is that of the command, or 1 if the device did not start. No process outlives the command."""
 
 import os
 import struct

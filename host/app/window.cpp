@@ -79,7 +79,8 @@ std::string export_folder(DicomSettings settings, int number)
     }
 }
 
-// Counts the ticks that are due, according to the wall clock or, in tests, to the number of screens shown.
+// Counts the ticks (milliseconds) by which the session must advance, according to the wall clock or, in
+// tests, to the number of screens shown.
 class Pace
 {
   public:
@@ -97,8 +98,8 @@ class Pace
         ticks_ += given;
         return static_cast<std::uint32_t>(given);
     }
-    // Waits 2 ms per screen. The display may not wait for its refresh, and without this wait the loop would
-    // then occupy a whole processor.
+    // Waits 2 ms per screen. Some displays do not make the program wait for their refresh, and without this
+    // pause the loop would then occupy a whole processor.
     void wait() const
     {
         if (is_counted_) return;

@@ -1,6 +1,6 @@
 // Shows the window of `cournand view`. By keyboard, the user controls the hand, the pedals and the C-arm, and
-// sees the same pictures that `cournand run` makes. The program records the user's input like that of a
-// script, and a replay of the recording is equal bit for bit.
+// sees the same pictures that `cournand run` makes. The program records the user's input in the same way as
+// the commands of a script. A replay of the recording gives results that are equal bit for bit.
 #pragma once
 #include "host/command/view_options.hpp"
 

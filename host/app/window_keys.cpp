@@ -20,8 +20,8 @@ constexpr std::int32_t blade_step_permille = 100, store_ms = 10'000;
 constexpr double shift_step_px = 0.5;
 constexpr std::int32_t injection_rates_ul_s[] = {1000, 2000, 4000, 8000, 15000, 25000};
 constexpr std::int32_t fields_um[] = {420'000, 320'000, 250'000, 200'000, 150'000};
-// The keys F2, F3 and so on select these views; together with Shift they select the second view of the key,
-// if the key has two views.
+// The keys F2, F3 and so on select the standard views of the C-arm in this list. If a key has two views,
+// Shift together with the key selects the second view.
 struct PresetKey {
     std::string_view plain, shifted;
 };
@@ -408,8 +408,8 @@ void WindowKeys::go_to(std::size_t preset)
 
 // --- review ---
 
-// Shows, as a still picture, the frame before or after the present one, even if the screen shows a held
-// picture or a loop.
+// Steps from the displayed frame to the frame before or after it and shows that frame as a still picture,
+// even if the screen shows a held picture or a loop.
 void WindowKeys::step_frame(const RoomScreen &screen, int step)
 {
     const RoomStatus status = screen.status();

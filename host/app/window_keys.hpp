@@ -18,15 +18,16 @@ class WindowKeys
   public:
     WindowKeys(std::size_t tool_count, bool shows_help) : tool_count_(tool_count), shows_help_(shows_help) {}
 
-    // Handles key presses for C-arm, table, field and switches. Most keys change the room's present state,
-    // which comes from `screen`.
+    // Handles the keys that move the C-arm and the table, change the size of the X-ray field, and switch
+    // functions on or off. Most keys change the present state of the X-ray room, which the function reads
+    // from `screen`.
     void take(const Screen::KeyEvent &event, const RoomScreen &screen);
     void hold(const Screen &screen); // handles keys held down: hand and pedal; call once per screen
     void
     lead(std::span<LiveHand> hands) const; // the demanded speeds; hands that are not selected come to rest
 
-    // These functions return the tool that the keys of the hand move (counted from the innermost), and
-    // whether those keys move all tools together.
+    // The next two functions return which tool the user moves with the keys (counted from the innermost), and
+    // whether these keys move all tools together.
     std::size_t chosen_tool() const { return chosen_tool_; }
     bool moves_all() const { return moves_all_; }
 
@@ -35,7 +36,7 @@ class WindowKeys
 
     // Returns the commands for the X-ray room since the last call, including those of the pedals.
     std::vector<RoomCommand> take_commands();
-    // Returns the user's commands to heart and breath since the last call.
+    // Returns the user's commands for the simulated heartbeat and breathing since the last call.
     std::vector<crn_wire_order> take_orders() { return std::exchange(orders_, {}); }
     bool shows_help() const { return shows_help_; }
     bool wants_end() const { return wants_end_; }

@@ -66,7 +66,7 @@ void LiveSession::pass(std::uint32_t tick, const RoomCommand &command)
     patient_->command(tick, command);
 }
 
-// The picture of the present tick exists already.
+// The picture of the present tick has already been made, so a command takes effect in the next tick.
 void LiveSession::command(const RoomCommand &command)
 {
     const std::uint32_t pedal = command.action == RoomAction::fluoro_pedal    ? CRN_WIRE_BUTTON_XRAY
@@ -86,7 +86,7 @@ void LiveSession::order(const crn_wire_order &order)
     }
 }
 
-// In LOCKSTEP a rig reports its pedals only when the host requests them.
+// In the mode LOCKSTEP a rig reports the state of its pedals only when the host requests it.
 void LiveSession::look_at_pedals()
 {
     if (!choice_.is_usb) return;
@@ -185,7 +185,7 @@ void LiveSession::advance_rig(std::uint32_t ticks)
 }
 
 // The function ends the recording with the last tick that the device finished. The function stops a rig in
-// FREE_RUN, so that its motors get no more power.
+// the mode FREE_RUN, so that its motors get no more power.
 void LiveSession::stop_out_of_range()
 {
     fault_ = range_notice(*figures_.range.left());
@@ -194,8 +194,8 @@ void LiveSession::stop_out_of_range()
         has_stopped_ = true;
         figures_.range.find_place(device_.link());
     } catch (const LinkError &) {
-        // If the device has also disappeared, the program cannot read where the physics left its valid range,
-        // and the recording ends at that tick.
+        // If the device has disappeared in the meantime, the program cannot read where the physics left its
+        // valid range, and the recording ends at that tick.
     }
 }
 

@@ -1,7 +1,7 @@
 // Runs a session that the user controls by keyboard; it has one device, one recording and its pictures. An
-// object of this class serves one session; after a reset the window makes a new object. A device in FREE_RUN
-// sets its own pace, and its encoders measure the motion of the hands. The pedals of a rig work in addition
-// to the keys.
+// object of this class serves one session; after a reset the window makes a new object. A device in the mode
+// FREE_RUN computes ticks by its own clock, and its encoders measure the motion of the user's hands. The
+// pedals of a rig work in addition to the keys.
 #pragma once
 #include "host/model/order_queue.hpp"
 #include "host/picture/session_pictures.hpp"

@@ -7,7 +7,7 @@ namespace crn
 {
 
 // A script in which a variable is empty produces `--json ""`, which does not mean that no file is wanted. An
-// empty value of any option of this command, or of a command below it, is refused as wrong usage.
+// option of this command, or of one of its subcommands, whose value is empty is refused as wrong usage.
 inline void refuse_empty_values(CLI::App &app)
 {
     for (CLI::Option *option : app.get_options())

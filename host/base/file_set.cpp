@@ -32,7 +32,7 @@ class SignalsWait
     sigset_t before_;
 };
 
-// Keeps the previous file of a name while a new file replaces this file. The previous file is kept under
+// Preserves the file that has a final name before a new file replaces it. The previous file is kept under
 // another name until all new files have been renamed.
 class Former
 {

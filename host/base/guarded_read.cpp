@@ -93,7 +93,8 @@ void reset_signals()
 {
     for (int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM}) std::signal(number, SIG_DFL);
     // The program's fault handler might jump back into the program, which would then continue in the child.
-    // So the child resets it. Under a sanitizer the fault handler only prints a report, so it stays.
+    // So the child resets it. Under a sanitizer the fault handler only prints a report, so the child keeps
+    // this handler.
     if (!CRN_WATCHES_MEMORY)
         for (int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS}) std::signal(number, SIG_DFL);
     sigset_t none;

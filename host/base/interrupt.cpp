@@ -19,7 +19,7 @@ void on_interrupt(int number)
     remove_pending();
     std::signal(number, SIG_DFL);
     // While a signal's handler runs, that signal is blocked, and the parent process may have blocked it too.
-    // The next call unblocks the signal, so that the signal ends the program here.
+    // The call of pthread_sigmask below unblocks the signal, so that the signal ends the program here.
     sigset_t both;
     ::sigemptyset(&both);
     ::sigaddset(&both, number);

@@ -230,7 +230,7 @@ void PendingFile::close()
 {
     if (!stream_) return;
     if (std::fflush(stream_) != 0) throw OutputError(path_, errno);
-    // A network disk may report only when the file is closed that the disk is full.
+    // If a network disk is full, the system may report this error only when the file is closed.
     const int closed = std::fclose(stream_);
     stream_ = nullptr;
     if (closed != 0) throw OutputError(path_, errno);

@@ -20,11 +20,13 @@ class OutputError : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Opens a pending file "path.partPID-RANDOM" beside the file `path`, or beside the file at the end of a link.
-// The pending file keeps this temporary name until it is complete. The pending file is always a new file, and
-// no link is followed to it. Signal handlers remove the pending file when a signal ends the program, as
-// described below. `ending` is appended to the temporary name, for libraries that check a file's extension.
-// Throws OutputError, also when `path` is empty or is that of a folder, a device or a pipe.
+// Opens a pending file "path.partPID-RANDOM" beside the file `path`. If `path` is a link, the pending file is
+// beside the file to which the link leads. The pending file keeps this temporary name until it is complete.
+// The pending file is always a new file: if a link with this name exists, the program does not write to the
+// file behind the link. Signal handlers remove the pending file when a signal ends the program, as described
+// below. `ending` is appended to the temporary name, for libraries that check a file's extension. Throws
+// OutputError if the file cannot be created, and also if `path` is empty or names a folder, a device or a
+// pipe.
 struct OpenPending {
     std::string name;
     int file; // descriptor for reading and writing, owned by the caller; child processes do not inherit it
@@ -42,8 +44,8 @@ void commit_pending(const std::string &pending, const std::string &path, bool ke
 void discard_pending(const std::string &pending) noexcept;
 
 // The program lists its pending files, so that a signal that ends the program (SIGINT, SIGTERM, SIGHUP)
-// removes these files first. The list has pending_max entries. More pending files can be written, but a
-// signal leaves those behind that are not in the list.
+// removes these files first. The list has pending_max entries. The program may write more pending files than
+// that, but a signal does not remove the files that are not in the list.
 inline constexpr int pending_max = 32;
 void watch_pending(const std::string &pending);
 void forget_pending(const std::string &pending) noexcept;
@@ -83,9 +85,9 @@ class FileSet
   public:
     // Writes a pending file beside its final name. Throws OutputError.
     void add(const std::string &path, std::string_view bytes);
-    // On failure the function throws OutputError, and the previous files replace those that were already
-    // renamed. Only if the program dies between two renames (SIGKILL, a crash of the machine) is there a
-    // mixture of old and new files, which readers have to detect.
+    // On failure the function throws OutputError. It then undoes the renames already made, so that the
+    // previous files are back under their names. Only if the program dies between two renames (SIGKILL, a
+    // crash of the machine) is there a mixture of old and new files, which readers have to detect.
     void commit();
 
   private:

@@ -1,5 +1,5 @@
 // Shows the progress of long work on standard error output. On a terminal the class redraws a progress bar;
-// elsewhere it prints a line whenever another file begins.
+// elsewhere it prints one line at the beginning of each file.
 #pragma once
 #include <chrono>
 #include <cstddef>

@@ -9,8 +9,8 @@ namespace crn
 {
 
 // Makes a name or path printable in one line. Control characters (C0, DEL, C1), characters that change the
-// writing direction, line separators and bytes that are not UTF-8 become \xNN, byte by byte; everything else
-// stays. A backslash in the text stays too, because the result is only for reading.
+// writing direction, line separators and bytes that are not UTF-8 become \xNN, byte by byte. All other
+// characters do not change. A backslash in the text stays too, because the result is only for reading.
 std::string printable(std::string_view text);
 // Makes a whole message printable; line ends in the message stay.
 std::string printable_lines(std::string_view text);

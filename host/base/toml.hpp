@@ -1,6 +1,6 @@
-// Includes toml++ in a form that is safe for texts from any source. The assertions of toml++ would end the
-// program. Some of the assertions fail on texts, such as a lone '[', that the parser would refuse properly a
-// moment later, so assertions are switched off.
+// Includes toml++ in a form that is safe for texts from any source. If one of the assertions in toml++
+// failed, it would end the program. Some of the assertions fail on texts, such as a lone '[', that the parser
+// would refuse properly a moment later, so assertions are switched off.
 //
 // toml++ recurses once for each table within a table, and so does every traversal of its result. A header of
 // 400,000 dotted names would overflow the stack. So every text is checked for nesting before it is parsed.
@@ -14,10 +14,10 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-// toml++ 3.3 looks up blanks in a table with gaps, and declares that no look-up reaches a gap. A letter
-// outside ASCII between two values does reach such a gap in the table, which is undefined behaviour. With the
-// macro below, a look-up that reaches a gap finds that the letter is no blank. Upstream's macro is restored
-// below.
+// toml++ 3.3 uses a table with gaps to find out whether a character is white space, and declares that no
+// look-up reaches a gap. A letter outside ASCII between two values does reach such a gap in the table, which
+// is undefined behaviour. With the macro below, a look-up that reaches a gap returns that the letter is not
+// white space. Upstream's macro is restored below.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false

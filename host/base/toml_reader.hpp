@@ -1,6 +1,6 @@
 // All TOML files that people write are read by this code. The reader checks known keys, numbers with bounds,
-// texts and lists, and looks for a source beside each value. Each refusal of a file is a FileError:
-// "FILE:LINE:COLUMN: place: what is wrong".
+// texts and lists. It also checks that each value is accompanied by its source, such as a publication. Each
+// refusal of a file is a FileError: "FILE:LINE:COLUMN: place: what is wrong".
 //
 //   const TomlTable root = read_toml(file, {"a case", "a case's folder"});
 //   root.check_keys({"name", "depth"});
@@ -39,8 +39,8 @@ struct TomlKind {
 struct TomlDocument; // a parsed file, with its name and its sources
 class TomlTable;
 
-// Holds the value of a key in a TOML table, or records that the key is absent. All functions except the first
-// ones refuse an absent key.
+// Holds the value of a key in a TOML table, or records that the key is absent. If the key is absent, all
+// functions throw an error except the first ones, which only describe the key and the kind of its value.
 class TomlValue
 {
   public:
@@ -79,7 +79,8 @@ class TomlValue
     void require(const std::string &remedy = "") const;
 };
 
-// Holds a value that changes along a stretch, as its values at both ends.
+// Holds a value that changes along a part of an instrument, as the values at the beginning and at the end of
+// that part.
 struct TomlRange {
     double from = 0.0, to = 0.0;
     bool is_constant() const { return from == to; }
@@ -102,7 +103,8 @@ class TomlTable
     TomlTable table(const std::string &key) const;
     std::vector<TomlTable> tables(const std::string &key) const; // empty where the key is absent
 
-    // Returns this table with more text before each message about it, such as "preset 'physical', section 2".
+    // Returns this table with a longer description of its place in the file, such as "preset 'physical',
+    // section 2", which its error messages then contain.
     TomlTable inside(const std::string &more) const;
     TomlTable in_place_of(const TomlTable &other) const; // takes the text of the other table
     [[noreturn]] void fail(const std::string &what) const;
@@ -110,7 +112,8 @@ class TomlTable
     const std::string &file() const;
 
     // Reads values with a source: { value, source } or { from, to, source }. A source "@key" or "@key: more"
-    // must be in the table [sources] of the root, and each text there must be used.
+    // refers to an entry of the table [sources] in the file's root table. This entry must exist, and every
+    // entry of [sources] must be used.
     void read_sources() const;       // of the root
     void check_sources_used() const; // of the root, after everything else
     void check_source() const;       // of the key `source` in this table

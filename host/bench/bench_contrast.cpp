@@ -105,8 +105,8 @@ WireFrame catheter_at(std::uint32_t tick)
     return wire;
 }
 
-// Returns the shortest drawing time among many pictures in the view of renal.session, which are drawn with or
-// without the medium.
+// Draws many pictures in the view of renal.session, with or without the medium, and returns the shortest
+// drawing time in ms.
 double frame_ms(const bench_case *self)
 {
     Bodies bodies;

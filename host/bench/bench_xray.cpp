@@ -149,7 +149,8 @@ class Bench
         settings_.carm.isocentre_m = {0.0, at.y_m, 0.0};
         settings_.size = size;
     }
-    // Computes the next picture of a sequence, including the detector's lag.
+    // Computes the next picture of a sequence, including the remains of earlier pictures (the detector's
+    // lag).
     void render(int frame)
     {
         const std::vector<Eigen::Vector3i> heart = moves_ ? heart_at(frame) : std::vector<Eigen::Vector3i>();
@@ -195,7 +196,8 @@ double processor_ms()
     return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-// Takes the shortest time of the frames in each view, and returns the mean of these times over all views.
+// Takes the shortest computing time among the frames of each view, and returns the mean of these times over
+// all views.
 double frame_ms(const bench_case *self)
 {
     const int size = self->argument & 0xffff;

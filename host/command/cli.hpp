@@ -64,12 +64,12 @@ std::vector<Instrument> read_tools(const std::string &instrument, const std::vec
 // if there are more lengths than tools.
 crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
                           const std::vector<double> &inserted_mm);
-// Returns the commands that move the table so that the entry point is in view, and that make the table follow
+// Returns commands for the X-ray room: the table moves so that the entry point is in view, and then follows
 // the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
-// Returns the device for a session in FREE_RUN. If `motors` is set, the function first prints which motors
-// will get power, and asks the user for confirmation unless `yes` is set. Throws RigStopped when the user
-// does not confirm.
+// Returns the device for a session in the mode FREE_RUN. If `motors` is set, the function first prints which
+// motors will get power, and asks the user for confirmation unless `yes` is set. Throws RigStopped when the
+// user does not confirm.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
 // Reads the stents that fit these tools, and adds them to the settings of a session's pictures. Throws
 // FileError.
@@ -94,8 +94,8 @@ void name_range_branch(RangeWatch &range, const std::string &bodies_path);
 // 0.
 int exit_of_range(const RangeWatch &range);
 
-// Returns the path of the bodies that belong to a scene: for "x.scene" it is "x.bodies" if that file exists,
-// otherwise an empty path.
+// Returns the path of the bodies that belong to a scene: for "x.scene" it is "x.bodies". If that file does
+// not exist, the path is empty.
 std::string bodies_beside(const std::string &scene);
 
 // If `run_window` is empty, the command `view` is refused.

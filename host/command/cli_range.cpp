@@ -1,4 +1,5 @@
-// Defines how the commands `run` and `replay` end a session whose physics has left its valid range.
+// Defines what the commands `run` and `replay` print and return if the physics of the session has left its
+// valid range.
 #include "host/base/terminal.hpp"
 #include "host/command/cli.hpp"
 #include "host/model/bodies.hpp"

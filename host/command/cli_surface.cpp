@@ -20,8 +20,8 @@ struct Stages {
     std::size_t positioned = 0, inflated = 0, released = 0; // ticks
 };
 
-// Finds three ticks around the highest balloon pressure of the session: the last tick before it, the last
-// tick at it, and the first tick after the pressure has been released.
+// Finds three ticks of the inflation with the highest balloon pressure: the last tick before this inflation,
+// the last tick at the highest pressure, and a tick shortly after the pressure has been released.
 Stages stages_of(const Recording &recording, const std::string &path)
 {
     const auto pressure = [&](std::size_t tick) { return recording.ticks[tick].input.inflator_raw; };

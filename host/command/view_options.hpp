@@ -1,5 +1,5 @@
-// Holds the options of `cournand view`. The window belongs to the main program, which passes it to
-// command_line() as a function.
+// Holds the options of `cournand view`. Only the main program with a display contains the window; it passes
+// the function that opens the window to command_line().
 #pragma once
 #include "host/picture/session_pictures.hpp"
 #include <functional>
@@ -15,9 +15,10 @@ struct WindowOptions {
     std::vector<std::string> tools;  // files of the others, towards the outermost
     std::vector<std::string> stents; // files, in the order of loading
     std::string device = "sim";      // as parse_device
-    std::string json,
-        score; // The file of figures and the score's page are written at the end of each session; a file
-               // whose path is empty is not written. After a reset they are numbered as for `record`
+    // Holds the paths of the file of figures and of the score's page, which are written at the end of each
+    // session. A file whose path is empty is not written. After a reset the files are numbered as for
+    // `record`.
+    std::string json, score;
     bool keeps_recording =
         true; // without `record`: keep it in a folder of the user, named by date and time (docs/session.md)
     // Empty: none. A reset starts "name.2.rec", "name.3.rec" ..., and for pictures.dicom the folder "name.2"

@@ -27,9 +27,9 @@ struct XaStudy {
     std::string description;  // description of the study
 };
 
-// A DICOM file has at most this number of frames and of bytes; a longer run continues in the next file. An
-// attribute with one number per frame has at most 65,534 characters, and viewers load a whole file into
-// memory.
+// A DICOM file has at most this number of frames and of bytes; a longer run continues in the next file. The
+// reasons for these limits: an attribute with one number per frame has at most 65,534 characters, and viewers
+// load a whole file into memory.
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 
@@ -68,8 +68,8 @@ class XaSpool
     std::size_t size_bytes_ = 0;
 };
 
-// Describes where the consecutive frames of one DICOM file lie in the spool (a temporary file), and their
-// format.
+// Describes the frames of one DICOM file in the spool (a temporary file): where the first one begins, how
+// many follow each other, and how many pixels each has.
 struct XaPixels {
     std::size_t offset_bytes = 0;
     std::size_t frame_count = 0, pixels_per_frame = 0;
@@ -78,8 +78,9 @@ struct XaPixels {
     bool has_room_for_another() const;
 };
 
-// Appends a frame to the spool and to `pixels`, whose frames must be the last frames in the spool. Throws
-// OutputError when the spool cannot be written, and std::invalid_argument when the frames differ in size.
+// Appends a frame to the spool (a temporary file) and to its description `pixels`; the frames in `pixels`
+// must be the last ones in the spool. Throws OutputError when the spool cannot be written, and
+// std::invalid_argument when the frames differ in size.
 void add_frame(XaSpool &spool, XaPixels &pixels, const RunFrame &frame);
 
 // `run` describes the added frames in order; the pixels in `run` itself are not used. `instance` counts the

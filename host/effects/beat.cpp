@@ -7,8 +7,8 @@ namespace crn
 namespace
 {
 
-// A constant part of the mean flow passes during the whole beat; the remaining flow has the shape of a hump.
-// They are assumptions: docs/contrast.md.
+// A constant part of the mean flow passes during the whole beat. The remaining flow rises and falls once per
+// beat. These fractions are assumptions (docs/contrast.md).
 constexpr double systemic_even = 0.6;        // the hump fills systole
 constexpr double left_coronary_even = 0.25;  // the hump fills diastole
 constexpr double right_coronary_even = 0.75; // the hump fills diastole
@@ -20,8 +20,8 @@ double hump(double place)
     return 30.0 * rise * rise;
 }
 
-// Returns the relative conductance of a bed, with a mean of 1 over a beat: the fraction `even` is constant,
-// and the remainder is a hump of `length_s`.
+// Returns the conductance of a vascular bed at this moment, divided by its mean over a beat: the fraction
+// `even` of it is constant, and the remainder rises and falls once within `length_s`.
 double openness(double even, bool is_in_hump, double place, double length_s, double beat_s)
 {
     return even + (is_in_hump ? (1.0 - even) * hump(place) * beat_s / length_s : 0.0);

@@ -35,8 +35,8 @@ void ContrastFlow::take_volumes()
     for (std::size_t i = 0; i < cells_.size(); ++i) {
         const double radius_mm = cells_[i].radius_mm;
         per_volume_[i] = 2.0 / volume_ml_[i];
-        // The two layers of blood mix at this rate, which is the mean speed Q / (pi r^2), divided by the
-        // mixing length mixing_radii r.
+        // The two layers of blood mix at this rate: the mean speed Q / (pi r^2) of the blood divided by the
+        // mixing length, which is mixing_radii times the radius r.
         mixing_[i] = 1e3 / (pi * radius_mm * radius_mm * radius_mm * settings_.mixing_radii);
     }
     network_.set_volumes(volume_ml_);
@@ -89,8 +89,8 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
 }
 
 // A cell of blood that widens takes blood from its neighbours, and a cell that narrows gives blood to them.
-// The exchange is a source of volume without an iodine content of its own, spread evenly over the remaining
-// time steps.
+// The program computes this exchange as an added flow of volume that carries no iodine of its own, spread
+// evenly over the remaining time steps.
 void ContrastFlow::find_widening()
 {
     if (widening_steps_ == 0) return;
@@ -113,8 +113,9 @@ void ContrastFlow::end_widening()
     network_.set_volumes(volume_ml_);
 }
 
-// The layers received their fractions of the flows, but each layer grows by half of the added volume. Because
-// these fractions are not one half, one layer passes the difference to the other layer.
+// Each layer of blood has received its fraction of the flows, but must grow by half of the added volume.
+// Because the layer's fraction of the flows is not one half, one layer passes the excess volume to the other
+// layer.
 void ContrastFlow::widen(double dt_s)
 {
     const double core_share = settings_.core_flow_share;
@@ -151,8 +152,8 @@ double ContrastFlow::parts_of_step()
 }
 
 // The iodine of each layer is transported separately by the upwind rule: a flow has the concentration of the
-// cell that it leaves. Both layers of blood have half of the volume and a fixed fraction of every flow,
-// including injected fluid. So the flow into a layer of blood equals the flow out of the layer.
+// cell that it leaves. Each of the two layers of blood has half of the cell's volume and a fixed fraction of
+// every flow, including injected fluid. So the flow into a layer of blood equals the flow out of the layer.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
@@ -168,7 +169,8 @@ void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 }
 
 // Transports the iodine of one layer, whose contents are given; `share_s` is the time step in seconds times
-// the layer's fraction of the flows. All flows have the concentrations at the beginning of the time step.
+// the layer's fraction of the flows. All flows carry the concentrations that the cells had at the beginning
+// of the time step.
 void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
 {
     const std::vector<FlowRun> &runs = network_.runs();

@@ -8,8 +8,9 @@
 //   contrast.iodine_mg_per_ml(cell);
 //
 // Iodine is conserved: the injected amount equals the amount in the vessels plus the amounts that left
-// through the beds and by reflux. The result depends only on the inputs of the simulation. The computation
-// has a fixed order and uses no libm, so that every machine gives results that are equal bit for bit.
+// through the vascular beds and by reflux out of the inlet. The result depends only on the inputs of the
+// simulation. The computation has a fixed order and uses no libm, so that every machine gives results that
+// are equal bit for bit.
 #pragma once
 #include "host/effects/flow_network.hpp"
 #include <cstdint>
@@ -23,7 +24,7 @@ namespace crn
 struct ContrastSettings {
     double viscosity_mPa_s = 3.5; // of blood
     // Blood moves in two layers of equal area, and core_flow_share is the fraction of the flow in the layer
-    // around the axis. 0.75 is laminar flow (Poiseuille's parabola), 0.5 is plug flow.
+    // around the axis. The value 0.75 means laminar flow (Poiseuille's parabola), and 0.5 means plug flow.
     double core_flow_share = 0.75;
     double mixing_radii = 30.0; // over a distance of so many radii the layers' difference falls to 1/e
 };
@@ -60,10 +61,11 @@ class ContrastFlow
 
     const FlowCells &cells() const { return cells_; }
     void place(const VesselTree &moved) { cells_.place(moved); }
-    // Adopts the new shape of the vessels after lesions have yielded (FlowCells::reshape). Resistances change
-    // at once. The volumes of cells change within `steps` steps: a cell takes missing volume from its
-    // neighbours, or gives excess volume to them. The exchanged blood has the concentration of the cell that
-    // it leaves. With `steps` 0 every cell gets its new volume at once and keeps its amount of iodine.
+    // Adopts the new shape of the vessels after a balloon has widened lesions (FlowCells::reshape).
+    // Resistances change at once. The volumes of cells change within `steps` time steps: a cell that becomes
+    // larger takes blood from its neighbours, and a cell that becomes smaller gives blood to them. The
+    // exchanged blood has the concentration of the cell that it leaves. With `steps` 0 every cell gets its
+    // new volume at once and keeps its amount of iodine.
     void reshape(const VesselTree &opened, int steps);
 
     void set_tools(std::span<const ToolBall> balls);
@@ -84,8 +86,8 @@ class ContrastFlow
     const IodineBudget &budget() const { return budget_; }
     // Returns for each branch the amount of contrast medium that entered the branch and did not flow back.
     // Contrast medium may be injected into the branch, or come from the vessel upstream or from a branch
-    // downstream. Contrast medium that a branch passes on to its own branches counts for the branch and for
-    // them.
+    // downstream. If a branch passes contrast medium on to branches that leave it, this medium counts both
+    // for the branch and for the branches that leave it.
     std::vector<double> received_mg() const;
 
     // Returns, as bytes, the whole state on which the next time step depends, except the shape of the
@@ -116,7 +118,8 @@ class ContrastFlow
     std::vector<double> core_mg_, wall_mg_;
     IodineBudget budget_;
     std::vector<double> branch_injected_mg_, branch_out_mg_; // of each branch: into it, and from it into beds
-    // The next members are working memory of a time step; they are kept to avoid allocation in every step.
+    // The following members are working memory for one time step; the object keeps them so that it does not
+    // allocate memory in every step.
     std::vector<CellSource>
         sources_; // cells of `injecting_` that give fluid, then cells that widen or narrow
     std::size_t injecting_ = 0;

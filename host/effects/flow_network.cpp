@@ -15,9 +15,9 @@ constexpr double blood_kg_m3 = 1060.0;
 constexpr double expansion_loss = 1.5; // K_t, approximately (Young and Tsai 1973)
 constexpr int settle_rounds = 60;      // each round at least halves the remaining error
 
-// Returns the pressure loss behind a stenosis, K_t rho/2 (A0/As - 1)^2 v0^2, divided by the square of the
-// flow. Format: mm and ml/s -> mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). The loss is 0 where the
-// lesion's narrowest point is no narrower than the vessel.
+// Returns a stenosis's pressure loss K_t rho/2 (A0/As - 1)^2 v0^2, divided by the square of the flow through
+// the stenosis. Format: mm and ml/s -> mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). The loss is 0 where
+// the lesion's narrowest point is no narrower than the vessel.
 double loss_of(const FlowThroat &throat, double tool_radius_mm)
 {
     const double area = throat.healthy_radius_mm * throat.healthy_radius_mm;

@@ -1,8 +1,9 @@
 // Computes the blood flow in the cells of a tree of vessels at one moment. The inputs are the pressure at the
 // inlet, the conductances behind the outlets, the injected fluid, and the resistance of every cell by
-// Poiseuille's law. A tool in a cell raises the cell's resistance. The equations are linear: an elimination
-// from the outlets to the inlet, and a pass back to the outlets, solve them exactly. Consecutive cells form
-// one resistance, so that the cost depends only on the number of points where flow divides.
+// Poiseuille's law. A tool that lies in a cell raises the cell's flow resistance. The equations are linear:
+// an elimination from the outlets to the inlet, and a pass back to the outlets, solve them exactly.
+// Consecutive cells form one resistance, so that the cost depends only on the number of points where flow
+// divides.
 #pragma once
 #include "host/effects/beat.hpp"
 #include "host/effects/flow_cells.hpp"
@@ -37,8 +38,8 @@ class FlowNetwork
     FlowNetwork() = default;
     FlowNetwork(const FlowCells &cells, double viscosity_mPa_s);
 
-    // Adopts the shape of the vessels after lesions have yielded: the same cells with other radii.
-    // `tool_radius_mm` is as in set_tools.
+    // Adopts the shape of the vessels after a balloon has widened lesions: the cells stay the same, but their
+    // radii change. `tool_radius_mm` is as in set_tools.
     void reshape(const FlowCells &cells, std::span<const double> tool_radius_mm);
     void set_volumes(std::span<const double> volume_ml); // of the cells
     // Sets the radius of the thickest tool in each cell, in mm; 0 means that the cell contains no tool.
@@ -48,9 +49,9 @@ class FlowNetwork
     // depend on these flows.
     void settle(const FlowDrive &drive);
 
-    // Returns the runs (rows of consecutive cells) of the last solution. Every cell is in one run of cells,
-    // and a run comes after the run that feeds it. The last cell of a run has an outlet, receives fluid, or
-    // feeds a cell other than the next one in the list.
+    // Returns the runs (rows of consecutive cells) of the last solution. Every cell is in one run of cells.
+    // In the list, a run of cells comes after the run from which it receives its blood. The last cell of a
+    // run has an outlet, receives fluid, or feeds a cell other than the next one in the list.
     const std::vector<FlowRun> &runs() const { return runs_; }
     std::size_t run_of(std::size_t cell) const { return run_of_[cell]; }
     // The next functions return flows in ml/s: the flow into the run from upstream (negative: out of the

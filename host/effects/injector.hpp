@@ -20,7 +20,7 @@ class Injector
     void cancel(std::uint64_t injection); // the rest of it is not given
     bool is_empty() const { return injections_.empty(); }
     std::uint32_t first_tick() const; // of the remaining injections; only when there are any
-    // Drops the fluid that is due before `tick`, for viewing a session from its middle on.
+    // Drops the fluid that is due before `tick`, for a replay that shows a session only from that tick on.
     void skip_to(std::uint32_t tick);
     // Returns the fluid that is injected during the tick (millisecond) that ends at time `tick`.
     InjectedFluid take(std::uint32_t tick);

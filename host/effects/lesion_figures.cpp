@@ -5,7 +5,8 @@ namespace crn
 namespace
 {
 
-// Returns the cell upstream of a lesion, from which blood flows into the first cell inside the lesion.
+// Returns the cell that lies directly upstream of a lesion, so that blood flows from it into the first cell
+// inside the lesion.
 std::size_t before(const FlowCells &cells, const VesselLesion &lesion, const FlowThroat &throat)
 {
     std::size_t first = cells.branch_begin(lesion.branch);

@@ -29,8 +29,8 @@ struct LesionFigures {
 
 // Computes the figures of a lesion with the mean pressure and mean flows, without tools. In hyperaemia the
 // heart's vascular beds are `hyperaemia_openness` times as open as at rest, and the other beds do not change.
-// The coronary flow reserve of a healthy heart is 3 to 5. `opened` is the same tree after lesions have
-// yielded; if it is nullptr, the lesions are as narrow as they were baked.
+// The coronary flow reserve of a healthy heart is 3 to 5. `opened` is the same tree after a balloon has
+// widened lesions; if it is nullptr, the lesions are as narrow as in the scene file.
 constexpr double hyperaemia_openness = 4.0;
 std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s,
                                           const VesselTree *opened = nullptr);

@@ -51,8 +51,8 @@ double inner_radius_m(std::span<const InnerTool> inside, double arc_m)
     return widest_m;
 }
 
-// Returns the conductance of the gap divided by that of the empty lumen, for the position of the guidewire
-// that lets the most fluid pass.
+// Returns the conductance of a lumen with a guidewire in it, divided by that of the empty lumen. The
+// guidewire lies where it lets the most fluid pass.
 double gap_share(double k)
 {
     if (k <= 0.0) return 1.0;

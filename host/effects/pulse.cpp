@@ -7,8 +7,8 @@ namespace crn
 namespace
 {
 
-// The values of the pressure model are those of a resting adult; the windkessel model is that of Westerhof et
-// al., Med Biol Eng Comput 2009;47:131.
+// The values of the pressure model are those of a resting adult; the model is a windkessel (Westerhof et al.,
+// Med Biol Eng Comput 2009;47:131).
 constexpr double resistance_mmHg_s_ml = 1.05, compliance_ml_mmHg = 1.35, impedance_mmHg_s_ml = 0.045;
 constexpr double venous_mmHg = 6.0;
 constexpr double stroke_ml = 72.0;          // after a diastole of 470 ms, as at 70 /min

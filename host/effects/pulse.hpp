@@ -51,8 +51,8 @@ class PulseMonitor
     std::uint32_t premature_beats() const { return premature_beats_; }
     bool holds_breath() const { return (bits_ & CRN_WIRE_RHYTHM_HOLDS_BREATH) != 0; }
 
-    // Returns the last 4 s of both curves as a monitor draws them: a ring that is overwritten from left to
-    // right; `newest` is the index written last.
+    // Returns the last 4 s of both curves as a monitor draws them: new samples overwrite old ones from left
+    // to right, and `newest` is the index of the sample written last.
     const std::array<Sample, sample_count> &samples() const { return samples_; }
     std::size_t newest() const { return newest_; }
     bool has_samples() const { return ticks_ > 0; }

@@ -24,7 +24,8 @@ Link::Link(Transport &transport, Patience::Span patience)
 
 // --- frames out (link_receive.cpp: frames in) ---
 
-// The time that a device takes to accept bytes counts like the time that it takes to answer.
+// The time that a device takes to accept the host's bytes counts towards the host's patience, as does the
+// time that the device takes to answer.
 void Link::write(std::span<const std::uint8_t> bytes)
 {
     patience_.begin();
@@ -295,8 +296,8 @@ void Link::say_present()
     beat();
 }
 
-// Removes from the list the ticks that the last call returned to the caller. Ticks that arrived since then,
-// together with replies to other requests, stay in the list.
+// Removes from the list of received ticks those that the last call returned to the caller. Ticks that arrived
+// since then, together with replies to other requests, stay in the list.
 void Link::drop_given()
 {
     const auto given = static_cast<std::ptrdiff_t>(ticks_given_);

@@ -24,8 +24,8 @@
 namespace crn
 {
 
-// `reject` is the device's refusal. The code in `reject` is 0 when the LinkError has another cause, such as
-// silence, another version or a fault.
+// `reject` is the device's refusal. If the LinkError has another cause than a refusal, such as silence,
+// another version or a fault, the code in `reject` is 0.
 class LinkError : public std::runtime_error
 {
   public:
@@ -45,8 +45,8 @@ class Link
 {
   public:
     static constexpr std::size_t steps_max = CRN_WIRE_MAX_step_inputs;
-    // No correct device exceeds the next limits: the frames that arrive before an answer, the bytes of a
-    // snapshot, and the notices that the host has not fetched yet.
+    // No correct device exceeds the following limits: how many frames it sends before an answer, how
+    // many bytes a snapshot has, and how many notices wait until the host fetches them.
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
 

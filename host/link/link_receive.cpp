@@ -22,7 +22,7 @@ void Link::silent() const
     throw LinkError(transport_.name() + " does not answer" + wait + "; check cable, power and port");
 }
 
-// Throws when a device is silent or slow, or sends everything except the answer.
+// Throws an error if a device is silent or slow, or if it sends other frames but not the answer.
 void Link::check_patience()
 {
     if (!transport_.has_own_clock() || !patience_.is_over()) return;
@@ -37,7 +37,7 @@ void Link::check_patience()
 }
 
 // A device that sends without end causes an error, as a silent device does. `frames` counts down from a
-// number of frames that no correct device sends in one go.
+// number of frames that no correct device sends without a pause.
 bool Link::receive_one_of(std::uint32_t &frames)
 {
     if (!receive()) return false;
@@ -71,8 +71,8 @@ bool Link::receive()
     }
 }
 
-// Stores the contents of a received frame. A refusal becomes an error of that request whose answer the host
-// is waiting for.
+// Stores the contents of a received frame. If the device refuses a request, the call that is waiting for the
+// answer to this request throws an error.
 void Link::file_frame()
 {
     const std::uint8_t *payload = decoder_.payload;

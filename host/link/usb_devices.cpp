@@ -53,8 +53,8 @@ std::string place_of(libusb_device *device)
     return text;
 }
 
-// The function in libusb waits 1 s for each request for a string, although USB 2.0 allows a device only half
-// a second (9.2.6.4).
+// libusb's own function waits 1 s for each text string that it requests, although USB 2.0 allows a device
+// only half a second (9.2.6.4).
 int string_descriptor(libusb_device_handle *handle, std::uint8_t index, std::uint16_t language,
                       std::span<unsigned char> bytes)
 {
@@ -244,8 +244,8 @@ void UsbWatch::wait_ms(std::uint32_t milliseconds)
         std::this_thread::sleep_for(std::chrono::milliseconds(std::min(milliseconds, look_again_ms)));
         return;
     }
-    // Events that arrived between two waits end the next wait at once. Each wait is short, so that Ctrl-C
-    // works soon.
+    // If a rig is plugged in or unplugged between two waits, the next wait ends at once. Each wait is short,
+    // so that Ctrl-C works soon.
     const std::uint32_t wait = std::min(milliseconds, look_again_ms);
     timeval time{0, static_cast<suseconds_t>(wait * 1000)};
     libusb_handle_events_timeout_completed(context_.get(), &time, &changed_);

@@ -153,8 +153,8 @@ void UsbTransport::submit(Slot &slot)
 }
 
 // Submits as many USB reads as the ring buffer has space for. When the host does not read, the device must
-// wait, and no byte is lost. USB transfers finish in the order of submission, so any free slot may be used
-// next.
+// wait, and no byte is lost. USB transfers finish in the order of submission, so the program may use any free
+// transfer next.
 void UsbTransport::submit_reads()
 {
     const auto flying = std::count_if(reads_.begin(), reads_.end(),

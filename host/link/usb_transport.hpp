@@ -2,9 +2,9 @@
 // through libusb, with several pending transfers in each direction.
 //
 // A separate thread of the transport serves libusb. A read or write blocks its caller only for a limited
-// time. Every wait ends: when bytes arrive, at its time limit, when the device disappears (DeviceLost), or
-// after_interrupt_ms after Ctrl-C. The destructor cancels all transfers and ends the thread. Only one thread
-// at a time may call the functions of a transport.
+// time. Every wait ends in one of four cases: bytes arrive, the time limit is reached, the device disappears
+// (DeviceLost), or after_interrupt_ms have passed since Ctrl-C. The destructor cancels all transfers and ends
+// the thread. Only one thread at a time may call the functions of a transport.
 #pragma once
 #include "host/link/transport.hpp"
 #include "host/link/usb_devices.hpp"
@@ -36,7 +36,8 @@ class UsbTransport final : public Transport
     ~UsbTransport() override;
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
-    // Sleeps. Between this call and the next write, read() returns the bytes received so far without waiting.
+    // Sleeps. Between this call and the next write, read() returns at once with the bytes received so far,
+    // without waiting for more.
     void pass_time_ms(std::uint32_t milliseconds) override;
     std::string name() const override { return "the rig '" + serial_ + "'"; }
     // Waits until the device has accepted every byte that the host wrote.

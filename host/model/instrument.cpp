@@ -1,5 +1,5 @@
-// Reads a whole instrument file: its general data, the list of sources, and the presets. The code here also
-// makes the preset that the table in the thesis describes.
+// Reads a whole instrument file: its general data, the list of sources, and the presets. The code in this
+// file also makes a preset from a table in the VCSim3 thesis.
 #include "host/model/instrument.hpp"
 #include "host/model/instrument_parts.hpp"
 #include <algorithm>
@@ -56,9 +56,10 @@ TomlRange scaled(const TomlRange &range, double factor, NumberRange bounds)
             std::clamp(range.to * factor, bounds.low, bounds.high)};
 }
 
-// See docs/instruments.md, "vcsim3-fit". The shaft of this preset gets Young's modulus E and its radius from
-// the table. Along the instrument, each value keeps its ratio to the shaft's value, as in the base preset,
-// because the table does not describe the tip. Mass and friction stay too.
+// See docs/instruments.md, "vcsim3-fit". The shaft of the preset from the thesis gets Young's modulus E and
+// its radius from the thesis's table. The table does not describe the tip, so each value along the instrument
+// keeps the ratio to the shaft's value that it has in the base preset. Mass and friction also stay as in the
+// base preset.
 void apply_thesis(const TomlTable &table, const ThesisRow &thesis, std::vector<Section> &sections)
 {
     const double factor = thesis.bend_stiffness_N_m2() / sections.back().bend_N_m2.to;

@@ -1,10 +1,10 @@
-// Reads instrument files (TOML, docs/instruments.md). The reader returns the numbers of the byte protocol's
-// record `instrument`, the unloaded shape and the X-ray layers.
+// Reads instrument files (TOML, docs/instruments.md). The reader returns the numbers of the record
+// `instrument` of the byte protocol, the instrument's unloaded shape and its X-ray layers.
 //
 // An instrument file describes one instrument from its tip to its hub, in one or more presets. The path
 // "file.toml" selects the preset `physical`, and "file.toml:vcsim3-fit" selects the preset `vcsim3-fit`. In
-// an instrument file, every value has its unit in the key, and its source beside it. Error messages about an
-// instrument file name file, line, preset, section and key.
+// an instrument file, the key of every value contains the unit, and every value is accompanied by its source.
+// Error messages about an instrument file name file, line, preset, section and key.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>
@@ -16,8 +16,8 @@
 namespace crn
 {
 
-// Describes one stretch of the instrument as X-rays see it, by the fraction of the cross-section that a
-// material fills.
+// Describes what X-rays meet in one stretch of the instrument: the material, and the fraction of the layer's
+// cross-section that this material fills.
 struct InstrumentLayer {
     double arc_begin_m = 0.0; // from the distal tip
     double arc_end_m = 0.0;
@@ -85,17 +85,18 @@ Instrument read_instrument(const std::string &path);
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
 // Returns the number of nodes of the core's mesh (docs/rod.md), for one instrument or for several nested
-// instruments. Nested instruments share one mesh, which uses the finest elements at tip and shaft, the
-// longest fine part and the greatest length of all of them. The number of nodes is at most CRN_NODE_MAX of
-// the core.
+// instruments. Nested instruments share one mesh. This mesh has the shortest elements that any of the
+// instruments has at its tip and at its shaft, the longest fine part and the greatest length. The number of
+// nodes is at most CRN_NODE_MAX of the core.
 inline constexpr int line_nodes_max = 384;
 int line_node_count(std::span<const crn_wire_instrument *const> tools);
 int line_node_count(const crn_wire_instrument &tool);
 
 // Returns points of the instrument's unloaded centreline, tip first, from the tip to `straight_m` behind the
-// last arc. The list contains a point every `step_m` and at every change of curvature. The straight part lies
-// on the x axis, and its end towards the user's hand is the origin. The instrument enters along +x; d1 is +y,
-// and d2 = t x d1 is -z, where t points along the instrument towards the user's hand.
+// last arc. The list contains a point every `step_m` and at every change of curvature. The straight part of
+// the shape lies on the x axis, and the origin is the end of this part that is nearer to the user's hand. The
+// instrument enters along +x; d1 is +y, and d2 = t x d1 is -z, where t points along the instrument towards
+// the user's hand.
 struct ShapePoint {
     double arc_m = 0.0;
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

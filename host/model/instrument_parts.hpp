@@ -1,5 +1,6 @@
 // Reads the parts of an instrument file: sections of uniform construction, arcs of the unloaded shape, and
-// the lengths of elements. The functions also compute the profile of the instrument from these parts.
+// the lengths of elements. The functions also compute from these parts how the instrument's values change
+// along its length.
 #pragma once
 #include "host/base/toml_reader.hpp"
 #include "host/model/instrument.hpp"
@@ -40,8 +41,8 @@ std::vector<InstrumentArc> read_shape(const TomlTable &root);
 // Reads [[side_holes]]; returns an empty list if the key is missing.
 std::vector<SideHoles> read_side_holes(const TomlTable &root, InstrumentKind kind);
 
-// Reads [balloon] of an instrument file: its table of pressures goes into `wire`, and the data on its label
-// are returned. Returns no label if the key [balloon] is missing.
+// Reads the table [balloon] of an instrument file. The rows of pressures and diameters are stored in `wire`,
+// and the data on the balloon's label are returned. Returns no label if the key [balloon] is missing.
 std::optional<BalloonLabel> read_balloon(const TomlTable &root, InstrumentKind kind,
                                          crn_wire_instrument &wire);
 

@@ -1,5 +1,5 @@
-// Converts sections and arcs to the knots of the protocol's `instrument` message (values at arc lengths), to
-// the nodes of the mesh, and to the unloaded shape.
+// Converts an instrument's sections and arcs to three results: the knots of the protocol's `instrument`
+// message (values at arc lengths), the nodes of the mesh, and the unloaded shape.
 #include "host/model/instrument_parts.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -16,8 +16,8 @@ namespace
 
 constexpr double same_mm = 1e-3; // boundaries closer than this count as one
 
-// Returns a stiffness at the fraction u of a section's length. A stiffness changes geometrically, because the
-// stiffness of a ground taper spans decades; other values change linearly.
+// Returns a stiffness at the fraction u of a section's length. A stiffness changes geometrically, because it
+// may change by several powers of ten along a ground taper; all other values change linearly.
 double by_ratio(const TomlRange &range, double u)
 {
     return range.is_constant() ? range.from : range.from * std::pow(range.to / range.from, u);
@@ -65,8 +65,8 @@ crn_wire_knot knot_at(const Section &section, const InstrumentArc *arc, double a
     return knot;
 }
 
-// Returns, in ascending order, the arc lengths of the section's ends, of its steps' ends, and of the ends of
-// the arcs inside the section.
+// Returns, in ascending order, the arc lengths of the section's ends, of the ends of the equal steps into
+// which the section is divided, and of the ends of the arcs inside the section.
 std::vector<double> boundaries_mm(const Section &section, const std::vector<InstrumentArc> &shape)
 {
     std::vector<double> all;
@@ -94,8 +94,8 @@ const InstrumentArc *arc_at(const std::vector<InstrumentArc> &shape, double arc_
     return nullptr;
 }
 
-// Adds a knot (values at an arc length) and leaves out redundant knots: the second of two equal knots, or the
-// middle one of three with equal values.
+// Adds a knot (values at an arc length) and removes redundant knots: the second of two equal knots, or the
+// middle one of three knots with equal values.
 void append(std::vector<crn_wire_knot> &knots, const crn_wire_knot &knot)
 {
     const std::size_t count = knots.size();
@@ -142,8 +142,8 @@ void add_profile(const TomlTable &preset, const std::vector<Section> &sections, 
 
 int line_node_count(std::span<const crn_wire_instrument *const> tools)
 {
-    // The number of elements is computed with the core's Q30 metres and its rounding, because an instrument
-    // may end on a whole element to the micrometre.
+    // The number of elements is computed with the core's Q30 metres and the core's rounding, because the
+    // length of an instrument may be an exact multiple of the element length.
     const auto q30 = [](std::uint64_t um) {
         return static_cast<std::int64_t>(((um << 30) + 500000) / 1000000);
     };

@@ -31,7 +31,8 @@ std::vector<std::string> with(const std::vector<std::string> &more)
     return keys;
 }
 
-// Reads the values of a section; where a value is missing, the value of [all] applies.
+// Reads the values of a section. If the section does not give a value, the function takes it from the table
+// [all].
 class Values
 {
   public:
@@ -104,7 +105,8 @@ TomlRange read_twist(const Values &values, const Section &section)
     if (key == "twist_stiffness_N_m2") return values.read(key, stiffness_bounds);
     const TomlRange ratio = values.read(key, twist_ratio_bounds);
     const TomlRange twist = {ratio.from * section.bend_N_m2.from, ratio.to * section.bend_N_m2.to};
-    // The softest tips would be softer in torsion than the core allows, so they get the core's lower limit.
+    // The softest tips would be softer in torsion than the core allows, so the function raises their
+    // torsional stiffness to the core's lower limit.
     return {std::max(twist.from, stiffness_bounds.low), std::max(twist.to, stiffness_bounds.low)};
 }
 
@@ -200,7 +202,8 @@ InstrumentArc read_arc(const TomlTable &table, double begin_m)
             per_m * std::sin(plane_rad)};
 }
 
-// Returns a text such as "section 2 'taper'", which messages use to name one of several tables.
+// Returns a text such as "section 2 'taper'", with which messages identify one of several tables that have
+// the same key.
 std::string title_of(const char *kind, std::size_t index, const TomlTable &table)
 {
     const TomlValue name = table["name"];

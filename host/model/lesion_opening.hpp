@@ -1,4 +1,5 @@
-// Widens the lesions in the host's tree of vessels as far as they have yielded in the core (docs/lesions.md).
+// Widens the lesions in the host's tree of vessels by as much as the balloon has opened them in the core
+// (docs/lesions.md).
 //
 //   const auto stations = read_lesion_stations("lad.scene", error);
 //   const LesionOpening opening(tree, stations);
@@ -14,20 +15,21 @@ struct crn_scene;
 namespace crn
 {
 
-// Describes the stations of a lesion that yields, which are evenly spaced points of the lesion, by their
-// number and their distance along the healthy vessel. The middle of the lesion is the middle of its row of
+// Describes the stations (evenly spaced points) of a lesion that a balloon can open: their number, and the
+// distance between them along the healthy vessel. The middle of the lesion is the middle of its row of
 // stations (evenly spaced points).
 struct LesionStations {
     std::size_t count = 0;
     double spacing_m = 0.0;
 };
 
-// Returns, from a validated scene, the stations (evenly spaced points) of each lesion that yields. The result
-// is in the order of the tree's lesions; the lesions that yield come first in the tree.
+// Returns the stations (evenly spaced points) of each lesion that a balloon can open; the scene must be
+// validated. The result is in the order of the tree's lesions, in which the lesions that a balloon can open
+// come first.
 std::vector<LesionStations> lesion_stations(const crn_scene &scene);
-// Reads the stations of all lesions that yield from the PLAQUES section of a scene file. Returns an empty
-// list when the file has no such section. When the section cannot be read, the list is empty too, and `error`
-// has a message.
+// Reads the stations (evenly spaced points) of all lesions that a balloon can open from the PLAQUES section
+// of a scene file. Returns an empty list when the file has no such section. When the section cannot be read,
+// the list is empty too, and `error` has a message.
 std::vector<LesionStations> read_lesion_stations(const std::string &scene_path, std::string &error);
 
 class LesionOpening
@@ -43,20 +45,21 @@ class LesionOpening
         return lesions_.size();
     } // number of lesions that yield: the tree's first ones
 
-    // Describes a position between two stations of a lesion, as an index into WireFrame::lesions_open and a
-    // fraction.
+    // Describes a position between two stations (points) of a lesion: the index of the first station in
+    // WireFrame::lesions_open, and the fraction of the distance to the next station.
     struct Place {
         std::size_t station = 0;
         double share = 0.0; // share of the next one
     };
     // Returns the position at this distance from the lesion's first point, measured along the healthy vessel.
     Place place(std::size_t lesion, double arc_m) const;
-    // Returns how far the lesion is open at a position: 0 means as narrow as it was baked, 1 means as wide as
-    // the healthy vessel. Returns 0 if the list `lesions_open` has no value for this position.
+    // Returns how far the lesion is open at a position: 0 means as narrow as in the scene file, 1 means as
+    // wide as the healthy vessel. Returns 0 if the list `lesions_open` has no value for this position.
     static double at(const Place &place, std::span<const double> lesions_open);
     bool is_open(std::size_t lesion, std::span<const double> lesions_open) const;
     bool is_any_open(std::span<const double> lesions_open) const;
-    // Returns how far a lesion is open at one of its points, from 0 (as baked) to 1 (healthy).
+    // Returns how far a lesion is open at one of its points, from 0 (as narrow as in the scene file) to 1 (as
+    // wide as the healthy vessel).
     double at_point(std::size_t lesion, std::size_t point, std::span<const double> lesions_open) const
     {
         return at(lesions_[lesion].points[point], lesions_open);

@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 constexpr double unmoved_m = 1e-6;
 constexpr int share_rounds = 24;
 
-// Adds those stretches of a branch that may be nearer to a wall inside the box than the lesion is; each
-// distance is measured in radii of the vessel concerned.
+// Adds each stretch of a branch that may be nearer to a wall inside the box than the lesion is. All these
+// distances are measured in radii of the vessel concerned.
 void add_near_stretches(const VesselBranch &branch, const Eigen::AlignedBox3d &reach_m,
                         std::vector<VesselBranch> &stretches)
 {
@@ -129,12 +129,12 @@ Vector3d LesionWall::way_m(const Vector3d &healthy_m) const
     return share_of_way(at, healthy_m) * (there - healthy_m);
 }
 
-// Finds the healthy position of a point of the wall for which the fraction s of the lesion's displacement is
-// known. Let v be the healthy position, and let h, its foot, be the point on the healthy centreline that is
-// nearest to v. The lesion moved v to x, which lies near m = h + s (c - h), and x - m has the same direction
-// across the centreline as v - h. So the foot h is where x - m is perpendicular to the centreline, or at a
-// corner where x - m is perpendicular to neither side. The healthy position is then v = h + (x - m) / (1 - s
-// (1 - left)).
+// Finds the healthy position of a point of the wall that has moved by a known fraction s of the lesion's
+// displacement. Let v be the healthy position of the point. Let h be the point on the healthy centreline that
+// is nearest to v. The lesion moved v to x, which lies near m = h + s (c - h), and x - m has the same
+// direction across the centreline as v - h. So h is the point of the centreline where x - m is perpendicular
+// to the centreline, or a corner of the centreline where x - m is perpendicular to neither side. The healthy
+// position is then v = h + (x - m) / (1 - s (1 - left)).
 LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) const
 {
     Healthy healthy{narrowed_m, 0};
@@ -161,8 +161,9 @@ LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) c
     return healthy;
 }
 
-// A wall that was farther from the centreline took a smaller fraction s of the displacement. So for each
-// narrowed position exactly one fraction s is consistent with the healthy position that it implies.
+// A point of the wall that was farther from the centreline moved by a smaller fraction s of the displacement.
+// So for each narrowed position exactly one fraction s is consistent with the healthy position that it
+// implies.
 bool LesionWall::healthy_of(const Vector3d &narrowed_m, Healthy &healthy) const
 {
     if (!reach_m_.contains(narrowed_m)) return false;

@@ -1,6 +1,6 @@
 // Computes where a lesion moves the points of the healthy vessel's wall, and the inverse of this map
 // (docs/lesions.md). The program `bake` maps points of healthy walls to points of narrowed walls. The host
-// maps the points of narrowed walls back, as far as the lesion has yielded in the core.
+// maps the points of narrowed walls back, by as much as the lesion has opened in the core.
 //
 //   const LesionWall wall(tree, 0);
 //   x += wall.way_m(x);                       // from the healthy vessel to the narrowed one
@@ -12,15 +12,15 @@
 namespace crn
 {
 
-// A point of the wall moves fully with the lesion up to lesion_near_radii radii from the healthy centreline,
-// and beyond lesion_far_radii it does not move.
+// A point of the wall moves fully with the lesion if it is at most lesion_near_radii radii from the healthy
+// centreline. Beyond lesion_far_radii radii it does not move.
 constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 
 // Returns the tree of vessels as it was before disease narrowed it.
 VesselTree healthy_tree(const VesselTree &tree);
 
-// Holds the point on the healthy centreline inside a lesion that is nearest to a given point, and the
-// position to which the lesion moved that centreline point.
+// Holds the point on a lesion's healthy centreline that is nearest to a given point, and the position to
+// which the lesion moved this nearest point.
 struct LesionFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the healthy radius
     Eigen::Vector3d healthy_m = Eigen::Vector3d::Zero(), channel_m = Eigen::Vector3d::Zero();

@@ -41,10 +41,10 @@ MotionWeights motion_weights(const MotionMoment &moment)
 
 double motion_plane_weight(int corner, const Eigen::Vector3d &place)
 {
-    // In Kuhn's division of a cell, each tetrahedron follows a path of edges from corner 0 of the cell. A
-    // corner is on this path if every axis that leads to it has a larger fraction than the other axes. The
-    // weight of the corner is the smallest fraction of the axes that lead to it, minus the largest fraction
-    // of the other axes.
+    // In Kuhn's division of a cell, each tetrahedron follows a path of edges from corner 0 of the cell. The
+    // path reaches a corner if the position in the cell has larger coordinates along the axes that lead to
+    // this corner than along the other axes. The weight of the corner is the smallest coordinate along the
+    // axes that lead to it, minus the largest coordinate along the other axes.
     double least = 1, most = 0;
     for (int k = 0; k < 3; ++k) {
         if ((corner >> k & 1) != 0)
@@ -134,7 +134,7 @@ namespace
 
 // Solves x = X - w(x) for the position x by fixed-point iteration, where w is the lattice's displacement. The
 // iteration converges because the displacement w changes by less than x does. Each round multiplies the error
-// by the gradient of w, which is a third in a heart.
+// by the gradient of w, which is a third in the lattice of a heart.
 template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;

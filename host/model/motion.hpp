@@ -30,8 +30,8 @@ struct MotionMoment {
     bool operator==(const MotionMoment &) const = default;
 };
 
-// Holds the weights of three consecutive keyframes in a row of the lattice (quadratic B-spline, periodic),
-// and the depth of breath, 0 .. 1.
+// Holds the weights of three consecutive keyframes of the heartbeat for one moment (quadratic B-spline,
+// periodic), and the depth of breath, 0 .. 1.
 struct MotionWeights {
     int first = 0;
     double weights[3] = {0.125, 0.75, 0.125};
@@ -46,8 +46,8 @@ void motion_prefilter(const double *w, double *c);
 
 // Returns the weight of one corner of a lattice cell (bits x, y, z of `corner`) for a position in the cell (0
 // .. 1 along each axis). The lattice's displacement is linear in each of the six tetrahedra into which a cell
-// is divided. The path of edges from corner 0 follows first the axis with the largest fraction (Kuhn's
-// division, which is used for the breath's lattice).
+// is divided. In each tetrahedron, a path of cell edges leads from corner 0 along the axes, and first along
+// the axis with the largest coordinate (Kuhn's division, which is used for the breath's lattice).
 double motion_plane_weight(int corner, const Eigen::Vector3d &place);
 
 class Motion
@@ -63,7 +63,7 @@ class Motion
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:
-    // Holds a lattice of nodes; each node has `row` numbers for each of three components of displacement.
+    // Holds a lattice of nodes. At each node, each of the three components of displacement has `row` numbers.
     struct Lattice {
         explicit Lattice(const crn_scene_motion &scene, std::size_t row);
         // Finds the lattice node at corner 0 of the cell that contains a position, the strides to the other
@@ -84,7 +84,7 @@ class Motion
 };
 
 // Reads the MOTION section of a scene file, which describes how vessels move. Returns no motion when the file
-// has no such section. When the section cannot be read, the function returns no motion too, and `error` has a
+// has no such section. If the section cannot be read, the function also returns no motion, and `error` has a
 // message.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
@@ -112,9 +112,10 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // Holds the displacements of each point at keyframes 23, 0 .. 23, 0: those without breath and, if the
-    // point moves with breath, the difference that a full breath adds. The keyframes of one point are
-    // adjacent in memory, because each computation needs three neighbouring keyframes.
+    // Holds the displacements of each point at the keyframes 23, 0 .. 23, 0. The first displacements are
+    // those without breath; a point that moves with breath also has the difference that a full breath makes.
+    // The keyframes of one point are adjacent in memory, because each computation needs three neighbouring
+    // keyframes.
     std::vector<float> coefficients_um_;
 };
 

@@ -30,7 +30,8 @@ bool is_inside(const Body &body, const Vector3d &place_m)
     return std::fabs(sum) > std::numbers::pi; // half of the sum over the whole sphere
 }
 
-// The program `bake` narrowed a body of blood if part of the lesion's healthy centreline lies in that body.
+// Returns true if part of the lesion's healthy centreline lies in the body (closed mesh); `bake` narrowed
+// each body of blood for which this is true.
 bool runs_through(const Body &body, const VesselLesion &lesion)
 {
     Eigen::AlignedBox3d box;

@@ -1,10 +1,11 @@
-// Changes the meshes around lesions that have yielded: the surface of the blood moves back towards the
-// healthy vessel, and calcium is pushed outwards with it.
+// Changes the meshes around lesions that a balloon has opened: the surface of the blood moves back towards
+// the healthy vessel wall, and pushes calcium outwards.
 //
 //   OpenedBodies opened(bodies, opening, motion);
 //   for (const auto &body : opened.at(moment, wire.lesions_open, moving.at(moment))) ...
 //
-// Only vertices near a lesion change, and no vertex changes while all lesions are closed.
+// Only vertices near a lesion can move. While all lesions are as narrow as in the scene file, no vertex
+// moves.
 #pragma once
 #include "host/model/lesion_opening.hpp"
 #include "host/model/motion.hpp"
@@ -26,8 +27,9 @@ class OpenedBodies
     std::size_t vertex_count() const; // number of vertices that move with lesions
     std::vector<int> bodies() const;  // bodies that have such vertices
 
-    // Returns the bodies that differ from the scene at this moment: those in `moved`, which the heart moves,
-    // with the changes for open lesions. The list that this function returns is valid until the next call.
+    // Returns the bodies (closed meshes) whose shape at this moment differs from that in the scene file: the
+    // bodies in `moved`, which the heart moves, and the bodies that open lesions change. The list that this
+    // function returns is valid until the next call.
     const std::vector<MovingBodies::Moved> &at(const MotionMoment &moment,
                                                std::span<const double> lesions_open,
                                                std::span<const MovingBodies::Moved> moved = {});

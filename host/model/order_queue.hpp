@@ -1,6 +1,6 @@
 // Holds commands for the core until a tick (millisecond) can accept them. A tick's list accepts only one
-// command ("order") of each kind, as the core does (shared/wire/wire_orders.def). A second command of the
-// same kind waits for the next tick.
+// command ("order") of each kind, as the core does (shared/wire/wire_orders.def). If there is a second
+// command of the same kind, it waits for the next tick.
 //
 //   OrderQueue orders;
 //   orders.add(crn_wire_order_of_rhythm({CRN_WIRE_RHYTHM_HEART_RATE, 90}));

@@ -9,8 +9,8 @@ namespace crn
 {
 
 // The callback `use` receives the checked scene, and the scene's bytes are released afterwards. Returns the
-// result of `use`. Returns `{}` when the path is empty, or when an error occurs; `error` then names the file
-// and the byte.
+// result of `use`. If the path is empty or an error occurs, returns `{}`; after an error, `error` names the
+// file and the byte.
 template <typename Result, typename Use>
 Result from_scene(const std::string &scene_path, std::string &error, Use use)
 {

@@ -1,6 +1,7 @@
-// Answers questions about a tree of vessels: in which vessel a point lies, how far along that vessel it lies,
-// and how far along the vessels it is from another point. All positions are in the reference pose; the
-// position of a point that moves with heart and breath must first be converted to that pose (motion.hpp).
+// Answers three questions about a point in a tree of vessels: in which vessel the point lies, how far along
+// that vessel it lies, and how far it is from another point, measured along the vessels. All positions are in
+// the reference pose; the position of a point that moves with heart and breath must first be converted to
+// that pose (motion.hpp).
 //
 //   VesselMap map(bodies.vessels);
 //   const std::optional<std::size_t> goal = map.find("left main");
@@ -40,7 +41,7 @@ struct VesselPlace {
     double radii = 0.0; // distance from the centreline in radii of the lumen: above 1 the place lies outside
 };
 
-// Describes a position relative to a tool's route along the vessels, from a start to a goal.
+// Describes where a position lies relative to the route of a tool along the vessels, from a start to a goal.
 struct VesselWay {
     std::int64_t ahead_um = 0; // on the route: distance to the goal's ostium
     std::int64_t astray_um =
@@ -68,8 +69,9 @@ class VesselMap
     // Returns the vessel in which a point lies, or else the nearest vessel. The map must have at least one
     // vessel.
     VesselPlace at(const Eigen::Vector3d &reference_m) const;
-    // Returns how far inside its vessel a position lies. This distance begins where the route from `start`
-    // enters the vessel: at the vessel's beginning, or at the branch from which the route comes.
+    // Returns how far inside its vessel a position lies. This distance is measured from the point where the
+    // route from `start` enters the vessel: the vessel's beginning, or the origin of the branch from which
+    // the route comes.
     double inside_m(const VesselPlace &place, const VesselPlace &start) const;
     VesselWay way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const;
     // Returns the radius of the lumen at the ostium of the goal vessel.

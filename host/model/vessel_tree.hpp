@@ -51,8 +51,8 @@ struct VesselTree {
     bool is_outlet(std::size_t branch) const;
 };
 
-// Describes the position on a branch that is nearest to a given point; the distance is measured in radii of
-// the branch.
+// Describes the position on a branch that is nearest to a given point. The distance of the point is measured
+// in radii of the branch.
 struct VesselFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the radius there
     std::size_t point = 0;                                  // between this point and the next ...
@@ -60,10 +60,12 @@ struct VesselFoot {
 };
 VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_m);
 
-// Returns the distance along a branch's centreline at which the branch leaves its parent. A branch leaves its
-// parent where its centreline leaves the parent's lumen or, after a division, half of the parent's radius
-// along it; at most 0.8 of the branch's length. The blood that belongs to the branch begins at this distance,
-// and distances from the branch's ostium are measured from there. For the root branch the result is 0.
+// Returns the distance along a branch's centreline at which the branch leaves its parent. A branch that
+// leaves the side of its parent begins where its centreline leaves the parent's lumen. A branch at the end of
+// its parent (a division) begins half of the parent's radius along its own centreline. In both cases the
+// distance is at most 0.8 of the branch's length. The blood that belongs to the branch begins at this
+// distance from the first point of its centreline, and distances from the branch's ostium are measured from
+// there. For the root branch the result is 0.
 double vessel_start_m(const VesselTree &tree, std::size_t branch);
 
 // Checks what reading alone cannot guarantee: parents come before children, the points to which indices refer

@@ -1,5 +1,5 @@
-// Describes the balloon of a session: the tool that carries it, the position of its balls (the spheres by
-// which the core models it) along the nested tools, and the contrast medium in it.
+// Describes the balloon of a session: the tool that carries the balloon, the positions along the nested tools
+// of the balls (spheres) by which the core models the balloon, and the contrast medium in the balloon.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/wire_frame.hpp"
@@ -18,13 +18,14 @@ inline constexpr double balloon_iodine_mg_per_ml = 175.0;
 // Returns the index of the tool with a balloon, counted from the innermost, or no value if no tool has a
 // balloon.
 std::optional<std::size_t> balloon_tool(const std::vector<Instrument> &tools);
-// The user gets this message after a request to inflate when no tool has a balloon.
+// The user gets this message after a command to inflate the balloon if no tool has a balloon.
 inline constexpr char no_balloon_text[] = "NO BALLOON - none of the tools has one to inflate";
 // Returns the middle of the balloon's working length, in mm from the tool's tip; a stent is mounted there.
 double balloon_middle_mm(const Instrument &tool);
 
 // Returns the balls that model the balloon, in order from the tool's tip. The list is empty if no ball is
-// inside the patient. Inside the introducer sheath the nested tools continue straight.
+// inside the patient. Balls inside the introducer sheath are placed on a straight continuation of the nested
+// tools.
 BalloonPose balloon_pose(const WireFrame &wire, std::size_t tool);
 
 // Returns the contrast medium in the unfolded balloon as one column around the folded tool; each end of the

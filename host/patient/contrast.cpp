@@ -52,8 +52,8 @@ bool has_lumen(const Instrument &tool)
     return tool.table.knots_count > 0 && tool.table.knots[0].radius_inner_um > 0;
 }
 
-// Returns the point of the nested tools at an arc length from the leading tip; beyond an end it returns that
-// end.
+// Returns the point of the nested tools at an arc length from the leading tip; for an arc length beyond an
+// end, the function returns that end.
 Vector3d place_at(const WireFrame &wire, double arc_m)
 {
     if (arc_m < wire.nodes.front().arc_m) return wire.nodes.front().position_m;
@@ -162,7 +162,8 @@ PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<In
     moved_ = vessels;
 }
 
-// Takes into account that other tools lie inside the injecting tool, as far as they are inserted.
+// Returns the reason why the pressure for this injection would be too high, or an empty string. The other
+// tools count as far as they are inserted into the injecting tool.
 std::string PatientContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
 {
     std::vector<InnerTool> inside;
@@ -232,8 +233,8 @@ VesselTree PatientContrast::opened_vessels() const
     return opened;
 }
 
-// The simulated vessels widen only when the tools' shape is read at fixed ticks, because the medium must not
-// depend on which pictures were requested.
+// The simulated vessels widen only at the fixed ticks at which the shape of the tools is read, because the
+// medium must not depend on which pictures were requested.
 bool PatientContrast::open_vessels(const WireFrame &wire)
 {
     if (opening_.is_empty() || wire.lesions_open == flow_open_) return false;
@@ -288,8 +289,8 @@ std::uint32_t PatientContrast::look_due() const
     return (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
 }
 
-// Advances the medium to the frame's tick, with the tools at their last known positions. Then reads the shape
-// of the tools in this frame, if such a reading is due.
+// Advances the medium to the frame's tick, with the tools at their last known positions. If the shape of the
+// tools must be read at this tick, the function then reads it from the frame.
 void PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
@@ -383,8 +384,9 @@ double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
            std::max(1.0 - behind_tip_mm / (stream_radii * cells[cell].radius_mm), 0.0);
 }
 
-// Draws the iodine of a cell as a column that is thinner than the vessel and lies beside the axis, towards
-// the tip. The column is just wide enough to hold all iodine of the cell as undiluted medium.
+// Draws the iodine of a cell as a column that is thinner than the vessel. The column lies beside the axis of
+// the vessel, on the side of the catheter's tip. The column is just wide enough to hold all iodine of the
+// cell as undiluted medium.
 SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) const
 {
     const FlowCells &cells = flow_.cells();
@@ -400,10 +402,11 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
 }
 
 // Makes two columns per vessel. The first column has the vessel's width and the concentration that both
-// layers of blood have in common. The second column is narrower and lies on the vessel's axis. Its
-// concentration is the difference between the inner layer of blood and the outer layer. If the layer along
-// the wall has the higher concentration, the two layers are shown as if they were mixed. Near the tip, where
-// the medium forms a jet, there is only one, thinner column.
+// layers of blood have in common. The second column is narrower and lies on the vessel's axis. The
+// concentration of the second column is the concentration in the inner layer of blood minus that in the outer
+// layer. If the layer along the wall has the higher concentration, the two layers are shown as if they were
+// mixed. Near the tip, where the medium forms a jet, there is only one column, which is thinner than the
+// vessel.
 void PatientContrast::make_curves()
 {
     curves_.clear();

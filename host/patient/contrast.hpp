@@ -21,9 +21,9 @@ namespace crn
 inline constexpr double iodine_default_mg_per_ml =
     350.0; // strength of the injected medium until a command changes it
 
-// Returns the index of the tool that injects, counted from the innermost. `asked` is the number of the tool
-// from 1; the number 0 selects the outermost tool with a lumen. The result has no value if the session has no
-// such tool.
+// Returns the index of the tool that injects, counted from the innermost. `asked` is the number of the
+// requested tool, counted from 1 for the innermost; the number 0 selects the outermost tool with a lumen. The
+// result has no value if the session has no such tool.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
 // Returns the reason why these tools cannot carry out a command to the syringe, whatever their positions. The
 // string is empty if the tools can carry out the command, or if the command is not for the syringe.
@@ -69,8 +69,8 @@ class PatientContrast
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
     void advance(const WireFrame &wire);
 
-    // curves() returns the columns of medium for the X-ray. colour() adds the iodine in the surrounding blood
-    // to the shape of the tools.
+    // curves() returns the columns of medium for the X-ray. colour() stores in each node of the tools the
+    // concentration of iodine in the blood around the node.
     const std::vector<SweptCurve> &curves() const { return curves_; }
     void colour(WireFrame &wire) const;
 

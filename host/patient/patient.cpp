@@ -42,7 +42,7 @@ void Patient::command(std::uint32_t tick, const RoomCommand &command)
 }
 
 // Contrast medium and stents carry out each command at its own tick, with the tools at their positions in
-// that tick. The moment at which the program passes on the command does not matter.
+// that tick. It makes no difference at which moment the program passes the command to this class.
 void Patient::carry_out_due()
 {
     for (; !asked_.empty() && asked_.front().tick <= state_.tick; asked_.pop_front())

@@ -38,8 +38,8 @@ struct PatientSettings {
 class Patient
 {
   public:
-    // `tools` lists the tools from the innermost outwards. If the anatomy is empty, the patient consists of
-    // air without vessels. Throws std::runtime_error if a body has an unknown material.
+    // `tools` lists the tools from the innermost outwards. If the anatomy is empty, the patient has no
+    // vessels and consists of air. Throws std::runtime_error if a body has an unknown material.
     Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
             const PatientSettings &settings = {});
     ~Patient();
@@ -47,24 +47,25 @@ class Patient
     Patient &operator=(const Patient &) = delete;
 
     // --- what happens to the patient ---
-    // A command takes effect from its tick on; call command() before look() for that tick. If a command
-    // cannot be carried out now, it is kept in refusals() or stents()->refusals(), and notice() reports it.
-    // Throws std::runtime_error if no room can carry out the command (unknown action, or a value out of
-    // range).
+    // A command takes effect from its own tick on, so call command() before look() for that tick. If a
+    // command cannot be carried out now, it is kept in refusals() or stents()->refusals(), and notice()
+    // reports it. Throws std::runtime_error if no room can carry out the command (unknown action, or a value
+    // out of range).
     void command(std::uint32_t tick, const RoomCommand &command);
     // Receives every tick in order, with its input and its result.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     // Returns the next tick at which look() must be called, or UINT32_MAX if no call is needed.
     std::uint32_t next_look() const;
-    // Advances to the frame's tick. A rig in FREE_RUN sends the shape of the tools at times of its own
-    // choice. If an X-ray pulse lies between two such shapes, its picture uses the later shape.
+    // Advances to the frame's tick. A rig in the mode FREE_RUN sends the shape of the tools at moments of its
+    // own choice. If an X-ray pulse lies between two such moments, the picture of the pulse uses the shape at
+    // the later moment.
     void look(const WireFrame &wire);
     // Updates only the vessels for this frame; a replay that starts later than tick 0 calls this function
     // until its start.
     std::uint32_t next_vessel_look() const;
     void look_at_vessels(const WireFrame &wire);
-    // Returns true if the patient's state depends on every tick since the first. A replay with a later start
-    // must then simulate all ticks.
+    // Returns true if the patient's state depends on every tick since the first. A replay that starts later
+    // than tick 0 must then simulate all ticks before its start.
     bool needs_beginning() const { return stents_ != nullptr; }
 
     // --- commands for the core in the next tick; call this function before each tick. A replay does not need
@@ -78,7 +79,8 @@ class Patient
     const PatientStents *stents() const { return stents_.get(); }
     const PulseMonitor &monitor() const { return monitor_; }
     const crn_wire_tick_state &state() const { return state_; } // of the last tick
-    // Returns the refused requests for X-ray runs and for injections, in order of their ticks.
+    // Returns the requests for X-ray runs and for injections that the patient refused, in order of their
+    // ticks.
     std::vector<Refusal> refusals() const;
     const RoomNotice &notice() const { return notice_; } // the last notice of syringe and stents
     const XrayScene &scene() const { return scene_; }

@@ -87,7 +87,7 @@ crn_wire_strut ring_of(const StentCircle &circle, std::uint8_t number, bool is_j
             static_cast<std::uint16_t>(std::clamp(micrometres(design.strut_thickness_mm), 10, 1000))};
 }
 
-// Returns true if a ring has changed enough to need a new command to the core.
+// Returns true if a ring of a stent has changed so much that the core needs a new command about this ring.
 bool has_changed(const crn_wire_strut &known, const crn_wire_strut &now)
 {
     if (known.inside_um == 0 || now.inside_um == 0) return known.inside_um != now.inside_um;
@@ -194,7 +194,7 @@ void PatientStents::tick(const crn_wire_tick_input &input, const crn_wire_tick_s
     }
 }
 
-// Stores a ring whose command the core has carried out.
+// Stores the state of a stent's ring after the core has carried out the command about it.
 void PatientStents::note(const crn_wire_strut &ring)
 {
     if (ring.number >= 1 && ring.number <= struts_max) known_struts_[ring.number - 1u] = ring;
@@ -253,8 +253,8 @@ std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, con
     }
 }
 
-// Limits the radius of the balloon at each of its balls to the radius of the vessel's wall there. The radius
-// of a ball outside the vessel is not limited.
+// Limits the radius of each ball that models the balloon to the radius of the vessel's wall at that ball. The
+// radius of a ball outside the vessel is not limited.
 void PatientStents::give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const
 {
     if (!vessel) return;
@@ -313,8 +313,9 @@ void PatientStents::note_stages(std::uint32_t tick)
     }
 }
 
-// Queues the commands for everything that the core does not yet know. Commands that no tick's input has
-// confirmed are queued again.
+// Queues the commands about points of lesions that the stents hold open, but only about those points that
+// the core does not yet know. If the input of no tick has contained a queued command, the command is queued
+// again.
 void PatientStents::ask_for_holds(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);
@@ -341,8 +342,8 @@ void PatientStents::ask_for_holds(const WireFrame &wire)
     }
 }
 
-// Every stent of the session has ring numbers of its own. If a ring no longer exists, a command removes it
-// from the core.
+// The numbers of the rings of different stents do not overlap. If a ring no longer exists, a command removes
+// it from the core.
 void PatientStents::ask_for_struts(const WireFrame &wire)
 {
     const std::size_t share = struts_max / std::max<std::size_t>(shelf_.size(), 1);

@@ -57,8 +57,9 @@ class DicomExport
     void set_contrast(const std::function<std::optional<RunContrast>(std::uint32_t, std::uint32_t)> &given);
 
     // Writes the files; no function of this object may be called afterwards. The function `report` receives
-    // the progress, and returns whether the export must continue. Returns the names of the written files: all
-    // files, or the ones that were finished before the export was stopped. Throws OutputError.
+    // the progress of the export, and returns whether the export must continue. Returns the names of the
+    // files that were written: all files, or only those that were complete before the export was stopped.
+    // Throws OutputError.
     std::vector<std::string> finish(const std::function<bool(const ExportProgress &)> &report);
 
   private:

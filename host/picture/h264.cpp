@@ -28,7 +28,7 @@ constexpr int fixed(double value)
 }
 constexpr int y_red = fixed(red_share * brightness_range), y_blue = fixed(blue_share * brightness_range);
 constexpr int y_green = fixed(brightness_range) - y_red - y_blue;
-// The factors of each row add up to 0, so that grey pixels have colour difference 0.
+// The three factors of each colour difference add up to 0, so that grey pixels have a colour difference of 0.
 constexpr double cb_scale = colour_range / (2 * (1 - blue_share)),
                  cr_scale = colour_range / (2 * (1 - red_share));
 constexpr int cb_red = fixed(-red_share * cb_scale), cb_blue = fixed((1 - blue_share) * cb_scale);
@@ -239,8 +239,8 @@ H264Encoder::Picture H264Encoder::encode(const Image &image)
 
     bytes_.clear();
     for_each_unit(info, [&](std::span<const std::uint8_t> unit) {
-        // The decoder parameters are already in the index of the file and never change, so they are skipped
-        // here.
+        // The decoder parameters are already in the index of the file and never change, so this function does
+        // not write them once more.
         const int type = unit[0] & type_mask;
         const auto is_same = [&](const auto &kept) { return std::ranges::equal(unit, kept); };
         if (type == type_sequence_parameters && is_same(sequence_parameters_)) return;

@@ -15,7 +15,8 @@ namespace crn
 class H264Encoder
 {
   public:
-    // The library openh264 accepts at most 9,437,184 pixels per picture, which is the square of this number.
+    // The library openh264 accepts at most 9,437,184 pixels per picture; the constant is the square root of
+    // this number.
     static constexpr int edge_max = 3072;
     // Every two seconds the film has a key picture, at which a player can begin.
     static constexpr int seconds_between_keys = 2;
@@ -33,9 +34,9 @@ class H264Encoder
     };
     // RGB of the given size. The returned bytes are valid until the next call.
     Picture encode(const Image &image);
-    // Return the two parameter sets (SPS and PPS) that a decoder needs before the first picture, without
-    // start codes. After the last picture, the level in the sequence parameters permits the bit rate of the
-    // film's busiest second.
+    // The next two functions return the two parameter sets (SPS and PPS) that a decoder needs before the
+    // first picture, without start codes. After the last picture, the level in the sequence parameters
+    // permits the bit rate of the film's busiest second.
     std::vector<std::uint8_t> sequence_parameters() const;
     const std::vector<std::uint8_t> &picture_parameters() const { return picture_parameters_; }
 

@@ -13,8 +13,8 @@ namespace
 constexpr std::uint64_t u32_max = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t moved_bytes_max = std::size_t{1} << 18; // by one read and one write
 
-// Numbers in an MP4 file are stored with the most significant byte first. The type of each function's
-// argument determines the range of the number.
+// Numbers in an MP4 file are stored with the most significant byte first. The parameter type of each function
+// limits the numbers that the function can write.
 class Mp4Bytes
 {
   public:
@@ -165,8 +165,9 @@ void put_description(Mp4Bytes &bytes, const Mp4Track &track)
     bytes.u8(0);                              // 16 .. 235, not 0 .. 255
 }
 
-// In the MP4 file, a chunk is one second of pictures. Returns the entries of the table "stsc": the number of
-// the first chunk (from 1) and the number of pictures in each chunk.
+// In the MP4 file, a chunk is one second of pictures. Returns the entries of the table "stsc". Each entry
+// describes consecutive chunks of equal length: the number of the first of these chunks (from 1), and the
+// number of pictures in each of them.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> chunk_runs(std::size_t pictures, std::size_t per_chunk)
 {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> runs;
@@ -263,7 +264,8 @@ Mp4Bytes make_head(const Mp4Track &track, const Mp4Tables &tables, std::uint64_t
         put_track_header(bytes, track, pictures);
         put_media(bytes, track, tables);
     }
-    // A length of 1 means that the real length follows as a number of 64 bits.
+    // In an MP4 box, a length of 1 in the first 32 bits means that the real length follows as a number of 64
+    // bits.
     const bool is_large = data_bytes + 8 > u32_max;
     bytes.u32(is_large ? 1 : static_cast<std::uint32_t>(data_bytes + 8));
     bytes.text("mdat");
@@ -313,8 +315,8 @@ bool Mp4Index::add(std::uint32_t bytes, bool is_key)
     return true;
 }
 
-// The length of the file's first part depends only on whether positions in it have 32 or 64 bits, and not on
-// their values.
+// The length of the file's first part (the index) depends only on whether the positions in the index have 32
+// or 64 bits, and not on the values of these positions.
 std::vector<std::uint8_t> Mp4Index::head(const Mp4Track &track) const
 {
     Mp4Tables tables{picture_bytes_, keys_, 0, false};

@@ -19,7 +19,7 @@ struct Mp4Track {
     std::vector<std::uint8_t> picture_parameters;  // H.264 PPS without a start code, 1 .. 65535 bytes
 };
 
-// Holds the data about the pictures that the file's index needs: 4 bytes of memory for each picture.
+// Holds what the file's index needs to know about each picture, in 4 bytes of memory per picture.
 class Mp4Index
 {
   public:

@@ -100,7 +100,7 @@ std::string state_of(const RoomStatus &room)
     return room.is_beam_on ? "X-RAY ON" : "NO IMAGE YET";
 }
 
-// Returns a line of text about the mask and a line about the roadmap, if they are in use.
+// If a subtraction mask or a roadmap is in use, returns a line of text about each of them.
 std::vector<std::string> processing_of(const RoomStatus &room)
 {
     std::vector<std::string> lines;
@@ -173,8 +173,8 @@ class Display
         draw_balloon(y);
     }
 
-    // Shows the balloon's pressure and diameter; while a lesion narrows the balloon (waist), shows its
-    // largest and smallest diameter.
+    // Shows the balloon's pressure and diameter. While a lesion narrows the balloon (waist), the function
+    // shows the balloon's largest and smallest diameter.
     void draw_balloon(int y)
     {
         const OverlayBalloon &balloon = info_.balloon;
@@ -228,8 +228,8 @@ class Display
             right(margin_ + 7 * line_, formatted("FLUOROSCOPY %u MIN", info_.fluoro_reminder_min), amber);
     }
 
-    // Draws the bottom line of text: the session's time on the right, and the forces on the hands on the
-    // left.
+    // Draws the bottom line of text: the session's time is on the right, and the forces that the user's hands
+    // feel are on the left.
     void draw_tools()
     {
         const int y = rgb_.height - margin_ - 8 * scale_;
@@ -247,8 +247,8 @@ class Display
         draw_force_bar(y + scale_, tool.axial_N);
     }
 
-    // If there are several tools, draws the values of one tool in columns; the force has the colour that its
-    // bar would have.
+    // If there are several tools, draws one row of text with the values of one tool; the number for the force
+    // has the same colour as the bar that a single tool would have.
     void draw_line(int y, const OverlayTool &tool)
     {
         const int letter = 6 * scale_;
@@ -337,8 +337,8 @@ class Display
                    [](const PulseMonitor::Sample &s) { return (s.pressure_mmHg - 30.0) / 120.0; });
     }
 
-    // A trace fills in each pixel column the range of the samples that belong to this column; a gap separates
-    // the newest column from the old trace.
+    // In each pixel column of a trace, draws a vertical stroke over the range of the samples in that column.
+    // A gap separates the newest column from the older samples.
     template <class Height>
     void draw_trace(int x, int y, int width, int height, Colour colour, Height share_of)
     {

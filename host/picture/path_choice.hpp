@@ -1,4 +1,5 @@
-// Chooses the program part that computes the X-ray's path lengths, by its name on the command line.
+// Chooses which implementation computes the X-ray's path lengths, by the name that the user gives on the
+// command line.
 #pragma once
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/xray.hpp"
@@ -11,8 +12,8 @@ namespace crn
 // "raster" is the integer rasteriser. The choice "opengl" uses the OpenGL context of the window. Without a
 // window it uses OSMesa, or else EGL without a surface.
 inline const std::vector<std::string> path_choices = {"raster", "opengl", "opengl-osmesa", "opengl-egl"};
-// With a window only these two choices are allowed, because a thread has only one OpenGL context, and the
-// context of another library would replace the window's context.
+// With a window only the choices "raster" and "opengl" are allowed. A thread has only one OpenGL context, so
+// the context of another library would replace the window's context.
 inline const std::vector<std::string> path_choices_window = {"raster", "opengl"};
 
 // `window_context` must be empty if there is no window. The returned function throws GlError if there is no

@@ -172,7 +172,7 @@ void SessionPictures::expose(const RoomEvent &pulse, const WireFrame &wire)
     if (thesis_look_) thesis_look_->draw(xray, seen, settings_.seed, pulse_);
 }
 
-// Returns everything besides the tools that is drawn as curves: the medium in the vessels and in the balloon,
+// Returns the curves that are drawn in addition to the tools: the medium in the vessels and in the balloon,
 // and the struts of stents.
 std::vector<SweptCurve> SessionPictures::curves_at(const WireFrame &shape)
 {
@@ -208,7 +208,7 @@ void SessionPictures::tell_failure()
     say(stderr, "cournand: %s; the rasteriser draws from here on\n", xray_->back_end_error().c_str());
 }
 
-// All X-ray pulses of one press of a pedal form a run.
+// All X-ray pulses from pressing a pedal to releasing it form one run.
 void SessionPictures::export_pulse(const RoomEvent &pulse)
 {
     const bool shows_display = settings_.dicom.values == "display";

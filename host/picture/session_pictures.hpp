@@ -1,8 +1,8 @@
-// Computes, draws and writes the pictures of a session, which are those of the patient's X-ray room.
-// Computing a picture reads the patient's state and does not change it. The pictures depend only on the
-// patient, on the shapes of the tools at the requested ticks, and on the seed of the noise. In a replay that
-// starts later (--from S), C-arm and table still apply all earlier commands; dose, runs and following of the
-// tip begin at S.
+// Computes, draws and writes the pictures that the patient's X-ray room takes in a session. Computing a
+// picture reads the patient's state and does not change it. The pictures depend only on the patient, on the
+// shapes of the tools at the requested ticks, and on the seed of the noise. In a replay that starts later
+// (--from S), C-arm and table still apply all earlier commands; dose, runs and following of the tip begin at
+// S.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/scene_anatomy.hpp"
@@ -76,7 +76,8 @@ class SessionPictures final : public FrameSink
     const Image &image() const { return image_; } // the last picture with its display
     // Sets the notice and the help panel for the following pictures; empty texts remove them.
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
-    // From the next picture on, the display marks the tool that the keys move, or all tools.
+    // From the next picture on, the display marks the tool that the user moves with the keys, or marks all
+    // tools.
     void choose_tool(std::size_t tool, bool all)
     {
         chosen_tool_ = tool;

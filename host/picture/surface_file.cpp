@@ -95,8 +95,8 @@ bool SurfaceSink::is_near(const Vector3d &place_m) const
     return here_m >= begin_m - settings_.around_mm * 1e-3 && here_m <= end_m + settings_.around_mm * 1e-3;
 }
 
-// Keeps the triangles whose corners are all near the lesion in the baked scene at rest, so that all panels
-// show the same triangles.
+// Keeps the triangles whose three corners are near the lesion in the scene file, where the vessels are at
+// rest and the lesion is closed. All panels therefore show the same triangles.
 SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vertices_um) const
 {
     const Body &of = bodies_.bodies[static_cast<std::size_t>(body)];
@@ -126,7 +126,8 @@ SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vert
     return mesh;
 }
 
-// Makes the balloon's surface by rotating its profile about the line through its balls.
+// Makes the balloon's surface by rotating the balloon's profile about the line through the centres of the
+// balls that model the balloon.
 SurfaceMesh SurfaceSink::balloon_of(const WireFrame &wire) const
 {
     SurfaceMesh mesh;

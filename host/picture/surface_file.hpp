@@ -31,7 +31,7 @@ class SurfaceSink final : public FrameSink
     void frame(const SessionFrame &frame) override;
     void finish() override; // throws FileError
 
-    // Returns one panel for each of these ticks that the session reached, with the vessels in the reference
+    // Returns one panel for each requested tick that the session reached, with the vessels in the reference
     // pose of the scene.
     const std::vector<SurfacePanel> &panels() const { return panels_; }
 

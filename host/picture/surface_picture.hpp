@@ -1,5 +1,5 @@
 // Draws the walls around a lesion: the polygons of the lumen as glass, with calcium and balloon inside. The
-// picture has one panel for each moment, side by side.
+// picture shows several moments side by side, each in a panel of its own.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <Eigen/Core>

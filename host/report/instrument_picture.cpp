@@ -138,7 +138,8 @@ void draw_grid(Sheet &sheet, const Column &column, const Row &row, double px_per
     }
 }
 
-// Describes the bounding box of the distal part of a shape, including half the tool's width around it, in mm.
+// Describes the box around the distal part of an instrument's shape, in mm, with a border of half the
+// instrument's width.
 struct Bounds {
     double x_min = 1e9, x_max = -1e9, y_min = 1e9, y_max = -1e9;
 };
@@ -169,8 +170,8 @@ Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high
 }
 
 // Draws the shape of the instrument as seen along the axis d2, with the forward direction to the right and
-// the axis d1 upwards. The farthest point of the shape is near the right edge, and the shape is centred in
-// height.
+// the axis d1 upwards. The foremost point of the shape is near the right edge of the drawing, and the shape
+// is centred vertically.
 void draw_shape(Sheet &sheet, const Instrument &instrument, const Column &column, const Row &row,
                 double px_per_mm)
 {

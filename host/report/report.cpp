@@ -60,7 +60,7 @@ nlohmann::ordered_json room_report(const Room &room)
     return report;
 }
 
-// Reports the iodine that each vessel branch received, as a fraction of the injected iodine.
+// Reports how much iodine each vessel branch received, as a fraction of all the iodine that was injected.
 nlohmann::ordered_json branches_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
@@ -84,8 +84,8 @@ nlohmann::ordered_json tip_report(const std::vector<TipPlace> &tips, std::size_t
             {"position_mm", {tip.at_m.x() * 1e3, tip.at_m.y() * 1e3, tip.at_m.z() * 1e3}}};
 }
 
-// Adds to the report the vessels to which the script steered, and the expectations in the script with their
-// results.
+// Adds to the report the vessels into which the script steered a tool, and the script's expectations with
+// their results.
 void report_goals(nlohmann::ordered_json &report, const RunResult &result)
 {
     report["steered"] = nlohmann::ordered_json::array();
@@ -136,8 +136,9 @@ nlohmann::ordered_json lesion_report(const LesionFigures &f)
             {"ffr", f.ffr}};
 }
 
-// Reports for each lesion how narrow it is, and its effect on the blood flow at rest and in hyperaemia. The
-// reported values are those of the baked lesion and, under "after", those at the end of the session.
+// Reports for each lesion how narrow it is, and its effect on the blood flow at rest and in hyperaemia.
+// Reports the values for the lesion as it is in the scene file and, under "after", the values at the end of
+// the session.
 nlohmann::ordered_json lesions_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();

@@ -33,8 +33,8 @@ const Json &list(const Json &from, const char *key)
     return from.is_object() && from.contains(key) && from[key].is_array() ? from[key] : none;
 }
 
-// Returns the largest or the smallest value of a quantity over all lesions that were narrow; the function
-// `pick` chooses between two values.
+// Returns the largest or the smallest value of a quantity over all lesions that were narrow before the
+// treatment; the function `pick` returns the larger or the smaller of two values.
 template <typename Pick> Value over_lesions(const Json &report, const char *figure, Pick pick)
 {
     Value found;
@@ -69,7 +69,8 @@ double smaller(double a, double b)
 }
 
 // Returns the total length of the parts of narrow lesions that no stent covers. If several stents lie in one
-// lesion, the uncovered length at each end of the lesion is that of the stent that leaves least uncovered.
+// lesion, each end of the lesion counts as uncovered only over the length that the nearest stent leaves
+// uncovered.
 Value geographic_miss_mm(const Json &report)
 {
     Value sum;

@@ -21,8 +21,8 @@ void print_session(const RunResult &result, const std::vector<Instrument> &tools
 struct SessionFiles {
     std::string json, score, timing; // empty: none
 };
-// `session` is the name of the script, or of whatever else controlled the session. `screen` has the pictures
-// for the score's page; if it is null, the page has no pictures. Throws OutputError.
+// `session` names what controlled the session, for example the script. `screen` has the pictures for the
+// score's page; if it is null, the page has no pictures. Throws OutputError.
 void write_session_files(const SessionFiles &files, const RunResult &result, const std::string &scene,
                          const std::vector<Instrument> &tools, const std::string &session, Patient &patient,
                          const RoomScreen *screen);

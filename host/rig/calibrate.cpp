@@ -22,7 +22,7 @@ constexpr double counts_min = 100.0; // fewer would be noise
 constexpr int force_samples = 50;
 constexpr double gravity_m_per_s2 = 9.80665;
 
-// Lists the fields that are calibrated, with their names in the wire protocol.
+// Lists the fields of a rig's settings that this command calibrates, with their names in the wire protocol.
 struct Field {
     const char *name;
     std::uint32_t crn_wire_track::*value;
@@ -113,7 +113,8 @@ class Guide
         const crn_wire_track_sensors end = sample();
         if (!good(begin) || !good(end))
             throw LinkError("the " + what + " gives no good signal. Remedy: cournand rig selftest");
-        // The counts of an encoder may wrap round, but their 32-bit difference is the displacement.
+        // The counts of an encoder may wrap round, but the difference of two counts in 32-bit arithmetic is
+        // still the displacement.
         const auto counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(read(end)) -
                                                       static_cast<std::uint32_t>(read(begin)));
         if (std::abs(static_cast<double>(counts)) < counts_min) {
@@ -185,8 +186,8 @@ bool is_same(const crn_wire_rig &a, const crn_wire_rig &b)
     return true;
 }
 
-// Sends one message with the settings and reads the settings back. If they differ from what was sent, the
-// function restores the former settings.
+// Sends one message with the settings and reads the settings back. If the settings that it reads back differ
+// from those that it sent, the function restores the former settings.
 void write(Link &link, const crn_wire_rig &before, const crn_wire_rig &after)
 {
     link.set_rig(after);

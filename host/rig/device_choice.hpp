@@ -29,8 +29,8 @@ struct DeviceChoice {
 DeviceChoice parse_device(const std::string &text);
 // Throws LinkError, DeviceLost.
 std::unique_ptr<Transport> open_device(const DeviceChoice &choice);
-// Waits until the program can open the chosen rig again. Returns false when it did not come within its limit,
-// or after Ctrl-C.
+// Waits until the chosen rig is connected again and the program can open it. Returns false when it did not
+// come within its limit, or after Ctrl-C.
 bool wait_for_device(const DeviceChoice &choice);
 
 } // namespace crn

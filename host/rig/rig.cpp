@@ -100,8 +100,8 @@ void require_ready(Link &link, bool may_reset)
 namespace
 {
 
-// The command `list` contacts every connected rig, and these time limits end the command whatever the rigs
-// do.
+// The command `list` contacts every connected rig. Because of these time limits the command ends even if a
+// rig does not answer.
 constexpr auto list_patience = std::chrono::milliseconds(1500);
 constexpr auto list_limit = std::chrono::seconds(6);
 

@@ -72,9 +72,10 @@ std::string serial_of(const crn_wire_hello_reply &hello);
 void require_ready(Link &link, bool may_reset);
 
 // A trial on one track. During the trial a spring connects the user's hand with a simulated straight tool in
-// free space; the valve around the tool has the friction `force_mN`. The hand feels at most this friction
-// force while it moves slowly, and no force while it rests. The motors have power from begin() to end().
-// The function end() restores the former settings of the rig; the destructor calls end().
+// free space; the valve around the tool has the friction `force_mN`. The hand feels at most the friction
+// force of the valve while the hand moves slowly, and no force while the hand rests. The motors have power
+// from begin() to end(). The function end() restores the former settings of the rig; the destructor calls
+// end().
 class MotorTrial
 {
   public:

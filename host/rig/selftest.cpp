@@ -1,5 +1,5 @@
-// Implements the command cournand rig selftest, which prints one line for every sensor, line and limit on
-// which the rig can report.
+// Implements the command cournand rig selftest, which checks every sensor, signal line and limit on which the
+// rig can report, and prints one line of text for each of them.
 #include "host/rig/rig.hpp"
 #include <cmath>
 #include <cstdlib>
@@ -102,8 +102,8 @@ void check_track(Lines &lines, unsigned number, const crn_wire_track_sensors &fi
                 "a limit of 0 was written; power the rig off and on");
 }
 
-// Requests a force limit that is larger by one than the present limit. The device must refuse this
-// request and keep its limit.
+// Requests a force limit that is 1 mN larger than the present limit. The device must refuse this request and
+// keep its limit.
 void check_limits_hold(Lines &lines, Link &link, const crn_wire_rig &rig)
 {
     for (std::uint16_t k = 0; k < rig.tracks_count; k++) {

@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// Holds the dose of one or more frames.
+// Holds the dose of one frame, or the sum over several frames.
 struct Dose {
     std::uint32_t pulses = 0;
     double air_kerma_uGy = 0.0; // at the reference point, 15 cm from the isocentre toward the tube
@@ -54,7 +54,7 @@ class DoseMeter
     std::optional<int> unseen_alert() const { return unseen_; }
     int alerts_passed() const { return alerts_passed_; }
     std::uint32_t fluoro_reminders() const { return fluoro_ticks_ / fluoro_reminder_ticks; }
-    // Returns true if the user has not yet acknowledged the last reminder.
+    // Returns true if the user has not yet acknowledged the last reminder of the fluoroscopy time.
     bool has_unseen_reminder() const { return fluoro_reminders() > reminders_seen_; }
 
   private:

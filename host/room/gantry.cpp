@@ -65,8 +65,8 @@ GantryPose held(const GantryPose &pose)
     return result;
 }
 
-// Returns the highest speed from which an axis can stop within the distance `gap`. While braking, the axis
-// loses the speed acceleration x 1 ms in every tick.
+// Returns the highest speed from which an axis can stop within the distance `gap`. While an axis brakes, its
+// speed falls in every tick by its acceleration x 1 ms.
 double braking_speed(double gap, double acceleration)
 {
     const double half_step = 0.5 * acceleration * tick_s;
@@ -134,8 +134,8 @@ CArm Gantry::carm(double field_m) const
     return carm_of(pose_, field_m);
 }
 
-// Returns the smallest gap between C-arm and table during a stop: the axes move at `speed` during this tick,
-// and then every axis brakes until it rests.
+// Returns the smallest gap between C-arm and table during a stop: in this tick the axes still move at
+// `speed`, and then every axis brakes until it rests.
 double Gantry::clearance_while_braking_m(const GantryPose &speed) const
 {
     constexpr int looks = 6;
@@ -175,7 +175,7 @@ void Gantry::tick()
     if (!is_moving() && pose_ == target_) return;
     GantryPose next = wanted_speed(is_halting_);
     const double gap_m = clearance_while_braking_m(next);
-    // When the gap is already too narrow, only motions that widen it are allowed.
+    // If the gap between C-arm and table is already too narrow, only motions that widen the gap are allowed.
     if (gap_m < clearance_min_m && gap_m < table_clearance_m(pose_)) {
         is_blocked_ = is_halting_ = true;
         next = wanted_speed(true);

@@ -14,8 +14,8 @@ constexpr std::uint32_t look_every_ticks = 50; // how often the tip is checked, 
 constexpr double follow_zone =
     0.22; // distance of the tip from the middle that is allowed, share of the field's width
 
-// Returns the dose in nGy per frame at the detector, behind patient and grid; it is in the middle of the
-// usual range (host/xray/xray.hpp).
+// Returns the dose in nGy that one frame brings to the detector, behind patient and grid; this dose is in the
+// middle of the usual range (host/xray/xray.hpp).
 double frame_dose_nGy(RunKind kind)
 {
     return kind == RunKind::fluoro ? 40.0 : kind == RunKind::cine ? 170.0 : 1200.0;
@@ -206,9 +206,9 @@ void Room::move(std::uint32_t tick, const GantryPose &pose)
         notify(tick, "THE TABLE IS IN THE WAY HERE - only ways out are free");
 }
 
-// Moves the table so that it follows the tip, as a person would do: the table rests while the tip is well
-// inside the field. When the tip comes near the edge of the field, the table brings the tip back to the
-// middle.
+// Moves the table so that the X-ray field follows the tip of the tools, as a person would do: the table rests
+// while the tip is well inside the field. When the tip comes near the edge of the field, the table brings the
+// tip back to the middle.
 void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 {
     if (tick == 0) return move(tick, with_table(gantry_.target(), tip));
@@ -231,8 +231,8 @@ void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 void Room::press_pedals(std::uint32_t tick)
 {
     if (beam_.is_on && beam_.is_acquired) return;
-    // All frames of a run must have the same geometry, so the run does not begin before the motors are at
-    // rest. Fluoroscopy continues meanwhile.
+    // All frames of a run must have the same geometry, so the run does not begin before the motors of C-arm
+    // and table are at rest. Fluoroscopy continues meanwhile.
     const bool waits = is_acquire_armed_ && gantry_.is_moving();
     if (waits && !is_acquire_waiting_)
         notify(tick, name_of_program() + " WAITS - the C-arm or the table is moving");
@@ -287,7 +287,7 @@ void Room::end_beam(std::uint32_t tick)
     tell(RoomEvent::Kind::beam_off, tick).run = kept;
 }
 
-// The run is created with its first frame. Returns its number.
+// The run is entered in the list of runs together with its first frame. Returns its number.
 int Room::count_frame(double pulses_per_s)
 {
     if (is_run_made_)

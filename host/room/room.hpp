@@ -8,9 +8,9 @@
 //   for (const RoomEvent &event : room.events()) ...      // for whatever makes pictures of it: room_screen.hpp
 //   room.forget_events();
 //
-// The caller must not advance beyond next_tick() in one call, because otherwise X-ray pulses are missed. With
-// equal commands and bodies, the X-ray pulses and the dose are equal, whether or not pictures are made. See
-// docs/room.md.
+// The caller must not advance beyond next_tick() in one call, because otherwise X-ray pulses are missed. If
+// the commands to the room and the bodies in the X-ray beam are equal, the X-ray pulses and the dose are
+// equal too, whether or not pictures are made. See docs/room.md.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/room/dose.hpp"
@@ -49,8 +49,8 @@ struct RoomEvent {
     XrayExposure exposure; // for pulse
 };
 
-// Holds the room's record of a finished run. The class RoomScreen keeps the pictures of a run, if any
-// pictures are made.
+// Describes a finished run, which is a series of X-ray pictures, as the room records it. The class RoomScreen
+// keeps the pictures of a run, if any pictures are made.
 struct RoomRun {
     int number = 0;
     RunKind kind = RunKind::fluoro;
@@ -83,9 +83,9 @@ struct RoomNotice {
 class Room
 {
   public:
-    // Commands must come in the order of their ticks. A command for a tick that has already been processed
-    // takes effect at the next tick. Returns the reason why a command cannot be carried out in any state of
-    // the room, or an empty string if it can.
+    // The caller must give commands in the order of their ticks. A command for a tick that has already been
+    // processed takes effect at the next tick. Returns the reason why a command cannot be carried out in any
+    // state of the room, or an empty string if it can.
     std::string give(std::uint32_t tick, const RoomCommand &command);
     // Returns the next tick at which the room must process a command, a pulse, or a check of the tip.
     // UINT32_MAX: none.

@@ -12,8 +12,9 @@ namespace
 {
 
 // A roadmap keeps for each pixel the largest of many differences, so the noise of every frame makes it
-// brighter. Therefore a value for the noise is subtracted from the roadmap. This value is the median, which
-// is the background, plus a fixed multiple of the distance from the lowest tenth to the median.
+// brighter. Therefore an estimate of the noise is subtracted from every pixel of the roadmap. This estimate
+// of a roadmap's noise is the median of the pixels, which is the background, plus a fixed multiple of the
+// difference between the median and the 10th percentile.
 constexpr float roadmap_noise_steps = 2.0f;
 
 float background_of(const std::vector<float> &peak)

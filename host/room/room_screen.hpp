@@ -7,7 +7,8 @@
 //       screen.take(event, event.kind == RoomEvent::Kind::pulse ? &picture_of(event) : nullptr);
 //   screen.compose(size, grey); screen.status();
 //
-// Equal events and pictures give equal screens, bit for bit. See docs/room.md.
+// Two screens that receive equal events and pictures show images that are equal bit for bit. See
+// docs/room.md.
 #pragma once
 #include "host/room/room.hpp"
 #include "host/room/run_store.hpp"
@@ -47,7 +48,8 @@ class RoomScreen
     // than the screen.
     explicit RoomScreen(const Room &room, std::size_t store_bytes_max = std::size_t{512} << 20);
 
-    // `picture` is the picture if the event is an X-ray pulse, and null for every other event.
+    // If the event is an X-ray pulse, `picture` is the picture of that pulse; for every other event,
+    // `picture` is null.
     void take(const RoomEvent &event, const XrayPicture *picture);
     // describe() returns the description of the run to which a pulse's picture belongs, as files contain it,
     // but without frames. frame_of() returns the picture as a frame of that run.
@@ -106,7 +108,7 @@ class RoomScreen
     Review review_;
     Roadmap roadmap_;
     // Holds the last frame of the X-ray beam, which is shown live at first and as a held image later. If the
-    // run is stored, this frame stays in the store too.
+    // run of this last frame is stored, the store contains the frame too.
     RunFrame held_frame_;
     std::vector<std::uint8_t> held_grey_;
     int held_run_ = 0, held_index_ = 0, held_size_ = 0;
@@ -114,7 +116,8 @@ class RoomScreen
     double held_pulses_per_s_ = 0.0;
     bool has_held_ = false;
     RoomNotice notice_;
-    // Counts the changes of the picture; this is the count at the last call of compose().
+    // version_ counts the changes of the picture on the screen, and composed_version_ is the value of this
+    // count at the last call of compose().
     std::uint64_t version_ = 0, composed_version_ = ~std::uint64_t{0};
     int composed_frame_ = -1;
     // Holds the mask of the run that was shown last, in the form that the subtraction needs.
@@ -125,8 +128,8 @@ class RoomScreen
     } mask_cache_;
 };
 
-// Returns true if two poses of the C-arm agree within half a millimetre and a tenth of a degree. If they do
-// not agree, a roadmap made in one pose would be misleading in the other pose.
+// Returns true if two poses of the C-arm agree within half a millimetre and a tenth of a degree. If two poses
+// of the C-arm differ by more than that, a roadmap made in one pose would be misleading in the other pose.
 bool is_same_geometry(const CArm &a, const CArm &b);
 
 } // namespace crn

@@ -1,5 +1,5 @@
 // Stores the pictures of the screen: acquired runs, and the last seconds of fluoroscopy. Their memory is
-// limited. When this memory is full, the pictures of the oldest run are deleted.
+// limited. When the memory for pictures is full, the pictures of the oldest run are deleted.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstddef>

@@ -16,7 +16,7 @@ namespace crn
 void smooth_log2(std::span<const std::uint16_t> raw, int size, std::vector<float> &log2_values);
 
 // Returns the mean of the raw values of the frames that the mask names; frames that do not exist are left
-// out. The result is empty if no frame exists that the mask names.
+// out. The result is empty if none of the frames that the mask names exists.
 std::vector<std::uint16_t> mean_frame(const XrayRun &run, const std::vector<int> &frames);
 
 // Moves the picture `mask` to the right by dx and up by dy pixels with linear interpolation. Beyond the edge
@@ -38,8 +38,9 @@ void grey_of_density(const std::vector<float> &density, std::span<const std::uin
 void hold_peak(const std::vector<float> &density, std::vector<float> &peak);
 
 // Draws the peak of opacification in white over a live picture. Before drawing, the function smooths the peak
-// by the mean over 3 x 3 pixels, and subtracts `floor` doublings of noise. Pixels within three pixels of
-// black pixels are left out, because along the collimator blades the peak contains only noise.
+// by the mean over 3 x 3 pixels, and subtracts the noise, which is `floor` doublings of attenuation. Pixels
+// within three pixels of black pixels are left out, because along the collimator blades the peak contains
+// only noise.
 void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vector<std::uint8_t> &grey);
 
 } // namespace crn

@@ -202,8 +202,8 @@ void Screen::draw()
     gl_.DrawArrays(gl::triangle_strip, 0, 4);
 }
 
-// Draws the picture once more and reads the back buffer before it is shown; OpenGL returns the rows from the
-// bottom.
+// Draws the picture once more, and reads OpenGL's back buffer before the window shows this buffer; OpenGL
+// returns the lowest row first.
 Image Screen::read_back()
 {
     draw();

@@ -25,8 +25,8 @@ struct Expectation {
     Kind kind = Kind::tip;
     std::size_t tool = 0; // for tip, inserted and turned
     VesselName vessel;    // for tip and iodine
-    // The limits are in mm, percent or degrees; if `is_below` is true, the value must be less than the limit
-    // `most`.
+    // The limits of an expected value are in mm, percent or degrees; if `is_below` is true, the value must be
+    // less than the limit `most`.
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool is_below = false;
 
@@ -35,7 +35,7 @@ struct Expectation {
     std::string text() const; // as a script would write it
 };
 
-// Parses the rest of a line that begins with "expect". Throws FileError; the message gives the line's
+// Parses the words after "expect" in a line of a script. Throws FileError; the message gives the line's
 // position in the file.
 Expectation parse_expectation(LineParser &line, const ToolChoice &selected);
 

@@ -14,9 +14,9 @@ std::int64_t divide_rounded(std::int64_t a, std::int64_t b)
     return a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b);
 }
 
-// A hand that accelerates over a ramp of r ticks has moved, after t ticks of it, as far as a hand at full
-// speed moves in a shorter time. Returns this shorter time in ticks, multiplied by 2 r^3: t^3 (2 r - t),
-// which is the integral of the smoothstep 3u^2 - 2u^3.
+// Returns a time in ticks, multiplied by 2 r^3: the time in which a hand at full speed moves as far as a hand
+// that accelerates from rest moves in the first t ticks of a ramp of r ticks. The returned number is t^3 (2 r
+// - t), which follows from the integral of the smoothstep 3u^2 - 2u^3.
 std::int64_t ramp_numerator(std::int64_t t, std::int64_t r)
 {
     return t * t * t * (2 * r - t);
@@ -71,14 +71,15 @@ void LiveHand::set_speed(std::int64_t translation_counts_per_s, std::int64_t rot
     rotation_.target = rotation_counts_per_s;
 }
 
-// With these speed steps per tick, the hand reaches 60 mm/s and one turn per second in about 150 ms.
+// If the speed of a resting hand changes by these steps in every tick, the hand reaches 60 mm/s and one turn
+// per second in about 150 ms.
 void LiveHand::advance_tick()
 {
     translation_.advance(400);
     rotation_.advance(440);
 }
 
-// Counters wrap round as those of the hardware do.
+// The simulated encoder counters wrap round as hardware counters do.
 std::int32_t LiveHand::translation_counts() const
 {
     return static_cast<std::int32_t>(

@@ -28,8 +28,8 @@ class Move
     std::int64_t distance_, cruise_, ramp_, ticks_;
 };
 
-// Computes a move of a hand at a steady speed. After a call of stop(), the hand comes to rest within one
-// ramp. The speed may be negative.
+// Computes a move of a hand at a steady speed. After a call of stop(), the hand slows down and comes to rest
+// within one ramp, which takes at most ramp_ticks_max ticks. The speed may be negative.
 class SteadyMove
 {
   public:

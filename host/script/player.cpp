@@ -50,8 +50,8 @@ std::size_t SessionPlayer::vessel_named(const VesselName &name, int line) const
                     "unknown vessel '" + name.text + "'" + map_.suggestion(name.text));
 }
 
-// Starts the move from the present position of the tool's hand, and divides it into strokes if the statement
-// demands strokes.
+// Starts the move from the present position of the hand that holds the tool, and divides the move into
+// strokes if the statement demands strokes.
 void SessionPlayer::begin_move(const HandMove &move, std::size_t tool)
 {
     Active active{move, tool, position_counts_[tool][static_cast<int>(move.axis)], {}, {}, 0};
@@ -90,7 +90,7 @@ void SessionPlayer::ask(const RoomCommand &command)
 }
 
 // Executes all following statements that take no time, such as commands to the X-ray room, to heart and to
-// breath. The first statement that takes time then becomes the present statement.
+// breath. The first statement after these that takes time then becomes the present statement.
 void SessionPlayer::enter_statement()
 {
     for (; !is_done(); statement_++) {

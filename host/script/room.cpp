@@ -133,8 +133,8 @@ void RoomParser::pedal(LineParser &line, const std::string &verb)
         if (what == "on") add(RoomAction::program, verb == "dsa" ? 1 : 0);
         add(RoomAction::acquire_pedal, what == "on" ? 1 : 0);
     } while (!line.is_at_end());
-    // A rate applies to the press of the pedal on the same line, so the commands for rates come before the
-    // commands for pedals.
+    // A rate applies to the press of the pedal on the same line of the script, so the commands for rates come
+    // before the commands for pedals.
     std::stable_sort(commands_.begin(), commands_.end(), [](const RoomCommand &a, const RoomCommand &b) {
         const auto is_pedal = [](RoomAction action) {
             return action == RoomAction::fluoro_pedal || action == RoomAction::acquire_pedal;

@@ -57,8 +57,8 @@ struct Statement {
 
 struct Session {
     std::string file;
-    // At the start of the session, every tool has this inserted length. The statement `begin inserted` sets
-    // the length of all tools that no other `begin` statement names.
+    // This member holds the length of each tool that is inserted at the start of the session. The statement
+    // `begin inserted` sets the length of all tools that no other `begin` statement names.
     std::uint32_t inserted_um[session_tools_max] = {20000, 20000, 20000};
     std::vector<Statement> statements;
     std::size_t tools_named = 1; // number of tools that the script needs ...
@@ -71,8 +71,8 @@ Session read_session(const std::string &path);                         // throws
 class SessionPlayer
 {
   public:
-    // The conditions of a script are checked only at ticks that are multiples of this number, so that they do
-    // not depend on batches and pictures.
+    // The conditions of a script are checked only at ticks that are multiples of this number, so that the
+    // results depend neither on the batches of ticks nor on pictures.
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 
@@ -88,8 +88,8 @@ class SessionPlayer
     // Returns true if the present statement needs the positions of the tips, or is an expectation.
     bool wants_tips() const;
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
-    // Returns the commands for the X-ray room since the last call. Before the first next() these are the
-    // commands at the start of the session.
+    // Returns the commands for the X-ray room that the script has given since the last call of this function.
+    // Before the first call of next(), this function returns the commands at the start of the session.
     std::vector<RoomCommand> take_commands() { return std::exchange(commands_, {}); }
     // Returns the numbers of the lines whose `until` condition was not met after until_limit_ticks of
     // pushing.

@@ -253,7 +253,7 @@ void Steerer::look_seating()
     seat_misses_ = is_deeper ? 0 : seat_misses_ + 1;
     seat_best_um_ = std::max(seat_best_um_, way_.inside_um);
     if (seat_misses_ < seat_misses_max) return begin(Stage::seat);
-    // If a lesion narrows the ostium, a guiding catheter cannot go deeper, but counts as engaged.
+    // A guiding catheter cannot go deeper into an ostium that a lesion narrows, but it counts as engaged.
     if (is_in_goal(what_.depth_um / 2)) return begin(Stage::watch);
     go_back();
     begin(Stage::pull);

@@ -5,8 +5,8 @@
 //   engage catheter left main ostium
 //
 // Every decision uses only integers, and is made at the ticks at which the script observes the session. A
-// session therefore gives equal encoder counts, whatever pictures are made. Steering produces the ordinary
-// motion of a hand.
+// session therefore gives equal encoder counts, whatever pictures are made. While a statement steers a tool,
+// the counts are those of an ordinary motion of a hand.
 #pragma once
 #include "host/script/hand_motion.hpp"
 #include "host/script/tip_places.hpp"

@@ -7,8 +7,8 @@
 namespace crn
 {
 
-// Tools are numbered from the innermost, 0, as in the byte protocol. A script calls them wire, catheter and
-// guide, or tool 1 to 3.
+// Tools are numbered from the innermost, 0, as in the byte protocol. A script calls the tools wire, catheter
+// and guide, or tool 1 to 3.
 inline constexpr std::size_t session_tools_max = CRN_WIRE_TOOL_MAX;
 
 // Describes which tool a statement moves: one tool, or all tools together.
@@ -26,7 +26,7 @@ ToolChoice require_tool(LineParser &line);
 // returns the selected tool; the word "together" is refused.
 std::size_t accept_one_tool(LineParser &line, const ToolChoice &selected);
 
-// Returns the name "wire", "catheter" or "guide" of a tool, which is counted from 0.
+// Returns the name "wire", "catheter" or "guide" of a tool; tool 0 is the innermost one.
 const std::string &tool_name(std::size_t tool);
 
 // Holds the name of a vessel as the script spells it; the vessel is searched for when the scene is known.
@@ -34,7 +34,8 @@ struct VesselName {
     std::string text;
     int column = 0;
 };
-// Reads one or more words up to `at`, `below`, `until`, `within` or the end of the line.
+// Reads the name of a vessel: one or more words up to `at`, `below`, `until`, `within` or the end of the
+// line.
 VesselName vessel_name(LineParser &line);
 
 } // namespace crn

@@ -1,6 +1,6 @@
 // Collects measurements of a balloon in a session: pressure, diameter, contact force and duration. The class
-// also stores these measurements over time, for the curves of the report. The measurements come from the
-// state of every tick, so they are equal in a run, in FREE_RUN and in a replay.
+// BalloonFigures also stores how these measurements change over time, for the curves of the report. The
+// measurements come from the state of every tick, so they are equal in a run, in FREE_RUN and in a replay.
 #pragma once
 #include "shared/wire/wire.h"
 #include <cstdint>

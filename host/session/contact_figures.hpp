@@ -22,7 +22,8 @@ struct ContactFigures {
     double impulse_N_s = 0.0, force_max_N = 0.0;
     std::vector<ContactSample> series; // every sample_every_ticks
 
-    // Adds the contact forces of this tick, which are used for the last look_every_ticks ticks.
+    // Adds the sum of the contact forces at this tick; the integral over time counts this sum for the last
+    // look_every_ticks ticks.
     void take(const crn_wire_contacts &contacts)
     {
         constexpr double N_per_q22 = 1.0 / (1 << 22);

@@ -44,8 +44,8 @@ std::string nesting_text(const std::vector<Instrument> &tools, std::size_t outer
            millimetres(2.0 * tight.radius_inner_um) + ", at " + millimetres(tight.arc_um) + " from its tip)";
 }
 
-// Returns the tools that caused a refusal, by their names in the files; the text is empty if no tool caused
-// the refusal.
+// Returns a text with the names of the tools that caused a refusal, as they are in the tools' files; the text
+// is empty if no tool caused the refusal.
 std::string tool_at_fault(const std::vector<Instrument> &tools, const crn_wire_reject &reject)
 {
     const std::size_t tool = reject.detail1, knot = reject.detail2;

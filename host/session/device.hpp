@@ -58,8 +58,8 @@ class Device
     // "Unplugged in a session"). If the device disappears and comes back within
     // DeviceChoice::return_limit_ms, its last snapshot is restored. The inputs since that snapshot are then
     // sent again, and the new results are compared with the former results. Afterwards the session continues,
-    // equal bit for bit to a session without interruption. Throws LinkError when the device does not come
-    // back, or when its results differ.
+    // equal bit for bit to a session without interruption. Throws LinkError if the device does not come back,
+    // or if its new results differ from its former results.
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     // Makes any other request to the device, with the same protection against an unplugged cable.
     void ask(const std::function<void(Link &)> &request);
@@ -74,11 +74,11 @@ class Device
     // too long.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
 
-    // In FREE_RUN (`free_run` of the choice), this function lets `milliseconds` pass, even while the cable is
-    // disconnected. `sink` receives every tick once and in order. After a disconnection the session continues
-    // from the last received tick. The positions of the hands at that moment become the new reference
-    // (FreeRunSink::resumed). Throws LinkError with the cause if the device has stopped, or does not come
-    // back.
+    // In FREE_RUN (`free_run` of the choice), this function waits until `milliseconds` have passed, even
+    // while the cable is disconnected. `sink` receives every tick once and in order. After a disconnection
+    // the session continues from the last received tick. When the session continues after a disconnection,
+    // the present positions of the hands become the new reference (FreeRunSink::resumed). Throws LinkError
+    // with the cause if the device has stopped, or does not come back.
     void run_free(std::uint32_t milliseconds, FreeRunSink &sink);
     // Stops the device; `sink` still receives the ticks that the device had already computed.
     void stop_free(FreeRunSink &sink);
@@ -133,19 +133,20 @@ class Device
     std::uint32_t snapshot_tick_ = 0, silent_ms_ = 0;
 };
 
-// Returns the point where the tools enter the scene, with one inserted length per tool. A length that is not
-// given gets the default value.
+// Returns the point where the tools enter the scene, with one inserted length per tool. A tool whose inserted
+// length is not given gets the default length.
 crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
                         std::span<const std::uint32_t> inserted_um);
 inline constexpr std::uint32_t inserted_default_um = 20000;
 
-// Returns the shape of the nested tools and the readings of every tool after a batch of steps. The result is
-// made from the last nodes that the link received, the result of the last tick, and the input of that tick.
-// Before the first tick, `state` is empty and there are no forces yet.
+// Returns the shape of the nested tools and the readings of every tool after a batch of steps. The returned
+// frame is made from the nodes that the link received last, the result of the last tick, and the input of
+// that tick. Before the first tick, `state` is empty and there are no forces yet.
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state,
                            const crn_wire_tick_input &input);
 
-// Holds the largest values of one tool in a session.
+// Holds the inserted length of one tool, and the largest length, force and torque that this tool had in a
+// session.
 struct ToolFigures {
     double inserted_m = 0.0;
     double inserted_max_m = 0.0;
@@ -153,7 +154,7 @@ struct ToolFigures {
     double torque_max_N_m = 0.0;
 };
 
-// Holds the values that the heart monitor collects in a session.
+// Holds the measurements of pulse and blood pressure that the heart monitor collects in a session.
 struct HeartFigures {
     PulseMonitor monitor;
     double pressure_max_mmHg = 0.0, pressure_min_mmHg = 1e3;

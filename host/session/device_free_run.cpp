@@ -6,7 +6,7 @@
 // session therefore returns to the last received tick. The host sets up the device again, restores a
 // snapshot, and repeats the inputs since then in LOCKSTEP, while it compares every hash. Afterwards FREE_RUN
 // continues, with the present positions of the hands as the new reference. The recording contains the state
-// at that point.
+// from which FREE_RUN then continues.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -27,8 +27,8 @@ constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
 // Returns the wanted coupling stiffness, or four fifths of the largest stiffness that the device accepts, if
-// that is less. The device's rule is: (gain, if above one) x stiffness x (half a tick + lag of the actuator)
-// <= own damping.
+// that is less. The device accepts a stiffness of the coupling if (gain, if above one) x stiffness x (half a
+// tick + lag of the actuator) <= own damping.
 std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::uint32_t wanted)
 {
     const std::uint64_t gain_milli = std::max<std::uint32_t>(track.force_gain_milli, 1000);
@@ -37,7 +37,7 @@ std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::u
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, stiffest * 4 / 5));
 }
 
-// Sets the virtual coupling of a track, unless the track already has one.
+// Sets the virtual coupling of a track (the part of the rig for one tool), unless the track already has one.
 void couple(crn_wire_track &track)
 {
     if (track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0) return;

@@ -96,8 +96,8 @@ Device::~Device()
         }
         link_->set_rig(rig_before_);
     } catch (const std::exception &) {
-        // If the device has disappeared or refuses, the error is ignored, because the next user of the device
-        // will set it up anyway.
+        // If the device has disappeared or refuses a request, the error is ignored, because the next user of
+        // the device will set it up anyway.
     }
 }
 

@@ -18,7 +18,7 @@ struct ToolReading {
     double torque_N_m = 0.0;
 };
 
-// Holds all data of one moment that a picture and its display need.
+// Holds all data of one tick that a picture and the display around it need.
 struct SessionFrame {
     WireFrame wire;
     std::vector<ToolReading> tools; // from the innermost

@@ -25,7 +25,8 @@ class HandGrip
   public:
     static constexpr std::int64_t force_limit_N = 25, torque_limit_mN_m = 50;
     // If the force or torque on a hand is above a fifth of its limit, the grip is checked at every tick.
-    // Otherwise the grip is checked only at ticks that are multiples of this number.
+    // If neither the force nor the torque is above a fifth of its limit, the grip is checked only at ticks
+    // that are multiples of this number.
     static constexpr std::uint32_t look_every_ticks = 16;
     static constexpr std::size_t tools_max = 3;
 

@@ -1,7 +1,8 @@
 // Watches whether the simulated physics stays in the range for which it is valid. Every tick of a session is
 // checked. The physics leaves its range when a number in the core reaches the limit of its format, or a tool
 // is too deep in the wall. The physics also leaves its range when the nested tools become too long or too
-// short. The computed shape is then no longer that of the tools, and the session must not continue.
+// short. After the physics has left its range, the computed shape is no longer that of the tools, and the
+// session must not continue.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>
@@ -23,9 +24,9 @@ struct RangeBreak {
     bool is_saturated = false;  // CRN_FAULT_SATURATED of the core
     double penetration_m = 0.0; // deepest contact
     double length_error = 0.0;  // of the free part of the line
-    // Holds the position of the node with the largest wall force. This position is read shortly after the
-    // physics left its range, at a tick that every run and replay reads. The position is empty if the tools
-    // touch no wall.
+    // Holds the position of the node with the largest wall force. The position of the largest wall force is
+    // read shortly after the physics left its range, at a tick that every run and replay reads. `place_m` is
+    // empty if the tools touch no wall.
     std::optional<Eigen::Vector3d> place_m{};
     std::string branch{}; // branch of the vessel around it; empty: not known
 };
@@ -43,12 +44,12 @@ class RangeWatch
         return is_placed_;
     } // the range was left and its place has been looked up: nothing remains to be done
     const std::optional<RangeBreak> &left() const { return left_; }
-    // Returns true if the physics has left its range and the position must be read now. `is_last` states that
-    // no later tick will be read.
+    // Returns true if the physics has left its range and the position of the largest wall force must be read
+    // now. `is_last` states that no later tick will be read.
     bool wants_place(std::uint32_t tick, bool is_last) const;
     // Reads the position of the largest wall force from the device. Throws LinkError.
     void find_place(Link &link);
-    // Adds the name of the vessel branch at that position, if the vessels are known.
+    // Adds the name of the vessel branch at the position of the largest wall force, if the vessels are known.
     void name_branch(const VesselTree &vessels);
 
   private:
@@ -58,7 +59,7 @@ class RangeWatch
 
 // Returns a short text such as "physics left its range at 00:12.3".
 std::string range_notice(const RangeBreak &left);
-// Returns the short text, followed by tick, quantity, position, limit and remedy.
+// Returns the text of range_notice(), followed by tick, quantity, position, limit and remedy.
 std::string range_text(const RangeBreak &left);
 // Returns tick, quantity, position and limit for the report, or null if the physics stayed in its range.
 nlohmann::ordered_json range_report(const std::optional<RangeBreak> &left);

@@ -104,8 +104,8 @@ class Recorder
     static constexpr std::uint32_t snapshot_every_ticks = 5000;
 
     // The constructor and all later calls throw RecordingError when the file cannot be written. Until the
-    // recording is finished or abandoned, its file is called "path.partPID-RANDOM". If the program is killed,
-    // this file stays, and it can be replayed.
+    // recording is finished or abandoned, its file is called "path.partPID-RANDOM". If the program is killed
+    // before it has finished the recording, the file with that temporary name stays and can be replayed.
     Recorder(const std::string &path, const RecordingHeader &header);
     ~Recorder(); // closes as a cut-off recording unless finish() was called
 

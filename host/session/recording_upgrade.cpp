@@ -178,8 +178,8 @@ class Upgrade
         take(strut.number != 0, crn_wire_order_of_strut(strut));
     }
 
-    // Version 2 stored the whole view of the C-arm whenever a part of it changed. Only the differences from
-    // the previous view become commands.
+    // Version 2 stored the whole view of the C-arm whenever a part of it changed. Only the parts of the view
+    // that differ from the previous view become commands.
     void take_view()
     {
         const std::uint32_t tick = chunks_.read_u32();

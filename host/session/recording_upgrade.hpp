@@ -1,5 +1,6 @@
 // Converts recordings of the wire protocol 4 (versions 2 and 3 of the file format) to this program's version.
-// The conversion does not change ticks, hashes and states, so a replay ends with the same hash.
+// The conversion does not change ticks, hashes and states, so a replay of the converted recording ends with
+// the hash of the original session.
 #pragma once
 #include "host/session/recording.hpp"
 

@@ -44,7 +44,8 @@ struct ReplayResult {
 };
 
 // `patient` and `sink` may be nullptr, because the recording contains the commands to the core. Throws
-// LinkError. If `verifies` is true, the replay stops at the first difference.
+// LinkError. If `verifies` is true, the replay stops at the first tick whose hash differs from the recorded
+// hash.
 ReplayResult replay_recording(Device &device, const Recording &recording, Patient *patient, FrameSink *sink,
                               const ReplaySettings &settings);
 

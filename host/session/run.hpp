@@ -39,19 +39,20 @@ struct RunResult {
     crn_wire_fault_log faults{};
 };
 
-// FREE_RUN: passes the patient's commands to the core. Every call sends the commands of one tick, because a
-// device can store only a few commands. If the device did not carry out a command, the patient repeats the
-// command later.
+// In FREE_RUN this function sends the commands of the simulated patient to the core. Every call sends the
+// commands of one tick, because a device can store only a few commands. If the device did not carry out a
+// command, the patient repeats the command later.
 void send_orders(Link &link, Patient &patient);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
                       FrameSink *sink, const RunSettings &settings);
 
-// FREE_RUN: runs a session of `seconds` on the device's own clock. If `seconds` is 0, it runs until Ctrl-C,
-// which ends the session properly. The first button of the rig is the X-ray pedal, and the second is the cine
-// pedal. `begin` lists the commands that the X-ray room receives at the start. If the rig stops, the session
-// ends, and `stopped_by` gives the reason. All results up to that tick are valid.
+// Runs a session in FREE_RUN for `seconds`, on the device's own clock. If `seconds` is 0, the session runs
+// until Ctrl-C, which ends it properly. The first button of the rig is the X-ray pedal, and the second is the
+// cine pedal. `begin` lists the commands that the X-ray room receives at the start. If the rig stops, the
+// session ends, and `stopped_by` gives the reason. All results up to the tick at which the rig stopped are
+// valid.
 RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
                            double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 

@@ -19,7 +19,8 @@ void send_orders(Link &link, Patient &patient)
     try {
         link.give_orders(orders);
     } catch (const DeviceLost &) {
-        // The next request to the device will also find that it has disappeared, and will wait for it.
+        // The next request to the device will also find that the device has disappeared, and will wait until
+        // it comes back.
     }
 }
 

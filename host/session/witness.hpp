@@ -30,10 +30,12 @@ class Witness
               const crn_wire_nodes *nodes);
     // In FREE_RUN only the hashes are compared, because only the rig computes the forces of its motors.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
-    // Compares the hash of the present tick, or of one of the last ticks that are multiples of 100.
+    // Compares the rig's hash of the present tick, or of one of the last ticks that are multiples of 100,
+    // with the hash that this machine's core computed.
     void hash(const Hash64 &told);
-    // Compares the snapshot of the present tick, from which the session may continue later. In LOCKSTEP every
-    // byte of the snapshot is compared, otherwise only the core's state in it.
+    // Compares the rig's snapshot of the present tick, from which the session may continue later, with the
+    // snapshot of this machine's core. In LOCKSTEP every byte of the snapshot is compared, otherwise only the
+    // core's state in it.
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes, bool is_lockstep);
     void restore(std::span<const std::uint8_t> bytes);
     std::uint32_t tick() const { return link_.tick(); }

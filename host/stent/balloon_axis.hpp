@@ -1,5 +1,5 @@
-// Describes the balloon in one picture, as the core reports it, by balls along its tool and by a frame of
-// directions that follows the balloon's axis without twist.
+// Describes the balloon in one picture, as the core reports it: by balls along the tool that carries the
+// balloon, and by directions that follow the balloon's axis without twist.
 #pragma once
 #include <Eigen/Core>
 #include <limits>

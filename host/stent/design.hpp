@@ -37,7 +37,7 @@ struct StentDesign {
     double radius_on_mm(double balloon_radius_mm) const { return balloon_radius_mm + strut_thickness_mm / 2; }
     double nominal_radius_mm() const { return radius_on_mm(diameter_mm / 2); }
 
-    // Returns the straight distance around the axis between the two ends of a strut: 2 r sin(pi / 2 N).
+    // Returns the length of a strut as seen along the stent's axis, which is the chord 2 r sin(pi / 2 N).
     double chord_mm(double radius_mm) const;
     // Returns the height of a ring along the axis, if the struts keep their length: sqrt(strut^2 - chord^2).
     double ring_height_mm(double radius_mm) const;
@@ -65,7 +65,7 @@ struct StentCount {
 };
 std::span<const StentCount> stent_counts();
 
-// Reports values that are each allowed but impossible together: the key of one of these values, and the
+// Holds the key of one of several values that are each allowed but impossible together in a design, and the
 // reason. If the key is empty, the values are possible together.
 struct StentFault {
     std::string key, text;

@@ -14,8 +14,8 @@ namespace
 // computation of the equilibrium would need more rounds. Links are bent wires, which yield easily along the
 // axis of the stent.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
-// The stiffness of a brace is this fraction of the stiffness of a hinge; the fraction is low because a stent
-// is soft in bending.
+// A brace is a spring that resists the bending of a link; its stiffness is this fraction of a hinge's
+// stiffness, which is low because a stent is soft in bending.
 constexpr double brace_share = 0.5;
 // The stiffness of hinges to farther neighbours is this fraction of the stiffness of hinges to the nearest
 // neighbours; hinges to farther neighbours keep a ring round.
@@ -101,8 +101,8 @@ StentLattice::StentLattice(const StentDesign &design)
         builder.ring(ring);
         if (ring + 1 < rings) builder.links_behind(ring);
     }
-    // Up to here the stiffnesses of hinges are relative to each other. The stiffnesses are now scaled so that
-    // the stiffness of a ring is that of the stent's design.
+    // Up to here the code has set only the ratios between the stiffnesses of the hinges. These stiffnesses of
+    // the hinges are now scaled so that a ring is as stiff as the stent's design states.
     const double scale = design.ring_stiffness_N_per_mm / hinge_ring_stiffness(*this);
     for (StentSpring &spring : springs)
         if (spring.yields()) spring.stiffness_N_per_mm *= scale;

@@ -56,8 +56,8 @@ struct StentLattice {
     std::vector<Bar> bars;
 };
 
-// Returns how the hinges of a ring resist a change of its radius R: the second derivative of their energy,
-// which is the sum of k (d length / d R)^2 over all hinges.
+// Returns the stiffness with which the hinges of a ring resist a change of its radius R: the second
+// derivative of the hinges' energy, which is the sum of k (d length / d R)^2 over all hinges.
 double hinge_ring_stiffness(const StentLattice &lattice);
 
 } // namespace crn

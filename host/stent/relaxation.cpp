@@ -101,7 +101,8 @@ void StentRelaxation::load_balloons()
 namespace
 {
 
-// Represents a symmetric 3 x 3 matrix by six numbers, because the innermost loop uses it.
+// Represents a symmetric 3 x 3 matrix by six numbers instead of nine, because the innermost loop uses such
+// matrices.
 struct Symmetric {
     double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
     void add(double k, const Vector3d &v) // k v v^T
@@ -190,7 +191,7 @@ double StentRelaxation::sweep()
 // --- struts against triangles ---
 
 // Once per picture, a grid finds the triangles of the wall that a strut can touch before it has slid far. The
-// listed triangles are stored by their index, so that they move with the wall.
+// triangles that a strut can touch are listed by their index, so that they move with the wall.
 void StentRelaxation::list_near()
 {
     const StentLattice &lattice = stent_.lattice_;
@@ -277,8 +278,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
         const Vector3d middle = (ends[0]->place_mm + ends[1]->place_mm) / 2 + bulge;
         const StrutContact worst = deepest(strut, {ends[half]->place_mm, middle, radius});
         if (worst.depth_mm <= slop_mm) continue;
-        // The middle of the capsule lies at a quarter of the strut's length. So the two ends of the strut
-        // move by 3/4 and 1/4 of the displacement, divided by (3/4)^2 + (1/4)^2 = 10/16.
+        // The middle of a capsule (half a strut) lies at a quarter of the strut's length. So the two ends of
+        // the strut move by 3/4 and 1/4 of the capsule's displacement, divided by (3/4)^2 + (1/4)^2 = 10/16.
         const Vector3d way = (worst.depth_mm - slop_mm / 2) * worst.direction / 0.625;
         ends[half]->place_mm += 0.75 * way;
         ends[1 - half]->place_mm += 0.25 * way;
@@ -290,8 +291,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
 
 // --- permanent changes ---
 
-// A spring that is longer or shorter than its elastic range allows yields permanently. Without a load the
-// length of such a spring would then change only by the recoil.
+// A spring that is longer or shorter than its elastic range allows yields permanently. Once such a spring has
+// yielded, its length would change only by the recoil if the load were removed.
 void StentRelaxation::yield()
 {
     const double recoil = stent_.design_.recoil;
@@ -326,7 +327,7 @@ void StentRelaxation::bed()
         }
         // If a point of the stent slides, is pushed or touches nothing, its foot (the wall point that it
         // follows) moves to the nearest point of the wall. A sliding point stops where the load on the spring
-        // that holds it no longer exceeds the limit.
+        // that holds the point to the wall no longer exceeds the limit.
         const bool slides = point.is_bedded && !is_pushed;
         const Vector3d place =
             slides ? Vector3d(point.place_mm - off * (bed_limit_N / pull_N)) : point.place_mm;

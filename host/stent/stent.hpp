@@ -52,7 +52,7 @@ struct StentBalloon {
     double layer_mm = 0.0;
 };
 
-// The inputs of a step. The wall, the balloons and the sleeves may each be missing.
+// The inputs of a step. The wall, the balloons and the outer stents (sleeves) are optional inputs of a step.
 struct StentSurroundings {
     const StentWall *wall = nullptr;
     const BalloonPose *own = nullptr;            // the balloon that carries it

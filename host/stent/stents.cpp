@@ -18,8 +18,8 @@ void Stents::step(const StentWall *wall, const BalloonPose *balloon)
     step(std::vector<const StentWall *>(stents_.size(), wall), balloon);
 }
 
-// Older stents are stepped first, because a stent that is deployed in this picture lies on the present inner
-// side of older stents.
+// Stents that were deployed earlier are stepped first, because a stent that is deployed in this picture lies
+// on the present inner side of those earlier stents.
 void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *balloon)
 {
     std::vector<StentSleeve> sleeves;

@@ -40,11 +40,12 @@ class Stents
     std::span<const Stent> all() const { return stents_; }
 
     // Returns how far the opened rings hold a lesion open, for a lesion with this number of stations (evenly
-    // spaced points). Neighbouring stations of the lesion with equal values are merged. A ring that is still
-    // on the balloon counts with its width after deflation, which is its present width minus the recoil.
-    // `open` holds the present opening of each station of the lesion, 0 .. 1. A stent opens no lesion by
-    // itself, so it holds a station of the lesion no farther open than this station is now. If `open` is
-    // empty, each ring holds the lesion open at the ring's full width.
+    // spaced points). Neighbouring stations (points) of the lesion that are held equally far open are merged
+    // into one entry of the returned list. A ring that is still on the balloon counts with its width after
+    // deflation, which is its present width minus the recoil. `open` holds the present opening of each
+    // station of the lesion, 0 .. 1. A stent opens no lesion by itself, so it holds a station of the lesion
+    // no farther open than this station is now. If `open` is empty, each ring holds the lesion open at the
+    // ring's full width.
     std::vector<StentHold> holds(const VesselWall &vessel, std::size_t lesion, std::uint32_t stations,
                                  std::span<const double> open = {}) const;
 

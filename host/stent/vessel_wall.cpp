@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr std::size_t around = 24; // vertices of a row: facets cut off 0.9 % of the circle's radius
 constexpr double row_mm = 0.5;     // from row to row
 
-// Describes a branch of vessels with and without its lesions; both shapes are given over the distance along
+// Describes a branch of vessels with and without its lesions; both shapes are functions of the distance along
 // the healthy branch, in mm.
 struct Line {
     std::vector<double> along_mm;

@@ -50,8 +50,7 @@ class VesselWall
     // point.
     double along_mm(std::size_t row) const { return rows_[row].along_mm; }
     // Sets the distance between the first and the last point for which `opened` has values; the middle
-    // between them is that of the lesion. set_places() is needed if these points do not end at the lesion's
-    // ends.
+    // between these two points is the middle of the lesion.
     void set_places(std::size_t lesion, double span_mm);
     // Holds the beginning and end of a lesion on this stretch of the vessel; this range is empty if the
     // branch has no lesion with that number.
@@ -63,7 +62,8 @@ class VesselWall
     {
         return lesion < lesions_.size() ? lesions_[lesion] : Stretch{};
     }
-    // Returns the beginning and end of the stretch along which `opened` has values for this lesion.
+    // Returns the beginning and end of the stretch of vessel along which `opened` has values for the lesion
+    // with this number.
     Stretch places_mm(std::size_t lesion) const
     {
         return lesion < places_.size() ? places_[lesion] : Stretch{};

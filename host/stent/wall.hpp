@@ -53,11 +53,11 @@ class StentWall
     Eigen::Vector3d place(const WallFoot &foot) const;
     Eigen::Vector3d on_plane(const WallFoot &foot) const;
 
-    // Returns the nearest point of the wall that can be reached from the triangle `from` by steps to
-    // neighbouring triangles, if every step must reduce the distance.
+    // Steps from the triangle `from` to neighbouring triangles as long as each step reduces the distance to
+    // `place_mm`, and returns the nearest point of the wall that is found in this way.
     WallFoot walk(const Eigen::Vector3d &place_mm, std::int32_t from) const;
-    // Returns the nearest point on the triangles `among` within `reach_mm`; if there is none, the returned
-    // foot has no triangle.
+    // Returns the point on the triangles `among` that is nearest to `place_mm`; if no point is within
+    // `reach_mm`, the returned foot has no triangle.
     WallFoot nearest(const Eigen::Vector3d &place_mm, std::span<const std::uint32_t> among,
                      double reach_mm) const;
     // Returns a patch: in ascending order, the triangles that are nearer than `reach_mm` to any of the given

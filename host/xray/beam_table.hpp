@@ -2,9 +2,10 @@
 // contributes, and by the signal of one photon of each energy.
 //
 // Gauss's quadrature approximates the sum of exp(-mu L) over the spectrum by a sum over two energies below
-// the K edge of iodine and four energies above it. The quadrature is exact for polynomials of degree 3 and 7
-// in 1/sqrt(energy). The weight function of the quadrature is the spectrum behind 10 cm of tissue and 1 mm of
-// iohexol-350, so that the relative error is similar for thin and for thick patients.
+// the K edge of iodine and four energies above it. The quadrature is exact for polynomials in 1/sqrt(energy):
+// up to degree 3 below the K edge of iodine, and up to degree 7 above this edge. The weight function of the
+// quadrature is the spectrum behind 10 cm of tissue and 1 mm of iohexol-350, so that the relative error is
+// similar for thin and for thick patients.
 #pragma once
 #include "host/xray/spectrum.hpp"
 #include <array>

@@ -9,8 +9,9 @@
 //
 // The focal spot and the pixel blur the expected signal, before photons are drawn at random. After photons
 // are drawn, the light in the scintillator spreads the contribution of each photon, so that the noise has the
-// scintillator's texture. All blurs are symmetric kernels, applied along rows and then along columns. The MTF
-// of each kernel follows the formula above up to 0.9 of half the sampling frequency.
+// scintillator's texture. All blurs are symmetric kernels, applied along rows and then along columns. Up to
+// 0.9 of half the sampling frequency, the modulation transfer function (MTF) of each kernel follows its
+// formula in the list above.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -39,8 +40,8 @@ double mtf_before_photons(const BlurGeometry &geometry, double frequency_per_mm)
 double mtf_of_scintillator(double frequency_per_mm);
 double mtf_of_system(const BlurGeometry &geometry, double frequency_per_mm); // the product
 
-// Each of the next functions returns a kernel whose MTF is within 0.01 of the formula above from 0 to 0.9/(2
-// pixel), or as near to the formula as blur_radius_max allows.
+// Each of the next functions returns a blur kernel; from frequency 0 to 0.9/(2 pixel), the kernel's MTF is
+// within 0.01 of the formula above, or as near to it as blur_radius_max allows.
 BlurKernel kernel_before_photons(const BlurGeometry &geometry);
 BlurKernel
 kernel_of_focal_spot(const BlurGeometry &geometry); // for signals that are already averaged over each pixel

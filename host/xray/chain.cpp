@@ -152,8 +152,8 @@ CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells
     return samples;
 }
 
-// Estimates the result of blur_add_and_measure from about 32 x 32 pixels; that result is the mean over the
-// measuring field of log2(signal), where 1 is the open beam's signal.
+// Estimates from about 32 x 32 pixels the value that blur_add_and_measure computes from all pixels: the mean
+// over the measuring field of log2(signal), where the open beam's signal is 1.
 double sampled_log_mean(const XrayChain &chain, const BeamTable &beam, bool with_scatter)
 {
     int cell = coarse_cell;

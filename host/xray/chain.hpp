@@ -51,8 +51,8 @@ struct XrayChain {
     SignalKey settled_key;
     ExposureChoice settled;
 
-    // The next members describe the signal behind the bodies, which is kept between frames, as fractions of
-    // the open beam behind the grid.
+    // The next members hold the signal behind the bodies as a fraction of the open beam's signal behind the
+    // grid, and are kept between frames.
     std::vector<OpenColumns> open;
     std::vector<float> transmission;  // of each pixel's middle
     std::vector<float> primary;       // the same after blur by focal spot and pixel

@@ -29,8 +29,8 @@ struct CoarseSums {
 };
 CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
 
-// Returns for each cell the mean over its neighbourhood, which covers about a tenth of the picture, computed
-// by two passes over five cells along both axes. Closed pixels have no weight.
+// Returns for each cell the mean over a neighbourhood of about a tenth of the picture; two passes over five
+// cells along both axes compute this mean. Closed pixels have no weight.
 std::vector<float> slow_part(CoarseSums sums, int cells);
 
 // Interpolates the coarse grid bilinearly, and computes one row of pixels of the result at full size.

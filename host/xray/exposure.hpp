@@ -84,8 +84,8 @@ class Exposure
     // Updates the estimated thickness of the patient from the signal of the last pulse behind patient and
     // grid, divided by the signal of the open beam.
     void follow(const XrayTechnique &technique, double signal_share, ExposureState &state);
-    // Sets the estimated thickness at once to the value that the signal shows, because a single picture has
-    // no earlier pulses.
+    // For a single picture, which has no earlier pulses, sets the estimated thickness of the patient at once
+    // to the value that the signal shows.
     void jump(const XrayTechnique &technique, double signal_share, ExposureState &state);
 
     // Returns how many quanta per mm2 of this beam give the same signal as a dose of `dose_nGy` in the

@@ -1,5 +1,5 @@
 // Computes powers and logarithms of two with sums and products only, so that every compiler gives results
-// that are equal bit for bit, and so that loops over them can be vectorised.
+// that are equal bit for bit, and so that a compiler can vectorise loops that call these functions.
 #pragma once
 #include <bit>
 #include <cstdint>

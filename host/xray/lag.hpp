@@ -1,8 +1,9 @@
 // Lag is signal that the detector's photodiodes trap from one picture and release into the next ones.
 //
-// The model has one kind of trap, as in Siewerdsen and Jaffray, "A ghost story", Med Phys 26 (1999) 1624, who
-// measured 2 to 10 %. A fraction a = 3 % of each picture's signal s is trapped. Within the time T to the next
-// read-out, the traps release a fraction b(T) = 1 - 2^(-T/h), h = 140 ms, of the trapped signal q.
+// The model has one kind of trap, as in Siewerdsen and Jaffray, "A ghost story", Med Phys 26 (1999) 1624;
+// these authors measured a lag of 2 to 10 %. A fraction a = 3 % of each picture's signal s is trapped. Within
+// the time T to the next read-out, the traps release a fraction b(T) = 1 - 2^(-T/h), h = 140 ms, of the
+// trapped signal q.
 //     out = (1 - a) s + b q,   q <- (1 - b) q + a s
 // No signal is lost. After a long exposure, the first picture without X-rays has 3 % of the last picture's
 // signal, at any picture rate. The signal of each later picture is 1 - b times the signal of the previous
@@ -19,7 +20,7 @@ inline constexpr float lag_half_time_ms = 140.0f;
 // Returns the fraction of the trapped signal that the detector releases within the given time.
 float lag_released_share(std::uint32_t elapsed_ms);
 
-// Adds the released signal to a row of detector signals, and traps a part of their own signal.
+// Adds the signal that the traps release to each pixel of a row, and traps a part of the pixel's own signal.
 void lag_row(float released_share, int size, float *trapped, float *signal);
 
 } // namespace crn

@@ -19,7 +19,8 @@ class SparseBlur
     void run(int size, std::span<const std::int32_t> pixels, std::span<const float> values,
              const BlurKernel &kernel);
 
-    // The next functions return the result of the last run: the pixels that became nonzero, and their values.
+    // The next functions return the result of the last call of run(): the pixels that became nonzero, and
+    // their values.
     const std::vector<std::int32_t> &pixels() const { return pixels_; }
     const std::vector<float> &values() const { return values_; }
 

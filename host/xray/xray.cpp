@@ -18,7 +18,8 @@ std::string describe(const Body &body, std::size_t index)
     return "body " + std::to_string(index) + " \"" + body.name + "\"";
 }
 
-// Exchanges the signal at the tools' pixels with the signal behind the tools; a second call restores it.
+// Exchanges the signal at the tools' pixels with the signal behind the tools; a second call of this function
+// exchanges the two signals back.
 void swap_tools(XrayChain &chain)
 {
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
@@ -78,8 +79,8 @@ void expose(XrayChain &chain, const XraySettings &settings, const ExposureChoice
         picture.air_kerma_uGy * 1e-6 * open_pixels(chain) * pixel_mm2 * 1e-2 * square(nearer);
 }
 
-// After a change of size or field the pixels cover other areas of the detector, so the memory of lag is
-// emptied.
+// If the size or the field of the picture changes, each pixel covers another area of the detector, so the
+// memory of lag is emptied.
 void prepare_lag(const XraySettings &settings, std::uint32_t tick, XrayMemory &memory)
 {
     const std::size_t pixels = static_cast<std::size_t>(settings.size) * settings.size;

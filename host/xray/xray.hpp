@@ -8,8 +8,8 @@
 //   xray.render(settings, tools, frame, seed, memory, picture);    one of a sequence; memory carries over
 //
 // A picture depends only on bodies, tools, WireFrame with its tick, settings, seed and memory. The picture is
-// equal bit for bit for any number of threads, compiler and optimisation level. The path lengths of the
-// bodies are kept as long as the C-arm does not move. See docs/xray.md.
+// equal bit for bit with any number of threads, any compiler and any optimisation level. The path lengths of
+// the bodies are kept as long as the C-arm does not move. See docs/xray.md.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/xray/exposure.hpp"
@@ -30,13 +30,14 @@ namespace crn
 
 struct XrayBeam {
     ExposureMode mode = ExposureMode::fluoro;
-    // This dose is the mean over the measuring field behind patient and grid. Automatic exposure aims at this
-    // dose, and the gain of the detector is chosen for it. Usual values are 20 .. 60 in fluoroscopy, 100 ..
-    // 250 in cine, and 500 .. 3000 in DSA.
+    // The dose per frame is the mean over the measuring field, behind patient and grid. Automatic exposure
+    // aims at this dose per frame, and the gain of the detector is chosen for this dose. Usual values are 20
+    // .. 60 in fluoroscopy, 100 .. 250 in cine, and 500 .. 3000 in DSA.
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
-    // A technique given here replaces automatic exposure; either the user has set it, or a DSA run locks it.
-    // The fixed technique is limited to the ranges of the tube.
+    // If a fixed technique (voltage, current, pulse width and filter) is given, it replaces automatic
+    // exposure; either the user has set it, or a DSA run locks it. The fixed technique is limited to the
+    // ranges of the tube.
     std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
     bool scatter = true;
@@ -148,7 +149,7 @@ class Xray
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture);
 
-    // Makes the same picture with everything that can move: tools, struts, contrast medium and beating
+    // Makes the next picture with everything that can move: tools, struts, contrast medium and beating
     // bodies. `memory` may be null.
     void render(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayMemory *memory,
                 XrayPicture &picture);

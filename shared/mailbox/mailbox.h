@@ -8,7 +8,7 @@
  * deadline for a device that is busy. Each half has one writer. Every field of the mailbox is a little-endian
  * 32-bit word; the numbers that order the exchange are written with release and read with acquire semantics.
  * Host and device do not trust each other: each reads a length once and then limits it. A flag of the mailbox
- * simulates lost handshakes, because memory loses nothing.
+ * simulates lost handshakes, because the shared memory itself never loses anything.
  *
  * C11 (gcc, clang). */
 #ifndef CRN_MAILBOX_H
@@ -103,7 +103,7 @@ static inline uint32_t crn_mailbox_little(uint32_t value)
 #endif
 }
 
-/* Reads a word of the other side's half of the mailbox once, and before any later read. */
+/* Reads a word of the other side's half of the mailbox once, before any later read. */
 static inline uint32_t crn_mailbox_read(const uint32_t *word)
 {
     return crn_mailbox_little(__atomic_load_n(word, __ATOMIC_ACQUIRE));

@@ -1,4 +1,5 @@
-/* This file checks a scene container (scene.h) in the order header, section table, sections. */
+/* This file checks a scene container (scene.h): first the header, then the section table, then the sections.
+ */
 #include "shared/scene/scene.h"
 #include "shared/scene/scene_check.h"
 #include "shared/wire/wire_frame.h"
@@ -42,11 +43,12 @@ static bool is_little_endian(void)
 }
 
 static const uint8_t magic[8] = {'C', 'R', 'N', '-', 'S', 'C', 'N', 0};
-/* Scenes from before the renaming of the project begin with this mark and differ in nothing else. */
+/* Scenes that were made before the project was renamed begin with this mark, and differ from newer scenes in
+ * nothing else. */
 static const uint8_t earlier_magic[8] = {0x53, 0x45, 0x4c, 0x44, 'S', 'C', 'N', 0};
 
-/* Returns true also for a file that is shorter than the mark, if the file begins in the same way as the mark.
- */
+/* Returns true also for a file that is shorter than the mark, if all bytes of the file equal the first bytes
+ * of the mark. */
 static bool begins_as_a_scene(const uint8_t *bytes, size_t size)
 {
     const size_t there = size < sizeof magic ? size : sizeof magic;
@@ -117,8 +119,9 @@ crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index)
     return span;
 }
 
-/* A body file ends with its bodies, with one vessel tree after them, or with that tree's lesions after the
- * tree. After all of these, a section may follow that names the scene to which the body file belongs. */
+/* The last contents of a body file are its bodies, or a vessel tree that follows the bodies, or the lesions
+ * that follow this tree. After the bodies, the tree and the lesions, one more section may follow, which names
+ * the scene to which the body file belongs. */
 static bool section_type_fits(const crn_scene_check *check, uint32_t index, uint32_t type)
 {
     static const uint32_t scene_types[5] = {CRN_SCENE_META, CRN_SCENE_ENTRY, CRN_SCENE_LUMEN,
@@ -221,8 +224,8 @@ static crn_scene_status check_entry(crn_scene_check *check, crn_scene_span span,
     return CRN_SCENE_OK;
 }
 
-/* The check accepts any size and CRC-32 of the named scene, because only the owner of that scene can compare
- * them. */
+/* The check accepts any size and CRC-32 of the named scene, because only a program that has this scene can
+ * compare them. */
 static crn_scene_status check_partner(crn_scene_check *check, crn_scene *scene)
 {
     if (check->content_count == check->section_count) return CRN_SCENE_OK;

@@ -162,7 +162,7 @@ typedef struct crn_scene_motion {
     const int16_t *rows;
 } crn_scene_motion;
 
-/* A checked file. The opened scene is valid as long as its bytes are. */
+/* A checked file. The opened scene is valid as long as the bytes from which it was opened exist. */
 typedef struct crn_scene {
     crn_scene_kind kind;
     uint32_t hash; /* the header's CRC-32, which covers the CRCs of the sections */

@@ -27,16 +27,17 @@ crn_scene_status crn_scene_fault_at(crn_scene_check *check, crn_scene_status sta
 /* Returns row `index` of the section table; the function does not check the index. */
 crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index);
 
-/* Checks a text of at most capacity - 1 bytes whose remaining bytes must be zeros. */
+/* Checks a text field of `capacity` bytes: the text has at most capacity - 1 bytes, and the remaining bytes
+ * must be zeros. */
 crn_scene_status crn_scene_check_text(crn_scene_check *check, size_t where, size_t capacity);
 
 crn_scene_status crn_scene_check_lumen(crn_scene_check *check, crn_scene_span span, crn_scene_lumen *lumen);
-/* Checks a MOTION or BREATH section, depending on the span's type. */
+/* Checks a MOTION section or a BREATH section; the type of `span` decides which of the two. */
 crn_scene_status crn_scene_check_motion(crn_scene_check *check, crn_scene_span span,
                                         crn_scene_motion *motion);
 crn_scene_status crn_scene_check_bodies(crn_scene_check *check, uint32_t body_count);
 crn_scene_status crn_scene_check_tree(crn_scene_check *check, crn_scene_span span, uint32_t *branch_count);
-/* The vessel tree must have passed its own check before this check. */
+/* The vessel tree must have passed its own check before the lesions are checked. */
 crn_scene_status crn_scene_check_lesions(crn_scene_check *check, crn_scene_span span, const crn_scene *scene,
                                          uint32_t *lesion_count);
 crn_scene_status crn_scene_check_plaques(crn_scene_check *check, crn_scene_span span, uint32_t *plaque_count);

@@ -1,6 +1,7 @@
-/* Checks the LUMEN section. The lumen's child rows, which refine bricks, form two ranks. Rows that refine
- * coarse bricks (the first rank) come first and may refer to rows of the second rank, which refer to no rows.
- * The refinement of bricks therefore always ends, and the check needs no walk through the rows. */
+/* Checks the LUMEN section. The lumen's child rows, which refine bricks, form two ranks. Rows of the first
+ * rank, which refine coarse bricks, come first and may refer to rows of the second rank; rows of the second
+ * rank refer to no rows. The refinement of bricks therefore always ends, and the check needs no walk through
+ * the rows. */
 #include "shared/scene/scene_check.h"
 
 enum { OUTSIDE_AND_INSIDE = 2, REFINED = 0x8000 };
@@ -22,8 +23,8 @@ static crn_scene_status check_lattice(crn_scene_check *check, const uint8_t *hea
     return CRN_SCENE_OK;
 }
 
-/* The index entries [first, first + count) may refer to bricks below brick_count and to rows from row_first
- * to row_end - 1. */
+/* The index entries from number first to first + count - 1 may refer to bricks below brick_count and to rows
+ * from row_first to row_end - 1. */
 static crn_scene_status check_entries(crn_scene_check *check, size_t first, size_t count,
                                       uint32_t brick_count, uint32_t row_first, uint32_t row_end)
 {

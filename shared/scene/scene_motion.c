@@ -1,7 +1,7 @@
-/* This file checks the MOTION and BREATH sections. Every number of these sections must be within the range
- * for which the core's arithmetic is proved to be correct. The displacements of neighbouring nodes must be so
- * similar that the map is one to one for any wall that a heart has. The nodes on the boundary of a lattice
- * must not move. */
+/* This file checks the MOTION and BREATH sections. Every number of the MOTION and BREATH sections must be
+ * within the range for which the core's arithmetic is proved to be correct. The displacements of neighbouring
+ * nodes must differ so little that the map is one-to-one for the wall of any heart. The nodes on the boundary
+ * of a lattice must not move. */
 #include "shared/scene/scene_check.h"
 
 enum { COMPONENTS = 3, COPIES = 2 };
@@ -39,8 +39,8 @@ static crn_scene_status check_header(crn_scene_check *check, const lattice_rules
     return CRN_SCENE_OK;
 }
 
-/* Checks one displacement component of one lattice node: the numbers are in range, and the copies at the
- * row's ends equal their originals. */
+/* Checks one displacement component of one lattice node: the numbers must be in range, and the copies at the
+ * row's ends must equal their originals. */
 static bool row_is_valid(const lattice_rules *rules, const int16_t *row)
 {
     for (uint32_t i = 0; i < rules->row; i++) {
@@ -69,8 +69,8 @@ static bool is_still(const int16_t *node, uint32_t count)
     return true;
 }
 
-/* Checks the lattice node at (x, y, z): its rows, the differences from its next neighbours, and that a node
- * on the boundary does not move. */
+/* Checks the lattice node at (x, y, z). The node's rows must be valid, its displacements must not differ too
+ * much from those of its next neighbours, and a node on the boundary must not move. */
 static crn_scene_status check_node(const lattice_rules *rules, const crn_scene_motion *motion,
                                    const uint32_t at[3])
 {

@@ -60,8 +60,8 @@ static crn_scene_status check_points(crn_scene_check *check, size_t where, uint3
     return CRN_SCENE_OK;
 }
 
-/* Parent branches come before their children, so that there is no circle; points follow each other without a
- * gap. */
+/* Parent branches come before their children, so that no branch can be its own ancestor; points follow each
+ * other without a gap. */
 static crn_scene_status check_branch(crn_scene_check *check, const uint8_t *tree, uint32_t index,
                                      uint32_t *points_before)
 {

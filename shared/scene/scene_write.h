@@ -18,8 +18,8 @@ typedef struct crn_scene_part {
 /* Returns the size in bytes of a file with these sections, or 0 when the size would exceed 2^31. */
 size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count);
 
-/* Writes the sections. Returns the number of bytes written, or 0 when `capacity` is too small. The function
- * does not check the contents of the sections; the caller opens the result to check them. */
+/* Writes the sections. Returns the number of bytes written, or 0 when `capacity` is too small. The writing
+ * function does not check the contents of the sections; the caller opens the written file to check them. */
 size_t crn_scene_write(crn_scene_kind kind, const crn_scene_part *parts, uint32_t part_count, uint8_t *file,
                        size_t capacity);
 

@@ -72,7 +72,8 @@ static inline uint64_t crn_wire_read(crn_wire_reader *reader, unsigned count)
     return value;
 }
 
-/* Converts a two's complement number of 32 bits without an implementation-defined conversion. */
+/* Returns the signed value of a 32-bit number in two's complement, without a cast whose result the C standard
+ * leaves to the compiler. */
 static inline int32_t crn_wire_i32_from_u32(uint32_t value)
 {
     return value <= (uint32_t)INT32_MAX ? (int32_t)value : -(int32_t)(UINT32_MAX - value) - 1;

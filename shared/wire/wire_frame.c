@@ -1,8 +1,8 @@
 /* CRC-32, COBS and frames. */
 #include "shared/wire/wire_frame.h"
 
-/* This table has the CRC remainder of each byte value for the polynomial 0xedb88320, in 1 kB of flash; with a
- * table of 16 entries each byte would take four instructions more. */
+/* This table has the CRC remainder of each byte value for the polynomial 0xedb88320. The table takes 1 kB of
+ * flash; with a table of only 16 entries, each byte would take four more instructions. */
 static const uint32_t crc_of[256] = {
     0x00000000u, 0x77073096u, 0xee0e612cu, 0x990951bau, 0x076dc419u, 0x706af48fu, 0xe963a535u, 0x9e6495a3u,
     0x0edb8832u, 0x79dcb8a4u, 0xe0d5e91eu, 0x97d2d988u, 0x09b64c2bu, 0x7eb17cbdu, 0xe7b82d07u, 0x90bf1d91u,
@@ -117,7 +117,8 @@ static void append(crn_wire_decoder *decoder, uint8_t byte)
     decoder->body[decoder->body_bytes++] = byte;
 }
 
-/* Decides, after the zero byte that ends a frame came, whether the received bytes are a valid frame. */
+/* After the zero byte that ends a frame has come, decides whether the bytes received before form a valid
+ * frame. */
 static crn_wire_event judge(crn_wire_decoder *decoder)
 {
     size_t bytes = decoder->body_bytes;

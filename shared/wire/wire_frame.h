@@ -34,8 +34,8 @@ typedef struct crn_wire_header {
     uint16_t type;
 } crn_wire_header;
 
-/* Returns the CRC-32 of IEEE 802.3 (reflected 0xEDB88320, start and end inverted). `crc` is 0 at the
- * beginning, and later the result for the bytes so far. */
+/* Returns the CRC-32 of IEEE 802.3 (reflected 0xEDB88320, start and end inverted). `crc` is 0 in the first
+ * call; in later calls it is the result for all bytes so far. */
 uint32_t crn_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length);
 
 /* Makes one frame from a header and a payload. Returns the number of bytes written to `frame` (including the

@@ -1,4 +1,4 @@
-/* This file has the schema hash and the texts, made from wire_messages.def and wire_faults.def. */
+/* This file has the schema hash and the texts for people, made from wire_messages.def and wire_faults.def. */
 #include "shared/wire/wire.h"
 
 /* The hash is FNV-1a over every name, type and unit of wire_messages.def. Each name, type and unit is hashed

@@ -14,11 +14,11 @@ namespace
 /* GAP_MM is the smallest permitted distance between neighbouring bodies of the anatomy. GAP_MM is larger than
  * the sum of the errors that mesh simplification may cause on two facing surfaces. */
 constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
-/* The meshes of thin bones are simplified less than those of other bones. If X-rays pass along the iliac
+/* The meshes of thin bones are simplified less than those of other bones. In an X-ray picture along the iliac
  * wing, whose cortex is 2 mm thick, a surface whose direction is wrong by 3 degrees appears as a streak. */
 constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
-/* The inner surface of the cortex is uneven by this many millimetres, so that bones look grainy in the X-ray
- * picture. */
+/* The inner surface of the cortex is uneven by GRAIN_MM, or by THIN_BONE_GRAIN_MM in thin bones, so that
+ * bones look grainy in the X-ray picture. */
 constexpr double GRAIN_MM = 0.12, THIN_BONE_GRAIN_MM = 0.05;
 
 /* Returns a smooth function of the position that has the given wavelength and values between about -1 and 1.
@@ -39,8 +39,8 @@ struct BoneGroup {
     double voxel_mm, error_mm, grain_mm;
 };
 
-/* Returns the distance function of one group of bones. The bones of this group keep a gap of GAP_MM to the
- * bones in `before`. */
+/* Returns the distance function of one group of bones. All bones of this group stay at least GAP_MM away from
+ * the bones in `before`. */
 LocalDistance bone_distance(const Solid &bone, const Solid &before)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -93,8 +93,8 @@ MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
 
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness)
 {
-    // The vertices of each frame are rounded to a micrometre in the file. This rounding would turn over
-    // triangles whose edges are hardly longer than a micrometre.
+    // The vertices of each frame are rounded to a micrometre in the file. Rounding to a micrometre would make
+    // some triangles face the opposite direction if their edges were hardly longer than a micrometre.
     constexpr double SHORTEST_MM = 0.02;
     const double scale = fineness.body_scale;
     const BoneGroup groups[] = {{"spine", spine_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},

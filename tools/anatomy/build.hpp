@@ -10,8 +10,8 @@
 namespace anatomy
 {
 
-/* Describes one body (such as a bone or an organ) that X-ray pictures show. The body lies completely inside
- * another body, which `inside` names. For the outermost body `inside` is "". */
+/* Describes one body (such as a bone or an organ) that X-ray pictures show. `inside` is the name of the other
+ * body that completely encloses this body. For the outermost body, which nothing encloses, `inside` is "". */
 struct Body {
     std::string name, material, inside;
     MeshRequest request;
@@ -24,8 +24,9 @@ struct Fineness {
 
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
 
-/* Returns the bodies of the patient around these vessels, which must be in the patient's frame. If the tree
- * has coronary arteries, these bodies include the root of the aorta and the coronary arteries. */
+/* Returns the bodies of a patient around the vessels in `tree`, whose coordinates must be in the patient's
+ * frame. If the tree has coronary arteries, these bodies include the root of the aorta and the coronary
+ * arteries. */
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness);
 
 /* Returns the bodies of a phantom, which is a tank of water with a silicone wall around the vessels. In a

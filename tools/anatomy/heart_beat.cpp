@@ -33,8 +33,8 @@ Spline profile(const std::vector<std::pair<double, double>> &knots)
     return Spline(height, value);
 }
 
-/* Returns 0 if `value` is below `low`, 1 if `value` is above `high`, and smoothly rising numbers in
- * between. */
+/* Returns 0 if `value` is below `low`, 1 if `value` is above `high`, and a number that rises smoothly from 0
+ * to 1 between these limits. */
 double smooth_step(double low, double high, double value)
 {
     const double t = std::clamp((value - low) / (high - low), 0.0, 1.0);
@@ -140,8 +140,9 @@ HeartBeat::HeartBeat(const Vessel &aorta)
 
 HeartBeat::Place HeartBeat::place(const Vec3 &point) const
 {
-    // The inner and the outer surface of the heart's wall move by different amounts, and so do the two sides
-    // of the base. The free wall of the right ventricle moves further than the other walls.
+    // The inner surface of the heart's wall moves further than the outer surface, and the right side of the
+    // heart's base descends further than the left side. The free wall of the right ventricle moves further
+    // than the other walls.
     constexpr double INNER = 0.34, OUTER = 0.12, RIGHT_OUTER = 0.33, WALL_MM = 10.0;
     constexpr double LEFT_DESCENT_MM = 14.0, RIGHT_DESCENT_MM = 22.0, RIGHT_AT_MM = 48.0, RIGHT_DEG = 300.0;
     constexpr double MOVES_WITHIN_MM = 3.0, RESTS_BEYOND_MM = 38.0, HELD_MM = 22.0;

@@ -5,12 +5,12 @@
  * Walls move towards the axis. The inner surface of a wall moves further than its outer surface, so that the
  * wall thickens. As seen from the apex, the base turns clockwise and the apex counter-clockwise. The length,
  * the radius and the twist of the left ventricle follow different functions of time, so the centre towards
- * which the walls move is not a fixed point. Inv. Radiol. 1984 reports that 91 % of the wall's motion is
- * radial to one moving centre. Three commonly published figures are assumed: the base descends by 12 to 15
- * mm, the twist is 10 to 15 degrees, and the right coronary artery moves by 20 to 30 mm. The functions of
- * time for length, radius and twist are also assumed. The functions of time are chosen so that
- * heart_figures() measures the chamber volumes, and the periods of little motion, of a man at 70 beats per
- * minute. */
+ * which the walls move is not a fixed point. One study (Inv. Radiol., 1984) reports that 91 % of the motion
+ * of the ventricle's wall points towards or away from one moving centre. Three commonly published figures are
+ * assumed: the base descends by 12 to 15 mm, the twist is 10 to 15 degrees, and the right coronary artery
+ * moves by 20 to 30 mm. The functions of time for length, radius and twist are also assumed. The functions of
+ * time are chosen so that the chamber volumes and the periods of little motion, as heart_figures() measures
+ * them, are typical of a man at 70 beats per minute. */
 #pragma once
 #include "tools/anatomy/vessels.hpp"
 
@@ -45,16 +45,16 @@ class HeartBeat
   public:
     /* Prepares the map of the heart's motion. The part of `aorta` behind the heart does not move. */
     explicit HeartBeat(const Vessel &aorta);
-    /* Returns the position in every frame of the tissue that is at `point` at the end of diastole and of
+    /* Returns, for every frame, the position of the tissue that is at `point` at the end of diastole and of
      * expiration. Frame k is at k / BEAT_FRAMES of BEAT_MS. */
     std::vector<Vec3> frames(const Vec3 &point) const;
-    /* Returns the position, at the end of diastole and of inspiration, of the tissue that is at `point` after
-     * expiration. */
+    /* Takes the tissue that is at `point` after expiration, and returns its position after inspiration; both
+     * positions are at the end of diastole. */
     Vec3 inhaled(const Vec3 &point) const;
-    /* Returns the smallest ratio, over all frames, between the size of a small volume of tissue and its size
-     * at the end of diastole. These small volumes lie on a grid through and around the heart. If the ratio is
-     * above 0, the map of the heart's motion folds nowhere. Surfaces that do not cross at the end of diastole
-     * then do not cross in any frame. */
+    /* Divides the size of many small volumes of tissue in each frame by their size at the end of diastole,
+     * and returns the smallest of these ratios. These small volumes lie on a grid through and around the
+     * heart. If the smallest ratio is above 0, the map of the heart's motion folds nowhere. Surfaces that do
+     * not cross at the end of diastole then do not cross in any frame. */
     double least_volume_factor() const;
 
   private:

@@ -33,8 +33,8 @@ double ejection(const std::vector<double> &volumes)
     return 1.0 - *least / *most;
 }
 
-/* Holds the mean descent and turn of the vertices that lie, at the end of diastole, in a slice across the
- * heart's axis. */
+/* Holds the mean descent and the mean rotation of the vertices that lie, at the end of diastole, in a slice
+ * across the heart's axis. */
 struct Slice {
     double descent_mm = 0.0, turn_deg = 0.0;
 };
@@ -95,10 +95,10 @@ Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
     return centre;
 }
 
-/* Returns the longest time during which no point of the curve has two positions that are more than
- * `within_mm` apart. Between two frames the function moves the points along straight lines. The middle of
- * this time must lie in the interval [from, to) of the beat, where `from` and `to` are fractions of the
- * beat. */
+/* Returns the longest time during which no point of the curve moves to a position more than `within_mm` away
+ * from one of its earlier positions in that time. Between two frames the function moves the points along
+ * straight lines. The middle of this time must lie in the interval [from, to) of the beat, where `from` and
+ * `to` are fractions of the beat. */
 double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, double to)
 {
     constexpr int FINE = 240;

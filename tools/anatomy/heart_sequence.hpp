@@ -27,16 +27,17 @@ struct HeartSequence {
     std::vector<MovingVessel> vessels;
 };
 
-/* is_of_heart() is true for the heart and its vessels. moves_with_heart() is also true for the bodies beside
- * the heart that move with the heart. */
+/* The function is_of_heart() is true for the heart and its vessels, and moves_with_heart() is also true for
+ * the bodies beside the heart that move with the heart. */
 bool is_of_heart(const std::string &body);
 bool moves_with_heart(const std::string &body);
 
 MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBeat &beat);
 MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat);
 
-/* Holds the measured figures of a beat that takes BEAT_MS. heart_figures() computes these figures from the
- * meshes and centrelines of the frames, without using the map of the motion. */
+/* Holds the measured figures (such as volumes and displacements) of a heartbeat that takes BEAT_MS
+ * milliseconds. The function heart_figures() computes these figures from the meshes and centrelines of the
+ * frames, without using the map of the motion. */
 struct VesselFigures {
     std::string name;
     double length_mm, excursion_mm; // length at the end of diastole; largest displacement between two frames
@@ -59,14 +60,14 @@ struct HeartFigures {
  * missing. */
 HeartFigures heart_figures(const HeartSequence &sequence);
 
-/* Writes the moved mesh of every frame as FOLDER/lumen_00.ply ... lumen_23.ply. The mesh at the end of
- * inspiration becomes FOLDER_inhaled.ply beside the folder. The program `bake` fits a lattice of
+/* Writes the moved mesh of every frame as FOLDER/lumen_00.ply ... lumen_23.ply. The program writes the mesh
+ * at the end of inspiration to FOLDER_inhaled.ply beside the folder. The program `bake` fits a lattice of
  * displacements to these files. */
 void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat);
 
-/* Writes FOLDER/frame_00.obj ... frame_23.obj with one object per body. The centrelines become
- * FOLDER/centrelines_00.mrk.json ..., and the bodies at the end of inspiration become FOLDER_inhaled.obj
- * beside the folder. */
+/* Writes FOLDER/frame_00.obj ... frame_23.obj with one object per body. The program writes the centrelines to
+ * FOLDER/centrelines_00.mrk.json ..., and the bodies at the end of inspiration to FOLDER_inhaled.obj beside
+ * the folder. */
 void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence);
 std::string figures_json(const HeartFigures &figures);
 

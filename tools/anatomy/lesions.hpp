@@ -7,8 +7,8 @@ namespace anatomy
 {
 
 /* Holds the value of one option `--lesion`: BRANCH:PERCENT:LENGTH_MM:AT_MM, optionally followed by
- * :ECCENTRICITY:PLAQUE_DEG:CALCIFIED_DEG. lesion_from() throws std::invalid_argument with the reason when the
- * option's text is malformed. */
+ * `:ECCENTRICITY:PLAQUE_DEG:CALCIFIED_DEG`. The function lesion_from() throws std::invalid_argument with the
+ * reason when the option's text is malformed. */
 struct Lesion {
     std::string branch;
     double stenosis_percent = 0, length_mm = 0, at_mm = 0, eccentricity = 0, plaque_deg = 0,

@@ -288,8 +288,8 @@ int check(const std::filesystem::path &folder)
     return is_good ? 0 : 1;
 }
 
-/* Prints one line per given diameter, which states where the diameter applies and the source of its value.
- * Tabs separate the values of a line, so that scripts can read the lines. */
+/* Prints one line for each given diameter; the line states where in the vessel the diameter applies, and the
+ * source of its value. Tabs separate the values of a line, so that scripts can read the lines. */
 int list(const VesselTree &tree)
 {
     std::printf("vessel\tstation\tdiameter_mm\tx_mm\ty_mm\tz_mm\ttangent_x\ttangent_y\ttangent_z\tsource\n");

@@ -31,14 +31,15 @@ Box block_box(const Cell &block, double voxel_mm)
 
 /* Fills one block of the grid with values of the distance function. Exact distances are needed only near the
  * surface. If the middle of a group of grid points is far enough from the surface, no neighbour of these
- * points lies on the surface's other side. All points of such a group then get, as their distance, the width
- * of the level set's band with the sign of the distance at the middle. */
+ * points lies on the surface's other side. All points of such a group then get the same distance, which is
+ * the width of the level set's band; its sign is that of the distance at the group's middle. */
 crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
 {
     constexpr int GROUP = 2;
     const double voxel = request.voxel_mm, band = BAND_VOXELS * voxel;
-    // The limit `far` is half the diagonal of a group of points plus a voxel's diagonal, multiplied by the
-    // steepest change of an estimated distance.
+    // A group of points counts as far from the surface if the estimated distance at its middle exceeds `far`:
+    // half the group's diagonal plus a voxel's diagonal, multiplied by the steepest change of an estimated
+    // distance.
     const double far = STEEPEST * (0.5 * (GROUP - 1) + 1.0) * std::sqrt(3.0) * voxel;
     const Distance distance = request.distance_in(block_box(block, voxel), band);
     const Vec3 origin = Vec3(block[0], block[1], block[2]) * BLOCK;
@@ -105,8 +106,8 @@ Vec3 onto_surface(const Distance &distance, double voxel_mm, const Vec3 &point)
 Mesh surface_of(const crn::mesh::LevelSet &level, const MeshRequest &request)
 {
     crn::mesh::QuadSurface surface = level.surface();
-    // The points arrive in the order of their blocks, so a new local distance function is needed only when
-    // the block changes.
+    // The vertices of one block follow each other in the list, so the code makes a new local distance
+    // function only when the block changes.
     std::optional<Cell> block;
     Distance distance;
     for (Vec3 &vertex : surface.vertices) {
@@ -133,7 +134,7 @@ LocalDistance local_distance(const Solid &solid)
 Mesh mesh_of(const MeshRequest &request)
 {
     // A saddle of the surface exactly at a grid point can produce an edge that belongs to four triangles. A
-    // tiny offset of the distance avoids edges with four triangles.
+    // tiny offset, which the code adds to the distance, avoids edges that belong to four triangles.
     constexpr int ATTEMPTS = 4;
     constexpr size_t CRUMB_TRIANGLES = 60;
     std::string fault;

@@ -15,7 +15,8 @@ Solid skin();
 double flesh_depth_mm(const Vec3 &p);
 
 /* Returns the shape of the chest cavity on one side of the body (sign -1 for right, +1 for left), down to the
- * diaphragm. Other bodies, such as the heart, are not yet cut out of the chest cavity. */
+ * diaphragm. The returned shape still includes the space of other bodies, such as the heart, which must be
+ * cut out later. */
 Distance lung_cavity(double sign);
 Box lung_bounds(double sign);
 
@@ -23,8 +24,8 @@ Box lung_bounds(double sign);
  * soft tissue fill. The lungs do not extend into this space. */
 Solid mediastinum();
 
-/* Describes one chamber of the heart by its distance function. A chamber keeps a wall's thickness of distance
- * from the chambers that precede it in the list. */
+/* Describes one chamber of the heart by its distance function. A chamber stays at least the thickness of a
+ * heart wall away from the chambers that precede it in the list. */
 struct Chamber {
     const char *name;
     Distance distance;
@@ -35,8 +36,9 @@ Solid heart_outline();                 // slightly inside what the lungs leave f
 std::vector<Chamber> heart_chambers(); // ventricles and atria, with walls of 2.5 to 10 mm between them
 Solid airway();                        // trachea and main bronchi (air)
 
-/* Returns the distance to the belly's cavity, which reaches from the diaphragm to the pelvic floor. Chest,
- * bones and psoas muscles are not yet cut out of the belly's cavity. */
+/* Returns the distance to the belly's cavity, which reaches from the diaphragm to the pelvic floor. The
+ * belly's cavity still includes the space of the chest, bones and psoas muscles, which must be cut out later.
+ */
 double belly_outline(const Vec3 &p);
 Box belly_bounds();
 Solid kidney_nests(); // space for the kidneys and the fat around them, beside the spine

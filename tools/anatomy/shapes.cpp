@@ -93,8 +93,9 @@ double Tube::section_distance(const Vec3 &point, const Segment &segment, double 
 
 double Tube::distance(const Vec3 &point) const
 {
-    // If the tube's cross-section is flat, the distance is computed at the nearest point of the axis. If the
-    // tube's cross-section is round, the distance is the minimum over all segments of the tube.
+    // If the tube's cross-section is flat, the code computes the distance only at the point of the axis that
+    // is nearest to `point`. If the tube's cross-section is round, the code returns the smallest of the
+    // distances to all segments of the tube.
     constexpr double FAR = 1e9;
     double best = FAR, best_t = 0.0;
     const Segment *nearest = nullptr;

@@ -78,8 +78,8 @@ class Ellipsoid : public Shape
     Eigen::Matrix3d inverse_;
 };
 
-/* A triangular plate that extends half_thickness_mm to both sides of a triangle, for flat bones such as
- * ilium, scapula and laminae. Each corner of the plate may have a different thickness. */
+/* Describes a flat bone, such as ilium, scapula or laminae, as a triangular plate that extends
+ * half_thickness_mm to both sides of a triangle. Each corner of the plate may have a different thickness. */
 class Plate : public Shape
 {
   public:
@@ -106,7 +106,7 @@ class Drum : public Shape
     double half_width_, half_height_, half_depth_;
 };
 
-/* A shape that is defined by an arbitrary distance function and a bounding box. */
+/* Describes a shape that is defined by an arbitrary distance function and a bounding box. */
 class Formula : public Shape
 {
   public:
@@ -150,8 +150,8 @@ class Part
                  double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
-    /* Returns a copy of this part that is cheaper to evaluate for points inside `box`. The copy's distance is
-     * correct wherever it is below reach_mm. */
+    /* Returns a copy of this part that is cheaper to evaluate for points inside `box`. The distance that the
+     * copy computes is correct wherever it is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
 
     double blend_mm;

@@ -10,10 +10,10 @@ struct SheetPoint {
     double half_thickness_mm;
 };
 
-/* A grid of points that has the same number of points in every row, and at least two points in each
- * direction. Two triangular plates fill each cell of the grid. Points should lie 2 to 3 mm apart, so that
- * neighbouring plates form almost one plane. X-rays that pass along the bone show a kink of a few degrees as
- * a streak. */
+/* Describes a curved bone by a grid of points that has the same number of points in every row, and at least
+ * two points in each direction. Two triangular plates fill each cell of the grid. Points should lie 2 to 3 mm
+ * apart, so that neighbouring plates form almost one plane. X-rays that pass along the bone show a kink of a
+ * few degrees as a streak. */
 class Sheet : public Shape
 {
   public:

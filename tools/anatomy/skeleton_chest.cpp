@@ -26,8 +26,8 @@ const RibShape RIBS[12] = {
     {122, 66, -97, -52, 117, -30, 5.8, 0.50},  {98, 44, -92, -74, 84, -70, 5.2, 0.55},
 };
 
-/* The drop from a rib's head to the widest point of its loop, as a fraction of the drop from the head to the
- * front end. */
+/* SIDE_FALL is the drop from a rib's head to the widest point of its loop, divided by the drop from the head
+ * to the front end. */
 constexpr double SIDE_FALL = 0.46;
 
 Part rib_part(const RibShape &rib, const Vertebra &v, const Vertebra &above, double s)

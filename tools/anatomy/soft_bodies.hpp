@@ -8,8 +8,8 @@
 namespace anatomy
 {
 
-/* The bones end at these heights, slightly inside the cuts where the skin ends. beyond_cuts() is positive
- * above the upper and below the lower height. */
+/* The bones end at the heights BONE_BOTTOM_MM and BONE_TOP_MM, slightly inside the cuts where the skin ends.
+ * The function beyond_cuts() is positive above BONE_TOP_MM and below BONE_BOTTOM_MM. */
 constexpr double BONE_BOTTOM_MM = -422.0, BONE_TOP_MM = 344.0;
 
 inline double beyond_cuts(const Vec3 &p)

@@ -11,7 +11,7 @@ namespace anatomy
 
 using Vec3 = Eigen::Vector3d;
 
-/* Holds one point of a sampled curve. arc_mm is the curve's length from its first point to this point. */
+/* Holds one point of a sampled curve; `arc_mm` is the curve's length from its first point to this point. */
 struct CurvePoint {
     Vec3 position_mm;
     double radius_mm;
@@ -20,7 +20,8 @@ struct CurvePoint {
 
 using Curve = std::vector<CurvePoint>;
 
-/* A natural cubic spline through scalar values at increasing parameters. At least two values are required. */
+/* Describes a natural cubic spline through scalar values at increasing parameters. The spline needs at least
+ * two values. */
 class Spline
 {
   public:
@@ -31,8 +32,9 @@ class Spline
     std::vector<double> parameters_, values_, second_derivatives_;
 };
 
-/* A cubic through scalar values that stays between neighbouring values (Fritsch and Carlson 1980). Beyond
- * both ends the curve keeps the value of the end. At least one value is required. */
+/* Describes a cubic curve through scalar values that stays between neighbouring values (Fritsch and Carlson
+ * 1980). Beyond its first and its last point the curve keeps the value of that point. The curve needs at
+ * least one value. */
 class MonotoneCubic
 {
   public:

@@ -28,7 +28,7 @@ constexpr NumberRange Y_MM = {-POSITION_MAX_MM, POSITION_MAX_MM}, DIAMETER_MM = 
                       CORONARY_FILLET_MM = {0, 3}, HEIGHT = {0, 1.2}, ANGLE_DEG = {-360, 360},
                       FROM_END_MM = {0, LENGTH_MAX_MM};
 
-/* Holds a file of vessels, and whether the file's positions are in the patient's frame. */
+/* Holds the content of a vessel file, and whether the file's positions are in the patient's frame. */
 struct File {
     TomlTable root;
     bool is_in_patient = true;
@@ -269,8 +269,8 @@ std::string extended_file(const TomlTable &root)
 
 TreeDraft read_draft(const std::string &path, size_t depth);
 
-/* Reads the vessel file that this vessel file extends, and all keys of this vessel file except its
- * vessels. */
+/* Reads all keys of this vessel file except its vessels, and reads the vessel file that this vessel file
+ * extends. */
 TreeDraft read_head(const TomlTable &root, size_t depth)
 {
     root.check_keys({"format", "title", "extends", "frame", "fillet_mm", "coronary_fillet_mm", "sources",

@@ -38,9 +38,9 @@ struct TreeDraft {
 /* Reads a vessel file and the vessel files that this file extends. Throws crn::FileError. */
 TreeDraft read_vessel_draft(const std::string &file);
 
-/* Adds a vessel, or replaces the vessel that has the same name. Throws crn::FileError when a vessel's name
- * occurs twice, when the vessel to be replaced does not exist, or when the parent does not come before the
- * vessel. */
+/* Adds a vessel, or replaces the vessel that has the same name. Throws crn::FileError if two vessels have the
+ * same name, if the vessel to be replaced does not exist, or if a vessel comes before its parent in the list
+ * of vessels. */
 void add_vessel(TreeDraft &draft, GivenVessel given);
 
 /* Makes the vessel tree and finds the point where the guidewire enters the tree. Throws crn::FileError when a
@@ -52,10 +52,11 @@ VesselTree tree_of(TreeDraft draft, const std::string &file);
  * the form "FILE:LINE:COLUMN: vessel, station: what is wrong". */
 VesselTree read_vessels(const std::string &file);
 
-/* Returns the path of the shipped vessel file NAME. The shipped vessel files are in
+/* Returns the path of the shipped vessel file `NAME`. The shipped vessel files are in
  * shared/examples/anatomies, and `make install` puts them into share/cournand/examples/anatomies. The
- * function searches for both folders in the folders above the program, and for shared/examples/anatomies also
- * in the working folder. Throws std::runtime_error when the file is in none of these folders. */
+ * function searches for these two folders in all folders above the program; it also searches for
+ * shared/examples/anatomies in the working folder. Throws std::runtime_error when the file is in none of
+ * these folders. */
 std::string shipped_vessel_file(const std::string &name);
 
 /* Reads the shipped vessel file NAME.toml. */

@@ -27,7 +27,8 @@ struct Vessel {
     double flow_ml_min = 0;        // mean flow out of its end; 0: not stated
 };
 
-/* A tree of vessels, with the point where a guidewire enters the tree from the introducer sheath. */
+/* Describes a tree of vessels, with the point where a guidewire enters the tree from the introducer sheath.
+ */
 struct VesselTree {
     std::string title;
     std::string made_by;         // the words behind `anatomy` on the command line, for the scene's first line

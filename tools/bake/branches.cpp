@@ -15,8 +15,8 @@ namespace
 constexpr double apart_max_radii =
     1.25; // an end farther than this many radii from a centreline is not joined to it
 
-// Converts a centreline to a branch of the vessel tree, without points that coincide with the point before
-// them. Rounds the coordinates to the precision with which the body file stores them.
+// Converts a centreline to a branch of the vessel tree, and leaves out every point that coincides with the
+// point before it. Rounds the coordinates to the precision with which the body file stores them.
 VesselBranch branch_of(const Curve &line)
 {
     VesselBranch branch;
@@ -37,8 +37,8 @@ void turn(VesselBranch &branch)
     std::reverse(branch.radii_m.begin(), branch.radii_m.end());
 }
 
-// A branch that leaves within one radius of its parent's end is joined at that end, so that no stump of the
-// parent remains beyond the fork.
+// A branch that leaves its parent within one radius of the parent's end is joined at that end, so that no
+// stump of the parent remains beyond the fork.
 std::size_t leaving_point(const VesselBranch &parent, std::size_t point)
 {
     const std::size_t last = parent.points_m.size() - 1;

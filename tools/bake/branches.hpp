@@ -6,11 +6,12 @@
 namespace crn::bake
 {
 
-// Returns the name of a branch: "right_renal_artery" for ".../right_renal_artery.mrk.json", at most 31 bytes.
+// Returns the name of a branch, which is its file's name without the extension and has at most 31 bytes, such
+// as "right_renal_artery" for ".../right_renal_artery.mrk.json".
 std::string branch_name(const std::filesystem::path &file);
 
-// The root of the tree begins at the inlet of the blood. Every other branch begins at that one of its two
-// ends which lies deeper in a vessel that is already joined. A branch that leaves its parent within one
+// The root of the tree begins at the inlet of the blood. Every other branch has two ends, and it begins at
+// the end that lies deeper in a vessel that is already joined. A branch that leaves its parent within one
 // radius of the parent's end is joined at that end. Throws Fault, whose message names a centreline that
 // touches no other centreline, a name that is used twice, or a name in `text` that no centreline has.
 VesselTree join_branches(const std::vector<Curve> &lines, const TreeText &text);

@@ -12,7 +12,7 @@ using Curve = centreline::Branch; // its parent is not set: join_branches finds 
 
 // Reads every curve of a .mrk.json, .vtp, .csv or .obj file; the function `read_centreline` returns only the
 // first curve. The axis convention that the file itself states is ignored, because `placement.axes` sets it.
-// If a file has several branches, each branch is called FILE/BRANCH. Throws Fault, whose message names the
+// If a file has several branches, each branch is called `FILE/BRANCH`. Throws Fault, whose message names the
 // file, the point and the field.
 std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Placement &placement);
 Curve read_centreline(const std::filesystem::path &file, const Placement &placement);

@@ -17,7 +17,7 @@ struct BakedBody {
     bool moves = false; // with the lumen
 };
 
-// The functions below open the bytes with the scene reader of shared/scene before they return them, and throw
+// The functions below test their result by opening its bytes with the scene reader of shared/scene, and throw
 // Fault if the reader rejects the bytes. `motion` is nullptr when the lumen does not move. `tree` holds the
 // lesions of the field; it is nullptr when the scene has no lesion that a balloon can open.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,

@@ -94,8 +94,8 @@ std::array<double, 2 * filter_reach + 1> prefilter()
     return taps;
 }
 
-// Filters along one axis. `size` holds the lengths of the array along the three axes; the filter shortens the
-// length along `axis` by twice its own reach.
+// Filters along one axis. `size` holds the number of values in the array along each of the three axes; the
+// filter leaves fewer values along `axis`, because it needs neighbours on both sides.
 void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis)
 {
     static const auto taps = prefilter();
@@ -235,8 +235,8 @@ std::vector<Brick> octants(const std::vector<Brick> &bricks)
 
 // --- the lattice ---
 
-// Returns one index entry per brick: "far from the wall", the row of its refinement (rows are counted from
-// `row`), or the next free position in `samples`.
+// Returns one index entry per brick: "far from the wall", the number of the table row that holds the brick's
+// finer bricks (counted from `row`), or the next free position in `samples`.
 std::vector<std::uint16_t> number(const std::vector<Brick> &bricks, int level, std::uint32_t row,
                                   Field &field)
 {

@@ -1,5 +1,6 @@
-// Before a body's mesh is written, the program makes it solid, cuts it by its neighbours, reduces its number
-// of triangles, and hollows it. The report of `bake` states how well the bodies fit into each other.
+// Before a body's mesh is written, the program makes it solid, cuts away the space of neighbouring bodies,
+// reduces its number of triangles, and hollows it. The report of `bake` states how well the bodies fit into
+// each other.
 #pragma once
 #include "tools/bake/container.hpp"
 #include "tools/bake/triangle_tree.hpp"

@@ -49,9 +49,9 @@ Axis axis_at(const VesselBranch &branch, const std::vector<double> &arcs, double
 }
 
 // Computes unit vectors that are perpendicular to the healthy vessel, at each point of a lesion. In the
-// lesion's middle, the direction called front is the patient's front; where the vessel itself runs forwards
-// there, the patient's left is taken instead. The direction called front is carried along the vessel without
-// twist, so that plaque stays on one side of the vessel in a bend.
+// lesion's middle, the direction called front is the patient's front; if the vessel itself runs to the
+// patient's front there, the patient's left is taken instead. The direction called front is carried along the
+// vessel without twist, so that plaque stays on one side of the vessel in a bend.
 class Across
 {
   public:

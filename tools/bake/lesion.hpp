@@ -24,8 +24,8 @@ namespace crn::bake
 // Returns the box that contains every point within `radii` vessel radii of a lesion's healthy centreline.
 Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii);
 
-// Throws Fault, whose message names the lesion and the unsuitable value: the branch, the position, the
-// length, or another lesion at this position.
+// Throws Fault when a lesion does not suit its vessel; the message names the lesion and what is wrong: the
+// branch, the position, the length, or another lesion at this position.
 void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions);
 
 // Divides the mesh's edges near a lesion until they are shorter than 0.6 times the narrowest radius and

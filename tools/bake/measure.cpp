@@ -113,7 +113,7 @@ void triangle_centre(const void *object, ccd_vec3_t *out)
     ccdVec3Set(out, p.x(), p.y(), p.z());
 }
 
-// Returns how deep the capsule penetrates one triangle, or 0 when the two do not touch.
+// Returns how deep the capsule penetrates one triangle, or 0 if the capsule does not touch the triangle.
 double ccd_depth(const CcdCapsule &capsule, const CcdTriangle &triangle)
 {
     ccd_t ccd;
@@ -178,8 +178,8 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
 
 // Returns the radius of the largest ball that touches the wall at p from inside and has no wall inside it.
 // The ball's centre lies on the inward normal at p. The function reduces the ball's radius step by step
-// (shrinking balls: Ma, Bae & Choi 2012). Returns `limit` when the ball touches no second part of the wall,
-// or no part on the side opposite to p.
+// (shrinking balls: Ma, Bae & Choi 2012). Returns `limit` if the ball touches the wall only at p, or if there
+// is no wall near the side of the ball opposite to p.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
                    double limit)
 {

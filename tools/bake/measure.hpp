@@ -1,6 +1,7 @@
-// Measures the accuracy of the distance field that `bake` makes of a lumen. Compares the distance field with
-// exact distances, the results of the two functions that sample the field, and the core's contact depth with
-// that of the library libccd. All random numbers are generated from a seed, which the program prints.
+// Measures the accuracy of the distance field that `bake` makes of a lumen. The program compares three pairs:
+// the distance field and exact distances; the results of the two functions that sample the field; and the
+// contact depths that the core and the library libccd compute. All random numbers are generated from a seed,
+// which the program prints.
 #pragma once
 #include "tools/bake/field.hpp"
 

@@ -35,16 +35,17 @@ Mesh load_mesh(const MeshText &text);
 // names `unit` in its advice.
 void check_extent(const Mesh &mesh, const std::string &unit);
 
-// Merges vertices at equal positions and drops triangles without area; both are noted in the report.
+// Merges vertices at equal positions and drops triangles without area, and notes both changes in the report.
 void weld(Mesh &mesh);
 
 // Checks that the mesh is closed: every edge must belong to exactly two triangles, which run along this edge
 // in opposite directions. Openings of the mesh are closed by a cap if `cap` permits this. If the volume of
-// the mesh is negative, all its triangles are reversed, and the report notes this. Throws Fault otherwise.
+// the mesh is negative, the function reverses all its triangles and notes this reversal in the report. Throws
+// Fault otherwise.
 void check_closed(Mesh &mesh, Cap cap);
 
-// Only caps the openings. This function is for meshes whose surface is remade afterwards (solid.hpp); these
-// meshes may be non-manifold and may cross themselves.
+// Only caps the openings. This function is for meshes that may be non-manifold and may cross themselves,
+// because their surface is remade afterwards (solid.hpp).
 void cap_openings(Mesh &mesh, Cap cap);
 
 // Throws Fault when triangles cross without sharing a vertex; the message gives the first pair and the number

@@ -36,7 +36,8 @@ std::vector<Side> sides_of(const Mesh &mesh)
     return sides;
 }
 
-// Calls use(begin, end) once for every edge, with the range of that edge's sides.
+// Calls use(begin, end) once for every edge of the mesh; begin and end delimit the part of the list `sides`
+// that belongs to this edge.
 template <typename Use> void for_each_edge(const std::vector<Side> &sides, Use use)
 {
     for (std::size_t i = 0, end; i < sides.size(); i = end) {
@@ -122,8 +123,8 @@ std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
     return count;
 }
 
-// An opening is stored as the list of its corners, in the order in which the face that would close it would
-// list them.
+// An opening is stored as the list of its corners, in the order in which a triangle or polygon that closes
+// the opening would list these corners.
 using Loop = std::vector<std::uint32_t>;
 
 std::vector<Loop> openings(const std::vector<Side> &sides)

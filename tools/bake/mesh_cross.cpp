@@ -1,4 +1,4 @@
-// Finds triangles of a mesh that cross each other: an edge of one triangle passes through the other.
+// Finds pairs of triangles in a mesh that cross: an edge of one triangle passes through the other triangle.
 #include "tools/bake/fault.hpp"
 #include "tools/bake/triangle_tree.hpp"
 

@@ -65,8 +65,8 @@ struct Lattice {
     }
 };
 
-// Collects the points of a sequence that move; stores the box around these points, and their longest
-// displacement from the reference pose.
+// Collects the moving points of a sequence of meshes, the box around these points, and the longest
+// displacement of a point from the reference pose.
 struct Moving {
     Eigen::AlignedBox3d box;
     double way_mm = 0;

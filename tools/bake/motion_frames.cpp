@@ -160,7 +160,8 @@ Eigen::Vector3d Motion::to_reference_mm(const Eigen::Vector3d &at_mm) const
 namespace
 {
 
-// Returns the position at which a lattice is steepest; the lattice stores `numbers` numbers per node.
+// Returns the position at which the displacement stored in a lattice changes most steeply; the lattice stores
+// `numbers` numbers per node.
 Worst steepest_of(const crn_lattice &lattice, const std::vector<std::int16_t> &rows, std::size_t numbers)
 {
     const std::size_t steps[3] = {1, lattice.count_xyz[0],

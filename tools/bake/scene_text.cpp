@@ -24,7 +24,8 @@ struct Table : TomlTable {
     Eigen::Vector3d vector(const char *key) const { return vector((*this)[key]); }
     static Eigen::Vector3d vector(const TomlValue &value) { return Eigen::Vector3d(value.three(1e6).data()); }
 
-    // Returns the box that two opposite corners span; the box is empty when the text lacks this key.
+    // Reads a key that gives two opposite corners of a box, and returns the box; the box is empty if the
+    // scene's text lacks the key.
     Eigen::AlignedBox3d box(const char *key) const
     {
         const TomlValue value = (*this)[key];
@@ -164,8 +165,8 @@ std::vector<std::filesystem::path> centrelines_of(const Table &t)
     return files;
 }
 
-// Returns true if the text selects the last point of a centreline as its end, and false if the text selects
-// the first point.
+// Returns true if the key `key` of the scene's text selects the last point of a centreline, and false if it
+// selects the first point.
 bool is_last(const Table &t, const char *key, const char *standard)
 {
     return (t.has(key) ? t[key].one_of({"first", "last"}) : standard) == "last";

@@ -1,5 +1,5 @@
-// The tree consists of bounding boxes around triangles; each box is split into two halves at the median of
-// its longest side.
+// The tree consists of bounding boxes around triangles; the code splits the triangles of each box into two
+// equal halves along the longest axis of the box around their centres.
 #include "tools/bake/triangle_tree.hpp"
 
 #include <algorithm>
@@ -124,7 +124,8 @@ TriangleTree::Hit TriangleTree::search(const Eigen::Vector3d &p, double limit_sq
         }
         const double left = nodes_[node.first].box.squaredExteriorDistance(p);
         const double right = nodes_[node.first + 1].box.squaredExteriorDistance(p);
-        // The child box that is nearer to the point is pushed last, so it is visited first.
+        // The code pushes the child box that is nearer to the point onto the stack last, so it visits this
+        // box first.
         stack[depth++] = left < right ? std::pair{node.first + 1, right} : std::pair{node.first, left};
         stack[depth++] = left < right ? std::pair{node.first, left} : std::pair{node.first + 1, right};
     }

@@ -72,7 +72,7 @@ def from_budget(options, _):
 
 
 def from_bench(options, wanted):
-    """Returns the values of those cases of one benchmark program that have a bar."""
+    """Returns the values of one benchmark program, but only for those benchmark cases that have a bar (limit)."""
     program = os.path.join(options.build, "bench", "bench_lumen" if wanted[0].startswith("lumen") else "bench_rod")
     values = {}
     try:
@@ -162,8 +162,8 @@ def aorta_ticks(options, what):
 
 
 def checked_ticks(values):
-    """Raises CannotMeasure if the session is short or if ticks have no cost, because such a session would keep every
-    bar."""
+    """Raises CannotMeasure if the session is too short or if ticks have no cost, because the values of such a session
+    would meet every bar (limit)."""
     if len(values) < SESSION_TICKS or min(values) <= 0:
         raise CannotMeasure(
             "the aorta session gave %d ticks (at least %d), the cheapest %g"
@@ -237,7 +237,7 @@ def ratio_of(bar, value):
 
 def values_of(source, bars, options):
     """Returns values by name. If the values of a source cannot be measured, the function prints the reason, and the
-    bars of this source count as red."""
+    bars (limits) of this source count as failed ("red")."""
     try:
         return measure(source, [bar.name for bar in bars if bar.source == source], options) or {}
     except CannotMeasure as problem:
@@ -262,7 +262,8 @@ def text_of_bar(bar, value, width):
 
 
 def print_tap(bars, options):
-    """Measures source by source and prints one TAP line per bar. Returns the number of failed (red) bars."""
+    """Measures the values of one source after another and prints one TAP line per bar (limit). Returns the number of
+    failed (red) bars."""
     red = number = 0
     print("1..%d" % len(bars), flush=True)
     for source in dict.fromkeys(bar.source for bar in bars):

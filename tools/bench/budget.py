@@ -240,8 +240,8 @@ def sizes(build):
 
 
 def memory_sizes():
-    """Compiles for the Cortex-M7 and returns the bytes of the core's model and state for three instruments with 256
-    elements in total."""
+    """Compiles for the Cortex-M7 and returns the sizes, in bytes, of the core's model and of its state for three
+    instruments with 256 elements in total."""
     text = (
         '#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(crn_model)];\n'
         "char state_bytes[sizeof(crn_state)];\nchar words_bytes[sizeof(crn_state_words)];\n"

@@ -1,5 +1,5 @@
 // Reads and writes vessel trees as files of four formats: 3D Slicer's .mrk.json, VMTK's .vtp, and this
-// project's .csv and .obj. docs/centreline.md lists the fields of each format.
+// project's .csv and .obj. The document docs/centreline.md lists the fields of each format.
 #pragma once
 #include "tools/centreline/tree.hpp"
 
@@ -45,8 +45,8 @@ double number_of(std::string_view word);
 // Returns a name that is valid in every format: it has at most 63 bytes and contains only letters, digits,
 // blanks and _-.().
 std::string plain_name(const std::string &name);
-// Lengths in millimetres have this many decimals in files, so they are exact to a micrometre; trailing zeros
-// are left out.
+// Files give lengths in millimetres with `file_decimals` decimals, which keeps them exact to far below a
+// micrometre; trailing zeros are left out.
 inline constexpr int file_decimals = 6;
 
 } // namespace crn::centreline

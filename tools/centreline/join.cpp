@@ -10,11 +10,11 @@ namespace crn::centreline
 namespace
 {
 
-// A curve counts as part of its parent until its distance from the parent's centreline exceeds this many
-// radii of the parent.
+// A curve counts as part of its parent until its distance from the parent's centreline exceeds `along_share`
+// times the parent's radius.
 constexpr double along_share = 0.3;
-// A curve may begin outside its parent's tube by up to this many radii of the curve, because some programs
-// end curves at the vessel's wall.
+// A curve may begin outside its parent's tube by up to `outside_share` times the curve's own radius, because
+// some programs end curves at the vessel's wall.
 constexpr double outside_share = 0.5;
 
 double mean_radius_mm(const Branch &branch)
@@ -88,8 +88,8 @@ void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
         if (branch == 0) next = first;
         is_placed[next] = true;
         place(best[next]);
-        // After each step only the newly added branch can be a better parent for a curve than the earlier
-        // branches.
+        // Only the branch that was added last can be a better parent for a curve than the best parent found
+        // so far.
         for (std::size_t c = 0; c < count; ++c)
             for (bool is_last : {false, true}) {
                 if (is_placed[c]) break;

@@ -88,8 +88,8 @@ double length_mm(const Branch &branch)
 }
 
 // For the point p, s is the coordinate along the axis from a to b, and q is the distance from this axis. The
-// side of the hull is the cone that touches both spheres. Where the perpendicular from p meets the cone's
-// line beyond an end of the cone, the sphere at that end is nearer to p.
+// side of the hull is the cone that touches both spheres. Where the perpendicular from p meets the line along
+// the cone's side beyond an end of the cone, the sphere at that end is nearer to p.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b)
 {
@@ -152,8 +152,8 @@ Tree split_at_junctions(const Tree &tree)
     for (const Branch &branch : tree.branches)
         if (branch.parent >= 0) cuts[branch.parent].push_back(branch.parent_sphere);
     Tree split;
-    // The list has, for each old branch, the spheres at which a new branch ends, and the number of this new
-    // branch.
+    // For each old branch, the list has one entry per new branch: the sphere of the old branch at which the
+    // new branch ends, and the number of the new branch.
     std::vector<std::vector<std::pair<std::size_t, int>>> ends(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         const Branch &old = tree.branches[b];

@@ -41,8 +41,8 @@ class Base64
 
     bool quad()
     {
-        // The code decodes up to 4,096 groups of four letters at a time, because removing each group singly
-        // would move a long text again and again.
+        // The code decodes at most 4,096 groups of four letters in advance, because read() has to move all
+        // remaining decoded bytes whenever it removes some of them.
         for (int n = 0; n < 4096; ++n) {
             std::uint32_t bits = 0;
             int digits = 0, padding = 0;

@@ -3,10 +3,10 @@
 description of the chip. The description is the Rust crate imxrt-ral, which cargo fetches into build/registers
 (register_description.py). Prints TAP.
 
-When all values agree, the script writes the digests of the port's files to firmware/port/imxrt1062/registers.checked.
+If all values agree, the script writes the digests of the port's files to firmware/port/imxrt1062/registers.checked.
 `make test` compares these digests with the files (test_registers.py). The test test_registers.py needs no network, and
-it fails if a file was changed without this check. docs/porting.md lists the registers that the crate does not describe,
-under "What no script has checked"."""
+it fails if a file was changed without this check. The document docs/porting.md lists the registers that the crate does
+not describe, under "What no script has checked"."""
 
 import os
 import re
@@ -48,7 +48,8 @@ class Header:
             self.lines.append((number, words[1], value))
 
     def instance(self, name):
-        """Returns the instance whose module name is the longest module name at the beginning of `name`."""
+        """Finds the peripheral instances whose module name stands at the beginning of `name`, and returns the instance
+        with the longest module name."""
         found = [i for i in self.bases if name.startswith(module_of(i) + "_")]
         return max(found, key=lambda i: len(module_of(i))) if found else None
 

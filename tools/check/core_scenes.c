@@ -83,8 +83,8 @@ static int32_t tube_distance(int32_t x, int32_t y, int32_t z, int32_t half_width
     return largest(largest(size_of(x), size_of(z)) - half_width, y - TUBE_LENGTH);
 }
 
-/* Fills a brick (a small block of voxels) with distances. The low corner is given in 1/32 of a coarse voxel,
- * and the brick's voxels are 2^level times finer than coarse voxels. */
+/* Fills a brick (a small block of voxels) with distances. The position of the brick's lowest corner is given
+ * in 1/32 of a coarse voxel, and the brick's voxels are 2^level times finer than coarse voxels. */
 static void fill_brick(int8_t *samples, const int32_t corner[3], unsigned level, int32_t half_width)
 {
     for (int32_t i = 0; i < CRN_LUMEN_BRICK_SAMPLES; i++) {
@@ -299,8 +299,8 @@ static crn_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, int
     return catheter;
 }
 
-/* Makes a catheter with a balloon that is 5 mm wide and 20 mm long at 8 bar and ends 8 mm behind the
- * catheter's tip. */
+/* Makes a catheter with a balloon. The balloon is 20 mm long, is 5 mm wide at a pressure of 8 bar, and ends 8
+ * mm behind the catheter's tip. */
 static crn_instrument make_balloon_catheter(void)
 {
     crn_instrument catheter = make_catheter(50000, 750, 0);
@@ -343,8 +343,8 @@ static crn_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_t
     return input;
 }
 
-/* Moves tool number k to and fro at 0.1 m/s, with a period and phase that differ between tools, and turns the
- * tool meanwhile. */
+/* Moves tool number k to and fro at 0.1 m/s and turns it meanwhile; the period and the phase of the motion
+ * differ between tools. */
 static crn_input every_tool(uint32_t tick, uint32_t variant)
 {
     crn_input input = {0};

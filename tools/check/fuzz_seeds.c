@@ -1,9 +1,9 @@
-/* This file has the main function of the programs NAME_seeds. Such a program writes each valid input of the
- * fuzz target NAME into a separate file of a folder.
+/* This file contains the main function of every program `NAME_seeds`. Such a program writes each valid input
+ * of the fuzz target NAME into a separate file of a folder.
  *
  * Each fuzz target (fuzz_*.c) defines the function `size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t
- * capacity)`. fuzz_seed() writes the valid input number `index` into `bytes` and returns the input's size, or
- * 0 when there is no input with this number. */
+ * capacity)`. The function fuzz_seed() writes the valid input number `index` into `bytes` and returns the
+ * input's size, or 0 if there is no input with this number. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -6,8 +6,8 @@ struct.
   house.py [--write FILE]
 
 For each figure the script prints a line `name<TAB>value<TAB>unit<TAB>context`, and for every figure that is not 0 it
-prints the reasons in comment lines. --write appends the lines to FILE (out/bench.tsv) and removes older lines with the
-same names. The exit code is 0.
+prints the reasons in comment lines. The option --write appends the lines to FILE (out/bench.tsv) and removes older
+lines with the same names. The exit code is 0.
 """
 
 import argparse
@@ -51,7 +51,7 @@ def reached(graph, start):
 
 
 def circles(graph):
-    """Returns the groups of folders (rooms) that include each other in a circle, with each circle once."""
+    """Finds the groups of folders (rooms) that include each other in a circle, and returns each such group once."""
     reach = {room: reached(graph, room) for room in graph}
     found = {
         frozenset(other for other in reach if other in reach[room] and room in reach[other])

@@ -173,8 +173,8 @@ def find_tests(options):
 
 
 def read_times(build):
-    """Returns a table from each program to the seconds that its last run took; the runner begins with the slowest
-    programs."""
+    """Reads how many seconds each program took in its last run, and returns these numbers as a table; the runner begins
+    with the slowest programs."""
     try:
         with open(os.path.join(build, "test_seconds.json"), encoding="utf-8") as file:
             return json.load(file)

@@ -1,5 +1,5 @@
 """Provides the functions that all checks of the source tree use: they list the files, extract the code from a file, and
-print TAP. The scripts tools/check/test_*.py import this module."""
+print TAP. Only test scripts import this module."""
 
 import os
 import re
@@ -119,7 +119,7 @@ class Report:
         self.failed += bool(findings)
 
     def catches(self, name, findings):
-        """Reports whether a rule has objected to a bad sample, which tests the rule itself."""
+        """Tests a rule of style itself: the test passes if the rule has objected to a bad sample."""
         findings = list(findings)
         self.check(name, [] if findings else ["the rule accepted the bad sample"])
 

@@ -1,5 +1,5 @@
-"""Finds the shell commands in the project's Markdown files, and the class of each command. commands.py explains the
-terms "block", "marker" and "class"."""
+"""Finds the shell commands in the project's Markdown files, and the class of each command. The program commands.py
+explains the terms "block", "marker" and "class"."""
 
 import collections
 import re
@@ -127,8 +127,8 @@ def commands_of_block(first, lines):
 
 def classified(page, line, text, marks):
     """Returns the command together with its class, which decides whether commands.py runs the command. The class comes
-    from the first marker that names the command. If no marker names it, the class comes from the first marker for the
-    whole block."""
+    from the first marker that names the command. If no marker names the command, its class comes from the first marker
+    for the whole block."""
     is_make = text.split()[0] == "make"
     named = [mark for mark in marks if "only" in mark and mark["only"] in text]
     whole = [mark for mark in marks if "only" not in mark]

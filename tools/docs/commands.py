@@ -192,8 +192,7 @@ def make_targets():
 
 
 def inline_faults(page, text, targets):
-    """Finds every mention of `make TARGET` in the sentences of a document whose target does not exist in the
-    Makefile."""
+    """Finds every `make TARGET` in the sentences of a document for which the Makefile has no such target."""
     for span in SPAN.finditer(text):
         make = MAKE.match(span.group(1) or "")
         if make and make.group(1) not in targets:
@@ -258,9 +257,10 @@ class Scratch:
 
 
 class Stock:
-    """Makes, once for all pages, the files that their commands need. These files are out/ as `make run` leaves this
-    folder, build/anatomy and, for the run with --all, an artery with a lesion. The anatomy has no bodies (bones,
-    organs), because no command of the short run depends on bodies and making them takes minutes."""
+    """Makes, once for all pages, the files that their commands need. These files are the folder out/ with the content
+    that `make run` gives it, the folder build/anatomy and, for the run with --all, an artery with a lesion. The anatomy
+    has no bodies (bones, organs), because no command of the short run depends on bodies and making them takes
+    minutes."""
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder

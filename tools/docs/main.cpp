@@ -17,7 +17,8 @@
 namespace
 {
 
-// Breaks a paragraph into lines of at most 120 letters and returns the lines with an end of line after each.
+// Breaks a paragraph into lines of at most 120 characters, and returns them as one text in which every line
+// ends with a newline.
 std::string wrapped(const std::string &text)
 {
     constexpr std::size_t letters_max = 120;
@@ -137,7 +138,7 @@ std::string read_file(const std::string &path)
 }
 
 // Replaces the text between "<!-- begin NAME -->" and "<!-- end NAME -->" in a document and returns the new
-// document. Returns an empty text if these marks are missing.
+// document. Returns an empty text if the marks "begin NAME" and "end NAME" are missing.
 std::string with_table(const std::string &document, const std::string &name, const std::string &table)
 {
     const std::string begin = "<!-- begin " + name + " -->\n", end = "<!-- end " + name + " -->";

@@ -21,7 +21,8 @@ SHOWN = "    "
 
 
 def blocks(lines):
-    """Yields (command, number of the first line, number of the line after the last) of every marked block."""
+    """Yields, for every marked block, its command, the number of its first line, and the number of the line after its
+    last line."""
     at = 0
     while at < len(lines):
         mark = MARK.match(lines[at])
@@ -77,7 +78,7 @@ def renewed(shown, printed):
 
 
 def examine(path, build):
-    """Returns the corrected document, and its differences from the present document."""
+    """Returns the document with up-to-date program output, and a message for each block whose output has changed."""
     with open(path, encoding="utf-8") as file:
         lines = file.read().split("\n")
     differences, pieces, last = [], [], 0

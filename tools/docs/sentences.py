@@ -5,9 +5,9 @@ sentences.
   sentences.py --seed 7 --count 60
   sentences.py --seed 7 --count 20 --file docs/ --file host/xray    only files whose path begins so
 
-The output has one line `NUMBER<TAB>FILE<TAB>SENTENCE` per sentence. With the same seed and source tree the program
-prints the same lines. The reader marks every sentence that he or she has to read a second time (docs/testing.md, "Plain
-English").
+The output has one line `NUMBER<TAB>FILE<TAB>SENTENCE` per sentence. If neither the seed nor the source tree has
+changed, the program prints the same sample again. The reader marks every sentence that he or she has to read a second
+time (docs/testing.md, "Plain English").
 """
 
 import argparse

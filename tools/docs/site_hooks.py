@@ -1,4 +1,4 @@
-"""Makes mkdocs show the project's Markdown files in the same way as the website of the repository does.
+"""Makes mkdocs show the project's Markdown files in the same way as the website that hosts the repository shows them.
 
 A link to a file outside docs/ (code, NOTICE) becomes the file's path in code font, since the site has no page for such
 a file. Python-Markdown recognises a list, a table or an indented block only after an empty line. The project's

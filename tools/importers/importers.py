@@ -146,8 +146,8 @@ class Campaign:
         print("%s: %s\n    %s" % (row, kept, why), flush=True)
 
     def give(self, name, data, is_valid=None, folder=None):
-        """Gives one file to the program `importers`; `is_valid` states whether the program must accept or refuse the
-        file."""
+        """Gives one file to the program `importers`; the program must accept the file if `is_valid` is true, and refuse
+        the file if `is_valid` is false."""
         path = os.path.join(folder or self.folder, name)
         with open(path, "wb") as file:
             file.write(data)

@@ -1,6 +1,6 @@
-// The program `importers` gives files to the file readers of this project's programs. For each file it prints
-// one line of JSON with the content that was read. The script importers.py compares this output with a
-// second, strict reader of the same file (docs/testing.md).
+// The program `importers` gives files to the file readers of this project's programs. For each file, the
+// program prints one line of JSON that describes the content read from the file. The script importers.py
+// reads the same file with a second, strict reader, and compares the two results (docs/testing.md).
 //   importers seeds FOLDER          writes valid scans and centrelines, from which mutations begin
 //   importers read < LIST           reads a line "KIND<tab>FILE" each; KIND is mesh, toml, scan or line
 #include "host/base/toml.hpp"

@@ -5,8 +5,8 @@
 namespace crn::mesh
 {
 
-// Returns, for each vertex, the number of a vertex that represents the connected piece; all vertices of a
-// piece have the same representative.
+// Returns, for each vertex, the number of the vertex that represents its connected piece; all vertices of a
+// connected piece have the same representative.
 std::vector<uint32_t> pieces_of(size_t vertex_count, const std::vector<Triangle> &triangles);
 
 // Removes every connected piece that has fewer than `least` triangles, or fewer than the fraction `share` of

@@ -19,10 +19,10 @@ using Triangle = std::array<uint32_t, 3>; // counter-clockwise seen from outside
  * condition), and turns no triangle by more than a right angle. The result is deterministic. */
 void simplify(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
 
-/* Collapses all edges shorter than length_mm, except those whose collapse would destroy the property of being
- * a closed manifold. Triangles whose corners almost coincide thereby vanish. The direction of such triangles
- * depends on rounding errors, so they seem to turn over when the surface moves. A surface without edges
- * shorter than length_mm is not changed. */
+/* Collapses all edges shorter than length_mm, except edges after whose collapse the surface would no longer
+ * be a closed manifold. Triangles whose corners almost coincide thereby vanish. The direction of such
+ * triangles depends on rounding errors, so they seem to turn over when the surface moves. A surface without
+ * edges shorter than length_mm is not changed. */
 void drop_short_edges(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles,
                       double length_mm);
 

@@ -42,8 +42,8 @@ INCLUDE_FOLDERS = ("/usr/include", "/usr/include/eigen3")
 
 
 def programs_in(build, names):
-    """Returns the programs of a build that have these names. Without names, returns the programs of the folder bin that
-    do not test the rig (the device)."""
+    """Returns those programs of a build that have the given names. Without names, returns the programs of the folder
+    bin that do not test the rig (the device)."""
     folder = os.path.join(build, "bin")
     if not names:
         names = [n for n in sorted(os.listdir(folder)) if not n.startswith("hil")] if os.path.isdir(folder) else []

@@ -22,8 +22,8 @@ enum {
 
 /* --- constants of a track --- */
 
-/* Overflow is impossible: the stiffness is at most 5 000 x 2^12 along the insertion axis and 10^5 x 26 986
- * about it, and a shifted limit of force stays below 2^61. */
+/* Overflow is impossible: the stiffness is at most 5 000 N/m x 2^12 along the insertion axis and 10^5 uN
+ * m/rad x 26 986 about this axis, and a shifted force limit stays below 2^61. */
 void crn_haptics_axis_set(crn_haptics_axis *axis, int which, const crn_haptics_coupling *coupling)
 {
     const bool is_along = which == CRN_APP_ALONG;
@@ -60,9 +60,10 @@ static int64_t limited(int64_t value, int64_t limit)
     return value < -limit ? -limit : value;
 }
 
-/* Format: force / travel x 2^shift times travel. Overflow is impossible: |lead| <= lead_max, so that
- * stiffness x lead is at most the shifted force limit. The damper's force is at most the shifted force limit
- * times the ratio damping / stiffness, and the sum of spring and damper is limited to two force limits. */
+/* Format: force / travel x 2^shift times travel. Overflow is impossible: the distance `lead` by which the
+ * hand is ahead of its tool is limited to lead_max, so stiffness x lead is at most the shifted force limit.
+ * The damper's force is at most the shifted force limit times the ratio damping / stiffness, and the sum of
+ * spring and damper is limited to two force limits. */
 static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t lead_before)
 {
     int64_t elastic = crn_rshift_round64(axis->stiffness * lead, axis->shift);
@@ -103,8 +104,9 @@ static int32_t step_spring(const crn_haptics_axis *axis, crn_haptics_spring *spr
     return step_of(axis, spring, spring_force(axis, kept, spring->lead_before));
 }
 
-/* In each tick the core feeds the tool by a quarter of its lag behind the given position. A lead of four
- * steps therefore moves the tool by one step. */
+/* In each tick the core feeds the tool by a quarter of the distance by which the tool lags behind its
+ * commanded position. If the hand is four steps ahead of its tool, the tool therefore moves by one step in
+ * this tick. */
 void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
                         crn_hand_position followed[CRN_PORT_TOOL_MAX])
 {

@@ -1,6 +1,7 @@
-/* This file computes the forces that the haptics request from the motors. The code begins with the forces of
- * the virtual coupling, or of the rod itself where a track has no coupling. Then it applies gain, passivity,
- * slew limit, force limit and fade. */
+/* This file computes the forces that the haptics request from the motors. The code first computes the forces
+ * of the virtual coupling, or takes the forces of the rod itself where a track has no coupling. Then the code
+ * applies to these forces, in this order, the gain, the passivity limit, the slew limit, the force limit and
+ * the fade. */
 #include "firmware/app/haptics/haptics.h"
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/core/fixed.h"
@@ -17,10 +18,10 @@ static const int64_t stored_max_pJ = STORED_MAX_mJ * (int64_t)1000000000,
 
 /* --- passivity --- */
 
-/* Returns the energy that the hand puts into the rig, from the force held since the last tick and the hand's
- * travel since then. Format: mN x nm = pJ; Q30 m x 0.9313 nm, 2^-32 turn x 1.4629e-3 (uN m x 2 pi / 2^32 in
- * pJ). Overflow is impossible, because 2^14 mN x 2^31 x 2^20 and 2^15 uN m x 2^30 x 2^11 are below 2^63 after
- * the first shift. */
+/* Returns the energy that the hand puts into the rig, computed from the motor's force since the last tick and
+ * the hand's travel in this time. Format: mN x nm = pJ; Q30 m x 0.9313 nm, 2^-32 turn x 1.4629e-3 (uN m x 2
+ * pi / 2^32 in pJ). Overflow is impossible, because 2^14 mN x 2^31 x 2^20 and 2^15 uN m x 2^30 x 2^11 are
+ * below 2^63 after the first shift. */
 static int64_t work_pJ(const crn_port_motor *motor, int32_t travel_m_q30, int32_t turn_turn32)
 {
     int64_t along = (((int64_t)travel_m_q30 * 976562) >> 20) * motor->axial_mN;
@@ -28,11 +29,11 @@ static int64_t work_pJ(const crn_port_motor *motor, int32_t travel_m_q30, int32_
     return along + about;
 }
 
-/* Updates the fraction of the force that a motor may give so that the track stays passive. The credit for
- * energy that the hand has put in is limited, and energy that the hand has received too much is forgotten
- * slowly, so that a track never stays without force. The permitted fraction of the force falls once the hand
- * has received more energy than it put in, plus a margin. A powered track whose hand keeps receiving too much
- * energy stops the device (safety/carriage.c). */
+/* Updates the fraction of the requested force that a motor may give so that the track stays passive. The
+ * stored credit for energy that the hand has put in is limited, and an excess of energy that the hand has
+ * received is slowly forgotten, so that a track never stays without force. The permitted fraction of the
+ * force falls once the hand has received more energy than it put in, plus a margin. If the hand on a powered
+ * track keeps receiving too much energy, the app stops the device (safety/carriage.c). */
 static void observe_energy(crn_haptics *haptics, uint32_t k, const crn_hand_position *hand,
                            crn_findings *findings)
 {
@@ -83,10 +84,10 @@ static void ask(crn_haptics *haptics, uint32_t k, const crn_haptics_tool *tool)
                                       track->torque_limit_uN_m);
 }
 
-/* Limits the force of a motor while the host is silent. The bound of the force falls in a straight line from
- * the force of the tick in which the host fell silent to zero, faster than any slew limit. Overflow is
- * impossible: the force `from` is within the limits and left_ticks <= CRN_APP_FADE_ticks while the force
- * fades, so the product is below 2^19. */
+/* Limits the force of a motor while the host is silent. The largest permitted force falls linearly to zero,
+ * from the force of the tick in which the host fell silent; this decrease is faster than any slew limit.
+ * Overflow is impossible: the force `from` is within the limits and left_ticks <= CRN_APP_FADE_ticks while
+ * the force fades, so the product is below 2^19. */
 _Static_assert((int64_t)CRN_APP_TORQUE_LIMIT_uN_m *CRN_APP_FADE_ticks <= INT32_MAX,
                "a bound of a force in 32 bits");
 static int32_t faded(int32_t value, int32_t from, uint32_t left_ticks)

@@ -28,20 +28,21 @@ typedef struct crn_hands {
     crn_hand_counts counts[CRN_PORT_TOOL_MAX];
 } crn_hands;
 
-/* Holds the position of a hand, or the position that the core uses instead. */
+/* Holds the position of a user's hand, or the position that the virtual coupling gives to the core in place
+ * of the hand's position. */
 typedef struct crn_hand_position {
     int32_t feed_m_q30; /* along the line, + into the patient */
     uint32_t turn32;    /* about it, one turn = 2^32 */
 } crn_hand_position;
 
-/* Sets all hands to zero; the next reading becomes the reference. */
+/* Sets the positions of all hands to zero; later positions are measured from the next encoder reading. */
 void crn_hands_reset(crn_hands *hands);
 
 /* Takes the next reading as the present positions of the hands, not as a motion. */
 void crn_hands_take_reference(crn_hands *hands);
 
-/* Takes one encoder reading for every tool. When one reading is an implausible jump, the function reports a
- * finding, returns false, and all hands keep their positions. */
+/* Takes one encoder reading for every tool. If one encoder reading is an implausible jump, the function
+ * reports a fault and returns false, and all hands keep their positions. */
 bool crn_hands_update(crn_hands *hands, uint32_t tool_count, const crn_port_hand now[CRN_PORT_TOOL_MAX],
                       crn_findings *findings);
 

@@ -1,8 +1,8 @@
 /* The haptics consist of a virtual coupling between hands and tools, and of the forces requested from the
- * motors (docs/haptics.md). The files of the haptics use positions, forces and their own memory. The haptics
- * use neither the app, nor the wire protocol, nor the rod. All results of the haptics depend only on encoder
- * counts and the core's results, so a replay gives the same bits; the haptics' memory is part of the
- * snapshot.
+ * motors (docs/haptics.md). The files of the haptics use only positions, forces and their own memory. The
+ * haptics use neither the app, nor the wire protocol, nor the rod. All results of the haptics depend only on
+ * encoder counts and the core's results, so a replay computes exactly the same forces; the memory of the
+ * haptics is part of the snapshot.
  *
  *   hands, tools before the tick -> crn_haptics_before -> what the core takes for the hands
  *   hands, tools after the tick  -> crn_haptics_after  -> motors (requested), findings
@@ -15,8 +15,9 @@
 #include "firmware/app/safety/finding.h"
 #include "firmware/app/safety/limits.h"
 
-/* Holds spring, damper and friction of one axis of the coupling in the units of a rig's settings. Along the
- * insertion axis these are N/m, mN s/m and mN; about it they are uN m/rad, nN m s/rad and uN m. */
+/* Holds spring, damper and friction of one axis of the coupling in the units of a rig's settings. The units
+ * are N/m, mN s/m and mN along the insertion axis, and uN m/rad, nN m s/rad and uN m about the insertion
+ * axis. */
 typedef struct crn_haptics_coupling {
     uint32_t stiffness, damping, seal;
 } crn_haptics_coupling;
@@ -99,16 +100,17 @@ void crn_haptics_reset(crn_haptics *haptics);
 /* Sets the forces requested from the motors to zero. */
 void crn_haptics_rest(crn_haptics *haptics);
 
-/* Runs before the core's tick. `followed` contains the hands' positions at first; where a track has a
- * coupling, the coupling replaces them. */
+/* Runs before the core's tick. The caller fills `followed` with the hands' positions; for each track with a
+ * coupling, the function replaces the hand's position by the position to which the coupling moves the tool.
+ */
 void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
                         crn_hand_position followed[CRN_PORT_TOOL_MAX]);
 
-/* Runs after the core's tick. The function computes the forces of the virtual coupling and applies gain,
- * passivity, slew limit, force limit and fade. */
+/* Runs after the core's tick. The function crn_haptics_after computes the forces of the virtual coupling and
+ * applies gain, passivity, slew limit, force limit and fade. */
 void crn_haptics_after(crn_haptics *haptics, const crn_haptics_input *input, crn_findings *findings);
 
-/* Computes the forces of the virtual coupling from the motion of the tools (coupling.c); the function is the
+/* Computes the forces of the virtual coupling from the motion of the tools (coupling.c). This step is the
  * first half of crn_haptics_after. */
 void crn_haptics_settle(crn_haptics *haptics, const crn_haptics_input *input);
 

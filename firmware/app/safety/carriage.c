@@ -1,8 +1,8 @@
-/* This file protects the user from a carriage (the moving handle) that nobody holds: its motor's force ends,
- * and the motor makes the carriage no faster than a hand would (docs/haptics.md, "A carriage that nobody
- * holds"). The carriage checks run once per edge of the timer on this edge's sensor readings, after all code
- * that decides the requested force. The requested force therefore depends on encoder counts and the core
- * alone, and a session can be replayed. */
+/* This file protects the user from a carriage (the moving handle) that nobody holds. The code ends the force
+ * of the carriage's motor before the carriage becomes faster than a hand would move it (docs/haptics.md, "A
+ * carriage that nobody holds"). The carriage checks run once per edge of the timer on this edge's sensor
+ * readings, after all code that decides the requested force. The requested force therefore depends on encoder
+ * counts and the core alone, and a session can be replayed. */
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/arithmetic.h"
 
@@ -11,12 +11,13 @@ enum {
     LOOSE_GRACE_ticks = 12, /* a hand meets a wall with as much: the force that brakes it is not held yet */
     LOOSE_FADE_ticks = 20,
     /* When a carriage moves in the direction of its motor's force, the motor gives the full requested force
-       up to the first of these speeds. From the second speed on, the motor gives only the force that the hand
-       holds. The carriage then reaches 0.25 m/s after one more tick and one motor lag. */
+       up to the speed DRIVEN_FULL_um_s. From the speed DRIVEN_NONE_um_s on, the motor gives only as much
+       force as the hand holds. In the tick and the motor lag that pass before the force ends, the carriage
+       may still accelerate to 0.25 m/s. */
     DRIVEN_FULL_um_s = 30000,
     DRIVEN_NONE_um_s = 100000,
-    /* When a carriage moves against its motor's force, these two speeds apply instead, provided that its
-     * encoder is right. */
+    /* When a carriage moves against its motor's force, the limits BRAKED_FULL_um_s and BRAKED_NONE_um_s apply
+     * instead, provided that the encoder works correctly. */
     BRAKED_FULL_um_s = 80000,
     BRAKED_NONE_um_s = 180000,
     SPEED_MAX_um_s = 250000,
@@ -61,17 +62,18 @@ static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 
 enum { SHARE_ONE = 4096 };
 
-/* Returns the fraction of a force not held by a hand that may remain. All of the force remains up to the
- * value `full`, and no force from the value `none` on. */
+/* If no hand balances a force, only a fraction of the force may remain. The function computes this fraction
+ * from `value`, which is a speed or a time. The function returns one (the whole force) up to the value
+ * `full`, and zero from the value `none` on. */
 static int32_t share_of(int32_t value, int32_t full, int32_t none)
 {
     if (value <= full) return SHARE_ONE;
     return value >= none ? 0 : (none - value) / 16 * SHARE_ONE / ((none - full) / 16);
 }
 
-/* Returns the fraction of the force that the carriage's speed permits. The code uses the speed that the
- * carriage will have when the force acts, if the carriage gains as much speed in this tick as in the last
- * one. */
+/* Returns the fraction of the force that the carriage's speed permits. The code estimates the speed that the
+ * carriage will have when the force acts, by assuming that the carriage gains as much speed in this tick as
+ * in the last tick. */
 static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_mN)
 {
     const crn_safety_watch *watch = &safety->watches[k];
@@ -87,7 +89,8 @@ static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_m
 }
 
 /* The force sensor measures the force of a hand that holds the carriage; the reading may be wrong by up to a
- * quarter. For a track without a force sensor, the hand's force is unknown, and only the speed counts. */
+ * quarter. For a track without a force sensor, the hand's force is unknown, and the limit depends on the
+ * carriage's speed alone. */
 int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t k, int32_t asked_mN)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -109,10 +112,10 @@ int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, ui
 
 /* --- what stops --- */
 
-/* Detects a carriage whose motor drives it too fast. A hand may throw a carriage; the carriage is then fast
- * without its motor. A hand may also move the carriage at any speed, but then the sensor measures the hand's
- * force. The fault is therefore a carriage that gained its speed while no hand touched it and a motor pushed
- * it. */
+/* Detects a carriage whose motor drives it too fast. A hand may throw a carriage, which is then fast although
+ * its motor does not drive it. A hand may also move the carriage at any speed, but then the sensor measures
+ * the hand's force. The check therefore reports a fault only if a carriage gained its speed while no hand
+ * touched it and its motor pushed it. */
 static bool is_driven_fast(crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -153,8 +156,8 @@ crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *in
                                   int32_t *value)
 {
     crn_safety_watch *watch = &safety->watches[k];
-    /* A change of the counts by more than twice the largest believable jump is not a motion; with this limit
-     * the sums cannot overflow. */
+    /* The code limits a change of the counts to twice the largest believable jump, because a larger change is
+     * not a motion; with this limit the sums cannot overflow. */
     const int32_t most = 2 * (int32_t)safety->tracks[k].jump_counts;
     const int32_t moved = crn_limited(crn_carriage_moved(safety, input->rig, k), -most, most);
     watch->moved[safety->asked_at] = moved;

@@ -1,6 +1,6 @@
-/* This header measures how long the edges of the timer and the ticks take. While a tick took too long, the
- * motors kept their last force. The following ticks make up for the delay in their unused time, and the state
- * is the same as if the tick had been in time. */
+/* This header declares functions that measure the time between timer edges and the duration of each tick.
+ * While a tick takes too long, the motors keep their last force. The ticks after a late tick use their spare
+ * time to make up for the delay, so the simulated state is the same as without the delay. */
 #ifndef CRN_CLOCK_H
 #define CRN_CLOCK_H
 
@@ -14,8 +14,8 @@ typedef struct crn_clock {
 /* Resets the time measurement when the motor power comes on: earlier timer edges no longer count. */
 void crn_clock_restart(crn_clock *clock);
 
-/* Runs before a tick. While motors have power, a gap of more than 5 ms since the last timer edge is a
- * finding, because the processor stood still. */
+/* Runs before a tick. While the motors have power, a gap of more than 5 ms between two timer edges is
+ * reported as a fault, because the processor has stood still. */
 void crn_clock_begin(crn_clock *clock, uint32_t now_us, bool is_driving, crn_findings *findings);
 
 /* After a tick. */

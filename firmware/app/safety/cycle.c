@@ -1,8 +1,8 @@
 /* This file detects oscillations ("cycles") that a motor sustains in a hand (docs/haptics.md, "Cycles").
- * Between two reversals of the carriage, the hand may put work in, as in a tremor or a deliberate shake. The
- * hand may also absorb work, as in an oscillation that the loop of coupling and motor makes by itself. In
- * such an oscillation the carriage swings faster than any heart and does not slow down, while the hand
- * absorbs work. */
+ * Between two reversals of the carriage, the hand may do work on the carriage, as in a tremor or a deliberate
+ * shake. The hand may also absorb work from the carriage, as in an oscillation that the control loop of
+ * coupling and motor produces by itself. In an oscillation that the motor sustains, the carriage swings
+ * faster than any heart beats and does not slow down, although the hand absorbs work. */
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/app/safety/carriage.h"
 
@@ -28,10 +28,10 @@ static int64_t width_nm(const crn_safety_swing *swing)
     return swing->travel_nm < 0 ? -swing->travel_nm : swing->travel_nm;
 }
 
-/* Returns the hand's work in two swings of the carriage, from the part of the hand's force that exceeds the
- * mean. The mean must be subtracted, because growing swings do not end where they began, and the force that
- * holds against a wall would then count. Overflow is impossible, because travels are below 2^41 nm and the
- * mean is below 2^31 mN / CYCLE_ticks. */
+/* Returns the hand's work in two swings of the carriage, computed from the hand's force less the mean force.
+ * The mean force must be subtracted, because growing swings do not end where they began, and the steady force
+ * with which the hand presses against a wall would then count as work. Overflow is impossible, because
+ * travels are below 2^41 nm and the mean is below 2^31 mN / CYCLE_ticks. */
 static int64_t hand_pJ(const crn_safety_swing *now, const crn_safety_swing *last)
 {
     const int64_t mean_mN = crn_quotient(now->hand_mN_ms + last->hand_mN_ms, now->ticks + last->ticks);
@@ -39,9 +39,10 @@ static int64_t hand_pJ(const crn_safety_swing *now, const crn_safety_swing *last
 }
 
 /* Returns whether two successive swings of the carriage are one oscillation that the motor sustains. The two
- * swings must be fast, strong enough to be felt, and equally wide (by a factor of 7/8; the damping of an
- * honest rig in the softest hand leaves 0.81). The hand must also have absorbed more work than 1/64 of the
- * product of the oscillation's ranges of force and travel; the sensor's noise gives a fifth of this work. */
+ * swings must be fast, strong enough to be felt, and equally wide within a factor of 7/8. The damping of a
+ * rig that is described correctly, in the softest hand, reduces each swing to 0.81 of the previous swing. The
+ * hand must also have absorbed more work than 1/64 of the product of the oscillation's ranges of force and
+ * travel; the sensor's noise gives a fifth of this work. */
 static bool is_sustained(const crn_safety_swing *now, const crn_safety_swing *last, bool is_felt)
 {
     const int32_t low = now->low_mN < last->low_mN ? now->low_mN : last->low_mN,

@@ -11,7 +11,7 @@ typedef struct crn_finding {
     int32_t value1, value2; /* as shared/wire/wire_faults.def explains them */
 } crn_finding;
 
-/* One call of a check reports at most one finding per track. */
+/* One call of a check reports at most one finding (a fault) per track. */
 typedef struct crn_findings {
     uint32_t count;
     crn_finding list[CRN_PORT_TOOL_MAX];

@@ -1,6 +1,6 @@
-/* Before START may power the motors, the host must take two steps: it sends ARM_MOTORS, which the device
- * answers with a code, and returns this code by CONFIRM. Code and permission are meant for a person who is
- * about to press START, so both expire. */
+/* Before START may power the motors, the host must take two steps: it sends ARM_MOTORS, to which the device
+ * replies with a code, and then sends this code back in CONFIRM. Code and permission are meant for a person
+ * who is about to press START, so both expire. */
 #ifndef CRN_PERMISSION_H
 #define CRN_PERMISSION_H
 

@@ -1,11 +1,12 @@
 /* The functions of this header control the power of the motors and everything else that can hurt a finger.
- * The files of the safety code use one set of readings of the rig, a few plain numbers and their own memory.
- * The safety code uses neither the app, nor the wire protocol, nor the core.
+ * The files of the safety code use only one set of readings of the rig, a few plain numbers and their own
+ * memory. The safety code uses neither the app, nor the wire protocol, nor the core.
  *
  *   sample, tool count, energies -> crn_safety_check -> findings
  *   forces that the haptics ask for -> crn_safety_drive -> what the port writes
  *
- * When a finding stops the device, the app removes the power by crn_safety_off; app_fault.c decides this. */
+ * The file app_fault.c decides whether a fault stops the device; if it does, the app removes the motor power
+ * by crn_safety_off. */
 #ifndef CRN_SAFETY_H
 #define CRN_SAFETY_H
 
@@ -83,24 +84,24 @@ typedef struct crn_safety {
  * working sensor. */
 int32_t crn_safety_force_mN(const crn_safety *safety, const crn_port_inputs *rig, uint32_t track);
 
-/* Checks lines, sensors, forces and carriages at every edge of the timer, with this edge's readings. The
- * check of one timer edge reports at most one finding. */
+/* Checks signal lines, sensors, forces and carriages at every edge of the timer, with this edge's readings.
+ * The function reports at most one fault for each timer edge. */
 void crn_safety_check(crn_safety *safety, const crn_safety_input *input, crn_findings *findings);
 
 /* May the motors be armed? The first reason against it, or CRN_FAULT_CODE_NONE. */
 crn_fault_code crn_safety_ready(const crn_safety *safety, const crn_safety_input *input);
 
-/* The power comes on. `input` contains readings of the rig; the function clears all memory of earlier
- * readings. */
+/* The power comes on. `input` contains the present readings of the rig; the function crn_safety_on forgets
+ * all earlier readings. */
 void crn_safety_on(crn_safety *safety, const crn_safety_input *input);
 
-/* Removes the motor power at once: the motors give no force, and the drive line no longer changes. The caller
- * sets the lamp of the rig. */
+/* Removes the motor power at once: the motors give no force, and the signal on the drive line, which keeps
+ * the power stage on, no longer changes. The caller, not this function, sets the rig's lamp. */
 void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs);
 
 /* Computes, once per edge of the timer, the motors' forces from the forces that the haptics request. While
  * the motors have power, the drive line changes its level at each timer edge, which keeps the power stage on
- * for another CRN_PORT_DRIVE_HOLD_ms. The caller sets the lamp of the rig. */
+ * for another CRN_PORT_DRIVE_HOLD_ms. The caller, not this function, sets the rig's lamp. */
 void crn_safety_drive(crn_safety *safety, const crn_safety_input *input,
                       const crn_port_motor asked[CRN_PORT_TOOL_MAX], crn_port_outputs *outputs);
 

@@ -1,6 +1,6 @@
-/* This header decides whether the host is still in control of the motors. While FREE_RUN runs, every tick
- * counts as silence until the next valid frame arrives. After CRN_APP_HOST_SILENT_ticks the forces fade
- * within CRN_APP_FADE_ticks. */
+/* This header declares the watchdog, which decides whether the host is still in control of the motors. While
+ * FREE_RUN runs, every tick counts as silence until the next valid frame arrives. After
+ * CRN_APP_HOST_SILENT_ticks of silence, the motors' forces fade to zero within CRN_APP_FADE_ticks. */
 #ifndef CRN_WATCHDOG_H
 #define CRN_WATCHDOG_H
 
@@ -14,8 +14,8 @@ typedef struct crn_watchdog {
  * had made the forces fade. */
 bool crn_watchdog_feed(crn_watchdog *watchdog);
 
-/* One tick of FREE_RUN begins. Counts a tick in which the host is silent; the tick in which the limit is
- * reached is a finding. */
+/* One tick of FREE_RUN begins. Counts a tick in which the host is silent, and reports a fault in the tick in
+ * which the silence reaches its limit. */
 void crn_watchdog_tick(crn_watchdog *watchdog, crn_findings *findings);
 
 /* Returns whether the host is silent, so that the forces fade or have faded. */

@@ -26,7 +26,8 @@ void crn_usb_pipe_open(crn_usb *usb, crn_usb_pipe pipe)
     const crn_usb_endpoint *row = &crn_usb_endpoints[pipe];
     const crn_udc *udc = usb->config.udc;
     usb->is_armed[pipe] = false;
-    /* An endpoint that the USB controller cannot provide stays halted, and the host sees the halt. */
+    /* An endpoint that the USB controller cannot provide stays halted, so the host's transfers to this
+     * endpoint fail. */
     usb->is_halted[pipe] =
         !udc->open(udc->context, row->address, (crn_udc_type)row->type, row->packet_bytes[usb->speed]);
     if (pipe == CRN_USB_STATUS_IN) crn_usb_hid_begin(usb);

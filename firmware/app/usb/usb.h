@@ -1,5 +1,6 @@
 /* This header declares the USB device, which works with any controller of firmware/port/udc.h. The device has
- * the standard requests (chapter 9), a HID interface and a vendor-specific bulk pair.
+ * the standard requests (chapter 9), a HID interface, and a vendor-specific interface with a pair of bulk
+ * endpoints.
  *
  *   at power-up        crn_usb_init(usb, &config)      off the bus; then crn_usb_connect(usb, true)
  *   always             crn_usb_poll(usb)               from the main loop: events, replies, bytes to the app
@@ -8,16 +9,16 @@
  *
  * The stream (bulk pair) carries frames as bytes, and the borders of packets have no meaning:
  *
- *  - In the direction to the host, a frame is queued whole or refused. When the queue runs empty behind a
- * full packet, the device sends an empty packet, so that a host's longer read ends.
+ * - In the direction to the host, a frame is queued whole or refused. When the queue to the host runs empty
+ *   after a full packet, the device sends an empty packet, so that a host's longer read ends.
  *
- *  - In the direction to the device, an empty packet means nothing. The app receives bytes frame by frame,
- * and only while the queue has space for the longest answer (`reply_bytes`). Otherwise the packet is held and
- * the host sees NAK.
+ * - In the direction to the device, an empty packet has no meaning. The app receives bytes frame by frame,
+ *   and only while the queue has space for the longest answer (`reply_bytes`). Otherwise the packet is held
+ *   and the host sees NAK.
  *
- *  - A byte stream of the bulk pair begins after SET_CONFIGURATION, SET_INTERFACE or CLEAR_FEATURE of a halt.
- * A byte stream begins with an empty queue and a zero byte in each direction; the zero ends a frame that was
- * cut. */
+ * - A byte stream over the bulk endpoints begins after SET_CONFIGURATION, SET_INTERFACE, or a CLEAR_FEATURE
+ *   that ends a halt. A byte stream begins with an empty queue and a zero byte in each direction; the zero
+ *   byte ends a frame that an earlier stream left incomplete. */
 #ifndef CRN_USB_H
 #define CRN_USB_H
 
@@ -77,8 +78,9 @@ typedef struct crn_usb_config {
     const char *serial; /* ASCII, 1 .. CRN_USB_SERIAL_MAX characters; it distinguishes two rigs */
     uint8_t *queue;     /* frames on their way to the host */
     uint32_t queue_bytes;
-    uint32_t reply_bytes; /* This number of bytes must be free in the queue for all frames that may answer a
-                             request. At least CRN_WIRE_FRAME_MAX, at most half of the queue */
+    uint32_t reply_bytes; /* This number of bytes must be free in the queue before the app receives a request,
+                             so that all frames of the reply fit. At least CRN_WIRE_FRAME_MAX, at most half of
+                             the queue */
 } crn_usb_config;
 
 /* Lists the endpoints in the order of usb_table.def. */
@@ -150,7 +152,7 @@ bool crn_usb_init(crn_usb *usb, const crn_usb_config *config);
 void crn_usb_connect(crn_usb *usb, bool connected);
 
 /* Does a bounded amount of work for the bus: at most CRN_USB_EVENTS_PER_POLL events and one frame for the
- * app. Returns true when more work may be left. */
+ * app. Returns true if more work may be left. */
 bool crn_usb_poll(crn_usb *usb);
 
 /* One millisecond has passed. Makes a HID state report from `state` and queues it behind the waiting reports.
@@ -158,8 +160,8 @@ bool crn_usb_poll(crn_usb *usb);
  * host has configured the device, or while the bus sleeps. */
 void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
 
-/* Queues a whole frame for the host. Returns false when the device is not configured or the queue has no
- * space; then nothing is queued. */
+/* Queues a whole frame for the host. Returns false and queues nothing if the device is not configured or the
+ * queue has no space. */
 bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes);
 
 /* Returns how many more bytes the queue to the host can take. A caller that knows this number can drop a

@@ -30,8 +30,8 @@ static void begin_status_in(crn_usb *usb)
     arm(usb, CRN_UDC_IN, usb->control, 0);
 }
 
-/* Sends at most as many bytes as the host requested. When the data are shorter than requested and fill their
- * last packet, an empty packet ends them. */
+/* Sends at most as many bytes as the host requested. If the data are shorter than the host requested and fill
+ * their last packet completely, the device sends an empty packet to show their end. */
 static void begin_data_in(crn_usb *usb, const crn_usb_setup *setup, uint32_t count)
 {
     if (count > setup->length) count = setup->length;

@@ -12,9 +12,9 @@ static void queue_byte(crn_usb *usb, uint8_t byte)
     usb->queue_count++;
 }
 
-/* Starts the byte stream anew: a zero byte ends a frame that was cut, and messages of an earlier conversation
- * are dropped. The zero byte for the app is stored like a byte from the host, and the first packet follows
- * it. */
+/* Starts the byte stream anew: a zero byte ends an incomplete frame, and messages of an earlier conversation
+ * are dropped. The zero byte for the app is stored as if the host had sent it, before the bytes of the first
+ * packet. */
 void crn_usb_stream_begin(crn_usb *usb, bool to_host)
 {
     if (to_host) {
@@ -75,8 +75,9 @@ void crn_usb_stream_received(crn_usb *usb, uint32_t bytes)
     usb->held_end = bytes < sizeof usb->stream_out ? bytes : (uint32_t)sizeof usb->stream_out;
 }
 
-/* Takes bytes up to the end of the next frame, so that there is space for the reply to one request, and then
- * awaits the next packet. */
+/* Takes only the received bytes up to the end of the next frame, so that the queue has space for the reply to
+ * this one request. When all bytes of the present packet are taken, the function makes the endpoint ready for
+ * the next packet. */
 bool crn_usb_stream_deliver(crn_usb *usb)
 {
     if (usb->configuration == 0 || usb->is_halted[CRN_USB_STREAM_OUT]) return false;

@@ -1,4 +1,5 @@
-/* The controller in memory. The functions of this file are called through crn_udc. */
+/* The controller in memory. The USB stack calls the functions of this file through the function pointers in
+ * crn_udc. */
 #include "firmware/port/mailbox/mailbox_udc.h"
 
 /* --- requests of the stack --- */

@@ -1,6 +1,6 @@
 /* This header declares a USB device controller that is simulated in memory. The controller answers the bus
- * tokens of shared/mailbox as the chip on a board would, with addresses, data toggles, NAK and STALL. It
- * serves tests in one process and the image in an emulator. */
+ * tokens of shared/mailbox like the controller chip on a board, with addresses, data toggles, NAK and STALL.
+ * Tests use it within one process, and the firmware image uses it in an emulator. */
 #ifndef CRN_MAILBOX_UDC_H
 #define CRN_MAILBOX_UDC_H
 
@@ -28,13 +28,13 @@ typedef struct crn_mailbox_udc {
 
 /* Powers up the simulated controller on `mailbox`, a memory area of 64 KiB that is aligned to 4 bytes and all
  * zero before the first start. The memory of `mailbox` and `controller` must exist as long as the controller
- * is used. When the controller starts while a host is waiting, it leaves the host's token without an answer,
- * like a device that loses power. */
+ * is used. If the controller starts while a host is waiting for the answer to a token, the controller does
+ * not answer this token, like a device that loses power. */
 void crn_mailbox_udc_init(crn_mailbox_udc *controller, crn_mailbox *mailbox, bool can_high_speed);
 
-/* Lists what an idle loop may check instead of polling the controller: whether the host has a request, and
- * whether that request may cause work in the device. A host that only requests data causes no work in the
- * device. */
+/* Lists the results of crn_mailbox_udc_demand(), which an idle loop can call instead of polling the
+ * controller: the host has no request, the host only requests data, or the host's request may cause work in
+ * the device. A host that only requests data causes no work in the device. */
 typedef enum crn_mailbox_demand {
     CRN_MAILBOX_IDLE,
     CRN_MAILBOX_ASKS_DATA,

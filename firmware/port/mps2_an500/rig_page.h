@@ -8,14 +8,15 @@
  *   0x60020000  64 KiB   bytes to the device    0x60030000  64 KiB  bytes to the host
  *   0x60040000  two scene slots
  *
- * All fields of the rig page are little-endian 32-bit words. A word that announces others (`edge`,
- * `edge_done`, heads and tails of the rings, magic numbers) is written with release and read with acquire
- * semantics, by rig_write() and rig_read(). Device and plant do not trust each other's half of the page: a
- * number out of its range is treated as a broken sensor.
+ * All fields of the rig page are little-endian 32-bit words. Some words of the page announce that other words
+ * are new: `edge`, `edge_done`, the heads and tails of the rings, and the magic numbers. The functions
+ * rig_write() and rig_read() write these words with release semantics and read them with acquire semantics.
+ * The device and the plant (the model of the rig) do not trust each other's half of the page: a number out of
+ * its range is treated as a broken sensor.
  *
  * The plant makes the milliseconds. The plant (the model of the rig) fills its inputs, then increments
  * `edge`; the device runs the tick, writes its outputs and repeats the number in `edge_done`. A program that
- * runs plant and device in turn simulates the rig independently of real time.
+ * runs the plant and the device alternately simulates the rig independently of real time.
  *
  * C11 and C++20 (gcc, clang). */
 #ifndef CRN_RIG_PAGE_H
@@ -80,7 +81,8 @@ typedef struct rig_outputs {
     uint32_t lamp;
 } rig_outputs;
 
-/* Record of an exception. The record of an exception survives a reset, after which the console prints it. */
+/* Record of an exception. The record of an exception survives a reset; after the reset, the console prints
+ * this record. */
 typedef struct rig_crash {
     uint32_t exception; /* number, 2: watchdog, 3: hard fault; 0: none */
     uint32_t pc, lr, status, address;
@@ -130,13 +132,13 @@ static_assert(sizeof(rig_page) == RIG_PAGE_BYTES, "the page fills its place");
 _Static_assert(sizeof(rig_page) == RIG_PAGE_BYTES, "the page fills its place");
 #endif
 
-/* Reads a word of the other side's half of the page before any later read. */
+/* Reads a word that the other side writes; the processor makes no later read before this one. */
 static inline uint32_t rig_read(const uint32_t *word)
 {
     return __atomic_load_n(word, __ATOMIC_ACQUIRE);
 }
 
-/* Writes a word of this side's half of the page after all earlier writes. */
+/* Writes a word of this side's half of the page; the processor makes this write after all earlier writes. */
 static inline void rig_write(uint32_t *word, uint32_t value)
 {
     __atomic_store_n(word, value, __ATOMIC_RELEASE);

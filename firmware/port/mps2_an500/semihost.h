@@ -8,12 +8,12 @@
 
 void semihost_write(const char *text);
 
-/* Reads a whole file. Returns the size of the file, or 0 when it cannot be read or is larger than
- * `capacity`. */
+/* Reads a whole file. Returns the size of the file in bytes, or 0 if the file cannot be read or is larger
+ * than `capacity`. */
 size_t semihost_read_file(const char *path, void *bytes, size_t capacity);
 
-/* Splits the command line at blanks into argv, of which argv[count] is NULL, and returns the count, which is
- * at most `most`. */
+/* Splits the command line at blanks into argv, sets argv[count] to NULL, and returns the number of arguments,
+ * which is at most `most`. */
 int semihost_arguments(char *line, size_t capacity, char **argv, int most);
 
 _Noreturn void semihost_exit(int code);

@@ -18,7 +18,7 @@ static inline void systick_start(void)
 }
 
 /* Returns the number of counts since `start`, which came from systick_now(). The returned number is correct
- * for fewer than 2^24 counts. */
+ * if fewer than 2^24 counts have passed since `start`. */
 static inline uint32_t systick_now(void)
 {
     return systick[2];

@@ -41,7 +41,8 @@ static bool sim_transmit(void *context, const uint8_t *frame, size_t frame_bytes
 
 /* --- the rig --- */
 
-/* The reading of the rig begins a tick's work, so the simulated time of a tick passes there. */
+/* Every tick begins with a call of this function, which reads the rig. The function therefore also advances
+ * the simulated time by the duration of one tick. */
 static bool sim_inputs(void *context, crn_port_inputs *inputs)
 {
     crn_sim *sim = context;
@@ -88,7 +89,8 @@ static void pass_millisecond(crn_sim *sim)
 crn_sim *crn_sim_create(uint32_t scene_slot_bytes)
 {
     crn_sim *sim = calloc(1, sizeof *sim);
-    /* Each scene slot gets one byte more than requested, so that slots of 0 bytes are valid allocations too.
+    /* Each scene slot gets one byte more than requested, because a slot of 0 bytes must also be a valid
+     * allocation.
      */
     uint8_t *slots[2] = {malloc((size_t)scene_slot_bytes + 1), malloc((size_t)scene_slot_bytes + 1)};
     if (sim == NULL || slots[0] == NULL || slots[1] == NULL) {

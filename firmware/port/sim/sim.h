@@ -15,13 +15,13 @@ extern "C" {
 
 typedef struct crn_sim crn_sim;
 
-/* Powers up a simulated device with two scene slots of `scene_slot_bytes` each. Returns NULL when there is no
- * memory. */
+/* Powers up a simulated device with two scene slots of `scene_slot_bytes` each. Returns NULL if there is not
+ * enough memory. */
 crn_sim *crn_sim_create(uint32_t scene_slot_bytes);
 void crn_sim_destroy(crn_sim *sim);
 
-/* Brown-out: the processor restarts. At this restart, the scene slots keep their contents, and the pipe
- * becomes empty. */
+/* Brown-out: the processor restarts. After such a restart the scene slots still have their contents, and the
+ * byte pipe to the host is empty. */
 void crn_sim_reset(crn_sim *sim);
 
 /* Sends bytes to the device. The device accepts all bytes, and its replies are ready when the function
@@ -29,8 +29,8 @@ void crn_sim_reset(crn_sim *sim);
 void crn_sim_write(crn_sim *sim, const uint8_t *bytes, size_t count);
 
 /* Reads up to `capacity` bytes from the device and returns the number of bytes read. The pipe to the host
- * holds as many bytes as crn_sim_set_pipe has set, initially CRN_SIM_PIPE_BYTES. Messages that do not fit
- * stay in the device, or the device drops and counts them. */
+ * holds as many bytes as crn_sim_set_pipe has set, initially CRN_SIM_PIPE_BYTES. The device keeps messages
+ * that do not fit into the pipe, or drops and counts them. */
 enum { CRN_SIM_PIPE_BYTES = 1 << 20 };
 size_t crn_sim_read(crn_sim *sim, uint8_t *bytes, size_t capacity);
 void crn_sim_set_pipe(crn_sim *sim, size_t bytes); /* at most CRN_SIM_PIPE_BYTES */
@@ -42,15 +42,15 @@ void crn_sim_timer(crn_sim *sim, uint32_t count);
  * continues. */
 void crn_sim_freeze(crn_sim *sim, uint32_t milliseconds);
 
-/* Sets the time that the device spends on one tick from now on; the initial value is 0. */
+/* Sets how much time the device spends on each following tick; the initial value is 0. */
 void crn_sim_set_tick_us(crn_sim *sim, uint32_t tick_us);
 
 /* --- the rig -------------------------------------------------------------------------------------------- */
 
-/* Connects a rig that has these sensor values from now on; NULL removes the rig, which is the initial state.
- * If `stage_on` is true, the simulated device's own power stage determines the actual value of that signal.
- * The simulated hands hold still against the motors: the motors' forces are added to every `force_raw`, with
- * 1 mN per count. */
+/* Connects a rig that has the given sensor values from now on; NULL removes the rig. Initially there is no
+ * rig. If `stage_on` is true in the given inputs, the simulated power stage of the device determines the
+ * value of `stage_on` that the app reads. The simulated hands hold still against the motors: the motors'
+ * forces are added to every `force_raw`, with 1 mN per count. */
 void crn_sim_set_inputs(crn_sim *sim, const crn_port_inputs *inputs);
 
 /* Connects a rig that the caller models, including its power stage; the device uses the readings unchanged.
@@ -60,9 +60,9 @@ void crn_sim_set_plant(crn_sim *sim, const crn_port_inputs *inputs);
 /* Makes the power stage unable to turn off, as if its transistors had melted. */
 void crn_sim_weld_stage(crn_sim *sim, bool is_welded);
 
-/* The builder's data of the simulated rig give this damping of the rig itself; the lag of the motors is 0,
- * and a count is 1 um or 1/65,536 turn. A host needs the local unlock to set more damping than the builder
- * gave. */
+/* These constants are the damping that the simulated rig itself has, according to its builder's data. In
+ * these data, the motors have no lag, and an encoder count is 1 um or 1/65,536 turn. To set more damping than
+ * these values, a host needs the local unlock. */
 enum { CRN_SIM_DAMPING_mN_s_per_m = 1000, CRN_SIM_DAMPING_nN_m_s_per_rad = 2000 };
 
 /* Returns rig inputs with all sensors present and healthy, hands at position 0, a good supply voltage, the
@@ -72,8 +72,7 @@ crn_port_inputs crn_sim_healthy_inputs(void);
 /* Returns the last outputs that the app wrote. */
 crn_port_outputs crn_sim_read_outputs(const crn_sim *sim);
 
-/* Holds the forces of the motors as a meter would show them that is clamped to their leads, behind the power
- * stage. */
+/* Holds the forces of the motors behind the power stage, as a meter at the motors' leads would show them. */
 enum { CRN_SIM_TOOL_MAX = CRN_PORT_TOOL_MAX };
 typedef struct crn_sim_motors {
     int32_t axial_mN[CRN_SIM_TOOL_MAX]; /* from the innermost tool; 0 without power */

@@ -180,8 +180,8 @@ static bool set_limits(void *context, const crn_hid_limits *report)
 
 /* --- the loop --- */
 
-/* This callback does nothing, because the app notices an absent host by its silence, whatever the cause of
- * the silence. */
+/* The app notices an absent host because no messages arrive, whatever the cause. This callback for changes of
+ * the USB link therefore does nothing. */
 static void link(void *context, crn_usb_link link)
 {
     (void)context;

@@ -8,8 +8,8 @@
  * The stream carries the wire. The HID interface transfers the state, STOP and RESET, and reads and writes
  * calibration and force limits, like the messages `command` and `rig` of the wire protocol. The app applies
  * the same checks to HID reports as to the wire protocol, so a HID report cannot do anything that the wire
- * protocol would refuse. The app's answer to a HID report goes to the stream as a message that no request
- * caused. */
+ * protocol would refuse. The app answers a HID report by a message in the stream of bytes, marked as a
+ * message that answers no request of the stream. */
 #ifndef CRN_RIG_USB_H
 #define CRN_RIG_USB_H
 
@@ -17,8 +17,8 @@
 #include "firmware/app/usb/usb.h"
 
 enum {
-    /* The longest answer is that for a snapshot: chunks with their headers and COBS bytes, and the messages
-       begin, end and status. */
+    /* The app's longest answer is the one to a request for a snapshot: the snapshot's chunks with their
+       headers and COBS bytes, and the messages begin, end and status. */
     CRN_RIG_USB_REPLY_BYTES = CRN_APP_SNAPSHOT_BYTES + CRN_APP_SNAPSHOT_BYTES / 50 + CRN_WIRE_FRAME_MAX,
     CRN_RIG_USB_QUEUE_BYTES = 2 * CRN_RIG_USB_REPLY_BYTES,
 };
@@ -33,19 +33,19 @@ typedef struct crn_rig_usb {
 } crn_rig_usb;
 
 /* `app` and `udc` must exist as long as `rig` is used. The device's serial number is that of the app's port.
- * Returns false when the serial number is empty or not printable. */
+ * Returns false if the serial number is empty or not printable. */
 bool crn_rig_usb_init(crn_rig_usb *rig, crn_app *app, const crn_udc *udc);
 void crn_rig_usb_connect(crn_rig_usb *rig, bool connected);
 
-/* Returns true when a host has configured the device. While a host has configured the device, the app's
- * messages are kept for this host, even while the bus sleeps. */
+/* Returns true if a host has configured the device. While a host has configured the device, the device keeps
+ * the app's messages for this host, even while the bus sleeps. */
 bool crn_rig_usb_is_configured(const crn_rig_usb *rig);
 
-/* Returns true when more work may be left. */
+/* Returns true if the USB stack may have more work to do. */
 bool crn_rig_usb_poll(crn_rig_usb *rig);
 void crn_rig_usb_timer(crn_rig_usb *rig);
 
-/* A port puts these functions into its crn_port, with the crn_rig_usb as `context`. */
+/* A port enters the following functions in its crn_port, with the crn_rig_usb as `context`. */
 bool crn_rig_usb_transmit(void *context, const uint8_t *frame, size_t frame_bytes);
 size_t crn_rig_usb_room(void *context);
 

@@ -1,6 +1,6 @@
-/* This header declares a test bench with a simulated rig, for tests of safety. The bench consists of a
+/* This header declares a test bench with a simulated rig, for tests of safety. The test bench consists of a
  * simulated device whose sensor values the test sets, a session in FREE_RUN with powered motors, and a meter
- * at the outputs. */
+ * that measures the motors' forces. */
 #ifndef CRN_TEST_BENCH_H
 #define CRN_TEST_BENCH_H
 
@@ -19,29 +19,29 @@ bool bench_open(bench *b);
 void bench_close(bench *b);
 
 /* Sends ARM, the two messages that arm the motors, and START, and runs the few timer edges after which the
- * motors have power. Returns false when the device refused one of these messages. */
+ * motors have power. Returns false if the device refused one of these messages. */
 bool bench_power(bench *b);
 
 /* Runs one millisecond with the present sensor values. */
 void bench_tick(bench *b);
 
-/* Makes the hand push the tool forward until the motor gives at least `axial_mN`, the force that a test then
- * makes safe. Returns false when the motor never gave the requested force. */
+/* Makes the hand push the tool forward until the motor gives at least `axial_mN`, the force that the device
+ * must later remove. Returns false if the motor never gave the requested force. */
 bool bench_push(bench *b, int32_t axial_mN);
 
-/* Returns whether any motor gives a force or might give a force. The force is measured at the leads, behind
- * the power stage. */
+/* Returns true if the motors of the first track give neither a force nor a torque. The force is measured at
+ * the leads, behind the power stage. */
 bool bench_is_safe(const bench *b);
 
-/* Returns the milliseconds until no motor gives a force and the device reports `code`, or -1 when that takes
- * more than 200 ms. */
+/* Returns the number of milliseconds until no motor gives a force and the device reports `code`, or -1 if
+ * this takes more than 200 ms. */
 int bench_time_to_safe(bench *b, crn_fault_code code);
 
-/* Returns the number of times that the fault log counts the fault `code`, and the fault's values; returns 0
- * when the log has no such fault. */
+/* Returns how often the fault log has counted the fault `code`, and the values of this fault; returns 0 if
+ * the log has no such fault. */
 uint32_t bench_fault(bench *b, crn_fault_code code, crn_wire_fault_entry *entry);
 
-/* Reads the device's status; frames that arrive before the answer are dropped. */
+/* Reads the device's status; frames that arrive before the status are dropped. */
 crn_wire_status bench_status(bench *b);
 void bench_drain(bench *b);
 

@@ -39,8 +39,8 @@ static void start_free_run(void)
     command(CRN_WIRE_ACTION_START);
 }
 
-/* Records ticks of FREE_RUN into `session`; the function `meanwhile` acts before each tick. Runs ticks during
- * which the host keeps sending messages but does not read the device's replies until later. Returns the
+/* Records ticks of FREE_RUN into `session`, and calls the function `meanwhile` before each tick. During these
+ * ticks the host keeps sending messages but does not read the device's replies until later. Returns the
  * number of ticks. */
 static uint32_t record(void (*meanwhile)(int ms))
 {

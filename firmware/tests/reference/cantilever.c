@@ -1,4 +1,4 @@
-/* This file runs the elastica cases on the core; see cantilever.h. */
+/* This file runs the elastica cases (large bending of a cantilever) on the core; see cantilever.h. */
 #include "firmware/tests/reference/cantilever.h"
 #include "firmware/tests/reference/tube_lumen.h"
 
@@ -25,8 +25,8 @@ typedef struct cantilever {
     double length_m;
 } cantilever;
 
-/* When the elements are ceil(L / n) micrometres long, the introducer sheath's distal end lies inside the last
- * element, where the sheath clips the element's cell. */
+/* The length of the elements is L / n, rounded up to whole micrometres. The introducer sheath's distal end
+ * therefore lies inside the last element, and the sheath clips this element's cell. */
 static cantilever *make(double bend_N_m2, uint32_t elements)
 {
     cantilever *c = malloc(sizeof *c);

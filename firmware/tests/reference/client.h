@@ -6,8 +6,8 @@
 #include "firmware/port/sim/sim.h"
 #include "shared/wire/wire_frame.h"
 
-/* Describes a connection to a device other than the simulated one; `read` returns 0 when the device has
- * nothing more to send. */
+/* Describes a connection to a device other than the simulated device; the function `read` returns 0 when the
+ * device has no more bytes to send. */
 typedef struct client_pipe {
     void *context;
     void (*write)(void *context, const uint8_t *bytes, size_t count);
@@ -34,8 +34,8 @@ void client_close(client *c);
 /* Makes a frame around `length` payload bytes and sends the frame to the device. */
 void client_send(client *c, uint16_t type, const uint8_t *payload, size_t length);
 
-/* Reads the device's next frame into c->decoder. Returns the frame's type, or 0 when the device has nothing
- * more to send. */
+/* Reads the device's next frame into c->decoder. Returns the frame's type, or 0 if the device has no more
+ * frames to send. */
 uint16_t client_receive(client *c);
 
 /* These functions send the message types that tests need. */
@@ -59,21 +59,21 @@ bool client_load_scene(client *c, const uint8_t *bytes, uint32_t count);
 /* Sends a step in which the hand moves tool 0 while the other tools do not move. */
 void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_begin,
                  int32_t translation_per_tick);
-/* Sends a step in which the hands move every tool k; the translation in input i is begin[k] + i per_tick[k]
- * counts. */
+/* Sends a step with `count` inputs in which the hands move every tool k; the translation in input i is
+ * begin[k] + i * per_tick[k] counts. */
 void client_step_each(client *c, uint32_t tick, uint16_t count, const int32_t *begin,
                       const int32_t *per_tick);
 void client_input(client *c, const int32_t *translation, const int32_t *rotation);
 void client_orders(client *c, const crn_wire_order *orders, uint16_t count);
 
-/* Reads a whole snapshot from the device into c->snapshot. The second function, for restoring, writes the
- * snapshot back to the device and leaves the device's last answer in the pipe. Returns false when a frame of
- * the snapshot is missing or refused. */
+/* Reads a whole snapshot from the device into c->snapshot. The function client_write_snapshot sends the
+ * snapshot in c->snapshot to the device and leaves the device's last answer in the pipe. Returns false if a
+ * frame of the snapshot is missing or refused. */
 bool client_read_snapshot(client *c);
 void client_write_snapshot(client *c);
 
-/* Each of these functions reads the device's next answer, which must be of the kind that the function's name
- * gives. Returns false when the next frame is of another kind. */
+/* Each client_expect function reads the device's next frame, which must be of the kind in the function's
+ * name. Returns false if the next frame is of another kind. */
 bool client_expect_status(client *c, crn_wire_status *status);
 bool client_expect_reject(client *c, crn_wire_reject *reject);
 bool client_expect_ticks(client *c, crn_wire_ticks *ticks); /* in either mode; it skips hash64 */
@@ -84,7 +84,7 @@ bool client_expect_live(client *c, crn_wire_live *live);    /* skips hash64 */
 void client_plain_tools(crn_wire_tools *tools, uint16_t count);
 
 /* Sends HELLO, the tools, an entry with 50 mm of each tool inserted, ARM and START, in free space. Returns
- * false when the device refused one of the messages. */
+ * false if the device refused one of the messages. */
 bool client_start_tools(client *c, uint16_t count);
 bool client_start_session(client *c); /* with one tool */
 

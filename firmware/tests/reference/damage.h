@@ -11,8 +11,8 @@ typedef struct damaged_word {
     uint32_t value;
 } damaged_word;
 
-/* Checks that the unchanged state can be restored, but that the core refuses it after any one of these words
- * was written to the part that begins at `part`. */
+/* Checks that the unchanged state can be restored. Then writes each of `words` alone into the part of the
+ * state that begins at `part`, and checks that the core refuses the damaged state. */
 static inline void refuses_each(const crn_model *model, crn_state *state, size_t part,
                                 const damaged_word *words, size_t count)
 {

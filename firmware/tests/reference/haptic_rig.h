@@ -1,7 +1,8 @@
 /* This header models a rig and the hand that holds its handle, in double precision, for tests of the haptic
- * loop. The model consists of the app itself behind a test port, a carriage with mass, damping, friction and
- * a lagging motor, an encoder with steps and jitter, and a hand. The hand is a spring and damper towards a
- * wanted position. The model computes 20 steps of physics in each tick. */
+ * loop. The model consists of the app itself behind a test port, a carriage, an encoder with steps and
+ * jitter, and a hand. The carriage has mass, damping, friction and a motor with lag. The hand is modelled as
+ * a spring and a damper that pull towards the position that the hand aims at. The model computes 20 steps of
+ * physics in each tick. */
 #ifndef CRN_TEST_HAPTIC_RIG_H
 #define CRN_TEST_HAPTIC_RIG_H
 
@@ -29,9 +30,9 @@ typedef struct haptic_rig {
 
 enum { HAPTIC_MASS_g = 80, HAPTIC_DAMPING_mN_s_m = 1000, HAPTIC_FRICTION_mN = 20, HAPTIC_MOTOR_LAG_us = 500 };
 
-/* Begins a session with powered motors in `lumen` (NULL: free space) with one wire on the given track; the
- * length `inserted_um` of the wire lies beyond the sheath. Returns false when the device refused one of the
- * messages. */
+/* Begins a session with powered motors in `lumen` (NULL: free space) with one wire on the given track; a
+ * length of `inserted_um` of the wire lies beyond the introducer sheath. Returns false if the device refused
+ * one of the messages. */
 bool haptic_begin(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instrument *wire,
                   uint32_t inserted_um, const crn_wire_track *track, const haptic_hand *hand);
 

@@ -1,10 +1,10 @@
-/* This header sets the length of long runs in tests. Builds with sanitizers do only a tenth of a run, because
- * they take five times as long and find their errors in a tenth of the run. The build without sanitizers
- * proves the test's claims for the whole run. C11 and C++. */
+/* This header sets the length of long runs in tests. Builds with sanitizers compute only a tenth of a long
+ * run, because sanitizers make a run five times as long, and a tenth of the run is enough for them to find
+ * errors. The build without sanitizers proves the test's claims for the whole run. C11 and C++. */
 #ifndef CRN_REFERENCE_LONG_RUN_H
 #define CRN_REFERENCE_LONG_RUN_H
 
-// gcc reports a sanitizer by a macro, and clang by a feature.
+// The compiler gcc reports a sanitizer by a macro, and clang reports it by __has_feature.
 #if defined __SANITIZE_ADDRESS__
 #define REFERENCE_SANITIZED
 #elif defined __has_feature

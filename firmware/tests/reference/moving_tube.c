@@ -47,8 +47,8 @@ void reference_beating_sphere(const double *X, double phase, double breath, doub
     x[1] -= deep * breath * faded(x, r);
 }
 
-/* The iteration X <- X - (map(X) - x) converges to the fixed point, because the maps move neighbours by less
- * than their distance. */
+/* The iteration X <- X - (map(X) - x) converges to the fixed point, because the displacements of two
+ * neighbouring points differ by less than the distance between these points. */
 void reference_pull(reference_map map, const double *x, double phase, double breath, double *X)
 {
     memcpy(X, x, 3 * sizeof *X);
@@ -80,7 +80,8 @@ static int16_t coefficient(double way_m)
     return (int16_t)fmax(-CRN_MOTION_COEFFICIENT_MAX, fmin(CRN_MOTION_COEFFICIENT_MAX, value));
 }
 
-/* Computes the three rows of coefficients of a lattice node, and the node's displacement in a full breath. */
+/* Computes the three rows of coefficients of a lattice node, one row for each axis, and the node's
+ * displacement in a full breath. */
 static void fill_node(const reference_motion *m, const double *x, int16_t *rows, int16_t *inhaled)
 {
     double w[3][CRN_MOTION_KEYFRAMES], X[3], deep[3], c[CRN_MOTION_KEYFRAMES];
@@ -97,7 +98,7 @@ static void fill_node(const reference_motion *m, const double *x, int16_t *rows,
     }
 }
 
-/* Makes a lattice over a box in which nothing moves yet; the caller fills in the motion. */
+/* Makes a lattice over a box, with displacements of zero; the caller then writes the displacements. */
 static reference_motion *lattice_over(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     reference_motion *m = calloc(1, sizeof *m);
@@ -144,16 +145,16 @@ void reference_motion_free(reference_motion *motion)
     free(motion);
 }
 
-/* Returns the number of nodes between a node and the nearer end of an axis with `count` nodes, but at most
- * `most`. */
+/* Returns the number of nodes between a given node and the nearer end of an axis with `count` nodes; returns
+ * `most` if the number is larger. */
 static uint32_t steps_inside(uint32_t at, uint32_t count, uint32_t most)
 {
     const uint32_t from_edge = at < count - 1 - at ? at : count - 1 - at;
     return from_edge < most ? from_edge : most;
 }
 
-/* The breathing motion is 3.2 mm along x, on lattice nodes twice as far apart as those of the heartbeat, and
- * fades to 0 over the four outermost nodes. */
+/* Breathing moves the vessel by 3.2 mm along x. The lattice nodes of breathing are twice as far apart as
+ * those of the heartbeat, and the motion fades to 0 over the four outermost nodes. */
 static void make_breath(reference_motion *m)
 {
     enum { FADE = 4 };
@@ -172,8 +173,8 @@ static void make_breath(reference_motion *m)
     }
 }
 
-/* The displacement is a product of the heart's contraction and a function of the position, so the filter in
- * time is needed only once. */
+/* The displacement is the product of the heart's contraction (a function of time) and a function of the
+ * position. The filter in time is therefore computed only once and not for every node. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     enum { FADE = 4 };

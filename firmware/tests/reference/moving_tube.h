@@ -1,6 +1,6 @@
-/* This header provides vessels that move by a closed form, for tests, benchmarks and validation. Its
- * functions make the displacement lattice that the scene baker would make, node by node from the inverse map,
- * and give the map itself in double precision. */
+/* This header provides vessels that move by a closed form, for tests, benchmarks and validation. The
+ * functions of this header make the displacement lattice that the scene baker would make, node by node from
+ * the inverse map, and compute the map itself in double precision. */
 #ifndef CRN_REFERENCE_MOVING_TUBE_H
 #define CRN_REFERENCE_MOVING_TUBE_H
 
@@ -17,8 +17,9 @@ typedef struct reference_motion {
     crn_motion motion; /* it owns rows and inhaled */
 } reference_motion;
 
-/* Makes a displacement lattice over a box, with nodes 2^log2 Q30 m apart. The lattice's outermost nodes do
- * not move, so the box must reach beyond everything that moves, or beyond everything that is looked up. */
+/* Makes a displacement lattice over a box; the distance between two nodes is 2^spacing_log2_q30 in units of
+ * 2^-30 m. The lattice's outermost nodes do not move, so the box must be larger than everything that moves,
+ * or larger than the region whose displacements a test reads. */
 reference_motion *reference_motion_make(reference_map map, const double *low_m, const double *high_m,
                                         uint32_t spacing_log2_q30);
 void reference_motion_free(reference_motion *motion);
@@ -37,8 +38,8 @@ double reference_contraction(double phase);
  * its motion by breath fade out at 90 mm from its middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 
-/* These constants are the pieces of a vessel that enters at the origin and runs round the beating sphere, 40
- * mm from the sphere's middle, and the box in which the vessel moves. */
+/* The following constants describe a vessel that begins at the origin and runs round the beating sphere, 40
+ * mm from the sphere's middle: the pieces of the vessel, and the box in which the vessel moves. */
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 

@@ -1,7 +1,7 @@
-/* This header simulates one to three coaxial tools that random hand motions move in a vessel that forks. The
- * tools are pushed at up to 0.5 m/s and turned at up to 12 rad/s; every tool leads at some times and is
- * withdrawn at others. The test uses these functions for a short run, and `make bench` uses them for a
- * million ticks. */
+/* This header simulates one to three coaxial tools in a vessel that forks; random hand motions push and turn
+ * the tools. The tools are pushed at up to 0.5 m/s and turned at up to 12 rad/s. Every tool sometimes reaches
+ * farther than the other tools, and is sometimes withdrawn. The test uses these functions for a short run,
+ * and `make bench` uses them for a million ticks. */
 #ifndef CRN_REFERENCE_RANDOM_HANDS_H
 #define CRN_REFERENCE_RANDOM_HANDS_H
 
@@ -14,9 +14,9 @@ typedef struct reference_hands_result {
     double strain_max_pct, depth_max_mm;
 } reference_hands_result;
 
-/* Adds `ticks` ticks of session number `session` to the result. The stiffness, tip and shape of the tools and
- * the motion of the hands depend on the session's number alone. The first 300 ticks, in which the rest shapes
- * are applied gradually, are not counted. */
+/* Simulates `ticks` ticks of session number `session` and adds their results to `result`. The stiffness, tip
+ * and shape of the tools and the motion of the hands depend on the session's number alone. The first 300
+ * ticks, in which the rest shapes are applied gradually, are not counted. */
 void reference_random_hands(uint32_t tool_count, uint32_t session, int ticks, reference_hands_result *result);
 
 #endif

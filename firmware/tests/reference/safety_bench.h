@@ -34,7 +34,7 @@ static inline void safety_bench_rest(safety_bench *bench)
     }
 }
 
-/* Runs one edge of the timer: first the checks, then the outputs. When the checks find a fault, the power of
+/* Runs one edge of the timer: first the checks, then the outputs. If the checks find a fault, the power of
  * the motors is removed, as in the app. */
 static inline crn_fault_code safety_bench_edge(safety_bench *bench)
 {

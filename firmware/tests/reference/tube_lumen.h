@@ -31,7 +31,8 @@ reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piec
 reference_tube *reference_fork_make(const reference_piece *trunk, const reference_piece left[2],
                                     const reference_piece right[2], double radius_m, uint32_t level);
 /* Makes a straight tube with a stenosis whose middle is `at_m` along the tube. The tube's radius in the
- * stenosis is radius_m - (radius_m - throat_m) (1 + cos(2 pi u)) / 2. */
+ * stenosis is radius_m - (radius_m - throat_m) (1 + cos(2 pi u)) / 2, where u is the distance along the tube
+ * from the stenosis' middle, divided by length_m. */
 reference_tube *reference_stenosis_make(double tube_m, double radius_m, double throat_m, double at_m,
                                         double length_m, uint32_t level);
 void reference_tube_free(reference_tube *tube);
@@ -39,7 +40,8 @@ void reference_tube_free(reference_tube *tube);
 /* Returns the exact signed distance to the wall in metres, negative inside the lumen. */
 double reference_tube_distance(const reference_tube *tube, const double *point_m);
 
-/* Standard scenes. All of these scenes have their entry at the origin, along +x. */
+/* Standard scenes. In all standard scenes of this header, the tools enter at the origin in the direction +x.
+ */
 crn_entry reference_entry(void);
 /* Makes a uniform instrument of bending stiffness EI (in N m^2) with elements of `element_um` and equal
  * kinetic and static friction. */

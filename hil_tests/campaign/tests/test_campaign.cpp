@@ -53,7 +53,8 @@ void a_line_that_names_no_fault_is_refused_with_the_word(void **)
     }
 }
 
-// The device receives half a frame from a host that crashed, and then the HELLO message of the next host.
+// The device receives half a frame from a host that then crashes, and afterwards the HELLO message of the
+// next host.
 void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
 {
     hil::SimBench bench(hil::campaign_plant());

@@ -1,7 +1,7 @@
 // This test runs a selection of the grid of force gain, coupling stiffness, damping, motor lag and grip of
-// the hand (make hil-passivity runs the whole grid). With every setting that the device accepts, the carriage
-// must stay below the speed limit and must not oscillate permanently. The test also checks CycleMeter, the
-// class that measures oscillations of the motor force.
+// the hand (make hil-passivity runs the whole grid). With every combination of settings that the device
+// accepts, the carriage must stay below the speed limit and must not oscillate permanently. The test also
+// checks CycleMeter, the class that measures oscillations of the motor force.
 #include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <cmath>
@@ -22,8 +22,8 @@ void nothing_that_is_accepted_is_fast_or_goes_on_to_and_fro(void **)
     assert_int_equal(hil::run_passivity_grid(level, 41, ""), 0);
 }
 
-// The device must refuse a coupling of 800 N/m at a force gain of 2, although the declared damping is true:
-// with this setting, a carriage in a loose hand reached 0.34 m/s.
+// The device must refuse a coupling of 800 N/m at a force gain of 2, even if the host declares the rig's true
+// damping. With this setting, a carriage in a loose hand reached 0.34 m/s.
 void a_gain_of_two_on_honest_damping_is_refused(void **)
 {
     hil::SimLevel level;
@@ -31,8 +31,8 @@ void a_gain_of_two_on_honest_damping_is_refused(void **)
     assert_false(hil::run_passivity(level, {2000, 800, 1000, 500, false}).is_accepted);
 }
 
-// A sine of 20 Hz for 250 ms counts as a cycle at 60 mN but not at 40 mN, and a step does not count as a
-// cycle.
+// CycleMeter must count a sine of 20 Hz for 250 ms as an oscillation if its amplitude is 60 mN but not if it
+// is 40 mN, and must not count a step of the force.
 void the_meter_measures_cycles(void **)
 {
     hil::CycleMeter felt(0.1), unfelt(0.1), step(0.1);

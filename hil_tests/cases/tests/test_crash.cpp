@@ -1,8 +1,8 @@
 // This test crashes the firmware of an emulated device in several ways, and checks the state of the device
 // afterwards. In two tests a debugger causes a crash: a jump to an invalid address (a hard fault), or a loop
-// that never ends. The motors lose their power before the firmware prints any text, and the console shows
-// where the firmware failed. The watchdog restarts the device; after its next start the device reports the
-// cause again and works.
+// that never ends. The motors must lose their power before the firmware prints any text, and the text on the
+// console must show where the firmware failed. The watchdog restarts the device; after its next start the
+// device reports the cause again and works.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include <csetjmp>
@@ -123,7 +123,7 @@ class Patient
     }
     ~Patient() { std::filesystem::remove(path_); }
 
-    // Waits until this text appears on the console.
+    // Waits until the text `words` appears on the console.
     void expect_console(const char *words)
     {
         for (int i = 0; i < 100 * patience_s; i++, usleep(10000))
@@ -138,7 +138,7 @@ class Patient
         debugger.go_on();
     }
     // Turns the processor's interrupts off and runs an endless loop, so that the device hangs. The watchdog
-    // therefore never interrupts the processor in the handler that runs every millisecond. The watchdog waits
+    // then never interrupts the processor within the handler that runs every millisecond. The watchdog waits
     // one minute, which is a whole number of milliseconds. The watchdog may therefore act just after a
     // millisecond has begun, while the processor runs that millisecond's handler.
     void hang()
@@ -176,8 +176,8 @@ class Patient
     hil::EmulatedBench bench;
 };
 
-// cmocka leaves a failed test by a jump that runs no destructors, so the function throws errors as exceptions
-// before cmocka reports them.
+// The macro fail_msg of cmocka leaves a failed test by a jump that runs no destructors. The tests therefore
+// throw exceptions, and this function calls fail_msg after the destructors have run.
 void guarded(void (*body)())
 {
     std::string why;
@@ -211,7 +211,8 @@ void power_goes_with_a_hard_fault()
 }
 
 // In this test each instruction takes 1 us of emulated time. The test runs no millisecond handler and loads
-// no scenes, so the emulator needs less than a second for the watchdog's minute.
+// no scenes, so the emulator needs less than a second of real time for the minute after which the watchdog
+// acts.
 constexpr int slowest = 10;
 
 void the_watchdog_starts_a_crashed_device_again_and_it_says_why()

@@ -1,8 +1,8 @@
 // These tests check sessions in which the rig sets the pace and its encoders measure the hands (FREE_RUN,
-// docs/rig.md). A recording contains the measured motion of the hands tick by tick, and a LOCKSTEP replay of
-// it gives equal state hashes, even if the cable was pulled during the session. When a rig stops, the session
-// ends and reports the cause. The rig is the simulated one of test level 0, with a hand that pushes against
-// powered motors.
+// docs/rig.md). A recording contains the measured motion of the hands tick by tick. A LOCKSTEP replay of the
+// recording gives the same state hashes, even if the cable was pulled during the session. When a rig stops,
+// the session ends and reports the cause. The rig in these tests is the simulated rig of test level 0, with a
+// hand that pushes against powered motors.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -26,8 +26,8 @@ extern "C" {
 namespace
 {
 
-// Simulates a cable between the host and a test bench. The cable fails after a given number of reads, and the
-// next opening of the device creates a new cable.
+// Simulates a cable between the host and a test bench. The cable fails after a given number of reads; when
+// the host opens the device again, the test creates a new cable.
 class Cable final : public crn::Transport
 {
   public:
@@ -145,8 +145,8 @@ void what_hands_do_at_a_rig_replays_bit_for_bit(void **)
     }
 }
 
-// The rig continues for 1.5 s without the host, and then the host resumes the session from the last tick that
-// it received.
+// The rig continues for 1.5 s without the host. Then the host resumes the session from the last tick that the
+// host has received.
 void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
 {
     for (std::uint32_t cut : {100u, 401u, 702u}) {
@@ -162,8 +162,8 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
     }
 }
 
-// The host keeps the inputs of at most about free_run_kept_max ticks. When the host resumes a longer session,
-// it begins with a snapshot, and the recording contains this snapshot.
+// The host keeps the inputs of about free_run_kept_max ticks at most. If the host resumes a session with more
+// ticks than this number, the resumed session begins with a snapshot, which the recording contains.
 void a_long_session_resumes_from_a_snapshot(void **)
 {
     Trial trial(false);

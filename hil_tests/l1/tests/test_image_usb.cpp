@@ -1,6 +1,7 @@
 // This test exercises the USB interface of the firmware image with single USB tokens. The device must
 // enumerate, accept its configuration, and answer HELLO through the pair of bulk endpoints. The device must
-// also keep its messages while the bus is suspended, and count USB requests as work.
+// also keep its messages while the bus is suspended, and the time that it needs for USB requests must count
+// as work.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -117,7 +118,8 @@ class Session
         emulator.wait([&] { return rig_read(&page.device.to_device_tail) == head; }, "a request");
     }
 
-    // Checks that the next frame over USB has this message type, and leaves the frame in the decoder.
+    // Checks that the next frame that arrives over USB has the message type `type`, and leaves this frame in
+    // the decoder.
     void expect_frame(std::uint16_t type)
     {
         for (int packets = 0; packets < 8; packets++) {
@@ -179,8 +181,8 @@ void a_sleeping_bus_keeps_what_the_app_says(void **)
     assert_int_equal(session.decoder.header.answers, 2);
 }
 
-// If the simulated rig (plant) controls time, waiting takes no time. A request takes equally long whether it
-// arrived over USB or through the ring buffers.
+// If the simulated rig (plant) controls time, the device's clock does not advance while the device waits. A
+// request takes the same time on the device's clock whether it arrived over USB or through the ring buffers.
 void work_that_comes_by_usb_takes_the_plants_time(void **)
 {
     Session session;

@@ -55,8 +55,8 @@ void a_free_tool_accelerates_by_newton(void **)
     near("tool in m", axis.tool(), expected, 1e-9);
 }
 
-// A tool that is released at the speed v0 is stopped by the friction F after the distance v0^2 m / 2 F; then
-// its position stays equal to the last bit.
+// A tool is released at the speed v0, and the friction F stops it after the distance v0^2 m / 2 F. After
+// that, its position stays equal to the last bit.
 void friction_stops_a_free_tool_and_holds_it(void **)
 {
     AxisSettings s = ideal();
@@ -86,8 +86,8 @@ void viscous_friction_gives_a_terminal_speed(void **)
     near("speed in m/s", axis.tool_speed(), 0.5, 1e-9);
 }
 
-// While the tool is held, a motor force up to grip + bearing friction does not move the roller. The excess
-// over this limit makes the roller slip.
+// While the hand holds the tool, a motor force up to the sum of grip and bearing friction does not move the
+// roller. A force beyond this sum makes the roller slip.
 void the_roller_slips_at_its_threshold(void **)
 {
     AxisSettings s = ideal();
@@ -115,8 +115,8 @@ void the_hand_feels_the_motor_at_rest(void **)
     near("deflection of the hand's spring in m", -spring.tool(), 1.5 / 600.0, 0.0501 / 600.0);
 }
 
-// The motor's current follows i = I (1 - exp(-t / tau)); when the motor has no power, the current decays,
-// whatever the command is.
+// The motor's current follows i = I (1 - exp(-t / tau)). If the motor has no power, the current decays to
+// zero, whatever the device commands.
 void the_motor_lags_and_loses_power(void **)
 {
     const AxisSettings s;
@@ -142,8 +142,8 @@ void a_motor_that_sticks_on_needs_the_power_stage(void **)
     near("force without power in N", axis.motor_force(), 0.0, 1e-5);
 }
 
-// The encoder's count is floor(position / width of a count + 1/2), so the error is at most half a count plus
-// jitter.
+// The encoder's count is floor(position / width of a count + 1/2), so the count is wrong by at most half a
+// count plus jitter.
 void encoders_quantise_by_half_a_count(void **)
 {
     hil::Random random(3);

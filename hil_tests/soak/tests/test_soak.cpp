@@ -1,9 +1,9 @@
 // These tests check the program soak itself with sessions in free space (without vessels), so that every
-// session takes only moments. A random session depends only on seed and number, and a device accepts it. If a
-// session exceeds a limit, soak finds the tick and shortens the session to the cause. Soak reports a
-// differing replay, a crash and an endless session as verdicts. The rows of the result file survive an
-// interruption, an incomplete last line and a change of program. The script hil_tests/soak/test_soak.sh tests
-// the program on vessels.
+// session takes only moments. A random session depends only on its seed and number, and a device accepts
+// every random session. If a session exceeds a limit, soak finds the tick at which this happens, and shortens
+// the session to the cause. Soak reports a differing replay, a crash and an endless session as verdicts. The
+// rows of the result file are kept if soak is interrupted, if the last line is incomplete, and if the program
+// has changed. The script hil_tests/soak/test_soak.sh tests the program on vessels.
 #include "hil_tests/soak/campaign.hpp"
 #include <algorithm>
 #include <csetjmp>
@@ -164,8 +164,8 @@ void a_recording_that_lost_its_end_is_told(void **)
     assert_string_equal(verdict.broken.c_str(), "replay");
 }
 
-// In free space only the wire's stiffness resists the hand, with millinewtons. The first push therefore
-// exceeds a force limit of 1 uN, whereas a pause never does.
+// In free space only the wire's stiffness resists the hand, with a force of some millinewtons. The first push
+// therefore exceeds a force limit of 1 uN, whereas a pause without motion never exceeds it.
 void a_bar_that_is_much_too_low_ends_the_session_at_the_first_push(void **)
 {
     const soak::Bars bars{1.0, 1.0, 1e-6, 1e-6};
@@ -214,8 +214,8 @@ void a_verdict_keeps_its_numbers_as_a_line(void **)
 
 // --- shrinking ---
 
-// This judge reads only the script: a session counts as failed while its script has a push of the catheter by
-// at least 20 mm after an inflation.
+// This judge reads only the script: a session counts as failed if, after an inflation, the script pushes the
+// catheter by at least 20 mm.
 soak::Verdict judge_of_words(const soak::DrawnSession &session)
 {
     soak::Verdict verdict;
@@ -239,8 +239,8 @@ void a_broken_session_shrinks_to_the_statements_that_break_it(void **)
          "wait 1000 ms", "deflate at 4 bar/s"},
         {instrument("coronary_014"), instrument("balloon_3x20"), instrument("guide_jl4_6f")});
     const soak::Shrunk shrunk = soak::shrink(session, judge_of_words(session), judge_of_words);
-    // The failure needs no wire, so the wire is removed and the balloon becomes the innermost tool; the push
-    // of 100 mm is halved to 25 mm.
+    // The judge's condition does not depend on the wire, so the wire is removed and the balloon becomes the
+    // innermost tool; the push of 100 mm is halved to 25 mm.
     assert_string_equal(soak::script_of(shrunk.session).c_str(),
                         "inflate to 1 bar at 10 bar/s\nadvance wire 25 mm at 50 mm/s\n");
     assert_string_equal(soak::tools_of(shrunk.session).c_str(), "balloon_3x20 + guide_jl4_6f");

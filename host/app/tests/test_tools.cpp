@@ -1,7 +1,7 @@
-// Tests sessions with several tools: when the device refuses a tool, the message must give the tool's name
-// from its file. A session with three tools replays bit for bit. The X-ray shows for every tool only its own
-// part of the set of nested tools, with its own layers and lumen. The report has an entry for every tool, and
-// the window's keys reach every tool.
+// Tests sessions with several tools. If the device refuses a tool, the error message must contain the tool's
+// name from its instrument file. A session with three tools replays bit for bit. The X-ray picture shows each
+// tool only along that tool's own length, with its own layers and lumen. The report has an entry for every
+// tool, and the window's keys reach every tool.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -199,7 +199,7 @@ void a_changed_input_of_any_tool_is_found(void **)
 // --- the line as the picture sees it ---
 
 // The nested tools have different lengths. Every tool's tip must lie at its own arc length along the nested
-// tools, whose radius at each point must be that of the outermost tool there.
+// tools. At each point the radius of the nested tools must be that of the outermost tool at this point.
 void each_tool_covers_the_line_from_its_own_tip(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -308,7 +308,7 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
 }
 
 // The tip of a tool may coincide with a node, lie beyond the end of the nested tools, or be NaN. In all these
-// cases no tool may be lost, and nothing may crash.
+// cases the picture must still show every tool, and nothing may crash.
 void tips_anywhere_are_drawn_or_left_out(void **)
 {
     const std::vector<crn::RadiopaqueInstrument> tools = {
@@ -426,8 +426,8 @@ void every_standard_view_has_a_key(void **)
     }
 }
 
-// Every key must become a command to the X-ray room. The step of a key is added to the target position of the
-// motors, and ends at the limit of travel.
+// Every key must become a command to the X-ray room. Pressing a key moves the motors' target position by one
+// step, but not beyond the limit of travel.
 void keys_are_commands_to_the_room(void **)
 {
     using crn::RoomAction, crn::RoomCommand;

@@ -1,6 +1,6 @@
 // Fuzz target: any text may be given as TOML. If a text is accepted, the result can be traversed, copied and
-// destroyed, and its tables are no deeper than the check before the parser allows. If a text is refused, the
-// error has a message.
+// destroyed, and its tables are not nested deeper than the check before parsing permits. If a text is
+// refused, the error has a message.
 #include "host/base/toml.hpp"
 #include <algorithm>
 #include <cstdint>
@@ -13,8 +13,8 @@ extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_
 namespace
 {
 
-// The deepest accepted text has 32 nested brackets, each with a key of 32 names, below a header of 32 names;
-// the values themselves add one level.
+// The deepest accepted text has 32 nested brackets, each with a key of 32 names, below a header of 32 names.
+// The values themselves add one level of nesting.
 constexpr int depth_max =
     crn::toml_brackets_max + (crn::toml_brackets_max + 2) * (crn::toml_key_names_max + 1);
 

@@ -1,5 +1,4 @@
-// Claims: numbers are converted to the same bytes as by printf, for numbers of every size, and whatever
-// locale is set.
+// Claims: for numbers of every size and in every locale, the conversion gives the same bytes as printf.
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
 

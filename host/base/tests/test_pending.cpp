@@ -135,7 +135,7 @@ static void a_link_is_followed_to_its_file(void **)
     assert_string_equal(text_of(folder.file("deep/target")).c_str(), "after");
 }
 
-// A final rename would put a regular file in the place of a device, pipe or folder; for root it would even
+// Renaming the finished file would replace a device, pipe or folder by a regular file; for root it would even
 // replace /dev/null.
 static void devices_pipes_and_folders_are_refused_and_stay(void **)
 {

@@ -234,8 +234,9 @@ static void angles_distances_and_spacing_are_those_of_the_c_arm(void **)
     assert_text(reader, DCM_FieldOfViewDimensions, "320\\320");
     assert_text(reader, DCM_ImagerPixelSpacing, "5\\5"); // 320 mm / 64
     assert_near("pixel at the isocentre", reader.number(DCM_PixelSpacing), 5.0 / 1.4, 1e-8);
-    // In a view of 40 LAO 30 CAU the right of the picture is mainly the patient's left, and then the back.
-    // The bottom of the picture is mainly the feet, then the back, then the patient's right (docs/frames.md).
+    // In a view of 40 LAO 30 CAU the right side of the picture points mainly towards the patient's left, and
+    // less towards the back. The bottom of the picture points mainly towards the feet, less towards the back,
+    // and least towards the patient's right (docs/frames.md).
     assert_text(reader, DCM_PatientOrientation, "LP\\FPR");
 }
 
@@ -280,8 +281,8 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
     assert_text(fluoro, DCM_RadiationSetting, "SC");
 }
 
-// DICOM counts rows and columns from 1, and the attributes of the collimator name the last covered ones. So
-// columns 2 to 63 and rows 3 to 62 of the picture are open.
+// DICOM counts rows and columns from 1, and the attributes of the collimator name the last row or column that
+// each blade covers. So columns 2 to 63 and rows 3 to 62 of the picture are open.
 static void collimator_edges_are_the_last_covered_columns_and_rows(void **)
 {
     Folder folder;
@@ -332,7 +333,8 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(reader, DCM_ContrastBolusVolume, "12");
     assert_text(reader, DCM_ContrastFlowRate, "6");
     assert_text(reader, DCM_ContrastBolusIngredientConcentration, "350");
-    // A mask frame in the middle of the run, as after a new mask was chosen, is subtracted from every frame.
+    // If the only mask frame is in the middle of the run, for example because the user chose another mask, it
+    // is subtracted from every frame.
     XrayRun late = sample_run(RunKind::dsa, 6);
     late.mask->frames = {4};
     write_xa(folder.file("b.dcm"), late, study_of("a"));

@@ -1,7 +1,7 @@
 // Claims: contrast medium in a tree of vessels moves with the blood, and at a fork the medium divides in
-// proportion to the conductances. None is lost or created. Contrast medium flows back when more is injected
-// than flows away, and it stops where the catheter fills the lumen. Each test compares the simulation with a
-// formula that the test contains.
+// proportion to the conductances. None is lost or created. Contrast medium flows back if more is injected
+// than the blood carries away, and it does not move where the catheter fills the lumen. Each test compares
+// the simulation with a formula that the test contains.
 #include "host/effects/contrast_flow.hpp"
 #include <cmath>
 #include <csetjmp>
@@ -141,8 +141,8 @@ void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 
 // The two layers of blood move at U(1 +- 1/2), and the difference between their concentrations falls by
 // U/lambda per second. A pulse of contrast medium then spreads with the dispersion D = U lambda / 4. The
-// upwind rule with cells of length L adds U L / 2 to the dispersion, less a part that the time step removes;
-// with L = 1.5 mm the sum is 3 %.
+// upwind rule with cells of length L adds U L / 2 to the dispersion, and the time step removes a part of
+// this. With L = 1.5 mm the two together add 3 % to the dispersion.
 void a_pulse_spreads_as_the_two_layers_say(void **)
 {
     const VesselTree tree{{straight("tube", {0, 0, 0}, {1900, 0, 0}, 3.0, 10.0)}};
@@ -195,8 +195,8 @@ void a_fork_divides_iodine_as_its_conductances(void **)
             8 * 3.5e-3 * length_mm * 1e-3 / (pi * std::pow(radius_mm * 1e-3, 4)) * 1e-6 / 133.322;
         return 1.0 / (vessel + mean_pressure_mmHg / flow_ml_s);
     };
-    // Hardly any contrast medium has left the tree yet, so each branch still holds all medium that entered
-    // it.
+    // At this moment hardly any contrast medium has left the tree of vessels, so each branch still holds all
+    // medium that entered it.
     assert_true(contrast.budget().out_mg < 1e-6 * contrast.budget().injected_mg);
     within("wide over thin", held_in(contrast, 1) / held_in(contrast, 2),
            conductance(1, 3.0, 6.0) / conductance(2, 1.0, 3.0), 0.01);
@@ -241,8 +241,8 @@ void more_than_flows_away_goes_back_upstream(void **)
         for (int tick = 0; tick < 150; ++tick) contrast->step({}, {contrast == &gentle ? 4.0 : 20.0, iodine});
     }
     assert_true(held_in(gentle, 0) == 0.0);
-    // Contrast medium that the bed of the renal artery does not take has flowed back into the artery before
-    // the tip and into the aorta.
+    // The vascular bed of the renal artery cannot take all contrast medium; the remainder must have flowed
+    // back along the artery, past the tip and into the aorta.
     const FlowCells &cells = forced.cells();
     double back_mg = held_in(forced, 0);
     for (std::size_t i = cells.branch_begin(1); i < cells.size(); ++i)

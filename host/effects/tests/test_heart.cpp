@@ -1,7 +1,7 @@
 // Claims: the traces of the heart follow the beats that the core reports: rate, pressures of a resting adult,
-// and the effects of a premature beat and of asystole. The host reads the displacements of a moving vessel as
-// they are in the scene. Undoing a displacement returns a point to the reference pose, and bodies move with
-// the lattice of displacements.
+// and the effects of a premature beat and of asystole. The host reads the displacements of a moving vessel
+// exactly as the scene file holds them. Undoing a displacement returns a point to the reference pose, and
+// bodies move with the lattice of displacements.
 #include "host/effects/pulse.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/tests/scene_sample.h"
@@ -95,8 +95,8 @@ void asystole_is_a_flat_line_and_a_falling_pressure(void **)
     assert_true(patient.monitor.rate_per_min() == 0);
 }
 
-// In the electrocardiogram, R comes 36 ms after the QRS begins, T at four fifths of systole, and P before the
-// next QRS, up to 150 /min.
+// In the electrocardiogram, the R wave comes 36 ms after the QRS begins, the T wave at four fifths of
+// systole, and the P wave before the next QRS, up to a rate of 150 /min.
 void the_waves_stand_where_the_beat_says(void **)
 {
     for (std::uint32_t rate : {50u, 70u, 150u}) {
@@ -132,9 +132,9 @@ MotionMoment moment(double heart, double breath)
             static_cast<std::uint32_t>(breath * 4294967296.0)};
 }
 
-// The middle node of the lattice is at (0, 7.8125, 7.8125) mm. The coefficients of that node are 44 units at
-// keyframe 0 and rise by 44 units per keyframe; a quadratic spline through values on a straight line is that
-// line. The deepest breath moves the node by 262 units along y.
+// The middle node of the lattice is at (0, 7.8125, 7.8125) mm. The displacement coefficients of that node are
+// 44 units at keyframe 0 and rise by 44 units per keyframe. A quadratic spline through values on a straight
+// line is that straight line. The deepest breath moves the node by 262 units along y.
 void the_lattice_is_read_as_it_was_written(void **)
 {
     const Sample sample;

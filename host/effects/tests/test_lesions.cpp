@@ -1,8 +1,8 @@
 // Claims: the pressure drop of a lesion is the sum of the drop by Poiseuille's law and of the loss of the jet
 // behind its narrowest point. A lesion reduces the flow in the vessels behind it, more so in hyperaemia and
 // with a guidewire in the lesion, and it delays contrast medium. The state of a lesion is part of a snapshot.
-// After the lesion yields, the pressure drop is that of the remaining stenosis, and no iodine is lost. Each
-// test compares the simulation with a formula that the test contains.
+// After a balloon has widened the lesion, the pressure drop is that of the stenosis that remains, and no
+// iodine is lost. Each test compares the simulation with a formula that the test contains.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -118,8 +118,8 @@ void percent_by_diameter_and_by_area(void **)
     assert_string_equal(f.branch.c_str(), "lad");
 }
 
-// Without a narrowing, the vascular bed gets 88 mmHg minus the Poiseuille drop of the 70 mm vessel, also at
-// four times the flow.
+// Without a narrowing, the pressure at the vascular bed is 88 mmHg minus the Poiseuille drop along the 70 mm
+// vessel, also at four times the flow.
 void flow_reserve_falls_with_the_stenosis(void **)
 {
     double before = 1;
@@ -240,8 +240,8 @@ void opened_partly_it_costs_what_is_left(void **)
     within("ffr", f.ffr, as_baked.ffr, 1e-9);
 }
 
-// The stations (points) of a lesion are evenly spaced about the lesion's middle, and the opening is linear
-// between two stations. 8 stations at a spacing of 4 mm cover 28 mm, from -4 to 24 mm.
+// The stations (points) of a lesion are evenly spaced about the lesion's middle, and between two stations the
+// opening changes linearly. A row of 8 stations with a spacing of 4 mm covers 28 mm, from -4 to 24 mm.
 void a_place_is_open_as_the_stations_beside_it(void **)
 {
     const VesselTree tree = vessel(0.375);

@@ -65,8 +65,8 @@ void an_empty_lumen_needs_hagen_and_poiseuilles_pressure(void **)
 }
 
 // A 6F guiding catheter with a lumen of 1.8 mm needs 55 psi for 4 ml/s beside a concentric guidewire of 0.36
-// mm. In any other position of the guidewire the pressure is at least 1/2.5 of that with a concentric
-// guidewire, and never less than that of the empty catheter.
+// mm. For any other position of the guidewire the pressure is at least 1/2.5 of the pressure with a
+// concentric guidewire, and never less than the pressure of the empty catheter.
 void a_wire_in_the_lumen_leaves_the_annulus(void **)
 {
     const double k = 178.0 / 900.0, open = 1.0 - k * k;

@@ -31,8 +31,8 @@ struct Rig {
     std::size_t flood_bytes = 0;      // sent before the firmware's bytes: byte n is 7 n
     std::size_t flood_given = 0;
     std::function<void(std::vector<std::uint8_t> &)> spoil; // changes the bytes before the host reads them
-    // Two functions can replace the firmware: `take` receives the host's bytes, and `give` returns a limited
-    // number of bytes to the host.
+    // Two functions can replace the firmware of the simulated rig: `take` receives the host's bytes, and
+    // `give` returns a limited number of bytes to the host.
     std::function<void(std::span<const std::uint8_t>)> take;
     std::function<std::size_t(std::span<std::uint8_t>)> give;
     bool answers_control = true; // false: requests for its strings time out

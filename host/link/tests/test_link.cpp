@@ -1,6 +1,6 @@
-// Claims: whatever bytes were lost, cut or repeated, HELLO begins a working conversation without unplugging
-// the cable. A late answer is not taken for the answer to the present request. A device that sends bytes
-// without end causes an error. The recording contains every tick that the host received.
+// Claims: whatever bytes were lost, cut or repeated, the message HELLO begins a working conversation, and
+// nobody has to unplug the cable. A late answer is not taken for the answer to the present request. A device
+// that sends bytes without end causes an error. The recording contains every tick that the host received.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -112,8 +112,9 @@ bool contains(const std::string &text, const char *part)
     return text.find(part) != std::string::npos;
 }
 
-// In this test the device restarted in the middle of a frame. The host's decoder holds the first half of that
-// frame, and the reply follows without a zero byte, which would have ended the frame.
+// In this test the device restarted in the middle of a frame. The host's decoder holds the first half of the
+// interrupted frame. The device's reply follows directly, without the zero byte that would have ended that
+// frame.
 void hello_finds_the_device_behind_half_a_frame(void **)
 {
     TalkingDevice device;

@@ -1,6 +1,6 @@
 // Claims: the device accepts every preset of every shipped instrument. In free space without gravity the
-// simulated instrument takes the shape that its file describes. Every guidewire can be simulated in every
-// catheter into which it fits, and both together in a guiding catheter.
+// simulated instrument takes the shape that its file describes. The simulation accepts every guidewire
+// together with every catheter into which it fits, and also when both lie in a guiding catheter.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -165,8 +165,8 @@ double angle_deg(const Vector3d &a, const Vector3d &b)
     return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
-// The simulated instrument starts straight and stops moving within 4 s. The test compares positions node by
-// node; the direction of the tip is that of the first element.
+// The simulated instrument starts straight and stops moving within 4 s. The test compares the positions of
+// the nodes one by one. The direction of the tip is compared with that of the first element.
 void expect_rest_shape(const Instrument &instrument)
 {
     constexpr double allowed_deg = 2.5, allowed_strain = 1e-3;

@@ -1,7 +1,8 @@
 // Claims: the inverse of the map with which `bake` narrows a lesion's wall is exact to a hundredth of a
-// millimetre. A body of blood returns to the healthy vessel as far as each station (point) of the lesion is
-// open, and nowhere else. Calcium is pushed outwards and keeps its volume, also in a beating heart. No mesh
-// changes while no lesion is open. Shapes have closed forms.
+// millimetre. The surface of the blood returns to the wall of the healthy vessel by as much as the lesion is
+// open at each of its stations (points), and does not change anywhere else. Calcium is pushed outwards and
+// keeps its volume, also in a beating heart. No mesh changes while no lesion is open. Shapes have closed
+// forms.
 #include "host/model/lesion_wall.hpp"
 #include "host/model/opened_bodies.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -165,7 +166,7 @@ void opened_wholly_a_body_is_the_healthy_one_and_half_open_half_way(void **)
 }
 
 // The narrowest point of the lesion is at y = 30 mm. Only the lesion's points from y = 27 to 33 mm are open:
-// by 0.6 in the middle, and by 0 at both ends.
+// the opening is 0.6 (of 1, fully open) in the middle and falls to 0 at both ends.
 void a_body_opens_station_by_station(void **)
 {
     Bodies bodies{{tube(radius_mm, 60)}, tube_tree()};

@@ -105,7 +105,7 @@ void without_a_catheter_or_vessels_it_says_so(void **)
     assert_true(bare.next_tick() == never && no_tree.next_tick() == never && good.next_tick() == never);
 }
 
-// Frames at other ticks, such as those of a film, must not change any bit of the result.
+// Additional frames, such as those of a film, must not change any bit of the simulated contrast medium.
 void other_pictures_do_not_change_it(void **)
 {
     PatientContrast often(aorta(), wire_and_catheter), seldom(aorta(), wire_and_catheter);

@@ -1,7 +1,7 @@
 // Tests balloon and stents in a session; this file makes the shapes of the nested tools. The tests check
-// which stents may be mounted, when the stents are updated, and which commands the core gets and when these
-// are repeated. Other tests check that pictures change nothing, and check the X-ray of a filled balloon and
-// the contents of a recording.
+// which stents may be mounted and when the stents are updated. They also check which commands the core gets,
+// and when a command is repeated. Other tests check that making pictures does not change the session, and
+// check the X-ray of a filled balloon and the contents of a recording.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
@@ -115,7 +115,7 @@ void nothing_is_looked_at_before_a_stent_is_loaded(void **)
     assert_true(stents.next_tick() == 80);
 }
 
-// Frames between two updates, and pictures, must not change any bit of the result.
+// Making frames between two updates, or making pictures, must not change any bit of the stents' state.
 void other_pictures_do_not_change_it(void **)
 {
     PatientStents often = session_stents(), seldom = session_stents(), seen = session_stents();
@@ -156,7 +156,7 @@ std::optional<crn_wire_strut> next_ring(PatientStents &stents)
 
 // The whole lesion lies inside the stent and has been opened. The commands to the core must cover every point
 // of the lesion except two at each end, and must hold the middle point open by more than 90 %. After the core
-// has carried out these commands, no more of them may come.
+// has carried out these commands, the stents must not send any further command about this lesion.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
     PatientStents stents = session_stents();
@@ -199,7 +199,7 @@ std::vector<crn_wire_strut> take_struts(PatientStents &stents)
 
 // While the stent is on the balloon, no command about struts may reach the core. After the stent has been
 // deployed, every ring from end to end must become one circle in the core, with the ring's own width. After
-// the core has carried out these commands, no more of them may come.
+// the core has carried out these commands, the stents must not send any further command about the rings.
 void struts_are_told_once_the_stent_is_deployed(void **)
 {
     PatientStents stents = session_stents();
@@ -234,7 +234,8 @@ void struts_are_told_once_the_stent_is_deployed(void **)
 }
 
 // The balloon of a second stent widens the first stent from inside. The widened rings must be sent to the
-// core again. If the core does not confirm them, they must be sent once more at the next update.
+// core again. If the core does not confirm the commands about these rings, the commands must be sent once
+// more at the next update.
 void struts_that_are_widened_are_told_again(void **)
 {
     PatientStents stents = session_stents(2);
@@ -261,8 +262,9 @@ void struts_that_are_widened_are_told_again(void **)
     assert_true(take_struts(stents).empty());
 }
 
-// All stents of a session get an equal fraction of the rings that the core can hold. If a stent has more
-// rings than this fraction, the rings for the core are chosen evenly from end to end.
+// The core can hold a limited number of rings, and every stent of a session gets an equal part of this
+// number. If a stent has more rings than its part of this number, the rings for the core are chosen evenly
+// from end to end of the stent.
 void stents_share_the_rings_of_the_core(void **)
 {
     PatientStents stents = session_stents(8);

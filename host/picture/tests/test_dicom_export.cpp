@@ -191,8 +191,9 @@ static void values_are_logarithmic_unless_asked_otherwise(void **)
     }
 }
 
-// The run has 1,000 frames with the values 1, 2, .. 1,000, of which the display window leaves out a hundredth
-// at either end. Pixel values of a saturated detector must not count for the display window.
+// The run has 1,000 frames with the values 1, 2, .. 1,000. The display window must leave out the lowest and
+// the highest hundredth of these values. Pixel values of a saturated detector must not count for the display
+// window.
 static void the_window_spans_the_run(void **)
 {
     for (bool is_bright : {false, true}) {
@@ -304,8 +305,8 @@ static void a_name_that_is_not_utf8_is_refused(void **)
     };
     for (const char *good : {"", "Phantom^Aorta", "M\xc3\xbcller^\xe5\xb1\xb1", "\xf0\x9f\x98\x80"})
         if (is_refused(good)) fail_msg("'%s' is refused", good);
-    // The invalid bytes are: no lead byte, a character cut short, a longer form than needed, half of a
-    // surrogate pair, and a code beyond the last character.
+    // The invalid texts contain a byte that cannot begin a character, a character cut short, a longer
+    // encoding than needed, half of a surrogate pair, or a code beyond the last character.
     for (const char *bad : {"a\xff", "\x80", "\xc3", "\xe5\xb1", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80",
                             "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80"})
         if (!is_refused(bad)) fail_msg("'%s' is taken", bad);

@@ -157,7 +157,8 @@ static void film_shows_what_was_given(void **)
         for (const Square &square : squares)
             for (int y = square.y - 8; y < square.y + square.edge + 8; ++y)
                 for (int x = square.x - 8; x < square.x + square.edge + 8; ++x) {
-                    // Colour has only half the resolution, so the comparison ignores a wider border.
+                    // Colour has only half the resolution of brightness, so around coloured squares the
+                    // comparison ignores a wider border than around grey squares.
                     const bool is_grey =
                         square.colour[0] == square.colour[1] && square.colour[1] == square.colour[2];
                     const int border = is_grey ? 1 : 4;
@@ -194,7 +195,7 @@ static void film_keeps_the_noise_of_a_picture(void **)
     std::filesystem::remove(path);
 }
 
-// The film has key pictures at regular intervals, at each of which a player can begin, so the user can jump
+// The film has key pictures at regular intervals. A player can begin at any key picture, so the user can jump
 // to any time.
 static void film_has_a_key_picture_every_two_seconds(void **)
 {
@@ -267,8 +268,8 @@ static void film_without_pictures_is_a_file(void **)
     std::filesystem::remove(path);
 }
 
-// The test makes a film of ten hours at 60 pictures per second (6.5 GB), whose pictures are a hole in the
-// file without data.
+// The test makes a film of ten hours at 60 pictures per second (6.5 GB) as a sparse file, in which the
+// pictures occupy no space on the disk.
 static void index_holds_millions_of_pictures_and_more_than_4_GiB(void **)
 {
     constexpr std::uint32_t pictures = 2'160'000, picture_bytes = 3'000, key_every = 120;
@@ -294,8 +295,8 @@ static void index_holds_millions_of_pictures_and_more_than_4_GiB(void **)
     std::filesystem::remove(path);
 }
 
-// Positions of 32 bits, and a length of 32 bits for the box with the pictures, are used only as long as the
-// file is small enough for them.
+// The file uses 32-bit positions, and a 32-bit length for the box with the pictures, only if the file is
+// small enough for these numbers.
 static void index_is_wide_only_where_it_must_be(void **)
 {
     const H264Encoder encoder(128, 96, 15);

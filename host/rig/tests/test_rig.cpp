@@ -65,8 +65,8 @@ class Rig final : public crn::Transport
     unsigned powered_ms = 0, stop_after_ms = ~0u; // then the emergency stop is pressed
 };
 
-// A user with prepared answers. Before each answer, a function may change something at the rig. `text`
-// collects the output of the command.
+// A user with prepared answers. Before the simulated user gives each answer, a function of the test may
+// change something at the rig. `text` collects the output of the command.
 struct User {
     std::deque<std::pair<std::string, std::function<void()>>> answers;
     bool is_interrupted = false;
@@ -259,8 +259,9 @@ void a_fault_in_the_trial_is_told_and_logged(void **)
 
 // --- calibration ---
 
-// The simulated motion gives 4 000 counts for 100 mm in the opposite direction, and 1 024 counts for each of
-// 2 turns. The force sensor reads -120 counts without force, and 1 000 counts more with a weight of 100 g.
+// In the simulated calibration, moving the tool by 100 mm gives 4 000 counts in the opposite direction, and
+// each of the tool's 2 turns gives 1 024 counts. The force sensor reads -120 counts without force, and 1 000
+// counts more with a weight of 100 g.
 void script_motion(Bench &b)
 {
     b.options.turns = 2.0;

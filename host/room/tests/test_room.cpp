@@ -74,7 +74,7 @@ struct Bench {
     {
         assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
     }
-    // Runs the room until tick `end`, which is not processed any more.
+    // Runs the room through all ticks before tick `end`.
     void run_to(std::uint32_t end)
     {
         for (; now < end; ++now) {
@@ -286,8 +286,8 @@ static void a_new_mask_is_taken_from_the_frames_named(void **)
     assert_int_equal(bench.screen.status().mask_last, 5);
 }
 
-// The edge of the bone (two doublings, between columns 31 and 32) moves with the mask. A mask shifted right
-// by one pixel leaves a seam one pixel wide, in which the mask is bright and the live picture is not.
+// The bone's edge (two doublings of attenuation, columns 31 to 32) moves with the mask. A mask shifted right
+// by one pixel leaves a seam of one pixel, in which the mask is bright and the live picture is not.
 static void pixel_shift_moves_the_mask(void **)
 {
     Bench bench;
@@ -341,7 +341,7 @@ static void dsa_keeps_its_technique_and_holds_the_motors(void **)
     assert_true(bench.screen.status().carm.primary_deg == 45.0);
 }
 
-// The loop has 15 frames and runs at 15 frames/s, so the frame shown is floor(time x rate) modulo 15.
+// The cine loop has 15 frames and runs at 15 frames/s, so it shows frame floor(time x rate) modulo 15.
 static void a_cine_loop_runs_at_the_rate_of_its_run(void **)
 {
     Bench bench([](int, int, std::uint32_t tick) { return tick / 1000.0; }); // each frame darker
@@ -474,9 +474,9 @@ static void a_roadmap_is_collected_by_the_next_press(void **)
     assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO ROADMAP"));
 }
 
-// Every frame takes 64 x 64 x 3 bytes, and the memory has space for 40 frames. When the second run has 30
-// frames, the pictures of the first run must be deleted. When a run has 60 frames, its last 20 must not be
-// stored. The beam must stay on, because the dose must not depend on the size of the pictures.
+// Every frame takes 64 x 64 x 3 bytes, and the memory has space for 40 frames. If the second run has 30
+// frames, the pictures of the first run must be deleted. If a run has 60 frames, its last 20 must not be
+// stored. When the memory is full, the beam must stay on: the dose must not depend on the size of pictures.
 static void image_memory_is_bounded_and_the_oldest_pictures_go(void **)
 {
     Bench bench(nothing, 40 * pixels * 3);

@@ -1,6 +1,6 @@
 // Tests runs that must wait: a run of cine or DSA begins only when C-arm and table have reached the ordered
-// pose, and the screen shows a notice while the run waits. If the user releases the pedal before that moment,
-// there must be no run, and a notice must give the reason. After every five minutes of fluoroscopy, a
+// pose, and the screen shows a notice while the run waits. If the user releases the pedal while the run still
+// waits, there must be no run, and a notice must give the reason. After every five minutes of fluoroscopy, a
 // reminder must appear and stay until the user acknowledges it.
 #include "host/room/room_screen.hpp"
 #include <csetjmp>
@@ -22,7 +22,7 @@ struct Bench {
     {
         assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
     }
-    // Runs the room until tick `end`, which is not processed any more.
+    // Runs the room through all ticks before tick `end`.
     void run_to(std::uint32_t end, const Eigen::Vector3d *tip = nullptr)
     {
         for (; now < end; ++now) {
@@ -46,8 +46,9 @@ struct Bench {
     std::uint32_t now = 0, begin_tick = 0; // of the first run
 };
 
-// A turn of 30 degrees at 25 degrees/s and 40 degrees/s^2 takes 1.2 s + 0.625 s. The turn is ordered at tick
-// 1, so the run must begin at tick 1826 or 1827.
+// The C-arm turns by 30 degrees in 1.2 s + 0.625 s, because its speed is 25 degrees/s and its acceleration is
+// 40 degrees/s^2. The test commands this turn of the C-arm at tick 1, so the run must begin at tick 1826 or
+// 1827.
 void check_waits(std::int32_t program)
 {
     Bench bench;
@@ -129,8 +130,8 @@ static void fluoroscopy_goes_on_while_a_run_waits(void **)
     assert_true(bench.room.is_beam_on() && bench.screen.status().kind == RunKind::cine);
 }
 
-// In this test the tip keeps moving, and the table follows it for ever. Therefore the table must stop for the
-// start of a cine run, and follow the tip again during the run.
+// In this test the tip of the tools keeps moving, and the table follows it for ever. Therefore the table must
+// stop so that a cine run can start, and must follow the tip again during the run.
 static void a_table_that_follows_a_tip_comes_to_rest_for_a_run(void **)
 {
     Bench bench;

@@ -53,9 +53,9 @@ void advance_goes_exactly_the_distance_in_the_stated_time(void **)
     assert_int_equal(inputs.back().hands[0].translation_counts, 120000);
 }
 
-// The speed may exceed that of the script by at most one count of rounding, and may not change its sign. In
-// one tick the speed may change by the steepest slope of a smoothstep, 1.5 x speed / ramp, plus two counts of
-// rounding.
+// The speed of the hand may exceed the script's speed by at most one count per tick, because of rounding, and
+// may not change its sign. In one tick the speed may change by at most the steepest slope of a smoothstep,
+// 1.5 x speed / ramp, plus two counts because of rounding.
 void motion_is_smooth_and_never_faster_than_stated(void **)
 {
     const struct {
@@ -99,8 +99,8 @@ void moves_joined_by_while_run_together(void **)
     assert_int_equal(both[1300].hands[0].translation_counts, 40000);
 }
 
-// The `until` condition is met at 100 mm. Afterwards the hand may move on for one ramp: 30 mm/s x 0.1 s = 3
-// mm.
+// The `until` condition is met at 100 mm. After the condition is met, the hand may move on while it slows
+// down during one ramp: 30 mm/s x 0.1 s = 3 mm.
 void until_stops_within_one_ramp(void **)
 {
     const crn::Session session = crn::parse_session("advance until inserted 100 mm at 30 mm/s", "test");
@@ -170,7 +170,7 @@ void the_room_is_asked_in_words(void **)
           {RoomAction::field, {200000, 0, 0}}}},
         {"c-arm SID 120 cm RAO 20",
          {{RoomAction::distance, {1200000, 750000, 0}}, {RoomAction::angles, {-20000, 0, 0}}}},
-        // These values are the smallest and largest that docs/session.md allows.
+        // The values in this test are the smallest and largest that docs/session.md allows.
         {"field 45 cm", {{RoomAction::field, {450000, 0, 0}}}},
         {"field 100 mm", {{RoomAction::field, {100000, 0, 0}}}},
         {"c-arm SID 130 cm SOD 60 cm", {{RoomAction::distance, {1300000, 600000, 0}}}},
@@ -199,8 +199,8 @@ void the_room_is_asked_in_words(void **)
     expect_error("store fluoro 1 min", "time is out of range");
 }
 
-// Each command to heart or breath must be in the input of exactly one tick. If a script gives two such
-// commands at one time, the second command must come a tick later.
+// Each command to heart or breath must be in the input of exactly one tick. If a script gives two commands to
+// heart or breath at the same time, the second command must come a tick later than the first.
 void heart_and_breath_are_asked_at_their_ticks(void **)
 {
     const auto inputs =
@@ -224,8 +224,8 @@ void heart_and_breath_are_asked_at_their_ticks(void **)
     expect_error("hart rate 90 /min\n", "did you mean 'heart'");
 }
 
-// At 2 bar/s, a pressure of 8 bar is reached in four seconds; deflating releases 4 bar in a second. Meanwhile
-// the hands must be at rest.
+// At 2 bar/s, a pressure of 8 bar is reached in four seconds; deflating releases 4 bar in a second. While the
+// pressure changes, the hands must be at rest.
 void the_inflator_goes_to_its_pressure_at_its_rate(void **)
 {
     const auto inputs = play("inflate to 8 bar at 2 bar/s\nwait 0.5 s\ndeflate\nadvance 10 mm\n");
@@ -307,8 +307,9 @@ void a_move_names_its_tool_or_moves_the_selected_one(void **)
     assert_int_equal(end.hands[2].rotation_counts, 16384);
 }
 
-// The guidewire moves for 3 s plus a ramp, and the catheter moves for 1 s plus a ramp. After 1.2 s the
-// catheter is therefore at rest, while the guidewire still moves.
+// The guidewire moves for 3 s plus the time of one ramp (the smooth start and stop), and the catheter moves
+// for 1 s plus the time of one ramp. After 1.2 s the catheter is therefore at rest, while the guidewire still
+// moves.
 void two_tools_move_at_once(void **)
 {
     const auto inputs = play("advance wire 60 mm at 20 mm/s while withdraw catheter 10 mm at 10 mm/s", 2);
@@ -330,7 +331,8 @@ void together_moves_every_tool_of_the_line(void **)
     }
 }
 
-// An `until` condition must use the inserted length of the tool that it names.
+// The tool that an `until` condition names is the tool whose inserted length decides whether the condition is
+// met.
 void until_looks_at_its_own_tool(void **)
 {
     const crn::Session session = crn::parse_session("withdraw wire until inserted 100 mm at 30 mm/s", "test");

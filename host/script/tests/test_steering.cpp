@@ -1,10 +1,10 @@
 // Tests that positions in a tree of vessels get the names that anatomists use. A script that steers must
 // reach its vessel although the tip usually turns into another vessel. Only some angles of the hand lead into
 // the wanted vessel. The script must reach the vessel for every width and position of this range of angles.
-// If the script fails, the message must state where the tip was. The result of each expectation must be
-// reported with the number of its line. The simulated anatomy of these tests is only a tube with one wrong
-// branch. Only the angle of the hand decides which of the two vessels the tip enters, which is the hardest
-// case for a bent tip.
+// If the script fails, the message must state where the tip was. Each expectation must be reported with its
+// result and the number of its line in the script. The simulated anatomy of these tests is only a tube with
+// one wrong branch. Only the angle of the hand decides which of the two vessels the tip enters, which is the
+// hardest case for a bent tip.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -121,7 +121,7 @@ void an_aorta_is_three_vessels(void **)
     assert_string_equal(map.vessels()[map.at({0.05, 0.12, 0}).vessel].name.c_str(), "left subclavian artery");
 }
 
-// The test allows a difference of 1 um because of rounding.
+// The lengths in this test may differ by 1 um from the expected lengths because of rounding.
 void inside_is_measured_from_where_the_tools_come_in(void **)
 {
     const crn::VesselMap map(tree());

@@ -155,7 +155,7 @@ void a_replay_from_later_on_knows_what_was_injected_before(void **)
 }
 
 // If two premature beats are ordered at once, the second one must be ordered a tick later. Only the two ticks
-// with these commands need more bytes in the recording.
+// with the commands for premature beats need more bytes in the recording.
 void orders_are_recorded_in_their_ticks_and_replay(void **)
 {
     const Recorded recorded = record("heart rate 120 /min\nbreath hold on\nwait 1 s");

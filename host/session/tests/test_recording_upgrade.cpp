@@ -176,8 +176,8 @@ void a_scaffold_becomes_an_order(void **)
     assert_true(hold.lesion == 2 && hold.first == 4 && hold.last == 12 && hold.open_q15 == 0x7ffe);
 }
 
-// The test replaces each command by a VIEW chunk of version 2: tick, fluoroscopy, follows, primary,
-// secondary, table, field.
+// The test replaces each command to the X-ray room by a chunk of the kind VIEW, as in version 2, which
+// contains tick, fluoroscopy, follows, primary and secondary angle, table and field.
 Bytes with_views()
 {
     Bytes bytes(old_bytes().begin(), old_bytes().begin() + 8);

@@ -59,7 +59,8 @@ StentWall wall_of(const TestVessel &vessel)
     return wall;
 }
 
-// Inflates the balloon to `radius_mm` in ten pictures, and deflates it in ten pictures.
+// Inflates the balloon to `radius_mm` in the course of ten pictures, and deflates it again in ten more
+// pictures.
 void inflate(Stent &stent, const StentWall *wall, const TestVessel &vessel, double radius_mm,
              double length_mm = 20.0)
 {
@@ -157,8 +158,8 @@ static void stent_opens_to_its_balloon(void **)
 }
 
 // A diamond cell consists of struts of length s with a chord c = 2 r sin(pi/2N), so its height per strut is
-// sqrt(s^2 - c^2). The test computes this formula itself, and measures the length of the stent from end to
-// end by its points.
+// sqrt(s^2 - c^2). The test computes the expected length of the stent by a formula of its own, and compares
+// it with the actual length between the outermost points of the stent.
 static void cells_shorten_as_diamonds_do(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -260,8 +261,8 @@ static void contact_of_a_strut_is_that_of_its_plane(void **)
 }
 
 // From a triangle two millimetres away, the test steps over the tube's triangles to the nearest point, and
-// compares it with a search over all triangles. The two results agree only to a micrometre, because beyond an
-// edge between two faces either face may be the nearest.
+// compares it with a search over all triangles. The result of the steps and that of the full search agree
+// only to a micrometre, because beyond an edge between two faces either face may be the nearest.
 static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 {
     const TestVessel vessel = tube(1.5, 0.04, 0.1);

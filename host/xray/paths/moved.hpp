@@ -19,9 +19,9 @@ struct RadiopaqueSection {
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
     // This member is the inner radius of the section, as a fraction of the tool's outer radius. If the inner
-    // radius is above 0, the section is a ring outside it, such as a jacket or a marker band, and `fill` is
-    // the filled fraction of the ring. If the inner radius is 0, the section reaches inwards to the lumen,
-    // and `fill` is the filled fraction of the tool's whole cross-section.
+    // radius is above 0, the section is a ring around this radius, such as a jacket or a marker band, and
+    // `fill` is the filled fraction of the ring. If the inner radius is 0, the section reaches inwards to the
+    // lumen, and `fill` is the filled fraction of the tool's whole cross-section.
     double inner_radius_share = 0.0;
 };
 

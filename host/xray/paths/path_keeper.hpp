@@ -13,7 +13,8 @@ class PathKeeper
   public:
     PathKeeper(const BodyMeshes &meshes, std::unique_ptr<BodyPaths> back_end, int threads);
 
-    // Draws whatever has changed since the last call. True when `bodies()` has changed.
+    // Redraws whatever has changed in the scene since the last call of this function. True when `bodies()`
+    // has changed.
     bool see(const CArm &carm, int size, const XrayFrame &frame);
 
     const View &view() const { return view_; }

@@ -49,8 +49,8 @@ struct KeptTriangle {
     std::uint16_t is_large;  // more than 64 pixels wide or high: products of differences may pass 2^31
 };
 
-// The coordinates of the corners are stored in separate arrays for x, y and z. Each chunk stores a multiple
-// of eight corners; unused entries are filled up.
+// The coordinates of the corners are stored in separate arrays for x, y and z. The number of stored corners
+// of each chunk is a multiple of eight; the last corner of the chunk fills the unused entries.
 struct RasterVertices {
     std::vector<float> x_um, y_um, z_um;
     std::vector<std::uint32_t> begin; // of each chunk

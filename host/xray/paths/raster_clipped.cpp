@@ -154,7 +154,8 @@ void draw(const Corner &a, const Corner &b, const Corner &c, const PixelRect &ti
 
 } // namespace
 
-// Cuts the triangle at the near plane, and divides the part behind that plane into a fan of triangles.
+// Cuts the triangle at the near plane, which is 1 mm from the source, and divides the part behind that plane
+// into a fan of triangles.
 void raster_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &vertices,
                     const PixelRect &tile, std::int32_t *sums)
 {

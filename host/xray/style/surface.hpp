@@ -16,7 +16,8 @@ struct SurfaceCorner {
     bool is_seen = false;       // in front of the source and not far off the picture
 };
 
-// Projects a point of the patient to the picture, and stores a value for it.
+// Projects a point of the patient to the picture, and returns the projected point together with the value
+// `value_q16`.
 SurfaceCorner surface_corner(const View &view, const Eigen::Vector3d &point_m, std::int32_t value_q16);
 
 // Adds one triangle to the rows [row_begin, row_end) of the picture `sums` (size*size pixels). Neighbouring

@@ -277,7 +277,7 @@ static void the_gap_under_the_table_is_the_one_of_the_drawing(void **)
 }
 
 // The heart is at the isocentre, as in coronary views. In views of the aortic arch and of the renal and iliac
-// arteries, the same table has another height.
+// arteries, the table has another height than in coronary views.
 static void every_preset_is_reached_clear_of_the_table(void **)
 {
     std::set<std::string_view> names;

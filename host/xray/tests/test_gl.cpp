@@ -5,11 +5,12 @@
 // Tolerances. The tolerances of the comparison have the following reasons. Both OpenGL and the rasteriser
 // move the corners of a triangle to a grid, and then cover each pixel whose centre lies in the triangle. The
 // grid of corners is 1/256 pixel in the rasteriser, and the driver's choice in OpenGL (llvmpipe uses 1/256
-// too, with its own rounding). So a pixel at an edge may be covered by one of the two programs and not by the
-// other. Away from edges, the path length changes by less than 2 mm between neighbouring pixels, so a shift
-// by 1/128 pixel changes it by 0.016 mm. The sums of OpenGL are floating-point numbers around 100 mm, each
-// exact to 0.00001 mm, and the rasteriser rounds each face to 1/1024 mm. Therefore the tolerance is 0.05 mm
-// inside, with a mean of 0.002 mm, and some of the pixels at edges may differ.
+// too, with its own rounding). So OpenGL may cover a pixel at an edge that the rasteriser does not cover, or
+// the reverse. Away from edges, the path length changes by less than 2 mm between neighbouring pixels, so a
+// shift by 1/128 pixel changes it by 0.016 mm. The sums of OpenGL are floating-point numbers around 100 mm,
+// each exact to 0.00001 mm, and the rasteriser rounds each face to 1/1024 mm. Therefore path lengths inside
+// bodies may differ by 0.05 mm, and by 0.002 mm on average, and some of the pixels at edges may differ by
+// more.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -399,8 +400,8 @@ void nothing_compiled(unsigned, unsigned, int *value)
     *value = 0;
 }
 
-// Wraps a real context, and simulates that it is lost the n-th time it is entered, or that one of its
-// functions is replaced.
+// Wraps a real OpenGL context to simulate a fault: the context is lost the n-th time that a thread makes it
+// current, or one of its functions is replaced.
 class Tampered final : public GlContext
 {
   public:
@@ -567,9 +568,9 @@ int keep_driver(void **)
 
 } // namespace
 
-// LeakSanitizer calls this function at the program's end. Its own tracer crashes there on the threads of
-// Mesa's llvmpipe (clang 14, Mesa 22.3.6), so leaks are not searched for; one test above bounds the growth of
-// memory.
+// LeakSanitizer calls this function at the program's end. LeakSanitizer's own tracer crashes at the program's
+// end on the threads of Mesa's llvmpipe (clang 14, Mesa 22.3.6), so the test does not search for leaks; one
+// test above bounds the growth of memory.
 extern "C" int __lsan_is_turned_off()
 {
     return 1;

@@ -93,8 +93,8 @@ void noise_has_the_stated_mean_and_deviation(void **)
     }
     const double count = static_cast<double>(picture.grey.size()), mean = sum / count;
     const double deviation = std::sqrt(squares / count - mean * mean);
-    // With 16,384 pixels the standard error of the mean is 0.07 grey values, and that of the deviation is
-    // 0.05 grey values. Rounding down to whole numbers lowers the mean by half a grey value.
+    // Over 16,384 pixels the standard error is 0.07 grey values for the mean, and 0.05 grey values for the
+    // standard deviation. Rounding down to whole numbers lowers the mean by half a grey value.
     if (std::abs(mean - (255.0 * vcsim3_background - 0.5)) > 0.3) fail_msg("mean %.3f", mean);
     if (std::abs(deviation - 255.0 * vcsim3_noise) > 0.25) fail_msg("deviation %.3f", deviation);
 }
@@ -133,8 +133,8 @@ void wire_is_a_dark_line_at_its_place(void **)
         fail_msg("grey %d and %d beside it", at(row - 5), at(row + 5));
 }
 
-// Returns the mean grey value along a line that is parallel to the tube's axis and this far below it; noise
-// of 0.8 grey values remains in the mean.
+// Returns the mean grey value along a line that is parallel to the tube's axis and lies `below_m` below the
+// axis; noise of 0.8 grey values remains in the mean.
 double grey_beside_the_axis(const XrayPicture &picture, double below_m)
 {
     const View view = make_view(small_view().carm, 128);
@@ -162,7 +162,7 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     const double background = 255.0 * vcsim3_background;
     const XrayPicture undiluted = picture_with(1.0), diluted = picture_with(0.05);
     // At 4 mm from the tube's axis the ray crosses two surfaces with |n.v| = 0.6. The tube has only 12 sides,
-    // and the rows are 0.8 mm apart.
+    // and the rows of pixels are 0.8 mm apart at the tube.
     const double light = 1.0 - 0.8 * std::pow(1.0 - 0.6, 0.7);
     const double edge = grey_beside_the_axis(undiluted, 0.004);
     if (std::abs(edge - background * light * light) > 0.15 * background)

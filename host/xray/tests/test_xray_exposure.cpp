@@ -8,8 +8,8 @@
 
 using namespace crn;
 
-// In a single picture the control has settled, so the signal over the measuring field must be that of the
-// demanded dose, behind thin and thick patients.
+// For a single picture the exposure control has settled, so the signal over the measuring field must be that
+// of the demanded dose, behind thin and thick patients.
 static void exposure_holds_the_dose_behind_thin_and_thick(void **)
 {
     for (double thickness_m : {0.08, 0.15, 0.20, 0.25}) {
@@ -22,7 +22,8 @@ static void exposure_holds_the_dose_behind_thin_and_thick(void **)
                     thickness_m * 1e3, picture.technique.tube_voltage_kV, picture.technique.tube_current_mA,
                     picture.technique.pulse_ms, picture.technique.copper_mm, picture.air_kerma_uGy, raw);
         assert_false(picture.is_underexposed);
-        // The control measures only about a thousand of the picture's pixels, which explains the tolerance.
+        // The exposure control measures only about a thousand of the picture's pixels, which explains the
+        // tolerance of 4 %.
         assert_true(std::fabs(raw / raw_of_wanted_dose - 1.0) < 0.04);
     }
 }

@@ -27,7 +27,8 @@ double mean_photons(const XrayPicture &picture)
 
 } // namespace
 
-// The reference is the exponential of the same table in double precision.
+// The reference for the transmission is the exponential function of the same attenuation table, in double
+// precision.
 static void transmission_follows_beer_and_lambert(void **)
 {
     const BeamTable beam = make_beam_table(75.0, 0.2);
@@ -318,8 +319,8 @@ static void focal_spot_blurs_tools_as_stated(void **)
     }
 }
 
-// The scintillator blurs the noise, but focal spot and pixel do not. So neighbouring pixels of the raw
-// picture must correlate as the scintillator's kernel predicts.
+// The scintillator blurs the noise, but focal spot and pixel do not. So the noise of neighbouring pixels of
+// the raw picture must correlate as the scintillator's kernel predicts.
 static void noise_has_the_texture_of_the_scintillator(void **)
 {
     Room room(slab(0.20));

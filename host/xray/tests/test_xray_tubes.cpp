@@ -199,9 +199,9 @@ static void many_curves_add_up(void **)
                     1e-6);
 }
 
-// The tested curves are not finite, have no length or only one point, lie behind the source or pass through
-// it, are seen end-on, or are bent back on themselves. Such faulty curves must do no harm, and those parts of
-// them that can be drawn must be drawn.
+// The tested curves have faults: some are not finite, have no length or only one point, lie behind the source
+// or pass through it, are seen end-on, or are bent back on themselves. Such faulty curves must do no harm,
+// and those parts of them that can be drawn must be drawn.
 static void broken_and_awkward_curves_do_no_harm(void **)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN(),

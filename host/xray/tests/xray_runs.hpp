@@ -10,8 +10,8 @@ namespace crn
 
 inline constexpr int run_size = 64;
 
-// Makes frames at the pulse rate of the run; the first frame is at tick 1000. With `moves`, the angles, the
-// table and the tube values differ from frame to frame.
+// Makes frames at the pulse rate of the run; the first frame is at tick 1000. If `moves` is true, the angles,
+// the table and the tube values differ from frame to frame.
 inline XrayRun sample_run(RunKind kind, int frame_count, bool moves = false)
 {
     Bodies bodies;

@@ -13,7 +13,8 @@ static void promise(bool kept)
     if (!kept) abort();
 }
 
-/* Checks that the refinement of bricks ends after two rows and every brick exists. */
+/* Checks that the refinement of bricks ends after at most two rows, and that every brick in the index exists.
+ */
 static void walk_entry(const crn_scene_lumen *lumen, uint32_t entry)
 {
     for (int level = 0; entry >= 0x8000; level++) {

@@ -1,5 +1,5 @@
 /* This header makes small valid files for the tests of the scene container, and has a function that corrects
- * the CRCs of files that a test changed. */
+ * the CRCs of a file that a test has changed. */
 #ifndef CRN_SCENE_SAMPLE_H
 #define CRN_SCENE_SAMPLE_H
 
@@ -166,7 +166,8 @@ static inline size_t sample_diseased_scene(uint8_t *file, size_t capacity, bool 
     return crn_scene_write(CRN_SCENE_KIND_SCENE, parts, moves ? 5 : 4, file, capacity);
 }
 
-/* Writes a body of the shape of a tetrahedron of 1 m with the name `name`. */
+/* Writes a body with the name `name` that has the shape of a tetrahedron with three perpendicular edges of 1
+ * m. */
 static inline void sample_body(uint8_t *body, const char *name, int32_t parent)
 {
     static const uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
@@ -223,9 +224,9 @@ static inline void sample_lesions(uint8_t *lesions)
     }
 }
 
-/* These sections follow the two bodies of a body file. */
+/* These sections follow the two bodies of the sample's body file. */
 typedef enum sample_vessels { SAMPLE_NO_TREE, SAMPLE_TREE, SAMPLE_LESIONS } sample_vessels;
-/* When `has_partner` is set, one more section follows, which names the scene to which the bodies belong. */
+/* If `has_partner` is set, one more section follows, which names the scene to which the bodies belong. */
 enum { SAMPLE_PARTNER_BYTES = 4112, SAMPLE_PARTNER_CRC32 = 0x1234abcd };
 static inline size_t sample_body_file_of(uint8_t *file, size_t capacity, sample_vessels vessels,
                                          int has_partner)
@@ -262,7 +263,7 @@ static inline size_t sample_bodies(uint8_t *file, size_t capacity)
     return sample_body_file(file, capacity, SAMPLE_NO_TREE);
 }
 
-/* Corrects every CRC where the section table still allows it. */
+/* Corrects every CRC that can still be found by means of the section table. */
 static inline void sample_seal(uint8_t *file, size_t size)
 {
     uint32_t count = size < 32 ? 0 : crn_scene_u32(file + 20);

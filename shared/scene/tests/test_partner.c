@@ -1,7 +1,7 @@
 /* These tests check that the last section of a body file names the scene with which the file was baked. The
- * name that is read equals the name that was written. A body file is refused when its section with the
- * scene's name is not the last one or has a wrong size. The tests use small valid files whose section table
- * is changed and whose CRCs are corrected. */
+ * tests also check that the name that is read equals the name that was written. A body file is refused when
+ * its section with the scene's name is not the last one or has a wrong size. The tests use small valid files
+ * whose section table is changed and whose CRCs are corrected. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* These tests check that every broken scene is refused with its own code and byte position, and that the
- * caller gets no part of it. The tests use small valid files that are cut at every length, have every bit
- * flipped, and break each rule of docs/scene.md alone. */
+ * caller gets no part of it. The tests use small valid files. The tests cut each file at every length, flip
+ * every bit, and break the rules of docs/scene.md one at a time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 
 /* In the sample scene, META is at 32 + 48 = 80, ENTRY at 336, LUMEN at 368. Its bodies: BODY 336, 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
-/* A vessel tree adds one table row. Its branches are at bytes 16 and 80 of TREE, its points at byte 144. */
+/* A vessel tree adds a table row; TREE has the branches at bytes 16 and 80, and the points at byte 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
 /* In a file with lesions, the table has one more row, and LESIONS begins after the TREE of 224 bytes. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
@@ -326,7 +326,7 @@ static void a_tree_must_hang_together(void **state)
     refuses_word(POINTS_AT + 12, 4, 100001, CRN_SCENE_TREE_POINT, POINTS_AT + 12);
 }
 
-/* The vessel tree comes after the bodies, and only once: row 3 of the table is its row. */
+/* The only vessel tree must come after the bodies: row 3 of the section table belongs to the tree. */
 static void a_tree_stands_behind_the_bodies(void **state)
 {
     (void)state;
@@ -414,8 +414,8 @@ static void a_body_may_move(void **state)
     assert_true(crn_scene_body(&scene, 1).moves);
 }
 
-/* The test breaks each rule of the MOTION and BREATH sections alone. The spacing is 4096 units, so
- * neighbouring nodes may differ by 2560 units in the heartbeat and by 1536 in breath. */
+/* The test breaks the rules of the MOTION and BREATH sections one at a time. The spacing is 4096 units, so
+ * neighbouring nodes' displacements may differ by 2560 units (heartbeat) or 1536 units (breath). */
 static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary(void **state)
 {
     (void)state;
@@ -448,7 +448,7 @@ static void a_motion_of_an_older_format_is_refused_by_name(void **state)
     refuses_word(10, 2, 3, CRN_SCENE_MOTION_OLDER, 10);
 }
 
-/* In the scene with plaques, LUMEN is at 384 .. 3452, behind a table of 64 bytes, and PLAQUES follows. */
+/* In the scene with plaques, LUMEN is at 384 .. 3452, after a table of 64 bytes, and PLAQUES follows. */
 enum { PLAQUES_AT = 3456, PLAQUE_AT = PLAQUES_AT + 16, STATIONS_AT = PLAQUE_AT + 80 };
 
 static int make_diseased_scene(void **state)
@@ -483,7 +483,7 @@ static void plaques_give_back_what_was_written(void **state)
     assert_int_equal(scene.plaque_count, 0);
 }
 
-/* The test breaks each rule of the PLAQUES section alone. */
+/* The test breaks the rules of the PLAQUES section one at a time. */
 static void a_plaque_must_fit_the_cores_arithmetic(void **state)
 {
     (void)state;

@@ -11,7 +11,8 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
 static uint8_t again[CRN_WIRE_PAYLOAD_MAX];
 
-/* For everything that encoder or decoder accepts, decoding must undo encoding and the reverse. */
+/* For every message that the encoder or the decoder accepts, decoding the encoded message must give the same
+ * message, and encoding the decoded message must give the same bytes. */
 static void check_message(uint16_t type, const uint8_t *payload, size_t length)
 {
     crn_wire_writer writer = crn_wire_writer_make(again, sizeof again);

@@ -63,8 +63,8 @@ static void crc32_of_every_byte_is_that_of_its_bits(void **state)
     }
 }
 
-/* The lengths of the test's frames lie around the COBS block border of 254 and include the largest; their
- * bytes have few and many zeros. */
+/* The test's frames include lengths around 254 bytes, where a COBS block ends, and the largest length; their
+ * contents have few or many zero bytes. */
 static void frames_of_every_length_come_back(void **state)
 {
     (void)state;
@@ -284,8 +284,8 @@ static void extreme_values_come_back(void **state)
     }
 }
 
-/* The test tries every message with every length from 0 to its largest; a decoder accepts a message only when
- * the bytes fit its counts. */
+/* The test tries every type of message with every payload length from 0 to its largest length; a decoder
+ * accepts a payload only if its length fits the counts in it. */
 static void a_payload_of_wrong_length_is_refused(void **state)
 {
     (void)state;

@@ -20,8 +20,8 @@ SCALE, SHIFT, BODY = 1.2, (11.0, -7.0, 300.0), "coronaries_left"
 
 
 def there(point):
-    """Returns the point of the other heart that corresponds to a point of the shipped heart, by a quarter turn about z,
-    the scale and the shift."""
+    """Maps a point of the shipped heart to the other heart by a quarter turn about z, the scale and the shift, and
+    returns the mapped point."""
     x, y, z = point
     return tuple(SCALE * a + b for a, b in zip((-y, x, z), SHIFT))
 

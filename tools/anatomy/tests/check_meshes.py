@@ -154,8 +154,8 @@ def sampled(vertices, count):
 
 
 def nesting_faults(bodies, meshes):
-    """Checks that sampled points of every body lie in the enclosing body and in no other body that the enclosing body
-    contains directly."""
+    """Checks points of every body: each point must lie in the enclosing body, and in none of the other bodies that the
+    enclosing body directly contains."""
     inside = {name: Inside(*mesh) for name, mesh in meshes.items()}
     faults = []
     for body in bodies:

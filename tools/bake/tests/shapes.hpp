@@ -14,8 +14,8 @@
 namespace crn::bake::tests
 {
 
-// Returns a surface that is given at the points of a grid with the parameters u and v. The surface is always
-// closed along v, and it is also closed along u when `round_u` is set.
+// Returns a surface whose vertices are the points `at(u, v)` on a grid of the parameters u and v. The surface
+// is always closed along v, and it is also closed along u when `round_u` is set.
 inline Mesh grid_mesh(int nu, int nv, bool round_u, const std::function<Eigen::Vector3d(double, double)> &at)
 {
     Mesh mesh;

@@ -77,8 +77,8 @@ void overlapping_pieces_become_one_solid(void **)
     is_near(volume_mm3(two), 2000, 1e-6, "the volume counted twice");
     Mesh one = offset_surface(two, 0.25, 0);
     check_closed(one, Cap::none);
-    // The volume of the union is the sum of both volumes less the volume that both cubes contain, 7 x 6 x 5
-    // mm. The edges of a cube are rounded by half a voxel.
+    // The volume of the union of the two cubes is the sum of their volumes minus the volume that both cubes
+    // contain, which is 7 x 6 x 5 mm. The edges of a cube are rounded by half a voxel.
     is_near(volume_mm3(one), 2000 - 7 * 6 * 5, 18, "the volume of the union in mm3");
 }
 
@@ -218,8 +218,8 @@ Mesh folded_plate()
 }
 
 // Regression: the report stated that lungs, heart and airway "reached 96 mm into" the shoulders, although
-// these organs lie between the two thin shoulder blades. If the nearest part of the surface was the folded
-// edge of a shoulder blade, an earlier version took a point outside for a point inside.
+// these organs lie between the two thin shoulder blades. An earlier version of the program took a point
+// outside a shoulder blade for a point inside if the nearest part of the blade's surface was its folded edge.
 void fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside(void **)
 {
     Mesh sheets = joined(folded_plate(), moved(cube(10), {90, 0, -5}));
@@ -300,8 +300,8 @@ void transforms_come_in_the_stated_order(void **)
                                              "rotate_deg = [90, 0, 0]\noffset_mm = [1, 2, 3]\n")),
         {folder.path, {}});
     // The scene's axes convert the point (50, 40, 7) to (40, -50, 7), and the scale converts it to (80, -50,
-    // 7). A quarter turn about the axis to the left then turns the direction to the head into the direction
-    // to the front.
+    // 7). A quarter turn about the axis that points to the patient's left then turns the direction to the
+    // head into the direction to the front.
     const Eigen::Vector3d placed = text.bodies[0].mesh.placement.place({50, 40, 7}, 1);
     is_near((placed - Eigen::Vector3d(81, 2 - 7, 3 - 50)).norm(), 0, 1e-9,
             "the distance from the place by hand");

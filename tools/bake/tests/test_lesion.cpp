@@ -257,9 +257,9 @@ struct BakedLesion {
     }
 };
 
-// A fully open lesion has the wall of the healthy vessel, and at a half-open lesion the wall moves half of
-// the distance to the healthy wall. Opening the lesion also magnifies the error that the distance field has
-// in the narrow channel.
+// A fully open lesion has the wall of the healthy vessel, and the wall of a half-open lesion lies halfway
+// between the narrowed and the healthy wall. Opening the lesion also magnifies the error that the distance
+// field has in the narrow channel.
 void opened_it_is_the_healthy_vessel(void **)
 {
     const BakedLesion baked;
@@ -280,8 +280,8 @@ void opened_it_is_the_healthy_vessel(void **)
 }
 
 // The host's vessel, from which pictures and blood flow are computed, must have its wall at the same position
-// as the core's vessel. The test compares vertices and inscribed spheres, with the points along the lesion
-// open by fractions of 0.2 to 0.9.
+// as the core's vessel. The test compares vertices and inscribed spheres, after the points along the lesion
+// were opened by different fractions from 0.2 to 0.9.
 void the_hosts_vessel_opens_as_the_cores_does(void **)
 {
     const BakedLesion baked;
@@ -465,8 +465,8 @@ void a_file_gives_the_lesion_back(void **)
 }
 
 // The mesh of the vessel has a radius of 2 mm. The centrelines state a radius of 2 mm in the first case and
-// 2.5 mm in the second case. In the first case the minimal lumen radius agrees; in the second case it is 0.3
-// mm larger in the vessel tree than in the mesh.
+// 2.5 mm in the second case. In the first case the smallest radius of the vessel tree equals that of the
+// mesh; in the second case the smallest radius of the tree is 0.3 mm larger than that of the mesh.
 void a_mesh_that_is_not_the_trees_is_warned_of(void **)
 {
     for (const double stated_mm : {2.0, 2.5}) {

@@ -183,7 +183,8 @@ void damaged_texts_are_named_by_line(void **)
 
 // --- the child ---
 
-// The limit is 15 s of elapsed time, because on a busy machine a new process may wait for seconds.
+// The process that reads a mesh file may take 15 s of elapsed time, because on a busy machine a new process
+// may wait for seconds.
 const crn::ReadLimits small = {std::uint64_t{64} << 20, 2, 15, std::uint64_t{8} << 20};
 
 std::string apart(const std::function<void(crn::Outbox &)> &parse, const crn::ReadLimits &limits = small)

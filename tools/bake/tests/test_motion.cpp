@@ -1,6 +1,6 @@
 // Claims: a lattice fitted to 24 frames moves the lumen, as the core computes the motion, to within 0.3 mm of
-// each frame. Frames with other times of the heartbeat are converted to the standard times, and meshes that
-// form no sequence are refused with a message of one sentence. The claims are shown on a tube of 1.5 mm
+// each frame. Frames that show other times of the heartbeat are converted to the standard times, and meshes
+// that form no sequence are refused with a message of one sentence. The claims are shown on a tube of 1.5 mm
 // radius that lies on a beating and rotating sphere.
 #include "host/model/bodies.hpp"
 #include "host/model/motion.hpp"
@@ -198,8 +198,8 @@ void bodies_go_to_the_reference_pose_with_the_lumen(void **)
 }
 
 // A lesion of 60 % stenosis is made in the reference pose, at the angle of 220 degrees on the ring-shaped
-// vessel. When the motion carries the lesion to a frame, the narrowest point lies where the motion carries
-// the corresponding point of the ring.
+// vessel. In every frame of the motion, the narrowest point of the lumen lies where the motion has moved the
+// centre of the lesion.
 void a_lesion_moves_with_its_vessel(void **)
 {
     Folder folder;

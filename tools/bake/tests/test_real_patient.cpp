@@ -181,8 +181,8 @@ void hip_bone_becomes_one_solid_within_its_stated_error(void **)
     check_closed(mesh, Cap::none);
     if (report.find("decimated         hip_left") == std::string::npos) fail_msg("%s", report.c_str());
     const Deviation found = deviation(load_mesh(body("hip_left").mesh), mesh, 2000);
-    // The inner walls between ilium, ischium and pubis are gone, so only the mean distance between the
-    // surfaces shows that the bone is the same.
+    // The prepared bone has lost the inner walls between ilium, ischium and pubis, so only the mean distance
+    // between its surface and the original surface can show that the bone is unchanged.
     if (found.mean_mm > 1.5) fail_msg("%.2f mm from the atlas's bone on average", found.mean_mm);
     // The bone's volume in the atlas is the volume of its shells of compact bone plus the spongy bone inside
     // the shells, as computed from their faces. Our solid has no gap between compact and spongy bone, and it

@@ -45,8 +45,8 @@ class Cover
     }
 
   private:
-    // Marks all voxels within the ball that are connected to `middle` as covered, but no voxel of a
-    // neighbouring vessel.
+    // Marks the voxels that are connected to `middle` within the ball as covered; voxels of a neighbouring
+    // vessel are not connected to `middle` and stay unmarked.
     void ball(std::size_t middle, double reach_mm)
     {
         const Eigen::Vector3d centre = voxels_.centre_mm(middle);
@@ -83,8 +83,8 @@ std::vector<std::size_t> by_length(const Ways &ways)
     return order;
 }
 
-// Returns, with the longest first, the paths from the source to those tips of the vessel that are far enough
-// away to form a branch.
+// Finds the tips of the vessel that are far enough from the source to form a branch, and returns the paths
+// from the source to these tips, longest path first.
 std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const Ways &ways,
                                                    const AutoWish &wish, bake::Progress &progress)
 {
@@ -108,8 +108,8 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
     return kept;
 }
 
-// Returns the depth (distance to the wall) of the deepest voxel within a few millimetres of a tip, along the
-// path.
+// Follows the path for a few millimetres from its tip, and returns the depth (distance to the wall) of the
+// deepest voxel on this part.
 double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
 {
     double depth = 0;

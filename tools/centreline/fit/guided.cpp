@@ -38,8 +38,8 @@ Placed placed(const Lumen &lumen, const Point &point, std::size_t number, std::v
         throw Fault("the " + title(point, number) + " lies over 5 mm outside the vessel: move it inside");
     Placed made{&point, static_cast<std::size_t>(voxel)};
     // A point that the user has set may lie beside the middle of the vessel. The code searches for a voxel in
-    // the middle of the vessel, but only across the vessel, because the fit cannot move an end along the
-    // vessel.
+    // the middle of the vessel, but only across the vessel, because the fit could not undo a shift of a
+    // branch's end along the vessel.
     made.voxel = voxels.middle_near(made.voxel);
     const double moved_mm = (voxels.centre_mm(made.voxel) - point.position_mm).norm();
     if (moved_mm > voxels.depth_mm(made.voxel))
@@ -53,8 +53,8 @@ void follow(Placed &point, int before, double length_mm)
     if (length_mm > point.length_mm) point.before = before, point.length_mm = length_mm;
 }
 
-// The path from a start point to an end point passes bifurcation points; their order along the path is their
-// order in the tree.
+// The path from a start point to an end point passes bifurcation points; these points have the same order on
+// the path and in the tree.
 void find_order(const Lumen &lumen, std::vector<Placed> &points, const Ways &ways,
                 const std::vector<int> &starts)
 {

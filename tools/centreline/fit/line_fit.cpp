@@ -24,8 +24,8 @@ double length_of(const Points &line)
     return sum;
 }
 
-// Returns points of the line whose distances from each other are about `step(p)`; the first and the last
-// point do not move.
+// Returns points of the centreline `line` whose distances from each other are about `step(p)`; the first and
+// the last point do not move.
 template <typename Step> Points resampled(const Points &line, Step step)
 {
     Points made{line.front()};
@@ -39,7 +39,7 @@ template <typename Step> Points resampled(const Points &line, Step step)
         }
         left -= (line[i] - at).norm();
     }
-    // The last piece of the line should be about as long as the other pieces.
+    // The last piece of the centreline should be about as long as the other pieces.
     if (made.size() > 1 && (made.back() - line.back()).norm() < 0.5 * step(line.back())) made.pop_back();
     made.push_back(line.back());
     return made;
@@ -54,7 +54,7 @@ void smooth(Points &line, double share, int times)
     }
 }
 
-// The code measures the line's direction over about one vessel radius to either side, because immediate
+// The code measures the centreline's direction over about one vessel radius to either side, because immediate
 // neighbours are too close for a stable direction.
 Eigen::Vector3d direction_at(const Points &line, std::size_t i, double radius_mm)
 {

@@ -1,6 +1,6 @@
 // Holds the surface of the vessels in a form in which centrelines can be fitted. The stored surface is
-// closed, and the openings that it had are known. Callers can use the inside as voxels and can compute the
-// exact distance to the wall.
+// closed; the openings that the surface had before are stored separately. Callers can use the voxels inside
+// the vessels, and can compute the exact distance from a point to the wall.
 #pragma once
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/centreline/fit/voxels.hpp"

@@ -81,9 +81,9 @@ void curves_are_recovered_from_their_surface(void **)
     AutoWish wish;
     wish.inlet_mm = truth.branches[0].spheres[0].centre_mm; // curve 0 begins in the arch
     const Tree tree = fit_automatic(lumen, wish, notes, progress);
-    // The test compares each sphere of the recovered tree with the nearest original curve. In the mean, each
-    // sphere's weight is the length of vessel that the sphere represents, because thin vessels have more
-    // spheres.
+    // The test compares each sphere of the recovered tree with the nearest original curve. The mean weights
+    // each sphere by the length of vessel that the sphere represents, because otherwise thin vessels, which
+    // have more spheres, would count too much.
     double off = 0, radius = 0, weight = 0, found = 0, whole = 0;
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         for (std::size_t i = first_own_sphere(tree, b); i < tree.branches[b].spheres.size(); ++i) {

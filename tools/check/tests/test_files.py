@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests the files that programs write and read, as a user meets them. Programs check their output paths before long
-work begins and read a scene only with its own bodies. Programs never report a truncated recording as verified, and no
-text from a file moves the terminal's cursor. Prints TAP.
+work begins, and they refuse to read a scene together with the bodies of another scene. Programs never report a
+truncated recording as verified, and no text from a file moves the terminal's cursor. Prints TAP.
 
 The good inputs, and the class that runs the test cases, come from test_bad_input.py."""
 

@@ -1,9 +1,9 @@
 // A checkpoint is a file that holds the state of a search for the best parameters. A search that was stopped
 // continues from its checkpoint, on the same or on another machine, with the same results as if it had never
-// stopped. The file is text. The file begins with a header (version, hash and settings). After the header
-// follow every trial as hexadecimal doubles (exact), pagmo's archive, and a last line, without which the file
-// counts as incomplete. After every generation, the program writes the checkpoint under another name and then
-// renames it.
+// stopped. The file is text. The file begins with a header (version, hash and settings). After the header,
+// the file contains every trial as exact hexadecimal doubles, the archive of the library pagmo, and an end
+// line; a file without this end line counts as incomplete. After every generation, the program writes the
+// checkpoint under a temporary name, and then renames the file to its final name.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 
@@ -31,8 +31,8 @@ class Hash
     std::uint64_t value_ = 14695981039346656037u;
 };
 
-// Hashes the case with all its files, and the settings of the evaluator, the judge and the search. The number
-// of generations is not hashed, because a search may be prolonged.
+// Hashes the case with all its files, and the settings of the evaluator, the judge and the search. The hash
+// leaves out the number of generations, so that a user can prolong a search.
 std::uint64_t hash_of(const insertion::Case &c, const Evaluator &evaluator, const Judge &judge,
                       const SearchSettings &settings);
 

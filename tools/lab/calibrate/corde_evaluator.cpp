@@ -11,8 +11,8 @@ namespace crn::calibrate
 namespace
 {
 
-// The range of each parameter contains the instrument file's value and the value of Table 5.1, with the
-// following factors as margins at either end.
+// The search range of each parameter contains the value in the instrument file and the value in the thesis'
+// Table 5.1; the following factors extend the range at both ends.
 constexpr double room = 3.0, radius_room = 1.25, alpha_factor = 10.0, alpha_max = 4.0;
 // With the nominal ratio Kp / EI, the directors (the segments' axes) follow bends of the rod that are long
 // compared with 2.2 mm. A larger ratio Kp / EI requires a rod with more mass, because the time step is fixed.

@@ -12,8 +12,8 @@
 namespace crn::calibrate
 {
 
-// Returns the default settings, or settings without shortcuts: elements half as long, a slow motion of the
-// hand and a long wait for rest.
+// Returns either the default settings or settings without shortcuts; without shortcuts, elements are half as
+// long, the simulated hand moves slowly, and the program waits long for the rod to rest.
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 

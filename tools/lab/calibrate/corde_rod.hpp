@@ -1,6 +1,6 @@
-// Makes a rod of the thesis' kind (tools/lab/vcsim3) from an instrument file; the simulated hand holds one
-// end of the rod. The instrument file gives the distribution of stiffness along the rod and the shape of its
-// tip; the five numbers that the thesis fits give all other properties.
+// Makes a rod with the thesis' rod model (tools/lab/vcsim3) from an instrument file; the simulated hand holds
+// one end of the rod. The instrument file gives the distribution of stiffness along the rod and the shape of
+// its tip; the five numbers that the thesis fits give all other properties.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/lab/calibrate/hand.hpp"
@@ -29,7 +29,7 @@ struct CordeSettings : InsertionSettings {
     vcsim3::Mode mode;              // the method that keeps lengths: one global iteration
 };
 
-// Returns the parameters of the thesis' rod for the integration.
+// Returns the parameters with which the program simulates the thesis' rod.
 struct CordeModel {
     vcsim3::RodProperties properties;
     int substeps = 1;
@@ -39,8 +39,8 @@ CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &valu
                        const CordeSettings &settings, double length_mm);
 
 // Returns the direction of the first axis of the instrument's frame while the hand's angle is 0, as in the
-// core. The direction is perpendicular to `direction`, and also to that axis of the world's coordinates which
-// is most nearly perpendicular to `direction`.
+// core. The returned vector is perpendicular to two vectors: to `direction`, and to the world's coordinate
+// axis that is most nearly perpendicular to `direction`.
 Vector3d zero_turn_axis(const Vector3d &direction);
 
 class CordeRod final : public HeldRod

@@ -13,11 +13,12 @@ namespace crn::calibrate
 class CoreRod final : public HeldRod
 {
   public:
-    // The `lumen` must exist longer than this object; nullptr means free space. Throws TrialRefused when the
-    // core rejects the instrument.
+    // The object that `lumen` points to must exist longer than this object; if `lumen` is nullptr, the rod
+    // moves in free space. Throws TrialRefused when the core rejects the instrument.
     CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
-    // Returns the core's version. With a given version of the core, equal inputs give equal hashes.
+    // Returns the core's version. Two simulations with equal inputs and with the same version of the core
+    // have equal hashes.
     static unsigned version();
     ~CoreRod() override;
 

@@ -1,6 +1,7 @@
-// Defines the fitted parameters, and the result of one trial of their values. In a trial, the program
-// simulates how an instrument with these values is inserted by the protocol of the case. `Evaluator` hides
-// the rod, so that the same search can fit another rod than ours, such as the thesis' CoRdE.
+// Defines the parameters that the search fits, and the result of one trial, which simulates an insertion with
+// given values of these parameters. In a trial, the program simulates how an instrument with the trial's
+// values is inserted by the protocol of the case. `Evaluator` hides the rod, so that the same search can fit
+// another rod than ours, such as the thesis' CoRdE.
 #pragma once
 #include "tools/lab/case/case.hpp"
 #include <Eigen/Core>
@@ -56,12 +57,13 @@ class Evaluator
 
     virtual std::string rod() const = 0; // "core": our rod; "corde": the thesis' rod
     virtual std::string instrument_name() const = 0;
-    // Inserts the instrument to the first `depth_count` depths of the case. Throws TrialRefused.
+    // Simulates how the instrument is inserted to the first `depth_count` depths of the case. Throws
+    // TrialRefused.
     virtual Insertion insert(const std::vector<double> &values, std::size_t depth_count) const = 0;
     // Returns all settings that change the results, as text for the checkpoint's hash.
     virtual std::string settings_text() const = 0;
-    // Returns the text of the instrument file with these values, and writes the text `source` after each
-    // value. The text is empty when our simulator has no such rod.
+    // Returns the text of an instrument file that contains the given values, each followed by the text
+    // `source`. The returned text is empty if our simulator cannot simulate the fitted rod model.
     virtual std::string instrument_text(const std::vector<double> &values,
                                         const std::string &source) const = 0;
 

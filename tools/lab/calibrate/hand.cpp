@@ -27,7 +27,7 @@ class Hand
     {
     }
 
-    // Turns the instrument's tip into the plane of the first depth while the simulated hand does not advance.
+    // Turns the hand to the angle that the case states for the first depth, without advancing the hand.
     void turn_first()
     {
         const double to_deg = case_.depths.front().turn_deg;
@@ -65,16 +65,17 @@ class Hand
     }
 
   private:
-    // Returns the hand's speed before a depth: the slow speed of the approach, or the case's speed if that is
-    // faster, but never more than the normal speed.
+    // Returns the speed at which the hand approaches a depth: the faster of the slow approach speed and the
+    // case's speed, but never more than the normal speed.
     double near_speed_mm_per_s() const
     {
         return std::min(settings_.speed_mm_per_s,
                         std::max(settings_.approach_mm_per_s, case_.speed_mm_per_s));
     }
 
-    // Returns the mean position of each node over the next window of time. The list is empty if the number of
-    // nodes changes, as happens while the rod still follows the hand.
+    // Returns the mean position of each node over the next window of time. The returned list of positions is
+    // empty if the number of nodes changes during this window, which happens while the rod still follows the
+    // hand.
     std::vector<Vector3d> mean_over_window()
     {
         const double turn_deg = case_.turn_deg_at(hand_mm_);

@@ -17,10 +17,10 @@ double distance_to_line_mm(const Vector3d &point, std::span<const Vector3d> line
 Distances distances_of(std::span<const Vector3d> nodes_mm, std::span<const Vector3d> reference_mm);
 
 // Returns the relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over
-// the samples of the reference from `from_mm` to `to_mm`. Before the comparison, each force is replaced by
-// the median over `smooth_mm` around its sample. A tip that snaps past an edge causes a peak of force, and
-// another model of the rod has this peak at another inserted length. Returns nothing when the reference has
-// no sample between `from_mm` and `to_mm`.
+// the samples of the reference from `from_mm` to `to_mm`. Before the comparison, the function replaces each
+// force by the median of the forces within `smooth_mm` around its sample. A tip that snaps past an edge
+// causes a peak of force, and two models of the rod give this peak at different inserted lengths. Returns
+// nothing when the reference has no sample between `from_mm` and `to_mm`.
 std::optional<double> force_error(std::span<const insertion::ForceSample> simulated,
                                   std::span<const insertion::ForceSample> reference, double from_mm,
                                   double to_mm, double smooth_mm);
@@ -48,10 +48,11 @@ struct Verdict {
 class Judge
 {
   public:
-    // Reads the case's centrelines and force trace. Throws Fault.
+    // Reads the reference centrelines and the reference force trace from the files of the case. Throws Fault.
     Judge(const insertion::Case &c, const JudgeSettings &settings);
     Verdict judge(const Insertion &insertion) const;
-    // Simulates the insertion and returns a Verdict on it; a trial that the rod refuses also gets a Verdict.
+    // Simulates the insertion and returns a Verdict; the function returns a Verdict even if the rod model
+    // refuses the values of the trial.
     Verdict evaluate(const Evaluator &evaluator, const std::vector<double> &values) const;
 
     bool has_force() const { return !force_.empty(); }

@@ -136,8 +136,8 @@ struct Setup {
     }
 };
 
-// Writes depth_N.csv of a case; the nodes are listed from the tip, and the file lists them from the
-// introducer to the tip.
+// Writes the file depth_N.csv of a case; `nodes_mm` begins at the tip, but the file lists the nodes in the
+// opposite order, from the introducer to the tip.
 void write_shape(const Options &options, const insertion::Case &c, std::size_t depth,
                  const std::vector<Vector3d> &nodes_mm)
 {
@@ -176,7 +176,8 @@ int evaluate_once(const Options &options, const Setup &setup)
     return 0;
 }
 
-// Runs one search method until its budget is used up, with a checkpoint after every generation.
+// Runs one search method until its budget of trials is used up, and writes a checkpoint after every
+// generation.
 Finished search(const Options &options, Method method, const Setup &setup, const EvaluateShares &evaluate,
                 std::string &doing)
 {

@@ -28,8 +28,8 @@ ParameterResult judged(const Parameter &parameter, double share, const Identifie
     return result;
 }
 
-// Resets each number that the data do not determine to the instrument file's value, one number after the
-// other, as long as the objective stays within the noise.
+// Takes the fitted numbers that the data leave undetermined, one after the other, and resets each of them to
+// the value in the instrument file, as long as the objective stays within the noise.
 Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, const EvaluateShares &evaluate,
                      Verdict best)
 {
@@ -52,9 +52,9 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
     return best;
 }
 
-// Repeats the insertion without shortcuts, if the core's number format permits such short elements. If the
-// format does not permit such short elements, the fit is still valid, and only the result of this insertion
-// is missing.
+// Repeats the simulated insertion without shortcuts, that is, with shorter elements, if the core's number
+// format permits elements of this length. If the core's number format does not permit the shorter elements of
+// an insertion without shortcuts, the fit is still valid, and only the result of that insertion is missing.
 std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
                                            std::size_t depth_count)
 {

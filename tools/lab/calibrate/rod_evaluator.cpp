@@ -139,8 +139,8 @@ RodValues RodEvaluator::values_of(const std::vector<double> &values) const
     return all;
 }
 
-// Makes the simulation of the core with elements of the wanted length. The elements are longer than wanted
-// where short elements would have a stiffness or mass outside the core's number format.
+// Creates a simulation in the core whose rod has elements of the wanted length. The elements are longer than
+// wanted where short elements would have a stiffness or mass outside the core's number format.
 std::unique_ptr<CoreRod> RodEvaluator::make_rod(const crn_wire_instrument &table) const
 {
     for (double factor = settings_.element_factor;; factor *= coarser) {

@@ -25,14 +25,14 @@ struct RodValues {
 // cross-section.
 double density_of(const crn_wire_instrument &table, double radius_mm);
 RodValues nominal_values(const crn_wire_instrument &table);
-// Returns the nominal instrument table with these values. EI and GJ come from tools/lab/case/stiffness.hpp,
-// one factor applies to the radius and one to the mass along the whole instrument, and the friction is
-// everywhere that of the case.
+// Returns a copy of the nominal instrument's table in which the fitted numbers have the given values. The
+// functions of tools/lab/case/stiffness.hpp compute EI and GJ; one factor scales the radius along the whole
+// instrument, another factor scales the mass, and the friction is everywhere that of the case.
 crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
                                        const insertion::Case &c);
 
-// Returns the first `length_mm` of an instrument; the remaining part stays outside the patient and needs no
-// nodes.
+// Returns the part of an instrument within `length_mm` of its tip; the remaining part stays outside the
+// patient and needs no nodes.
 crn_wire_instrument shortened(const crn_wire_instrument &table, double length_mm);
 
 class RodEvaluator final : public Evaluator

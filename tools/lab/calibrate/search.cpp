@@ -20,7 +20,8 @@ namespace
 
 using Numbers = std::vector<double>;
 
-// Holds the data that both optimisation problems use: the requested trials, and the result of each trial.
+// Holds the data that all copies of an optimisation problem use: the requested trials, and the result of each
+// trial.
 struct Exchange {
     bool is_collecting = false;
     std::vector<Numbers> asked;

@@ -1,6 +1,6 @@
-// Searches for the best parameter values with the library pagmo, by the thesis' genetic algorithm. CMA-ES and
-// differential evolution can be used instead of the genetic algorithm, with the same budget. A trial gives
-// the value of each parameter as its position 0 .. 1 in the parameter's range.
+// Searches for the best parameter values with the library pagmo, by the thesis' genetic algorithm. The caller
+// can choose CMA-ES or differential evolution instead of the genetic algorithm, with the same budget of
+// trials. A trial gives the value of each parameter as its position 0 .. 1 in the parameter's range.
 //
 // The algorithms of the library pagmo request one trial after the other. To evaluate whole generations in
 // parallel, we run each generation twice. First we advance a copy of the algorithm with a problem that only
@@ -21,9 +21,9 @@ std::optional<Method> method_of(const std::string &token);
 
 // By default one search has the budget of the thesis, which is 50 generations of 50 trials.
 constexpr unsigned trial_budget = 2500;
-// Returns the number of trials per generation that suits a method. The number is 50, as in the thesis, or a
-// third of 50 for CMA-ES. CMA-ES learns from every generation and needs few trials for up to five numbers
-// (docs/calibrate.md, "Search").
+// Returns the number of trials per generation that suits a method. A generation has 50 trials, as in the
+// thesis; for CMA-ES, a generation has a third of 50. CMA-ES learns from every generation, so it needs few
+// trials per generation to fit up to five numbers (docs/calibrate.md, "Search").
 unsigned default_population(Method method);
 
 struct SearchSettings {
@@ -45,7 +45,7 @@ struct Trial {
     Verdict verdict;
 };
 
-// Holds all data on which the next generation depends.
+// Holds all data of a search on which its next generation depends.
 struct SearchState {
     unsigned generation = 0;       // number of completed generations
     std::vector<Trial> trials;     // all trials, in the order in which they were drawn

@@ -123,7 +123,8 @@ def digest(program):
 def step(row_folder, name, command, announce, unheard=()):
     """Announces and runs `command`, unless the same command has been run before; returns True if the command ran.
 
-    A failure leaves NAME.failed. `unheard` holds further arguments of the command that do not change its result.
+    A failure leaves NAME.failed. `unheard` holds further arguments of the command that do not change the command's
+    result.
     """
     log, done, failed = (os.path.join(row_folder, name + ending) for ending in (".log", ".done", ".failed"))
     wanted = shlex.join(command) + "\n"
@@ -143,7 +144,7 @@ def step(row_folder, name, command, announce, unheard=()):
 
 
 class Chain:
-    """Runs all steps for every row of the table (instrument) with one set of options."""
+    """Runs all steps for every instrument (row of the table) with one set of options."""
 
     def __init__(self, options, depths):
         self.options, self.depths = options, depths
@@ -161,8 +162,8 @@ class Chain:
         return os.path.join(self.options.build, "bin", name)
 
     def case_steps(self, row, case):
-        """Returns (name, announcement, command) of the steps that make the true shapes, and of the steps that make the
-        data that the program `calibrate` may read."""
+        """Returns the name, announcement and command of each step that makes the true shapes, and of each step that
+        makes the data that the program `calibrate` may read."""
         depths = [
             word
             for (inserted, name), turn in zip(self.depths, row["turns_deg"])

@@ -1,7 +1,8 @@
 """Writes the page of `make table51`, which shows Table 5.1 beside our values, the recovery of the true values,
 identifiability, convergence and pictures.
 
-Equal results give a page of equal bytes. The program table51.py imports this module.
+From equal results, the program always writes a page that is equal byte for byte. The program table51.py imports this
+module.
 """
 
 import html
@@ -248,7 +249,8 @@ def curve_points(curve, most, low, high, box):
 
 
 def convergence_chart(row):
-    """Draws, for every search of a row, the best objective against the number of insertions, on a logarithmic scale."""
+    """Draws one curve for every search of a table row; the curve shows the best objective after each number of
+    simulated insertions, on a logarithmic scale."""
     searches = [
         (kind, search) for kind in FITS if kind in row["fits"] for search in row["fits"][kind]["result"]["searches"]
     ]

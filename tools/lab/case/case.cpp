@@ -48,7 +48,7 @@ std::vector<Depth> read_depths(const TomlTable &root)
     return depths;
 }
 
-// Reads lines of numbers; a header line must name at least the first `columns` columns.
+// Reads `columns` numbers from every line of a CSV file; the file's first line must begin with `header`.
 std::vector<std::vector<double>> read_columns(const std::filesystem::path &file, const std::string &header,
                                               std::size_t columns)
 {
@@ -169,7 +169,8 @@ void complete_case(const Case &c)
     if (added.empty()) return;
     std::ifstream stream(file, std::ios::binary);
     std::string text{std::istreambuf_iterator<char>(stream), {}};
-    // The new lines are inserted after the line with the key `format`, which belongs to the first table.
+    // The function inserts the new lines directly after the line with the key `format`, because this line
+    // belongs to the first table of the TOML file.
     std::size_t at = 0;
     for (int line = 0; line < root["format"].line(); ++line)
         at = std::min(text.find('\n', at), text.size() - 1) + 1;

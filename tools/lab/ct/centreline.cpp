@@ -167,7 +167,8 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
     while (result.size() > 2 && length_of({result.begin()->place_mm}) == 0 &&
            static_cast<double>(result.size() - 1) * step_mm > end)
         result.pop_back();
-    // The points of the last stretch are computed again so that the centreline ends at the tip.
+    // The function computes the last points of the centreline again, so that the centreline ends exactly at
+    // the tip.
     double from = 0;
     for (std::size_t i = 1; i < result.size(); ++i)
         from += (result[i].place_mm - result[i - 1].place_mm).norm();
@@ -182,7 +183,8 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
 // The residuals of the fit do not show errors that displace a whole cross-section of the instrument. In a
 // bend, blur displaces the cross-section of the instrument towards the inside of the bend. If the instrument
 // lies in the plane of the slices, only one or two slices determine the height of its centreline. The weights
-// of these two uncertainties were found with virtual scans of bends of 3 mm radius in 1 mm slices.
+// of the uncertainty in bends and of the uncertainty in slices come from virtual scans of bends of 3 mm
+// radius in 1 mm slices.
 void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume)
 {
     constexpr double bend_mm2 = 0.4, slice_share = 0.12, flat = 0.5; // flat: sine of the angle to the slice
@@ -200,8 +202,9 @@ void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume
         if (doubt > doubtful_mm && points[i].why.empty())
             points[i].why = in_slice > 0.5 ? "lies in the slice" : "bends sharply";
     }
-    // The tip and the point beside it are taken to be as uncertain as the points before them. If the tip lies
-    // in the plane of a slice, it may end anywhere within the thickness of this slice.
+    // The function assumes that the tip and the point next to the tip are as uncertain as the points before
+    // them. If the last piece of the instrument lies in the plane of a slice, the tip may be anywhere within
+    // the thickness of this slice.
     const double leads = points[points.size() - std::min<std::size_t>(points.size(), 3)].unsure_mm;
     const Vector3d end = points.back().place_mm - points[points.size() - 2].place_mm;
     const double in_slice = std::max(0.0, 1 - std::abs(end.normalized().dot(across_slices)) / flat);
@@ -275,7 +278,7 @@ InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const 
     const double length = length_of(path);
     if (length < 4 * trimmed_mm + 2)
         throw Fault(volume.name + ": the instrument in the scan is too short to be followed");
-    // Smoothing first removes the steps that the voxels leave in the path.
+    // The path through the voxels has steps, so the function smooths the path first.
     path = part_of(path, 0, length);
     path = smooth(path, std::vector<double>(path.size(), 1.0), 60);
     const bool is_cut_off =

@@ -49,8 +49,8 @@ SegmentedDepth segment_depth(const insertion::Case &c, const insertion::Depth &d
     return result;
 }
 
-// Writes the results from the introducer onwards, which are pictures, a page, and the file depth_N.csv of the
-// case.
+// Writes the results for that part of the instrument which lies beyond the introducer: pictures, a page, and
+// the file depth_N.csv of the case.
 void finish_depth(const insertion::Case &c, SegmentedDepth &found)
 {
     const bool begins_at_mouth = begin_at_mouth(found.line, {c.mouth_mm, c.direction}, found.volume.name);

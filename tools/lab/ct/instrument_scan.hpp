@@ -5,8 +5,8 @@
 namespace crn::ct
 {
 
-// Returns stretches of constant cross-section, from the tip onwards, made from the knots and layers of the
-// instrument file. Throws crn::FileError, Fault.
+// Divides an instrument into stretches of constant cross-section, from the tip onwards, by the knots and
+// layers of the instrument file. Throws crn::FileError, Fault.
 std::vector<ScanStretch> stretches_of(const std::string &instrument_path);
 
 // Makes a round tube of one material. Throws Fault for an unknown material.

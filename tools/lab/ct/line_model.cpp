@@ -163,8 +163,8 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
             if (!matrix) continue;
             const double weight = sample.weight / (1 + scaled * scaled) / (sigma * sigma);
             Vector3d derivative(height * pull.x(), height * pull.y(), height);
-            // A saturated voxel (at the end of the grey scale) only shows that the value of the model is not
-            // too low there.
+            // A voxel at the end of the grey scale (a saturated voxel) gives no upper bound for the model's
+            // value, but shows when this value is too low.
             if (is_cut) derivative *= residual < -0.02 * room ? 0.3 * room / height : 0.0;
             *matrix += weight * derivative * derivative.transpose();
             *slope += weight * residual * derivative;

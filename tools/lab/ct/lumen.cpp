@@ -189,8 +189,8 @@ void close_cracks(Volume &mask, const Volume &distance)
             mask.hu[i] = 1;
 }
 
-// Places the surface of the lumen at those points between voxels where the interpolated value equals the
-// limit. Enclosed bright voxels stay inside.
+// Places the surface of the lumen at those points between voxels where the interpolated value equals `limit`.
+// Enclosed bright voxels stay inside.
 Volume level_of(const Volume &mask, const Volume &restored, double limit, double slope_HU_per_mm)
 {
     Volume level = signed_distance(mask);

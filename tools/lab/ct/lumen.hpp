@@ -21,8 +21,8 @@ struct LumenOptions {
     SnakeWeights snake{0.0, 0.15, 0.5, 15};
 };
 
-// Holds one scan of the phantom, and the parts of the instrument, which hide parts of the phantom in this
-// scan.
+// Holds one scan of the phantom, and the centrelines of those parts of the instrument that hide the phantom
+// in this scan.
 struct LumenScan {
     const Volume *volume;
     std::vector<Eigen::Vector3d> line;   // the part of the instrument that lies in the lumen

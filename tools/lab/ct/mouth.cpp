@@ -50,9 +50,9 @@ Vector3d direction_of(const std::vector<Vector3d> &places)
     return axis.dot(places.back() - places.front()) < 0 ? Vector3d(-axis) : axis;
 }
 
-// Returns the direction of the introducer, which is straight. The function measures the direction on the part
-// of the introducer that the scan shows. If the scan shows no such part, the function uses the first
-// millimetres of the centreline.
+// Returns the direction of the introducer, which is straight. The function measures the direction of the
+// instrument in that part of the introducer which the scan shows. If the scan shows too little of the
+// introducer, the function uses the first millimetres of the centreline in the vessel instead.
 Vector3d direction_at(const InsertedLine &line)
 {
     const double end = length_of(line.places), mouth = end - line.inserted_mm;

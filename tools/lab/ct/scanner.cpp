@@ -167,7 +167,7 @@ class Scan
         add_chords(edges, rays_, 1, water);
         for (float &length : water) {
             // The variance of -log(signal) is 1 / (number of photons). The variance of the water length is
-            // this variance times the square of the slope d(water length) / d(-log(signal)).
+            // the variance of -log(signal) times the square of the slope d(water length) / d(-log(signal)).
             const double share = beam_.water_transmission(static_cast<double>(length));
             const double slope = beam_.water_for(share * 0.99) - beam_.water_for(share * 1.01);
             length = static_cast<float>(slope * slope / (0.02 * 0.02) / share);

@@ -61,7 +61,7 @@ void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight,
 inline constexpr int rays_per_bin = 3;
 inline constexpr int beam_energies = 8;
 
-// Holds the length of metal or polymer of an instrument that one sub-ray of a plane passes through.
+// Holds the length over which one sub-ray of a plane passes through metal or polymer of an instrument.
 struct TubeChord {
     std::uint32_t ray; // view * bins * rays_per_bin + sub-ray
     float length_mm;   // multiplied by `fill`

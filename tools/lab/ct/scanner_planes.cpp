@@ -90,8 +90,8 @@ PhantomPlanes::PhantomPlanes(const bake::Mesh &lumen, const PhantomMaterials &ph
     mark_inside();
 }
 
-// Computes the distance field: each triangle lowers the distance at all grid points in the wall and slightly
-// beyond, if it is nearer than the triangles before.
+// Computes the distance field in the wall and slightly beyond: each triangle lowers the stored distance at
+// every grid point to which this triangle is nearer than all earlier triangles.
 void PhantomPlanes::measure_distance()
 {
     const double reach = phantom_.wall_mm + 2;

@@ -14,7 +14,7 @@ Volume gradient_magnitude(const Volume &volume, double sigma_mm);
 // Returns the speed of the snake (active contour): 1 in even regions and 0 at edges; the speed is 0.5 where
 // the gradient is `edge_HU_per_mm`.
 Volume speed_of(const Volume &gradient, double edge_HU_per_mm, double width_HU_per_mm);
-// Returns the signed distance from the border of a mask; voxels inside the mask have values above 0.
+// Returns the signed distance from the border of a mask, which consists of the voxels with a value above 0.
 Volume signed_distance(const Volume &mask);
 
 struct SnakeWeights {

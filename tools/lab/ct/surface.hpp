@@ -12,7 +12,8 @@ namespace crn::ct
 // inside of the surface reaches the volume's border.
 bake::Mesh surface_of(const Volume &level, const std::string &name);
 
-// Writes a binary PLY file in mm with the property unsure_mm per vertex. Throws OutputError.
+// Writes the mesh in mm to a binary PLY file, with the property unsure_mm for each vertex. Throws
+// OutputError.
 void write_surface(const bake::Mesh &mesh, const std::vector<float> &unsure_mm,
                    const std::filesystem::path &file);
 

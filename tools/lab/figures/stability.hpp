@@ -1,6 +1,7 @@
-// Determines the number of time steps per millisecond that a preset (an instrument of the thesis) needs. This
-// number is the smallest one with which a short rod survives compression in a closed tube. The number of
-// substeps that a preset states is larger than the needed number by a safety margin.
+// Determines the number of time steps per millisecond that a preset (an instrument of the thesis) needs. The
+// needed number of time steps is the smallest number with which a short rod stays stable when it is
+// compressed in a closed tube. The number of substeps that a preset states is larger than the needed number
+// by a safety margin.
 #pragma once
 #include "tools/lab/figures/compression.hpp"
 

@@ -1,5 +1,5 @@
-// Provides the values that the text of the thesis states for Figures 5.11, 5.13 and 5.14. No value was
-// obtained by measuring the printed bars.
+// Provides the values that the text of the thesis states for Figures 5.11, 5.13 and 5.14. None of these
+// values comes from measuring the bars that the thesis prints in its figures.
 #pragma once
 #include <optional>
 #include <string>
@@ -8,7 +8,7 @@ namespace vcsim3
 {
 
 // Returns the compression in percent, or nothing if the thesis shows this value only as a bar. The axis of
-// the printed figure ends at 14 %.
+// compression in the thesis' printed figure ends at 14 %.
 std::optional<double> thesis_compression_pct(const std::string &mode_token);
 inline constexpr double thesis_compression_axis_pct = 14.0;
 

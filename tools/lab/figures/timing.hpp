@@ -1,5 +1,6 @@
-// Measures the values of Figure 5.14: the cost of one step, phase by phase, for every mode. The measurement
-// of each mode starts from the state at the end of the mode's compression run.
+// Measures the values of the thesis' Figure 5.14: the duration of one time step, phase by phase, for every
+// mode of the solver. The measurement of each mode starts from the state at the end of the mode's compression
+// run.
 #pragma once
 #include "tools/lab/figures/compression.hpp"
 

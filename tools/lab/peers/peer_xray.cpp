@@ -26,8 +26,8 @@ using namespace crn;
 namespace
 {
 
-// The following energies are the midpoints of the attenuation table's energy steps, where the table is not
-// interpolated; `shares` are the fractions of the beam's energy.
+// The following photon energies are midpoints of the attenuation table's energy steps, where the program does
+// not interpolate the table; `shares` holds the fraction of the beam's energy at each photon energy.
 constexpr double energies_keV[] = {36.5, 44.5, 52.5, 60.5, 68.5};
 constexpr double shares[] = {0.21, 0.28, 0.26, 0.18, 0.07};
 

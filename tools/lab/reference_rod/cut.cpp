@@ -10,7 +10,8 @@ namespace crn::reference
 namespace
 {
 
-// Returns the instrument's properties at one position, linear between knots, as the wire protocol specifies.
+// Returns the instrument's properties at one position, interpolated linearly between knots as the wire
+// protocol specifies.
 struct Profile {
     double bend_N_m2, twist_N_m2, radius_m, curvature1_per_m, curvature2_per_m;
 };

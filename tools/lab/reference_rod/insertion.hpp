@@ -17,8 +17,8 @@ struct Sheath {
 class Insertion
 {
   public:
-    // At the beginning, a length of `start_m` of the rod is outside the sheath. This part of the rod is
-    // straight at first, so it should be short.
+    // At the beginning, a length of `start_m` of the rod is outside the sheath. The part of the rod that is
+    // outside the sheath at the beginning is straight, so `start_m` should be small.
     Insertion(const Rod &rod, const Physics &physics, const Sheath &sheath, double start_m, double turn_rad);
 
     // Advances the rod to the inserted length `inserted_m`, with the hand at the angle `turn_rad`. The rod

@@ -70,7 +70,7 @@ struct State {
     Vector d1(int edge) const;
 };
 
-// Computes the state that has other positions and angles; the reference frame of each edge follows the edge's
+// Computes the rod's state for new positions and angles; the reference frame of each edge follows the edge's
 // tangent by the smallest rotation.
 void move_state(const State &from, const std::vector<Vector> &x, const std::vector<double> &angle, int nodes,
                 State &to);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests the programs in tools/lab: each program prints its version, and refuses an output file that cannot be written
-before it starts the work. Prints TAP."""
+"""Tests the programs in tools/lab: each program prints its version. If the output file cannot be written, each program
+reports this error before it starts its work. Prints TAP."""
 
 import os
 import shutil

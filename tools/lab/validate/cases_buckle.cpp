@@ -31,8 +31,8 @@ constexpr Column columns[] = {{"K_2", End::free, 2, 8},
                               {"K_0.699", End::pinned, 0.699156, 185},
                               {"K_0.5", End::clamped, 0.5, 384}};
 
-// Two supports at a distance of `clamp_elements` elements clamp the tip of a column. Supports on neighbouring
-// nodes could not clamp the tip, because the spring of each support would let the tip turn.
+// Two supports, `clamp_elements` elements apart from each other, clamp the tip of a column. Supports on
+// neighbouring nodes could not clamp the tip, because the spring of each support would let the tip turn.
 constexpr unsigned clamp_elements = 8;
 
 // A soft piece of the rod, one element long, serves as a hinge at the introducer.
@@ -84,8 +84,9 @@ double sag(const Rig &rig)
 
 // The ratio of side load to sag falls nearly linearly as the thrust rises, and reaches zero at the critical
 // load (Southwell). The function first raises the thrust by half of its value at a time, until the sag has
-// grown. From then on, the function extrapolates the last two points to a ratio of zero, and raises the
-// thrust by 7/10 of the distance to the thrust found in this way. No theory of buckling enters.
+// grown. From then on, the function extrapolates a straight line through the last two points to a ratio of
+// zero, which predicts the critical thrust, and raises the thrust by 7/10 of the difference to this
+// prediction. No theory of buckling enters.
 double measure(const Column &column, Series &series)
 {
     Rig rig = make(column);

@@ -1,5 +1,5 @@
-// Tests pushing a rod: its compression at a wall, the stall of the hand, the work compared with the energy,
-// and the range of stiffness in which the rod does not vibrate.
+// Tests pushing a rod: the rod's compression at a wall, the force limit at which the hand stops, the hand's
+// work compared with the rod's energy, and the range of stiffness in which the rod does not vibrate.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -105,9 +105,9 @@ void stall(Result &result, bool quick)
 
 // --- work and energy ---
 
-// Returns the bending energy of the part outside the introducer, computed from the nodes' positions alone.
-// For the joint at the introducer, the function uses the length that the core gives this joint (half an
-// element or less).
+// Returns the bending energy of the rod's part outside the introducer, computed from the nodes' positions
+// alone. For the joint at the introducer, the function uses the length that the core gives this joint (half
+// an element or less).
 double bending_energy(const Rig &rig, double bend_N_m2, double element_m)
 {
     double sum = 0;

@@ -14,8 +14,8 @@ namespace
 
 constexpr double nu = 0.3, bend_over_twist = 1 + nu;
 
-// Sets up a rod whose tip is clamped in space by its first edge (the segment next to the tip). This edge
-// counts as rigid, and the clamp lies in its middle.
+// Sets up a rod whose first edge (the segment at the tip) is clamped in space. The clamped edge counts as
+// rigid, and the clamp is at the middle of that edge.
 struct Clamped {
     Rig rig;
     double element_m, length_m; // between the clamps

@@ -32,8 +32,8 @@ double beam_mode(unsigned number);         // beta of a cantilever's mode 1, 2, 
 double euler_clamped_pinned();             // u = L sqrt(P/EI): tan u = u
 double euler_spring_pinned(double spring); // the same with a torsional spring k L / EI at the other end
 // Computes the critical thrust of a rod with two spans. The first span reaches from a clamp to a support at
-// distance `a`; the second span has the length `d` and ends at another support. The rod is free to turn at
-// both of these supports. Returns sqrt(P/EI).
+// distance `a`; the second span has the length `d` and ends at another support. The rod with two spans is
+// free to turn at each of its two supports. Returns sqrt(P/EI).
 double euler_two_spans(double a, double d);
 double greenhill(); // M L / B of a rod clamped at both ends
 

@@ -51,8 +51,8 @@ Result run_case(const Case &one, bool quick)
     return result;
 }
 
-// As many threads as `jobs` states take cases from the list. Cases share no data, so the results do not
-// depend on the number of threads.
+// The option `jobs` states the number of threads; each thread takes one case after the other from the list.
+// Cases share no data, so the results do not depend on the number of threads.
 std::vector<Result> run_all(const std::vector<Case> &cases, const Options &options)
 {
     std::vector<Result> results(cases.size());

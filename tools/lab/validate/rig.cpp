@@ -130,8 +130,9 @@ void Rig::set_hold(const Hold &hold)
 }
 
 // The core controls the tip's angle relative to an axis that follows the rod without twist from the
-// introducer to the tip. When the rod coils, this axis itself rotates at the tip (writhe). To keep the tip
-// from rotating in space, the controlled angle must be the negative of this rotation of the axis.
+// introducer to the tip. When the rod coils, the axis that follows the rod without twist itself rotates at
+// the tip (writhe). To keep the tip from rotating in space, the controlled angle must be the negative of the
+// angle by which the axis rotates (writhe).
 void Rig::hold_in_space()
 {
     crn_model &model = core_->model;

@@ -1,4 +1,4 @@
-// Provides the core to the validation cases; inputs and outputs are in SI units and double precision. Of all
+// Runs the core for the validation cases; inputs and outputs are in SI units and double precision. Of all
 // files in this folder, only rig.hpp and rig.cpp call the core, so that only they must change when the core's
 // interface changes.
 //
@@ -19,7 +19,7 @@ namespace crn::validate
 using Eigen::Vector3d;
 
 // Holds the properties of a tool at an arc length from the tip. Properties of a tool change linearly between
-// knots; if two knots have one arc length, the properties change abruptly there.
+// knots; if two knots have the same arc length, the properties change abruptly there.
 struct Knot {
     double arc_m = 0;
     double bend_N_m2 = 1e-3;

@@ -1,5 +1,6 @@
-// OpenVDB's grids. The code calls OpenVDB's converter from meshes with types for which the library is
-// precompiled, because compiling the converter for other types takes a minute.
+// OpenVDB's grids. OpenVDB's function that converts a mesh to a level set is a template. The code calls this
+// template with types for which the library is already compiled, because compiling it for other types takes a
+// minute.
 #include "tools/mesh/level_set/level_set.hpp"
 #include "tools/mesh/progress.hpp"
 

@@ -17,8 +17,8 @@ using Cell = std::array<int, 3>; // a voxel or a block, counted from the origin 
 // The distances of one block. Voxel (x, y, z) of the block has the number x + 8 y + 64 z.
 using Block = std::array<double, block_edge * block_edge * block_edge>;
 
-// A voxel inside a closed surface, and the distance from the surface to the voxel's middle, which is at cell
-// * voxel.
+// Holds a voxel inside a closed surface, and the distance from the surface to the middle of this voxel. The
+// middle is at cell * voxel.
 struct InsideVoxel {
     Cell cell;
     float depth_mm;
@@ -29,24 +29,24 @@ struct InsideVoxel {
 class LevelSet
 {
   public:
-    // Makes an empty grid, in which every voxel is outside and at the distance `band` from a surface. Blocks
-    // follow, then fill_signs(). The vertices of surfaces are in the unit of `voxel`; a caller may use a
-    // different unit for the distances.
+    // Makes an empty grid, in which every voxel counts as outside every surface, with the stored distance
+    // `band`. Blocks follow, then fill_signs(). The vertices of surfaces are in the unit of `voxel`; a caller
+    // may use a different unit for the distances.
     LevelSet(double voxel, double band);
 
-    // Makes a grid of distances to a closed mesh, for voxels up to `outside` voxels outside and `inside`
-    // voxels inside its surface. Voxel (i, j, k) stores the distance at the point (i + place, j + place, k +
-    // place) * voxel_mm in the mesh's coordinates. Coordinates are rounded to 32-bit floating point, which is
-    // 1e-4 voxels at a distance of 1,000 voxels from the origin. After Ctrl-C the constructor ends early, and
-    // the grid is incomplete.
+    // Makes a grid of distances to a closed mesh; the grid reaches from `inside` voxels inside the mesh's
+    // surface to `outside` voxels outside that surface. Voxel (i, j, k) stores the distance at the point (i +
+    // place, j + place, k + place) * voxel_mm in the mesh's coordinates. Coordinates are rounded to 32-bit
+    // floating point, which is 1e-4 voxels at a distance of 1,000 voxels from the origin. After Ctrl-C the
+    // constructor ends early, and the grid is incomplete.
     LevelSet(const std::vector<Eigen::Vector3d> &vertices_mm, const std::vector<Triangle> &triangles,
              double voxel_mm, double place, double outside, double inside);
 
     LevelSet(LevelSet &&) noexcept;
     ~LevelSet();
 
-    // Stores those distances of a block that are smaller than the width of the band. The others keep their
-    // value.
+    // Stores only those distances of a block whose magnitude is smaller than the constructor's argument
+    // `band`. The others keep their value.
     void set_near(const Cell &block, const Block &distances);
     // Stores all distances of a block.
     void set(const Cell &block, const Block &distances);

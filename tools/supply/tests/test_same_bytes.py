@@ -6,8 +6,8 @@ and a firmware image with its hex file. The test also searches all programs of t
 repository's folder. Prints TAP.
 
 The copies are built without precompiled headers, which take a minute to make. Only the search for the folder's name
-covers programs that were built with precompiled headers. The test compiles the core with -O1, because this optimisation
-level takes less time to compile."""
+covers programs that were built with precompiled headers. The test compiles the core with -O1, because compiling takes
+less time at this level than at the usual, higher optimisation level."""
 
 import json
 import os

@@ -38,7 +38,8 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
     }
 }
 
-/* The function `crashed` needs the stack pointer at entry, before the function's own prologue moves it. */
+/* The function `crashed` needs the value that the stack pointer has at entry, before the function's own
+ * prologue changes the pointer. */
 __attribute__((naked)) static void unexpected(void)
 {
     __asm__ volatile("mrs r0, msp\n b crashed");

@@ -1,14 +1,15 @@
-/* This file provides a free-running counter for durations, the timer's edge in every millisecond, and the
- * watchdog. */
+/* This file provides a free-running counter for measuring durations, the edge of a timer in every
+ * millisecond, and the watchdog. */
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
 
 enum {
     COUNTS_PER_us = BOARD_CLOCK_HZ / 1000000,
     COUNTS_PER_ms = BOARD_CLOCK_HZ / 1000,
-    /* The watchdog's time is longer than the longest request: a scene's validation takes 0.2 s at 1,000
-     * instructions per us, and 26 s when an instruction is given 128 ns for counting. The power stage does
-     * not depend on the watchdog, because the stage removes the power by itself after 5 ms. */
+    /* The watchdog's time of 60 s is longer than the longest request, the validation of a scene. At 1,000
+     * instructions per us, a validation takes 0.2 s; when instructions are counted, each as 128 ns, it takes
+     * 26 s. The power stage does not depend on the watchdog, because the stage removes the power by itself
+     * after 5 ms. */
     WATCHDOG_s = 60,
 };
 
@@ -44,7 +45,7 @@ static void take_counts(uint32_t counts)
     clock.counts_rest %= COUNTS_PER_us;
 }
 
-/* The clock is correct as long as this function is called at least every 171 s. */
+/* The time that clock_us() returns is correct if clock_us() is called at least every 171 s. */
 uint32_t clock_us(void)
 {
     uint32_t now = clock_counts();
@@ -58,10 +59,10 @@ static bool is_plants(void)
     return rig_is_there() && rig_read(&rig->host.tick_source) == RIG_TICK_PLANT;
 }
 
-/* While the rig's model (the plant) sets the milliseconds, waiting for the plant takes no time on this clock.
- * The clock does not count the time between two pieces of work, so it shows the same value however long the
- * device was kept waiting. Returns the value of the counter, from which the caller computes how long its work
- * took. */
+/* While the rig's model (the plant) sets the milliseconds, this clock does not run as long as the device
+ * waits for the plant. The clock counts only the device's work, so the time that it shows does not depend on
+ * how long the device waited. Returns the value of the counter, from which the caller later computes how long
+ * the work took. */
 uint32_t clock_work_begin(void)
 {
     const uint32_t now = clock_counts();
@@ -69,8 +70,8 @@ uint32_t clock_work_begin(void)
     return now;
 }
 
-/* Sets the clock to the beginning of the millisecond of the rig's model (the plant); a device that is late
- * with its work stays late. */
+/* If the rig's model (the plant) sets the milliseconds, sets the clock to the beginning of the plant's
+ * millisecond. The clock is never set back, so a device that is late with its work stays late. */
 void clock_edge_begin(void)
 {
     clock_work_begin();

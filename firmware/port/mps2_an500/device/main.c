@@ -1,11 +1,11 @@
 /* This program is the device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig. The file contains
  * the memory, the port's table of functions, and the loop that passes bytes and milliseconds to the app. The
- * code of this file allocates no memory, and its interrupts only count.
+ * code of this file allocates no memory, and its interrupt handlers only increment counters.
  *
  *   loop:  bytes came -> crn_app_receive     USB tokens -> crn_rig_usb_poll     an edge is due -> crn_app_timer
  *
- * One round of the main loop handles one piece of bytes and one timer edge, so that neither delays the other
- * without bound. */
+ * One round of the main loop handles at most one block of bytes from the host and one timer edge, so neither
+ * kind of work delays the other indefinitely. */
 #include "firmware/app/app.h"
 #include "firmware/port/mailbox/mailbox_udc.h"
 #include "firmware/port/mps2_an500/device/device.h"
@@ -29,8 +29,9 @@ static uint32_t now_us(void *context)
     return clock_us();
 }
 
-/* A host on the USB controls the device, also while its bus sleeps. Without a host on the USB, the ring
- * buffers of the rig page are the device's connection; on this path instructions can be counted. */
+/* A host that has configured the device by USB controls the device, even while the USB bus sleeps. Without a
+ * host on the USB, the device sends and receives through the ring buffers of the rig page; a program that
+ * uses this path can count the instructions of the device. */
 static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
     return crn_rig_usb_is_configured(&usb) ? crn_rig_usb_transmit(context, frame, frame_bytes)
@@ -59,8 +60,7 @@ _Static_assert((int)RIG_TRACK_COUNT == (int)CRN_PORT_TOOL_MAX &&
                    (int)RIG_SERIAL_BYTES == (int)CRN_PORT_SERIAL_BYTES,
                "page and port agree");
 
-/* Returns the serial number of the emulated device, when the program that started the emulator has set
- * one. */
+/* Returns the serial number of the emulated device, if the program that started the emulator has set one. */
 static void take_serial(void)
 {
     if (!rig_is_there() || rig->host.serial[0] == '\0') return;
@@ -94,7 +94,7 @@ static void greet(void)
     tell_crash();
 }
 
-/* Ends the time measurement of the work on bytes from the host. */
+/* Ends the time measurement of the device's work on bytes that the host sent. */
 static void end_receiving(uint32_t begin)
 {
     rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
@@ -115,8 +115,9 @@ static void receive(void)
 }
 
 /* Only bytes that reached the app count as work, because a host's polls for data that are not ready do not
- * concern the rig's model (the plant). The loop reads the clock only where work may come, because reading it
- * costs an emulator more than all the rest of a round. */
+ * concern the rig's model (the plant). The loop reads the clock only if there may be work for the device,
+ * because in an emulator one reading of the clock takes longer than everything else in a round of the loop.
+ */
 static void poll_usb(void)
 {
     const crn_mailbox_demand demand = crn_mailbox_udc_demand(&controller);
@@ -143,9 +144,10 @@ static void tick(void)
     clock_edge_done();
 }
 
-/* Only timer edges that the app has completed reset the watchdog. A loop that runs without milliseconds
- * cannot reset the watchdog, and neither can a host that keeps the pipe busy. There is one exception: the
- * watchdog is also reset while the rig's model (the plant) sets the milliseconds and none is due. */
+/* Only timer edges that the app has completed reset the watchdog. A main loop that runs while the
+ * milliseconds have stopped therefore cannot reset the watchdog, and neither can a host that keeps sending
+ * bytes. There is one exception: the watchdog is also reset while the rig's model (the plant) sets the
+ * milliseconds and has not yet begun the next one. */
 static void feed_watchdog(uint32_t round)
 {
     static uint32_t fed;

@@ -1,6 +1,6 @@
 /* This file moves bytes between device and host through the two ring buffers of the rig page. The heads and
- * tails of the ring buffers count bytes and wrap. A head that is ahead of its tail by more than the ring's
- * length is an error of the other side; the device then empties the ring. */
+ * tails of the ring buffers are byte counts, which wrap at 2^32. If a ring's head is ahead of its tail by
+ * more than the ring's length, the other side has made an error; the device then empties this ring. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 enum {
@@ -9,7 +9,8 @@ enum {
     PIECE_BYTES = 512,
 };
 
-/* The device drops bytes that the host sent before a restart, and its own unsent bytes. */
+/* At its start, the device drops the bytes that the host sent before, and the bytes that the device itself
+ * had not yet sent. */
 void pipe_start(void)
 {
     rig_write(&rig->device.to_device_tail, rig_read(&rig->host.to_device_head));
@@ -42,7 +43,7 @@ size_t pipe_room(void *context)
     return used <= RIG_RING_BYTES ? RIG_RING_BYTES - used : 0;
 }
 
-/* The function copies words first, aligned or not, because the PSRAM is normal memory. */
+/* The function first copies whole words, aligned or not, because the PSRAM allows unaligned access. */
 static void copy(uint8_t *to, const uint8_t *from, size_t count)
 {
     size_t i = 0;

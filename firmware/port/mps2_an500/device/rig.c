@@ -43,8 +43,8 @@ static void take_sample(const rig_inputs *from, crn_port_inputs *to)
     to->local_unlock = (from->switches & RIG_LOCAL_UNLOCK) != 0;
 }
 
-/* When there is no new reading of the rig, the app keeps the hands at rest and decides how long that may
- * last. */
+/* If there is no new reading of the rig, the app treats the user's hands as motionless and decides how long
+ * the session may continue without a reading. */
 static void mark_stale(crn_port_inputs *inputs)
 {
     for (int k = 0; k < RIG_TRACK_COUNT; k++) {

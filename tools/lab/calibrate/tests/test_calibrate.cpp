@@ -1,7 +1,8 @@
-// Claims: distances and forces are compared with the reference as equation 19 and the documents state; the
-// tests use closed forms. The simulated instrument, and the file that is written from it, have the requested
-// values. A search gives results that are equal bit for bit for any number of workers (threads or processes)
-// and after any number of stops. If the data do not determine a parameter, the result reports this.
+// Claims: the program `calibrate` compares distances and forces with the reference as equation 19 of the
+// thesis and the documents state; the tests check the results against closed forms. The simulated instrument,
+// and the file that is written from it, have the requested values. A search gives results that are equal bit
+// for bit for any number of workers (threads or processes) and after any number of stops. If the data do not
+// determine a parameter, the result reports this.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/checkpoint.hpp"
 #include "tools/lab/calibrate/fitted_instrument.hpp"
@@ -391,8 +392,8 @@ void a_wish_to_stop_ends_an_evaluation(void **)
 
 // --- checkpoints ---
 
-// A search that is written to a checkpoint and read back after every generation proceeds exactly as a search
-// that is not.
+// If a search is written to a checkpoint and read back after every generation, it proceeds exactly as a
+// search without checkpoints.
 void a_search_that_was_stopped_after_any_generation_goes_on_as_if_not(void **)
 {
     const Folder folder{"checkpoint"};
@@ -455,8 +456,8 @@ void the_hash_tells_borders_and_numbers(void **)
 // --- what is determined ---
 
 // The objective is |x - 0.4| + 0 y, where x and y are the positions 0 .. 1 of two parameters in their ranges.
-// If the objective may rise by 0.05, x is bounded by 0.35 and 0.45, with an error of one halving step (0.04 /
-// 16). It does not bound y.
+// If the objective may rise by 0.05, x can vary from 0.35 to 0.45; the test permits an error of one halving
+// step (0.04 / 16) in these bounds. The objective does not bound y.
 void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};

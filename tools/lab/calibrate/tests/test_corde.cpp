@@ -1,7 +1,7 @@
 // Claims: the thesis' rod, as the baseline of `calibrate`, represents the instrument that its file describes,
 // in the same coordinate frame as our rod. The integration of the rod's motion stays stable for any values of
-// the parameters. The search that fits our rod also fits this rod, with results that are equal bit for bit
-// for any number of workers.
+// the parameters. The search that fits our rod also fits the thesis' rod, with results that are equal bit for
+// bit for any number of workers.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/corde_evaluator.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"
@@ -39,7 +39,7 @@ crn::Instrument instrument_of(const std::string &name)
     return crn::read_instrument(std::string(instruments) + name + ".toml");
 }
 
-// Makes the distance field of a space of 125 mm around the origin that has no wall.
+// Makes the distance field of a space without walls, which extends 125 mm around the origin.
 struct Space {
     std::vector<std::uint16_t> index = std::vector<std::uint16_t>(16 * 16 * 16, CRN_LUMEN_ENTRY_INSIDE);
     crn_lumen lumen{};
@@ -87,8 +87,8 @@ void nominal_values_make_the_files_stiffness_and_mass(void **)
     }
 }
 
-// EI is the shaft's EI on the shaft and alpha times this value at the tip; GJ has the instrument file's ratio
-// to EI. Between tip and shaft, the values lie between these limits.
+// EI is the shaft's EI on the shaft and alpha times this value at the tip. The ratio GJ / EI is that of the
+// instrument file. Between tip and shaft, EI lies between the EI of the tip and the EI of the shaft.
 void joints_have_the_stiffness_asked_for(void **)
 {
     const crn::Instrument instrument = instrument_of("amplatz_super_stiff");
@@ -168,8 +168,8 @@ void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 
 // --- the fit ---
 
-// A wire that extends beyond the introducer and sags under its weight shows the EI of its tip. The other
-// fitted numbers may vary by only 0.1 % from their nominal values.
+// A wire that extends beyond the introducer and sags under its weight shows the EI of its tip. This test fits
+// alpha; the other parameters may deviate by only 0.1 % from their nominal values.
 struct Sagging {
     Folder folder{"corde"};
     Space space;

@@ -1,6 +1,6 @@
 // Claims: the simulated hand approaches each depth slowly. The hand waits until the rod's mean position no
-// longer moves. A chattering tip does not prolong the wait, and a pause of a creeping tip does not end the
-// wait. The force on the hand is recorded from the first millimetre of insertion onwards.
+// longer moves. The hand does not wait longer because the tip chatters, and does not stop waiting because a
+// creeping tip pauses. The force on the hand is recorded from the first millimetre of insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
 #include <cmath>
 
@@ -115,8 +115,8 @@ void a_still_rod_is_at_rest_after_three_windows(void **)
 
 // The node is displaced by 25 um in every second tick, like a J tip that chatters on a wall (docs/rod.md).
 // This displacement of 25 um is a hundred times the displacement per tick that still counts as rest. In the
-// next window of time, the node is displaced in the ticks in between. A method that reads only every second
-// tick would take this change for a real displacement.
+// next window of time, the displaced ticks and the undisplaced ticks are exchanged. A method that reads only
+// every second tick would take this exchange of ticks for a real displacement of the rod.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
     ScriptedRod rod;
@@ -155,8 +155,8 @@ void a_rod_that_never_rests_is_said_to_be_unsettled(void **)
     assert_int_equal(made.settle_ticks.at(0), 1000);
 }
 
-// The criterion of rest is a displacement per tick, whatever the window. A rod that moves by 0.3 um per tick
-// is at rest if the limit is 0.4 um per tick.
+// A rod counts as resting if its displacement per tick is small enough, whatever the length of the window of
+// time. A rod that moves by 0.3 um per tick is at rest if the limit is 0.4 um per tick.
 void rest_is_judged_by_the_way_per_tick(void **)
 {
     ScriptedRod rod;

@@ -3,9 +3,9 @@
 // an error of at most 0.2 mm on average and 0.6 mm anywhere, measured in both directions and including the
 // tip of the wire. The surface of the lumen is closed and its mean error is below 0.3 mm; in scans of a
 // catheter with markers, the lumen is equally accurate. The uncertainty that the segmentation reports covers
-// its errors. If a scan has no instrument, two separate instruments, or two that touch, the error message
-// states this fault. The reference is the curve and the mesh from which the test made the scan; the
-// segmentation never reads them.
+// its errors. If a scan shows no instrument, two separate instruments, or two instruments that touch each
+// other, the error message states this fault. The reference is the curve and the mesh from which the test
+// made the scan; the segmentation never reads them.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/ct/mouth.hpp"

@@ -1,7 +1,7 @@
 // Claims: a volume is read back from every file format with its values and positions. Left-handed grids keep
-// their places. If a scan has wrong spacing, axes or values, or slices that are missing, double, uneven,
-// mixed or truncated, the error message names this fault. No truncated or damaged file crashes the readers;
-// for every format, the test cuts and damages 2 files at positions that follow from a printed seed.
+// their places. If a scan has wrong spacing, axes or values, or slices that are missing, duplicated, unevenly
+// spaced, mixed or truncated, the error message names this fault. No truncated or damaged file crashes the
+// readers; for every format, the test cuts and damages 2 files at positions that follow from a printed seed.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 
@@ -116,8 +116,8 @@ void the_scene_looks_at_the_patient_as_lps_does(void **)
     assert_true((volume.voxel(volume.scene({2, 3, 1.5})) - Eigen::Vector3d(2, 3, 1.5)).norm() < 1e-9);
 }
 
-// A file whose third axis runs backwards holds the same scan: the scan is not mirrored, and a note reports
-// that the axis is reversed.
+// If the third axis of a file runs backwards, the program reads the scan without mirroring it, and a note
+// reports that the axis is reversed.
 void mirrored_axes_keep_their_places(void **)
 {
     const Folder folder{"mirror"};

@@ -1,6 +1,6 @@
 // A separate process reads each volume (host/base/guarded_read.hpp), because ITK trusts the headers of files,
-// and Debian's GDCM is built with assertions that end the process. A damaged file then ends only the child
-// process, and the parent process reports the name of this file.
+// and Debian's GDCM is built with assertions that end the process. If a file is damaged, only the child
+// process that reads it ends, and the parent process reports the file's name.
 #include "host/base/guarded_read.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>

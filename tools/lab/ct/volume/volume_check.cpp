@@ -69,8 +69,9 @@ void check_nifti_length(const std::string &file, std::uint64_t value_bytes)
                     " or more; copy or export it again");
 }
 
-// In a DICOM file, the length of the pixel data precedes the data (with explicit or implicit type,
-// little-endian). Packed pixels have no length.
+// In a DICOM file, the length of the pixel data is written before the pixel data, as a little-endian number;
+// this function handles files with explicit types and files with implicit types. Packed pixels have no
+// length.
 void check_dicom_length(const std::filesystem::path &file)
 {
     std::ifstream stream(file, std::ios::binary);

@@ -48,7 +48,7 @@ void check_dicom_length(const std::filesystem::path &file);
 
 // Sorts the slices of a series by the position of the middle of their first pixel (LPS) along `normal`.
 // Returns the order of the slices, from the lowest slice onwards, and the distance between neighbouring
-// slices. Throws Fault if slices are missing, double or unevenly spaced. `names` serve the message.
+// slices. Throws Fault if slices are missing, duplicated or unevenly spaced. `names` serve the message.
 struct SliceOrder {
     std::vector<std::size_t> order;
     double distance_mm = 0;

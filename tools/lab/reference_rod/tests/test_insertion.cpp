@@ -2,7 +2,8 @@
 // friction force on the rod is mu times the load. In a rigid bent tube the shape of the rod does not depend
 // on the scale of EI, and the force is proportional to EI. The work of the hand equals the energy that the
 // rod stores. Shorter edges of the rod and shorter feeding steps change the result only slightly. A rod that
-// has come to rest does not creep afterwards. The noise has a normal distribution and is repeatable.
+// has come to rest does not creep afterwards. The generated noise has a normal distribution, and equal seeds
+// give equal noise.
 #include "tools/lab/reference_rod/truth.hpp"
 extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"
@@ -233,8 +234,8 @@ void free_j_pulls_itself_out_of_the_sheath(void **)
                  0.01);
 }
 
-// With friction the hand must push harder; without friction the hand feels only the energy that the bends of
-// the rod store.
+// With friction, the hand must push harder than without friction; without friction, the hand's work only
+// increases the energy that the bends of the rod store.
 void friction_is_felt_by_the_hand(void **)
 {
     assert_true(force_sum_mN(run(1.0, 0.1, coarse, two_mm)) >

@@ -150,7 +150,7 @@ void cantilever_is_the_elastica(void **)
 
 // The tip has a curve of 180 degrees with a radius of 3 mm. The end of the curve lies 6 mm beside the shaft,
 // towards d1, at the same distance along the shaft as the beginning of the curve. Because the edges are 0.5
-// mm long, the circle of the curve is 0.1 % larger.
+// mm long, the circle on which the nodes lie is 0.1 % larger than the given radius of 3 mm.
 void curved_tip_rests_in_its_circle_where_the_hand_turned_it(void **)
 {
     crn_wire_instrument table{};

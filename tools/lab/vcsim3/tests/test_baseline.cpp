@@ -1,9 +1,9 @@
 // Claims: the baseline behaves like the rod that docs/thesis.md describes. The rod's forces are the gradient
-// of its energies. The shape of the rod at rest is that of an elastic beam. This shape is also right when one
-// end of the rod is stiffer, when the rod is curved without load, and when the hand turns the rod. The
-// constraints on the rod conserve momentum and never add energy. One iteration of the global method gives
-// exact lengths, and the result of many local iterations converges to this result. The tests compare with
-// closed forms, and with an alternative computation of the same value.
+// of its energies. The shape of the rod at rest is that of an elastic beam. The shape at rest is also right
+// if one end of the rod is stiffer than the other, if the rod is curved without load, or if the hand turns
+// the rod. The constraints on the rod conserve momentum and never add energy. One iteration of the global
+// method gives exact lengths, and the result of many local iterations converges to this result. The tests
+// compare the baseline's results with closed forms, or with an alternative computation of the same value.
 #include "tools/lab/figures/stability.hpp"
 
 #include <algorithm>
@@ -170,9 +170,9 @@ void cantilever_sags_by_PL3_over_3EI(void **)
            0.005 * 0.01 * length);
 }
 
-// A rod of length L has a soft front part of length a and a stiff rear part. Its tip sags by P a^3 / 3
-// EI_front + P (L^3 - a^3) / 3 EI_rear. The compliance of the joint between the two parts is the mean of the
-// compliances of the soft and the stiff part.
+// A rod of length L has a soft front part of length a and a stiff rear part. Under a load P, the tip of this
+// rod sags by P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The compliance of the joint between the two
+// parts is the mean of the compliances of the soft and the stiff part.
 void a_cantilever_of_two_stiffnesses_sags_by_both(void **)
 {
     const int elements = 32, soft = 20;
