@@ -1,5 +1,4 @@
-/* This header has the functions that a port provides to the app, and the functions of the app that a port
- * calls.
+/* This header has the functions that a port provides to the app, and those of the app that a port calls.
  *
  * A port owns the memory (one crn_app, two scene slots), the pipe of bytes, and the 1 ms timer:
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
@@ -21,8 +20,7 @@ enum {
     CRN_PORT_SERIAL_BYTES = 24, /* longest serial */
 };
 
-/* Lists what a sensor's electronics report about the sensor's reading: that the reading is valid, or why it
- * is not. Only OK readings are used. */
+/* States whether a sensor's reading is valid, or why it is not. Only OK readings are used. */
 typedef enum crn_port_sensor {
     CRN_PORT_SENSOR_OK = 0,
     CRN_PORT_SENSOR_ABSENT, /* not fitted; a motor without a force sensor needs the local unlock */
@@ -71,8 +69,7 @@ typedef enum crn_port_lamp {
     CRN_PORT_LAMP_FAULT, /* fast blinking */
 } crn_port_lamp;
 
-/* The app writes the outputs once per edge of the timer, and immediately if a fault removes the motor power.
- */
+/* The app writes the outputs once per edge of the timer, and at once if a fault removes the motor power. */
 typedef struct crn_port_outputs {
     /* all 0 unless RUNNING in FREE_RUN; 0 for a track without a tool */
     crn_port_motor motors[CRN_PORT_TOOL_MAX];
@@ -83,12 +80,10 @@ typedef struct crn_port_outputs {
 
 typedef struct crn_port {
     void *context; /* passed back in every call */
-    /* Queues one whole frame for the host; returns false, and queues nothing, if the queue has no space for
-     * the frame. */
+    /* Queues one whole frame for the host; returns false, and queues nothing, if there is no space for it. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
     size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
-    /* Samples the rig and returns true. A port without a rig returns false; the app then uses the positions
-     * in `input` messages and powers no motor. */
+    /* Samples the rig; false: no rig, so the app uses `input` messages and powers no motor. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */

@@ -5,7 +5,6 @@ it must not crash. Prints TAP.
 
 Each bad input is a good input with one fault. The test first shows that the program accepts the good input, so that
 only the fault can be the reason for the refusal."""
-
 import json
 import os
 import re
@@ -28,20 +27,9 @@ SANITIZER = re.compile(r"AddressSanitizer|runtime error|terminate called|Asserti
 def box(low, high, faces=range(12)):
     """Returns the triangles of a closed box, counter-clockwise as seen from outside."""
     corners = [tuple((high if i >> axis & 1 else low)[axis] for axis in range(3)) for i in range(8)]
-    triangles = [
-        (0, 2, 3),
-        (0, 3, 1),
-        (4, 5, 7),
-        (4, 7, 6),
-        (0, 1, 5),
-        (0, 5, 4),
-        (2, 6, 7),
-        (2, 7, 3),
-        (0, 4, 6),
-        (0, 6, 2),
-        (1, 3, 7),
-        (1, 7, 5),
-    ]
+    triangles = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6),
+                 (0, 6, 2),
+                 (1, 3, 7), (1, 7, 5)]
     return [tuple(corners[v] for v in triangles[f]) for f in faces]
 
 
@@ -64,32 +52,19 @@ LUMEN = box((-10, -60, -10), (10, 60, 10))
 
 def scene_text(**changes):
     """Returns the text of a good scene in which some parts are replaced by the given texts."""
-    parts = {
-        "name": '"sample"',
-        "mesh": 'mesh = "lumen.stl"',
-        "unit": 'unit = "mm"',
-        "more": "",
-        "position": "[0, -40, 0]",
-        "direction": "[0, 1, 0]",
-        "body": "",
-    }
+    parts = {"name": '"sample"', "mesh": 'mesh = "lumen.stl"', "unit": 'unit = "mm"', "more": "",
+             "position": "[0, -40, 0]", "direction": "[0, 1, 0]", "body": ""}
     parts.update(changes)
-    return (
-        "[scene]\nname = %(name)s\n[lumen]\n%(mesh)s\n%(unit)s\n%(more)s\n"
-        "[entry]\nposition_mm = %(position)s\ndirection = %(direction)s\n%(body)s\n" % parts
-    )
+    return ('[scene]\nname = %(name)s\n[lumen]\n%(mesh)s\n%(unit)s\n%(more)s\n'
+            '[entry]\nposition_mm = %(position)s\ndirection = %(direction)s\n%(body)s\n' % parts)
 
 
 def curve(radii, points=None):
     """Returns the text of a 3D Slicer markups file with a curve along y."""
     points = points or [[0, 10.0 * i, 0] for i in range(8)]
-    markup = {
-        "type": "Curve",
-        "coordinateSystem": "LPS",
-        "coordinateUnits": "mm",
-        "controlPoints": [{"id": str(i), "label": "p%d" % i, "position": p} for i, p in enumerate(points)],
-        "measurements": [{"name": "Radius", "enabled": True, "controlPointValues": radii}] if radii else [],
-    }
+    markup = {"type": "Curve", "coordinateSystem": "LPS", "coordinateUnits": "mm",
+              "controlPoints": [{"id": str(i), "label": "p%d" % i, "position": p} for i, p in enumerate(points)],
+              "measurements": [{"name": "Radius", "enabled": True, "controlPointValues": radii}] if radii else []}
     return json.dumps({"markups": [markup]})
 
 
@@ -114,16 +89,9 @@ class Bench:
     def run(self, command):
         program = os.path.join(BIN, command[0])
         try:
-            done = subprocess.run(
-                [program] + command[1:],
-                cwd=self.folder,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                timeout=TIME_LIMIT_S,
-                check=False,
-                env=dict(os.environ, CRN_ANATOMY=self.folder, DISPLAY=""),
-            )
+            done = subprocess.run([program] + command[1:], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=TIME_LIMIT_S, check=False,
+                                  env=dict(os.environ, CRN_ANATOMY=self.folder, DISPLAY=""))
         except FileNotFoundError:
             return None, "%s is missing: build it first" % program
         except subprocess.TimeoutExpired:
@@ -156,20 +124,11 @@ def anatomy_cases(bench):
     bench.bad("anatomy without a command is refused", ["anatomy"], 2, "subcommand")
     bench.bad("anatomy with an unknown command is refused", ["anatomy", "elephant"], 2, "elephant|subcommand")
     bench.bad("anatomy without an output folder is refused", ["anatomy", "phantom"], 2, "--output is required")
-    bench.bad(
-        "anatomy with a grid beyond its range is refused",
-        ["anatomy", "phantom", "-o", "p", "--lumen-mm", "99"],
-        2,
-        r"lumen-mm.*99.*range",
-        "p",
-    )
-    bench.bad(
-        "anatomy with a word for a number is refused",
-        ["anatomy", "phantom", "-o", "p", "--lumen-mm", "fine"],
-        2,
-        "lumen-mm.*fine|fine.*lumen-mm",
-        "p",
-    )
+    bench.bad("anatomy with a grid beyond its range is refused",
+              ["anatomy", "phantom", "-o", "p", "--lumen-mm", "99"], 2,
+              r"lumen-mm.*99.*range", "p")
+    bench.bad("anatomy with a word for a number is refused", ["anatomy", "phantom", "-o", "p", "--lumen-mm", "fine"], 2,
+              "lumen-mm.*fine|fine.*lumen-mm", "p")
     bench.bad("anatomy list of an unknown anatomy is refused", ["anatomy", "list", "cat"], 2, "cat")
     bench.write("file", "not a folder")
     bench.bad("anatomy into a file instead of a folder is refused", ["anatomy", "phantom", "-o", "file"], 1, "file")
@@ -197,29 +156,19 @@ def bake_command_lines(bench):
 
 
 def bake_texts(bench):
-    bake_scene(
-        bench, "a scene with a syntax error is refused with its line", r"bad\.toml:3", '[scene]\nname = "a"\nx == 3\n'
-    )
+    bake_scene(bench, "a scene with a syntax error is refused with its line", r"bad\.toml:3",
+               "[scene]\nname = \"a\"\nx == 3\n")
     bake_scene(bench, "a scene with a lone bracket is refused with its line", r"bad\.toml:2:\d+: ", "[scene]\n[\n")
-    bake_scene(
-        bench,
-        "a misspelt key is refused with its line",
-        r"bad\.toml:6.*tolerence",
-        scene_text(more="tolerence_mm = 0.1"),
-    )
+    bake_scene(bench, "a misspelt key is refused with its line", r"bad\.toml:6.*tolerence",
+               scene_text(more="tolerence_mm = 0.1"))
     bake_scene(bench, "a mesh without a unit is refused", "unit", scene_text(unit=""))
     bake_scene(bench, "an unknown unit is refused", "inch", scene_text(unit='unit = "inch"'))
     bake_scene(bench, "a scene without a lumen is refused", "lumen", '[scene]\nname = "a"\n')
-    bake_scene(
-        bench,
-        "a scene with mesh and centrelines is refused",
-        "centrelines",
-        scene_text(more='centrelines = ["a.mrk.json"]'),
-    )
+    bake_scene(bench, "a scene with mesh and centrelines is refused", "centrelines",
+               scene_text(more='centrelines = ["a.mrk.json"]'))
     bake_scene(bench, "a missing mesh is refused by name", r"gone\.stl", scene_text(mesh='mesh = "gone.stl"'))
-    bake_scene(
-        bench, "a number that is text is refused", r"bad\.toml:6.*tolerance", scene_text(more='tolerance_mm = "fine"')
-    )
+    bake_scene(bench, "a number that is text is refused", r"bad\.toml:6.*tolerance",
+               scene_text(more='tolerance_mm = "fine"'))
     bake_scene(bench, "a negative tolerance is refused", "tolerance", scene_text(more="tolerance_mm = -1"))
     bake_scene(bench, "an entry outside the lumen is refused", "entry|position", scene_text(position="[0, 200, 0]"))
     bake_scene(bench, "an entry without a direction is refused", "direction", scene_text(direction="[0, 0, 0]"))
@@ -236,62 +185,27 @@ def bake_meshes(bench):
     bake_scene(bench, "a mesh without triangles is refused", r"lumen\.stl", scene_text(), stl([]))
     bake_scene(bench, "a mesh file of random bytes is refused", r"lumen\.stl", scene_text(), bytes(range(256)) * 8)
     bake_scene(bench, "a truncated binary mesh is refused", r"lumen\.stl", scene_text(), binary_stl(LUMEN)[:-60])
-    bake_scene(
-        bench,
-        "an open mesh is refused with its openings",
-        r"lumen\.stl.*open",
-        scene_text(),
-        stl(box((-10, -60, -10), (10, 60, 10), range(10))),
-    )
-    bake_scene(
-        bench,
-        "a vertex that is not a number is refused",
-        "nan|finite|number",
-        scene_text(),
-        stl([((float("nan"), 0, 0), LUMEN[0][1], LUMEN[0][2])] + LUMEN[1:]),
-    )
-    bake_scene(
-        bench,
-        "a mesh in metres called millimetres is refused",
-        "unit",
-        scene_text(),
-        stl([tuple(tuple(c / 1000 for c in v) for v in t) for t in LUMEN]),
-    )
+    bake_scene(bench, "an open mesh is refused with its openings", r"lumen\.stl.*open", scene_text(),
+               stl(box((-10, -60, -10), (10, 60, 10), range(10))))
+    bake_scene(bench, "a vertex that is not a number is refused", "nan|finite|number", scene_text(),
+               stl([((float("nan"), 0, 0), LUMEN[0][1], LUMEN[0][2])] + LUMEN[1:]))
+    bake_scene(bench, "a mesh in metres called millimetres is refused", "unit", scene_text(),
+               stl([tuple(tuple(c / 1000 for c in v) for v in t) for t in LUMEN]))
     bake_scene(bench, "a mesh of a kilometre is refused", "unit|large|big", scene_text(unit='unit = "m"'))
-    bake_scene(
-        bench,
-        "a mesh that crosses itself is refused",
-        "cross|intersect",
-        scene_text(),
-        stl(LUMEN + box((-5, 50, -5), (5, 80, 5))),
-    )
-    bake_scene(
-        bench,
-        "an edge with three faces is refused",
-        "manifold|edge",
-        scene_text(),
-        stl(LUMEN + [(LUMEN[0][0], LUMEN[0][1], (30, 0, 0))]),
-    )
-    bake_scene(
-        bench,
-        "an unknown mesh format is refused",
-        r"lumen\.xyz",
-        scene_text(mesh='mesh = "lumen.xyz"'),
-        "1 2 3\n",
-        "lumen.xyz",
-    )
+    bake_scene(bench, "a mesh that crosses itself is refused", "cross|intersect", scene_text(),
+               stl(LUMEN + box((-5, 50, -5), (5, 80, 5))))
+    bake_scene(bench, "an edge with three faces is refused", "manifold|edge", scene_text(),
+               stl(LUMEN + [(LUMEN[0][0], LUMEN[0][1], (30, 0, 0))]))
+    bake_scene(bench, "an unknown mesh format is refused", r"lumen\.xyz", scene_text(mesh='mesh = "lumen.xyz"'),
+               "1 2 3\n",
+               "lumen.xyz")
 
 
 def bake_centrelines(bench):
     def refuse(name, pattern, text):
-        bake_scene(
-            bench,
-            name,
-            pattern,
-            scene_text(mesh='centrelines = ["a.mrk.json"]', unit="", position="[0, 5, 0]"),
-            text,
-            "a.mrk.json",
-        )
+        bake_scene(bench, name, pattern, scene_text(mesh='centrelines = ["a.mrk.json"]', unit="",
+                                                    position="[0, 5, 0]"), text,
+                   "a.mrk.json")
 
     refuse("a centreline that is no JSON is refused", r"a\.mrk\.json", "{")
     refuse("a centreline without radii is refused", "radius", curve(None))
@@ -311,13 +225,8 @@ def scene_file(major=1, crc_of_lumen=None):
     """Returns the bytes of a scene file in the format of docs/scene.md; the scene is a tube of 3 x 4 x 3 bricks (blocks
     of voxels)."""
     bricks = [(x, y, z) for z in range(3) for y in range(4) for x in range(3)]
-    samples = bytes(
-        tube_sample(8 * bx + i - 1, 8 * by + j - 1, 8 * bz + k - 1) & 255
-        for bx, by, bz in bricks
-        for k in range(10)
-        for j in range(10)
-        for i in range(10)
-    )
+    samples = bytes(tube_sample(8 * bx + i - 1, 8 * by + j - 1, 8 * bz + k - 1) & 255
+                    for bx, by, bz in bricks for k in range(10) for j in range(10) for i in range(10))
     edge = 1 << 23
     lumen = struct.pack("<3i3HHIHHI", -3 * edge // 2, 0, -3 * edge // 2, 3, 4, 3, 0, len(bricks), 0, 0, 0)
     lumen += struct.pack("<%dH" % len(bricks), *range(2, 2 + len(bricks))) + samples
@@ -327,10 +236,8 @@ def scene_file(major=1, crc_of_lumen=None):
         crc = crc_of_lumen if crc_of_lumen is not None and kind == 3 else zlib.crc32(data)
         table += struct.pack("<4I", kind, offset + len(body), len(data), crc)
         body += data + b"\0" * (-len(data) % 16)
-
     def header(crc):
         return struct.pack("<8s2H5I", b"CRN-SCN\0", major, 0, 1, offset + len(body), len(sections), crc, 0)
-
     return header(zlib.crc32(header(0) + table)) + table + body
 
 
@@ -355,27 +262,20 @@ def cournand_command_lines(bench):
     bench.good("its recording is verified", ["cournand", "replay", "good.rec", "--verify"])
     bench.bad("cournand without a command is refused", ["cournand"], 2, "subcommand")
     bench.bad("cournand with an unknown command is refused", ["cournand", "fly"], 2, "fly|subcommand")
-    bench.bad(
-        "a run without a tool is refused", ["cournand", "run", "--session", "good.session"], 2, "--tool is required"
-    )
+    bench.bad("a run without a tool is refused", ["cournand", "run", "--session", "good.session"], 2,
+              "--tool is required")
     bench.bad("a run with an unknown option is refused", session_run(more=["--fast"]), 2, "--fast")
     bench.bad("pictures of no size are refused", session_run(more=["--size", "0"]), 2, "size.*range")
-    bench.bad(
-        "pictures at a word per second are refused", session_run(more=["--fps", "many"]), 2, "fps.*many|many.*fps"
-    )
+    bench.bad("pictures at a word per second are refused", session_run(more=["--fps", "many"]), 2,
+              "fps.*many|many.*fps")
     bench.bad("an unknown speed is refused", ["cournand", "replay", "good.rec", "--speed", "warp"], 2, "warp")
-    bench.bad(
-        "a start beyond the recording is refused", ["cournand", "replay", "good.rec", "--from", "99"], 1, "beyond"
-    )
+    bench.bad("a start beyond the recording is refused", ["cournand", "replay", "good.rec", "--from", "99"], 1,
+              "beyond")
     bench.bad("a recording into a missing folder is refused", session_run(more=["--record", "no/x.rec"]), 1, "no/x.rec")
     bench.bad("figures into a missing folder are refused", session_run(more=["--json", "no/x.json"]), 1, "no/x.json")
     bench.bad("a picture into a missing folder is refused", session_run(more=["--png", "no/x.png"]), 1, "no/x.png")
-    bench.bad(
-        "a missing body file is refused",
-        session_run(more=["--png", "x.png", "--bodies", "gone.bodies"]),
-        1,
-        r"gone\.bodies",
-    )
+    bench.bad("a missing body file is refused", session_run(more=["--png", "x.png", "--bodies", "gone.bodies"]), 1,
+              r"gone\.bodies")
     bench.bad("info on an unknown kind of file is refused", ["cournand", "info", "good.json"], 1, r"good\.json")
 
 
@@ -385,25 +285,16 @@ def cournand_tools(bench):
     two = ["--tool", CATHETER]
     bench.good("a wire and a catheter run", session_run(more=two + ["--record", "two.rec"]))
     bench.good("their recording is verified", ["cournand", "replay", "two.rec", "--verify"])
-    bench.good(
-        "--tool alone names the tools",
-        ["cournand", "run", "--tool", WIRE, "--tool", CATHETER, "--session", "good.session", "--quiet"],
-    )
-    bench.bad(
-        "a wire outside a catheter is refused by both names",
-        session_run(wire=CATHETER, more=["--tool", WIRE]),
-        1,
-        r"'5F Beacon[^']*' \(1.67 mm\) does not pass the lumen of 'Bentson",
-    )
+    bench.good("--tool alone names the tools", ["cournand", "run", "--tool", WIRE, "--tool", CATHETER, "--session",
+                                                "good.session", "--quiet"])
+    bench.bad("a wire outside a catheter is refused by both names", session_run(wire=CATHETER, more=["--tool", WIRE]),
+              1,
+              r"'5F Beacon[^']*' \(1.67 mm\) does not pass the lumen of 'Bentson")
     bench.bad("four tools are refused", session_run(more=two * 3), 2, "at most 3 tools, 4 are named")
     bench.bad("a missing second tool is refused", session_run(more=["--tool", "gone.toml"]), 1, r"gone\.toml")
     bench.write("two.session", "begin inserted 12 mm\nwait 100 ms\nadvance catheter 5 mm\n")
-    bench.bad(
-        "a script that needs a second tool is refused with its line",
-        session_run(session="two.session"),
-        1,
-        r"two\.session:3:1: moves tool 2, but there is only one",
-    )
+    bench.bad("a script that needs a second tool is refused with its line", session_run(session="two.session"), 1,
+              r"two\.session:3:1: moves tool 2, but there is only one")
     bench.good("it runs with the second tool", session_run(session="two.session", more=two))
 
 
@@ -411,76 +302,38 @@ def cournand_outputs(bench):
     """Tests that an output must be a regular file, and must not be the same file as an input or as another output."""
     before = bench.read("good.session")
     for option in ("--record", "--json", "--png", "--png16", "--mp4"):
-        bench.bad(
-            "%s onto the session is refused" % option,
-            session_run(more=[option, "./good.session"]),
-            2,
-            "%s .* would overwrite what --session reads" % option,
-        )
-        bench.bad(
-            "%s onto a device is refused" % option, session_run(more=[option, "/dev/full"]), 2, "is a device or pipe"
-        )
+        bench.bad("%s onto the session is refused" % option, session_run(more=[option, "./good.session"]), 2,
+                  "%s .* would overwrite what --session reads" % option)
+        bench.bad("%s onto a device is refused" % option, session_run(more=[option, "/dev/full"]), 2,
+                  "is a device or pipe")
         bench.bad("%s onto a folder is refused" % option, session_run(more=[option, "."]), 2, "is a folder")
     os.symlink("good.scene", os.path.join(bench.folder, "link.scene"))
-    bench.bad(
-        "an output that is a link to an input is refused",
-        session_run(more=["--json", "link.scene"]),
-        2,
-        "would overwrite what --scene reads",
-    )
+    bench.bad("an output that is a link to an input is refused", session_run(more=["--json", "link.scene"]), 2,
+              "would overwrite what --scene reads")
     with open(WIRE, "rb") as file:
         bench.write("wire.toml", file.read())
-    bench.bad(
-        "an output onto a tool's file is refused, preset or not",
-        session_run(wire="wire.toml:vcsim3-fit", more=["--json", "wire.toml"]),
-        2,
-        "would overwrite what --instrument reads",
-    )
-    bench.bad(
-        "instruments written onto their own file are refused",
-        ["cournand", "instruments", "wire.toml", "--json", "wire.toml"],
-        2,
-        "would overwrite what the list reads",
-    )
+    bench.bad("an output onto a tool's file is refused, preset or not",
+              session_run(wire="wire.toml:vcsim3-fit", more=["--json", "wire.toml"]),
+              2, "would overwrite what --instrument reads")
+    bench.bad("instruments written onto their own file are refused",
+              ["cournand", "instruments", "wire.toml", "--json", "wire.toml"],
+              2, "would overwrite what the list reads")
     for option in ("--json", "--png", "--table"):
-        bench.bad(
-            "instruments with %s onto a device are refused" % option,
-            ["cournand", "instruments", WIRE, option, "/dev/full"],
-            2,
-            "is a device or pipe",
-        )
-    bench.bad(
-        "two outputs of one name are refused",
-        session_run(more=["--json", "both", "--record", "./both"]),
-        2,
-        "--json and --record would both write",
-        "both",
-    )
-    bench.bad(
-        "a replay onto its recording is refused",
-        ["cournand", "replay", "good.rec", "--png", "good.rec"],
-        2,
-        "would overwrite what the recording reads",
-    )
-    bench.bad(
-        "a bake onto its text is refused",
-        ["bake", "good.toml", "-o", "good.toml"],
-        2,
-        "would overwrite what SCENE reads",
-    )
-    bench.bad(
-        "a bake onto its lumen's mesh is refused",
-        ["bake", "good.toml", "-o", "x.scene", "--surface", "lumen.stl"],
-        2,
-        "would overwrite what the lumen reads",
-    )
-    bench.bad(
-        "a bake of two outputs into one file is refused",
-        ["bake", "good.toml", "-o", "one.scene", "--surface", "one.scene"],
-        2,
-        "would both write",
-        "one.scene",
-    )
+        bench.bad("instruments with %s onto a device are refused" % option,
+                  ["cournand", "instruments", WIRE, option, "/dev/full"], 2,
+                  "is a device or pipe")
+    bench.bad("two outputs of one name are refused", session_run(more=["--json", "both", "--record", "./both"]), 2,
+              "--json and --record would both write", "both")
+    bench.bad("a replay onto its recording is refused", ["cournand", "replay", "good.rec", "--png", "good.rec"], 2,
+              "would overwrite what the recording reads")
+    bench.bad("a bake onto its text is refused", ["bake", "good.toml", "-o", "good.toml"], 2,
+              "would overwrite what SCENE reads")
+    bench.bad("a bake onto its lumen's mesh is refused",
+              ["bake", "good.toml", "-o", "x.scene", "--surface", "lumen.stl"], 2,
+              "would overwrite what the lumen reads")
+    bench.bad("a bake of two outputs into one file is refused",
+              ["bake", "good.toml", "-o", "one.scene", "--surface", "one.scene"],
+              2, "would both write", "one.scene")
     cournand_dicom(bench)
     bench.report.check("the session is as it was", [] if bench.read("good.session") == before else ["it changed"])
 
@@ -490,50 +343,31 @@ def cournand_dicom(bench):
     os.mkdir(os.path.join(bench.folder, "held"))
     bench.write("held/old.dcm", "kept")
     refuse = lambda name, pattern, more: bench.bad(name, session_run(more=more), 2, pattern, "new")
-    refuse(
-        "DICOM into a folder that holds some is refused",
-        r"already holds old\.dcm: name another folder",
-        ["--dicom", "held"],
-    )
+    refuse("DICOM into a folder that holds some is refused", r"already holds old\.dcm: name another folder",
+           ["--dicom", "held"])
     refuse("DICOM into a file is refused", "is not a folder", ["--dicom", "good.session"])
     refuse("a patient without DICOM is refused", "patient-name.*requires.*dicom", ["--patient-name", "A^B"])
-    refuse(
-        "a date that does not exist is refused",
-        "20250229 is not a date",
-        ["--dicom", "new", "--study-date", "20250229"],
-    )
+    refuse("a date that does not exist is refused", "20250229 is not a date",
+           ["--dicom", "new", "--study-date", "20250229"])
     refuse("a date in another form is refused", "YYYYMMDD", ["--dicom", "new", "--study-date", "2025-01-01"])
     refuse("a name with a backslash is refused", "backslash", ["--dicom", "new", "--patient-name", "A\\B"])
-    refuse(
-        "a number that is too long is refused",
-        "at most 64 bytes, this one 65",
-        ["--dicom", "new", "--patient-id", "x" * 65],
-    )
+    refuse("a number that is too long is refused", "at most 64 bytes, this one 65",
+           ["--dicom", "new", "--patient-id", "x" * 65])
     refuse("unknown values are refused", "dicom-values.*sqrt", ["--dicom", "new", "--dicom-values", "sqrt"])
-    bench.bad(
-        "a DICOM folder below a file is refused",
-        session_run(more=["--dicom", "good.session/x"]),
-        1,
-        "cannot be written",
-    )
+    bench.bad("a DICOM folder below a file is refused", session_run(more=["--dicom", "good.session/x"]), 1,
+              "cannot be written")
     bench.bad("a check of no file is refused", ["cournand", "dicom-check"], 2, "file is required")
-    bench.bad(
-        "a check of a missing file is refused", ["cournand", "dicom-check", "gone.dcm"], 1, "gone.dcm: no such file"
-    )
-    bench.bad(
-        "a check of a folder without DICOM is refused",
-        ["cournand", "dicom-check", "."],
-        1,
-        "no .dcm file in this folder",
-    )
+    bench.bad("a check of a missing file is refused", ["cournand", "dicom-check", "gone.dcm"], 1,
+              "gone.dcm: no such file")
+    bench.bad("a check of a folder without DICOM is refused", ["cournand", "dicom-check", "."], 1,
+              "no .dcm file in this folder")
 
 
 def cournand_scenes(bench):
     def refuse(name, pattern, data):
         bench.write("bad.scene", data)
-        bench.bad(
-            name, session_run("bad.scene", more=["--record", "bad.rec"]), 1, r"bad\.scene.*(%s)" % pattern, "bad.rec"
-        )
+        bench.bad(name, session_run("bad.scene", more=["--record", "bad.rec"]), 1, r"bad\.scene.*(%s)" % pattern,
+                  "bad.rec")
 
     good = scene_file()
     bench.bad("a missing scene is refused", session_run("gone.scene"), 1, r"gone\.scene")
@@ -545,9 +379,8 @@ def cournand_scenes(bench):
     refuse("a scene with a flipped bit in its header is refused", "crc|checksum|damaged", flipped(good, 40))
     refuse("a scene of a newer version is refused", "newer|version", scene_file(major=2))
     refuse("an oversized scene is refused", "large|big|bytes|size", good + b"\0" * (9 << 20))
-    refuse(
-        "a scene whose name was changed by hand is refused", "crc|checksum|damaged", good.replace(b"tube", b"hose", 1)
-    )
+    refuse("a scene whose name was changed by hand is refused", "crc|checksum|damaged",
+           good.replace(b"tube", b"hose", 1))
     refuse("a section with a wrong checksum is refused", "crc|checksum|damaged", scene_file(crc_of_lumen=1))
 
 
@@ -574,11 +407,8 @@ def cournand_texts(bench):
         bench.bad(name, session_run(session="bad.session"), 1, r"bad\.session" + pattern)
 
     session("an empty session is refused", ".*no statement", "")
-    session(
-        "an unknown statement is refused with line and column",
-        ":2:1.*advanse.*advance",
-        "begin inserted 5 mm\nadvanse 3 mm\n",
-    )
+    session("an unknown statement is refused with line and column", ":2:1.*advanse.*advance",
+            "begin inserted 5 mm\nadvanse 3 mm\n")
     session("a missing unit is refused", ":1:.*unit", "advance 10\n")
     session("a wrong unit is refused", ":1:.*unit.*furlong", "advance 10 furlong\n")
     session("a speed beyond the hand's is refused", ":1:.*speed.*range", "advance 10 mm at 9000 mm/s\n")
@@ -596,30 +426,20 @@ def cournand_texts(bench):
 
     instrument("an instrument with a syntax error is refused with its line", ":1:", "format == 1\n")
     instrument("an instrument with a lone bracket is refused with its line", ":2:", "format = 2\n[\n")
-    instrument(
-        "a misspelt key of an instrument is refused", ".*raduis", wire.replace("radius_outer_mm", "raduis_outer_mm", 1)
-    )
+    instrument("a misspelt key of an instrument is refused", ".*raduis",
+               wire.replace("radius_outer_mm", "raduis_outer_mm", 1))
     instrument("an instrument of another format is refused", ".*format", wire.replace("format = 2", "format = 3", 1))
-    instrument(
-        "a stiffness beyond its range is refused", ".*bend_stiffness", wire.replace("value = 2e-6", "value = 2e+6", 1)
-    )
-    instrument(
-        "a stiffness that is not a number is refused",
-        ".*bend_stiffness",
-        wire.replace("value = 2e-6", "value = nan", 1),
-    )
-    instrument(
-        "a value without a source is refused",
-        ".*source",
-        re.sub(r"(tip_mm = \{ value = 1\.0), source = \"[^\"]*\"", r"\1", wire),
-    )
-    instrument(
-        "a section that ends before it begins is refused", ".*to_mm", wire.replace("to_mm = 150", "to_mm = 20", 1)
-    )
+    instrument("a stiffness beyond its range is refused", ".*bend_stiffness",
+               wire.replace("value = 2e-6", "value = 2e+6", 1))
+    instrument("a stiffness that is not a number is refused", ".*bend_stiffness",
+               wire.replace("value = 2e-6", "value = nan", 1))
+    instrument("a value without a source is refused", ".*source",
+               re.sub(r"(tip_mm = \{ value = 1\.0), source = \"[^\"]*\"", r"\1", wire))
+    instrument("a section that ends before it begins is refused", ".*to_mm",
+               wire.replace("to_mm = 150", "to_mm = 20", 1))
     instrument("a source that is not there is refused", ".*tipps", wire.replace('"@tips"', '"@tipps"', 1))
-    instrument(
-        "a fault in a preset that is not asked for is refused", ".*based_on", wire.replace("based_on", "based_in", 1)
-    )
+    instrument("a fault in a preset that is not asked for is refused", ".*based_on",
+               wire.replace("based_on", "based_in", 1))
     instrument("an empty instrument is refused", ".*missing", "")
     bench.bad("a preset that is not there is refused", session_run(wire=WIRE + ":vcsim"), 1, r"bentson\.toml.*vcsim")
     instrument_lists(bench)
@@ -627,27 +447,20 @@ def cournand_texts(bench):
 
 def instrument_lists(bench):
     listing = ["cournand", "instruments"]
-    bench.good(
-        "instruments are listed, drawn and written", listing + [WIRE, "--png", "list.png", "--json", "list.json"]
-    )
+    bench.good("instruments are listed, drawn and written",
+               listing + [WIRE, "--png", "list.png", "--json", "list.json"])
     bench.good("one preset is listed", listing + [WIRE + ":vcsim3-fit"])
     bench.bad("a list of the shipped instruments elsewhere is refused", listing, 1, "shared/examples/instruments")
     bench.bad("a list of a missing instrument is refused", listing + ["gone.toml"], 1, r"gone\.toml")
     bench.bad("a list of a folder without instruments is refused", listing + ["."], 1, r"bad\.toml|no \.toml")
-    bench.bad(
-        "a list of a preset that nothing has is refused",
-        listing + [os.path.dirname(WIRE), "--preset", "x"],
-        1,
-        "preset 'x'",
-    )
+    bench.bad("a list of a preset that nothing has is refused", listing + [os.path.dirname(WIRE), "--preset", "x"], 1,
+              "preset 'x'")
     bench.bad("a list with an unknown option is refused", listing + ["--jpeg", "x"], 2, "jpeg")
     bench.bad("a list drawn into a missing folder is refused", listing + [WIRE, "--png", "no/x.png"], 1, "no/x.png")
-    bench.bad(
-        "a list written into a missing folder is refused", listing + [WIRE, "--json", "no/x.json"], 1, "no/x.json"
-    )
-    bench.bad(
-        "a table into a document without its marks is refused", listing + [WIRE, "--table", "good.session"], 1, "marks"
-    )
+    bench.bad("a list written into a missing folder is refused", listing + [WIRE, "--json", "no/x.json"], 1,
+              "no/x.json")
+    bench.bad("a table into a document without its marks is refused", listing + [WIRE, "--table", "good.session"], 1,
+              "marks")
 
 
 def main():

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Checks those rules of style that a program can check: lengths, banned words and calls, recursion, layout, documents,
 packages and make targets. The test first shows that each rule objects to a bad sample. Prints TAP."""
-
 import ast
 import os
 import re
@@ -65,11 +64,11 @@ BANNED = {
     "exit": "a typed code for the caller",
     "assert": "a typed code for the caller",
 }
-CALLERS = re.compile("Called by: |May include: ")
-UNFINISHED = re.compile(r"\b(%s)\b" % "|".join(["TODO", "FIXME", "XXX", "HACK"]))
+CALLERS = re.compile("Called" " by: |May" " include: ")
+UNFINISHED = re.compile(r"\b(%s)\b" % "|".join(["TO" "DO", "FIX" "ME", "XX" "X", "HA" "CK"]))
 
 
-EARLIER_NAME = re.compile("seld(?!om)", re.IGNORECASE)
+EARLIER_NAME = re.compile("s" "eld(?!om)", re.IGNORECASE)
 PACKED = (".jpg", ".png", ".xz", ".rec", ".corpus")  # four letters in a row are chance here
 
 
@@ -86,22 +85,14 @@ def earlier_name(path, text):
 def long_functions(path, text):
     for name, first, last, _ in functions_of(path, text):
         if last - first + 1 > FUNCTION_LINES_MAX:
-            yield "%s:%d: %s has %d lines, at most %d: split it" % (
-                path,
-                first,
-                name,
-                last - first + 1,
-                FUNCTION_LINES_MAX,
-            )
+            yield "%s:%d: %s has %d lines, at most %d: split it" % (path, first, name, last - first + 1,
+                FUNCTION_LINES_MAX)
 
 
 def functions_of(path, text):
     if path.endswith(".py"):
-        return [
-            (node.name, node.lineno, node.end_lineno, "")
-            for node in ast.walk(ast.parse(text))
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
-        ]
+        return [(node.name, node.lineno, node.end_lineno, "") for node in ast.walk(ast.parse(text))
+                if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
     return tree.functions(tree.code_only(text))
 
 
@@ -123,26 +114,22 @@ def callers(path, text):
     for number, line in enumerate(text.splitlines(), 1):
         if CALLERS.search(line):
             yield "%s:%d: lists its callers or includes: leave that to a search, or to docs/architecture.md" % (
-                path,
-                number,
-            )
+                path, number)
 
 
 def unfinished(path, text):
     for match in UNFINISHED.finditer(text):
-        yield "%s:%d: '%s' marks unfinished work: finish it or open an issue" % (
-            path,
+        yield "%s:%d: '%s' marks unfinished work: finish it or open an issue" % (path,
             tree.line_of(text, match.start()),
-            match.group(1),
-        )
+                                                                             match.group(1))
 
 
 def banned_words(path, text):
     code = tree.code_only(text)
     # Bodies of macros are code too, so preprocessor lines are read apart (not #include, #error).
-    defines = re.sub(
-        r"^[ \t]*#[ \t]*(?:include|error|warning)[^\n]*", tree.blank_all, tree.TOKENS.sub(tree.blank, text), flags=re.M
-    )
+    defines = re.sub(r"^[ \t]*#[ \t]*(?:include|error|warning)[^\n]*", tree.blank_all,
+                     tree.TOKENS.sub(tree.blank, text),
+                     flags=re.M)
     for word, instead in BANNED.items():
         lines = {tree.line_of(t, m.start()) for t in (code, defines) for m in re.finditer(r"\b%s\b" % word, t)}
         for line in sorted(lines):
@@ -153,22 +140,15 @@ def banned_words(path, text):
 NUMBERS = re.compile(r"\b(?:v?sn?printf|to_chars|setprecision)\b|\bstd::fixed\b")
 NUMBER_FILES = ("host/base/format.cpp", "host/base/number_text.cpp")
 # The reader, one writer, and the program that compares the parser with another one.
-TOML_FILES = (
-    "host/base/toml.cpp",
-    "host/base/toml_reader.cpp",
-    "tools/lab/calibrate/fitted_instrument.cpp",
-    "tools/importers/main.cpp",
-)
+TOML_FILES = ("host/base/toml.cpp", "host/base/toml_reader.cpp", "tools/lab/calibrate/fitted_instrument.cpp",
+              "tools/importers/main.cpp")
 
 
 def other_readers_and_numbers(path, text):
     if path not in NUMBER_FILES:
         for match in NUMBERS.finditer(tree.code_only(text)):
             yield "%s:%d: '%s': use host/base/number_text.hpp, or formatted() of host/base/format.hpp" % (
-                path,
-                tree.line_of(text, match.start()),
-                match.group(),
-            )
+                path, tree.line_of(text, match.start()), match.group())
     if path not in TOML_FILES and '#include "host/base/toml.hpp"' in text:
         yield "%s: includes toml++: use host/base/toml_reader.hpp" % path
 
@@ -183,9 +163,7 @@ def variable_division(path, text):
     for match in re.finditer(r"[/%]=?(?!=)", code):
         if not re.match(r"\s*" + CONSTANT, code[match.end() :]):
             yield "%s:%d: division by a variable: use crn_reciprocal_q30, or crn_divide_u64 in set-up code" % (
-                path,
-                tree.line_of(code, match.start()),
-            )
+                path, tree.line_of(code, match.start()))
 
 
 def call_graph(sources):
@@ -215,13 +193,8 @@ def recursion(sources):
 def layout(paths):
     """Checks with clang-format that every C and C++ file has the project's layout."""
     for start in range(0, len(paths), 50):
-        done = subprocess.run(
-            ["clang-format", "--dry-run", "-Werror"] + paths[start : start + 50],
-            cwd=tree.ROOT,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            check=False,
-        )
+        done = subprocess.run(["clang-format", "--dry-run", "-Werror"] + paths[start : start + 50], cwd=tree.ROOT,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
         if done.returncode != 0:
             text = done.stdout.decode("utf-8", "replace")
             for path in sorted(set(re.findall(r"^(\S+?):\d+:\d+: error", text, re.M))) or [text]:
@@ -296,10 +269,8 @@ def undocumented_targets(makefile):
 def self_test_code(report):
     long_body = "int f(void)\n{\n" + "    g();\n" * FUNCTION_LINES_MAX + "}\n"
     report.catches("a long C function is caught", long_functions("a.c", long_body))
-    report.catches(
-        "a long method inside a namespace and a class is caught",
-        long_functions("a.cpp", "namespace a {\nclass B : public C {\n" + long_body + "};\n}\n"),
-    )
+    report.catches("a long method inside a namespace and a class is caught",
+                   long_functions("a.cpp", "namespace a {\nclass B : public C {\n" + long_body + "};\n}\n"))
     report.catches("a long Python function is caught", long_functions("a.py", "def f():\n" + "    g()\n" * 80))
     report.catches("a long file is caught", long_file("a.c", "\n" * (FILE_LINES_MAX + 1)))
     report.accepts("a file of exactly the limit is accepted", long_file("a.c", "\n" * FILE_LINES_MAX))
@@ -307,48 +278,35 @@ def self_test_code(report):
     report.accepts("one of exactly the limit is accepted", long_lines("a.md", "a" * LINE_LETTERS_MAX + "\n"))
     report.accepts("so is a long row of a table", long_lines("a.md", "|" + " a |" * 60))
     report.catches("but only in a document", long_lines("a.py", "|" + " a |" * 60))
-    report.catches("the earlier name of the project is caught in a line", earlier_name("a.c", "int seld_step(void);"))
-    report.catches("and in a path", earlier_name("60-Seldinger.rules", ""))
+    report.catches("the earlier name of the project is caught in a line",
+                   earlier_name("a.c", "int s" "eld_step(void);"))
+    report.catches("and in a path", earlier_name("60-S" "eldinger.rules", ""))
     report.accepts("what happens rarely may be said in either way", earlier_name("a.c", "/* seldom */"))
-    report.catches("a list of callers is caught", callers("a.c", "/* Sums. Called by: b.c. */"))
-    report.catches("so is one of includes", callers("a.c", "// Sums. May include: b.hpp."))
-    report.catches("a mark of unfinished work is caught", unfinished("a.c", "/* TODO later */"))
+    report.catches("a list of callers is caught", callers("a.c", "/* Sums. Called" " by: b.c. */"))
+    report.catches("so is one of includes", callers("a.c", "// Sums. May" " include: b.hpp."))
+    report.catches("a mark of unfinished work is caught", unfinished("a.c", "/* TO" "DO later */"))
     for word in BANNED:
         report.catches("banned word %s is caught" % word, banned_words("a.c", "void f(void) { %s(1); }" % word))
-    report.catches(
-        "a second way from numbers to text is caught",
-        other_readers_and_numbers("host/a.cpp", 'char t[9]; std::snprintf(t, 9, "%g", 1.0);'),
-    )
-    report.catches(
-        "an include of toml++ is caught", other_readers_and_numbers("host/a.cpp", '#include "host/base/toml.hpp"\n')
-    )
-    report.accepts(
-        "formatted() is accepted",
-        other_readers_and_numbers("host/a.cpp", 'return formatted("%g", 1.0); // as snprintf does'),
-    )
+    report.catches("a second way from numbers to text is caught",
+                   other_readers_and_numbers("host/a.cpp", 'char t[9]; std::snprintf(t, 9, "%g", 1.0);'))
+    report.catches("an include of toml++ is caught",
+                   other_readers_and_numbers("host/a.cpp", '#include "host/base/toml.hpp"\n'))
+    report.accepts("formatted() is accepted",
+                   other_readers_and_numbers("host/a.cpp", 'return formatted("%g", 1.0); // as snprintf does'))
     report.catches("a banned word in a macro is caught", banned_words("a.c", "#define SIZE(x) ((float)(x))\n"))
-    report.accepts(
-        "banned words in comments, strings, includes and longer names are accepted",
-        banned_words("a.c", '#include <float.h>\n/* free */ int set_free_count(void) { return "sin"[0]; }'),
-    )
-    report.catches(
-        "division by a variable is caught", variable_division("a.c", "int f(int a, int b) { return a / b; }")
-    )
-    report.catches(
-        "remainder by a variable is caught", variable_division("a.c", "int f(int a, int b) { return a %= (b); }")
-    )
-    report.accepts(
-        "division by a constant is accepted", variable_division("a.c", "int a = b / 8 + c % CRN_MAX / (int)sizeof(d);")
-    )
+    report.accepts("banned words in comments, strings, includes and longer names are accepted",
+                   banned_words("a.c", '#include <float.h>\n/* free */ int set_free_count(void) { return "sin"[0]; }'))
+    report.catches("division by a variable is caught",
+                   variable_division("a.c", "int f(int a, int b) { return a / b; }"))
+    report.catches("remainder by a variable is caught",
+                   variable_division("a.c", "int f(int a, int b) { return a %= (b); }"))
+    report.accepts("division by a constant is accepted",
+                   variable_division("a.c", "int a = b / 8 + c % CRN_MAX / (int)sizeof(d);"))
     report.catches("direct recursion is caught", recursion({"a.c": "int f(int a) { return f(a - 1); }"}))
-    report.catches(
-        "recursion through another file is caught",
-        recursion({"a.c": "int f(int a)\n{ return g(a); }", "b.c": "int g(int a)\n{ return f(a); }"}),
-    )
-    report.accepts(
-        "calls without a way back are accepted",
-        recursion({"a.c": "int f(int a) { return g(a); }\nint g(int a) { return a; }"}),
-    )
+    report.catches("recursion through another file is caught",
+                   recursion({"a.c": "int f(int a)\n{ return g(a); }", "b.c": "int g(int a)\n{ return f(a); }"}))
+    report.accepts("calls without a way back are accepted",
+                   recursion({"a.c": "int f(int a) { return g(a); }\nint g(int a) { return a; }"}))
     with tempfile.TemporaryDirectory() as folder:
         bad = os.path.join(folder, "bad.c")
         with open(bad, "w", encoding="ascii") as file:
@@ -361,16 +319,12 @@ def self_test_documents(report):
         return False
 
     report.catches("a broken link is caught", broken_links("docs/a.md", "[a](b.md)", nothing, str))
-    report.catches(
-        "a broken anchor is caught", broken_links("docs/a.md", "# B\n[a](#c)", lambda f: True, lambda f: "# B\n")
-    )
-    report.catches(
-        "a path that does not exist is caught", broken_links("docs/a.md", "see `host/x/y.cpp`", nothing, str)
-    )
-    report.accepts(
-        "a good anchor and a web address are accepted",
-        broken_links("docs/a.md", "[a](#b-c) [d](https://e.org)", lambda f: True, lambda f: "## B `c`\n"),
-    )
+    report.catches("a broken anchor is caught", broken_links("docs/a.md", "# B\n[a](#c)", lambda f: True,
+        lambda f: "# B\n"))
+    report.catches("a path that does not exist is caught",
+                   broken_links("docs/a.md", "see `host/x/y.cpp`", nothing, str))
+    report.accepts("a good anchor and a web address are accepted",
+                   broken_links("docs/a.md", "[a](#b-c) [d](https://e.org)", lambda f: True, lambda f: "## B `c`\n"))
     report.catches("a package twice in a section is caught", package_faults("[run]\na1\na1\n", ""))
     report.catches("a section twice is caught", package_faults("[run]\na1\n[run]\nb2\n", ""))
     report.catches("an empty section is caught", package_faults("[run]\n[test]\na1\n", ""))
@@ -399,50 +353,30 @@ def check_tree(report):
     written = tree.files(*tree.C_SUFFIXES, ".py", ".sh", "Makefile", ".mk", ".def")
     device = [p for p in sources if p.startswith(DEVICE) and "/tests/" not in p]
     report.check("there is device code to check", [] if device else ["no file below " + ", ".join(DEVICE)])
-    report.check(
-        "no function is longer than %d lines" % FUNCTION_LINES_MAX,
-        findings_of(long_functions, [p for p in written if p.endswith(tree.C_SUFFIXES + (".py",))]),
-    )
-    report.check(
-        "no line is longer than %d letters" % LINE_LETTERS_MAX,
-        findings_of(long_lines, [p for p in tree.files("") if not p.endswith(tuple(LONG_LINES))]),
-    )
+    report.check("no function is longer than %d lines" % FUNCTION_LINES_MAX,
+                 findings_of(long_functions, [p for p in written if p.endswith(tree.C_SUFFIXES + (".py",))]))
+    report.check("no line is longer than %d letters" % LINE_LETTERS_MAX,
+                 findings_of(long_lines, [p for p in tree.files("") if not p.endswith(tuple(LONG_LINES))]))
     report.check("no file is longer than %d lines" % FILE_LINES_MAX, findings_of(long_file, written))
-    report.check(
-        "nothing has the earlier name of the project",
-        findings_of(earlier_name, [p for p in tree.files("") if not p.endswith(PACKED)]),
-    )
+    report.check("nothing has the earlier name of the project",
+                 findings_of(earlier_name, [p for p in tree.files("") if not p.endswith(PACKED)]))
     report.check("no file lists its callers, or what it may include", findings_of(callers, written))
-    report.check(
-        "nothing is marked as unfinished", findings_of(unfinished, written + tree.files(".md", ".toml", ".txt"))
-    )
+    report.check("nothing is marked as unfinished",
+                 findings_of(unfinished, written + tree.files(".md", ".toml", ".txt")))
     report.check("the device uses no floating point, heap, libm, printf or goto", findings_of(banned_words, device))
-    report.check(
-        "host and tools make text from numbers, and read TOML, in one way",
-        findings_of(
-            other_readers_and_numbers,
-            [
-                p
-                for p in sources
-                if p.startswith(("host/", "tools/")) and "/tests/" not in p and p.endswith((".cpp", ".hpp"))
-            ],
-        ),
-    )
-    report.check(
-        "the core divides by constants only",
-        findings_of(variable_division, [p for p in device if p.startswith("firmware/core/")]),
-    )
+    report.check("host and tools make text from numbers, and read TOML, in one way",
+                 findings_of(other_readers_and_numbers,
+                             [p for p in sources if p.startswith(("host/", "tools/")) and "/tests/" not in p
+                              and p.endswith((".cpp", ".hpp"))]))
+    report.check("the core divides by constants only",
+                 findings_of(variable_division, [p for p in device if p.startswith("firmware/core/")]))
     report.check("nothing on the device calls itself", recursion({path: tree.read(path) for path in device}))
     report.check("every C and C++ file is laid out by .clang-format", layout(sources))
-    report.check(
-        "links and paths in the documents exist",
-        [f for path in tree.files(".md") for f in broken_links(path, tree.read(path), exists, tree.read)],
-    )
+    report.check("links and paths in the documents exist",
+                 [f for path in tree.files(".md") for f in broken_links(path, tree.read(path), exists, tree.read)])
     makefile = "\n".join(tree.read(path) for path in tree.files("Makefile", ".mk"))
-    report.check(
-        "tools/packages.txt is well formed and has every section that make uses",
-        package_faults(tree.read("tools/packages.txt"), makefile),
-    )
+    report.check("tools/packages.txt is well formed and has every section that make uses",
+                 package_faults(tree.read("tools/packages.txt"), makefile))
     report.check("every make target is documented", undocumented_targets(makefile))
 
 
