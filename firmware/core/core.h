@@ -196,8 +196,8 @@ crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, 
 void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2);
 
 /* Makes a state in which nothing moves. The length inserted_um[k] of each tool k lies beyond the introducer
- * sheath, straight along the sheath's axis. The longest inserted length of all tools is limited to the range
- * that the tools allow; the lower limit is the length of a few elements. */
+ * sheath, straight along the sheath's axis. The inserted length of the tool that reaches farthest is limited
+ * to the range that the tools allow; the lower limit is the length of a few elements. */
 void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *inserted_um);
 
 /* Advances the state by one tick. The function crn_step never fails: a value that its number format cannot

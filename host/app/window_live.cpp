@@ -168,8 +168,8 @@ void LiveSession::batch(std::uint32_t count)
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
-// A real rig has its own clock, and this function reads it once per screen. A simulated rig advances by the
-// ticks that are due.
+// A real rig has its own clock, and this function reads that clock once for every redrawn screen. A simulated
+// rig advances by the ticks that are due.
 void LiveSession::advance_rig(std::uint32_t ticks)
 {
     const std::uint32_t shown = device_.link().nodes().tick;

@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 constexpr double unmoved_m = 1e-6;
 constexpr int share_rounds = 24;
 
-// Adds each stretch of a branch that may be nearer to a wall inside the box than the lesion is. All these
-// distances are measured in radii of the vessel concerned.
+// Adds each stretch of a branch that may lie nearer than the lesion to some wall inside the box. Distances
+// from a vessel are compared in radii of that vessel.
 void add_near_stretches(const VesselBranch &branch, const Eigen::AlignedBox3d &reach_m,
                         std::vector<VesselBranch> &stretches)
 {

@@ -53,8 +53,9 @@ mesh::LevelSet distances(const Mesh &mesh, int level, Progress &progress)
 
 // When the library OpenVDB computes distances from a mesh, it keeps only one triangle per voxel. Where
 // triangles are smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute
-// the distances exactly near the wall, and also in all voxels of the bricks that will be stored. A block of
-// the grid has 8^3 voxels, like a brick, so we recompute the block of each brick and the neighbouring blocks.
+// the distances exactly near the wall, and also in all voxels of the bricks that will be stored. The
+// grid's blocks and the bricks have the same 8^3 voxels, so we recompute each brick's block and its
+// neighbours.
 void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
                 Progress &progress)
 {

@@ -1,7 +1,7 @@
 // Defines the parameters that the search fits, and the result of one trial, which simulates an insertion with
 // given values of these parameters. In a trial, the program simulates how an instrument with the trial's
-// values is inserted by the protocol of the case. `Evaluator` hides the rod, so that the same search can fit
-// another rod than ours, such as the thesis' CoRdE.
+// values is inserted according to the protocol of the case. `Evaluator` hides the rod, so that the same
+// search can fit another rod than ours, such as the thesis' CoRdE.
 #pragma once
 #include "tools/lab/case/case.hpp"
 #include <Eigen/Core>

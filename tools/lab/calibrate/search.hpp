@@ -6,8 +6,8 @@
 // parallel, we run each generation twice. First we advance a copy of the algorithm with a problem that only
 // records the requested trials. No trial of a generation depends on the result of another trial of that
 // generation. The workers (threads or processes) then evaluate the recorded trials at the same time. Finally
-// we advance the algorithm itself with a problem that returns the recorded results. The outcome of the search
-// equals that of pagmo's algorithm running alone, for any number of workers.
+// pagmo's algorithm itself runs this generation, and receives the recorded results at once. The outcome of
+// the search equals that of pagmo's algorithm running alone, for any number of workers.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <cstdint>
