@@ -26,7 +26,7 @@ bool crn_permission_answer(crn_permission *permission, uint32_t code);
  * ready. */
 void crn_permission_give(crn_permission *permission);
 
-/* Counts one edge of the timer for the expiry of code and permission. */
+/* Counts one edge of the timer (1 ms). Both the confirmation code and the permission expire after a time. */
 void crn_permission_age(crn_permission *permission);
 
 /* Makes any code and any permission to power the motors invalid. */

@@ -1,5 +1,6 @@
-// Claims: the reader of TOML files returns values within their bounds, and refuses everything else with file,
-// line, place, key and remedy. For a mistyped key, word or source the error message suggests the right one.
+// Claims: the reader of TOML files returns values within their bounds, and refuses all other
+// values. The message then names file, line, place, key and remedy. For a mistyped key, word or source the
+// error message suggests the right one.
 #include "host/base/tests/folder.hpp"
 #include "host/base/toml_reader.hpp"
 

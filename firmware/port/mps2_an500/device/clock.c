@@ -70,8 +70,8 @@ uint32_t clock_work_begin(void)
     return now;
 }
 
-/* If the rig's model (the plant) sets the milliseconds, sets the clock to the beginning of the plant's
- * millisecond. The clock is never set back, so a device that is late with its work stays late. */
+/* Sets the clock to the beginning of the plant's millisecond, if the rig's model (the plant) provides the
+ * milliseconds. The clock is never set back, so a device that is late with its work stays late. */
 void clock_edge_begin(void)
 {
     clock_work_begin();
