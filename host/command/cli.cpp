@@ -72,22 +72,26 @@ void add_pictures(CLI::App &command, PictureSettings &pictures)
 void add_tools(CLI::App &command, std::string &instrument, std::vector<std::string> &tools)
 {
     command
-        .add_option(
-            "--tool", tools,
-            "Instrument file, maybe with :preset (docs/instruments.md); once per tool, from the innermost to "
-            "the outermost, at most three")
-        ->allow_extra_args(false);
-    command.add_option("--instrument", instrument, "The innermost tool, as --tool before all others");
+        .add_option("--tool", tools,
+                    "Name or file of an instrument, maybe with :preset (docs/instruments.md); once per tool, "
+                    "from the "
+                    "innermost to the outermost, at most three")
+        ->allow_extra_args(false)
+        ->transform(name_or_path(instrument_files));
+    command.add_option("--instrument", instrument, "The innermost tool, as --tool before all others")
+        ->transform(name_or_path(instrument_files));
 }
 
 void add_stents(CLI::App &command, std::vector<std::string> &stents, PictureSettings &pictures)
 {
     command
         .add_option("--stent", stents,
-                    "Stent file (docs/stent.md) for the tool with a balloon; once per stent, in the order of "
+                    "Name or file of a stent (docs/stent.md) for the tool with a balloon; once per stent, in "
+                    "the order of "
                     "loading: the first "
                     "is on the balloon from the start, unless a script says 'load stent'")
-        ->allow_extra_args(false);
+        ->allow_extra_args(false)
+        ->transform(name_or_path(stent_files));
     command
         .add_option("--balloon-iodine", pictures.balloon_iodine_mg_per_ml,
                     "What fills a balloon, mg iodine per ml: half of it contrast medium, half saline")
@@ -128,8 +132,11 @@ void add_run(CLI::App &app, RunOptions &options)
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
     add_tools(*command, options.instrument, options.tools);
     add_stents(*command, options.stents, options.pictures);
-    command->add_option("--session", options.session,
-                        "Session script (docs/session.md), carried out as fast as the machine allows");
+    command
+        ->add_option(
+            "--session", options.session,
+            "Name or file of a session script (docs/session.md), carried out as fast as the machine allows")
+        ->transform(name_or_path(session_files));
     command
         ->add_option("--free-run", options.free_run_s,
                      "Instead of a script: FREE_RUN for so many seconds, 0: until Ctrl-C (docs/rig.md)")
@@ -270,9 +277,12 @@ void add_instruments(CLI::App &app, InstrumentsOptions &options)
 {
     CLI::App *command =
         app.add_subcommand("instruments", "List instruments with size, stiffness, shape and presets");
-    command->add_option("file", options.files,
-                        std::string("Instrument files, each maybe with :preset, or folders; default: ") +
-                            shipped_instruments);
+    command
+        ->add_option(
+            "file", options.files,
+            std::string("Names or files of instruments, each maybe with :preset, or folders; default: ") +
+                shipped_instruments)
+        ->transform(name_or_path(instrument_files));
     command->add_option("--preset", options.preset,
                         "This preset of every file that has it; default: physical");
     command->add_option("--png", options.png, "Draw stiffness and unloaded shape");

@@ -1,4 +1,5 @@
 #include "tools/anatomy/vessel_file.hpp"
+#include "host/base/examples.hpp"
 #include "host/base/number_text.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/toml_reader.hpp"
@@ -336,21 +337,11 @@ VesselTree read_vessels(const std::string &file)
 
 std::string shipped_vessel_file(const std::string &name)
 {
-    namespace fs = std::filesystem;
-    constexpr int FOLDERS_UP = 4; // build/san/bin is three below the repository
     std::error_code failure;
-    fs::path folder = fs::read_symlink("/proc/self/exe", failure).parent_path();
-    std::vector<fs::path> places;
-    for (int up = 0; up < FOLDERS_UP && folder.has_relative_path(); up++) {
-        folder = folder.parent_path();
-        places.push_back(folder / "share/cournand/examples/anatomies");
-        places.push_back(folder / "shared/examples/anatomies");
-    }
-    places.emplace_back("shared/examples/anatomies");
     std::vector<std::string> others;
-    for (const fs::path &place : places) {
-        if (fs::is_regular_file(place / name, failure)) return (place / name).string();
-        for (const auto &entry : fs::directory_iterator(place, failure))
+    for (const std::filesystem::path &folder : crn::shipped_folders(crn::anatomy_files)) {
+        if (std::filesystem::is_regular_file(folder / name, failure)) return (folder / name).string();
+        for (const auto &entry : std::filesystem::directory_iterator(folder, failure))
             others.push_back(entry.path().filename().string());
     }
     const std::string text = "there is no file " + name + " in shared/examples/anatomies";

@@ -1,0 +1,40 @@
+// Finds the example files that come with the program, and a user's own files of the same kinds, by their
+// names.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+// The kinds of files that a user can name, each with the singular for messages and with the file name's
+// ending.
+struct ExampleKind {
+    const char *folder, *singular, *ending;
+};
+inline constexpr ExampleKind instrument_files{"instruments", "instrument", ".toml"};
+inline constexpr ExampleKind stent_files{"stents", "stent", ".toml"};
+inline constexpr ExampleKind session_files{"sessions", "session", ".session"};
+inline constexpr ExampleKind anatomy_files{"anatomies", "anatomy", ".toml"};
+
+// Returns the existing folders with the files of this kind that come with the program, in the order in which
+// they are searched. The installed program has share/cournand/examples/KIND, and the repository has
+// shared/examples/KIND; both are searched in all folders above the running program, and the second also in
+// the current folder.
+std::vector<std::filesystem::path> shipped_folders(const ExampleKind &kind);
+
+// Returns the user's own folder, $XDG_DATA_HOME/cournand/KIND or ~/.local/share/cournand/KIND, if it exists,
+// and then shipped_folders().
+std::vector<std::filesystem::path> example_folders(const ExampleKind &kind);
+
+// Returns the path of the file with this name, which has no ending. Throws std::runtime_error with a
+// suggestion if there is no such file.
+std::string example_path(const ExampleKind &kind, const std::string &name);
+
+// Returns the path that a word of the command line means. A word with a slash or a dot, and a word that is
+// the path of a file or folder, is a path already. Every other word is the name of a file of this kind.
+// Throws as example_path.
+std::string named_path(const ExampleKind &kind, const std::string &word);
+
+} // namespace crn
