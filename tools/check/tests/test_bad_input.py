@@ -264,6 +264,10 @@ def cournand_command_lines(bench):
     bench.bad("cournand with an unknown command is refused", ["cournand", "fly"], 2, "fly|subcommand")
     bench.bad("a run without a tool is refused", ["cournand", "run", "--session", "good.session"], 2,
               "--tool is required")
+    bench.bad("a misspelt name of an instrument is corrected", session_run(wire="j_wre"), 2,
+              "no instrument 'j_wre', did you mean 'j_wire'")
+    bench.bad("a misspelt name of a session is corrected", session_run(session="demmo"), 2,
+              "no session 'demmo', did you mean 'demo'")
     bench.bad("a run with an unknown option is refused", session_run(more=["--fast"]), 2, "--fast")
     bench.bad("pictures of no size are refused", session_run(more=["--size", "0"]), 2, "size.*range")
     bench.bad("pictures at a word per second are refused", session_run(more=["--fps", "many"]), 2,
