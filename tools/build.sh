@@ -24,7 +24,7 @@ if [ ! -e "$folder/build.ninja" ] || [ "$want" != "$have" ] || [ -n "${CMAKE_ARG
     configure() { cmake --preset "$preset" -B "$folder" "-DCRN_PARTS=$want" ${CMAKE_ARGS:-} >"$log" 2>&1; }
     # When the path to the compiler has changed, CMake deletes its cache and forgets the preset's values, such as the
     # sanitizers. The second call sets them.
-    if configure && grep -q 'cache to be deleted' "$log"; then configure; fi || {
+    configure && { ! grep -q 'cache to be deleted' "$log" || configure; } || {
         cat "$log" >&2
         exit 1
     }

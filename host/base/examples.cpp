@@ -62,7 +62,8 @@ std::string example_path(const ExampleKind &kind, const std::string &name)
     const std::string singular = kind.singular;
     if (others.empty())
         throw std::runtime_error(
-            "there is no " + singular + " '" + name + "', because no folder of " + kind.folder +
+            "there is no " + singular + " '" + name + "', because no such file is in a folder of " +
+            kind.folder +
             " is found: run the program in the repository, install it by make install, or "
             "give the path of a file");
     std::sort(others.begin(), others.end());

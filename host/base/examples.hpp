@@ -20,8 +20,8 @@ inline constexpr ExampleKind anatomy_files{"anatomies", "anatomy", ".toml"};
 
 // Returns the existing folders with the files of this kind that come with the program, in the order in which
 // they are searched. The installed program has share/cournand/examples/KIND, and the repository has
-// shared/examples/KIND; both are searched in all folders above the running program, and the second also in
-// the current folder.
+// shared/examples/KIND; both are searched in the four folders above the running program, and the second also
+// in the current folder.
 std::vector<std::filesystem::path> shipped_folders(const ExampleKind &kind);
 
 // Returns the user's own folder, $XDG_DATA_HOME/cournand/KIND or ~/.local/share/cournand/KIND, if it exists,

@@ -345,6 +345,8 @@ std::string shipped_vessel_file(const std::string &name)
             others.push_back(entry.path().filename().string());
     }
     const std::string text = "there is no file " + name + " in shared/examples/anatomies";
+    std::sort(others.begin(), others.end()); // the same folder may be found in two ways
+    others.erase(std::unique(others.begin(), others.end()), others.end());
     if (!others.empty()) throw std::runtime_error(text + crn::suggestion(name, others));
     throw std::runtime_error(text +
                              ", nor in share/cournand/examples/anatomies where it is installed: run the "

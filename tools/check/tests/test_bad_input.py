@@ -459,7 +459,7 @@ def instrument_lists(bench):
     bench.bad("a list of a folder without instruments is refused", listing + ["."], 1, r"bad\.toml|no \.toml")
     bench.bad("a list of a preset that nothing has is refused", listing + [os.path.dirname(WIRE), "--preset", "x"], 1,
               "preset 'x'")
-    bench.bad("a list with an unknown option is refused", listing + ["--jpeg", "x"], 2, "jpeg")
+    bench.bad("a list with an unknown option is refused", listing + ["--jpeg", "x.jpeg"], 2, "jpeg")
     bench.bad("a list drawn into a missing folder is refused", listing + [WIRE, "--png", "no/x.png"], 1, "no/x.png")
     bench.bad("a list written into a missing folder is refused", listing + [WIRE, "--json", "no/x.json"], 1,
               "no/x.json")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests that each shipped session fails to reach its expected end if its tools are not turned. test_sessions.py and
+"""Tests that each shipped session with turns fails to reach its expected end without them. test_sessions.py and
 test_heart_sessions.py test that the unchanged sessions reach it.
 
 Contrast medium flows in these sessions, but no pictures are made. The scenes have no bodies that only pictures need.

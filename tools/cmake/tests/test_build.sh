@@ -29,5 +29,11 @@ configured run
 report $? "a new folder is configured by its preset"
 PATH="$work/other:$PATH" configured tests
 report $? "it keeps the preset when the path to the compiler changes"
+if CMAKE_ARGS=-DCMAKE_CXX_COMPILER=no-such-compiler tools/build.sh sanitize run build.ninja >"$work/said" 2>&1; then
+    report 1 "a configuration that fails is reported"
+else
+    grep -q no-such-compiler "$work/said"
+    report $? "a configuration that fails is reported"
+fi
 echo "1..$count"
 exit $status
