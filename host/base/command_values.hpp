@@ -16,10 +16,7 @@ inline CLI::Validator name_or_path(const ExampleKind &kind)
     CLI::Validator names;
     names.operation([kind](std::string &word) {
         try {
-            if (word.find_first_of("/.") != word.npos) return std::string();
-            const std::size_t colon = word.find_last_of(':');
-            const std::string name = word.substr(0, colon), preset = word.substr(name.size());
-            word = named_path(kind, name) + preset;
+            word = named_path(kind, word);
             return std::string();
         } catch (const std::runtime_error &error) {
             return std::string(error.what());

@@ -48,34 +48,40 @@ std::vector<fs::path> example_folders(const ExampleKind &kind)
     return folders;
 }
 
+FileSearch search_file(const std::vector<fs::path> &folders, const std::string &name)
+{
+    std::error_code failure;
+    FileSearch search;
+    for (const fs::path &folder : folders) {
+        if (fs::is_regular_file(folder / name, failure)) return {(folder / name).string(), {}};
+        for (const auto &entry : fs::directory_iterator(folder, failure))
+            search.others.push_back(entry.path().filename().string());
+    }
+    std::sort(search.others.begin(), search.others.end()); // two names of a folder give each file twice
+    search.others.erase(std::unique(search.others.begin(), search.others.end()), search.others.end());
+    return search;
+}
+
 std::string example_path(const ExampleKind &kind, const std::string &name)
 {
-    const std::vector<fs::path> folders = example_folders(kind);
-    std::error_code failure;
+    const FileSearch search = search_file(example_folders(kind), name + kind.ending);
+    if (!search.path.empty()) return search.path;
     std::vector<std::string> others;
-    for (const fs::path &folder : folders) {
-        const fs::path path = folder / (name + kind.ending);
-        if (fs::is_regular_file(path, failure)) return path.string();
-        for (const auto &entry : fs::directory_iterator(folder, failure))
-            if (entry.path().extension() == kind.ending) others.push_back(entry.path().stem().string());
-    }
-    const std::string singular = kind.singular;
-    if (others.empty())
-        throw std::runtime_error(
-            "there is no " + singular + " '" + name + "', because no such file is in a folder of " +
-            kind.folder +
-            " is found: run the program in the repository, install it by make install, or "
-            "give the path of a file");
-    std::sort(others.begin(), others.end());
-    others.erase(std::unique(others.begin(), others.end()), others.end());
-    throw std::runtime_error("there is no " + singular + " '" + name + "'" + suggestion(name, others));
+    for (const fs::path other : search.others)
+        if (other.extension() == kind.ending) others.push_back(other.stem().string());
+    const std::string text = "there is no " + std::string(kind.singular) + " '" + name + "'";
+    if (!others.empty()) throw std::runtime_error(text + suggestion(name, others));
+    throw std::runtime_error(text + ", because no folder with " + kind.folder +
+                             " is found: run the program in the repository, install it by make install, or "
+                             "give the path of a file");
 }
 
 std::string named_path(const ExampleKind &kind, const std::string &word)
 {
+    const std::string name = word.substr(0, word.find_last_of(':')), preset = word.substr(name.size());
     std::error_code failure;
-    const bool is_path = word.empty() || word.find_first_of("/.") != word.npos || fs::exists(word, failure);
-    return is_path ? word : example_path(kind, word);
+    const bool is_path = name.empty() || word.find_first_of("/.") != word.npos || fs::exists(name, failure);
+    return is_path ? word : example_path(kind, name) + preset;
 }
 
 } // namespace crn

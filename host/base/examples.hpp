@@ -28,13 +28,22 @@ std::vector<std::filesystem::path> shipped_folders(const ExampleKind &kind);
 // and then shipped_folders().
 std::vector<std::filesystem::path> example_folders(const ExampleKind &kind);
 
+// Holds the result of a search. If the file was not found, `path` is empty, and `others` has the names of all
+// files in the folders, sorted and without repetitions.
+struct FileSearch {
+    std::string path;
+    std::vector<std::string> others;
+};
+// Searches the folders, in their order, for the file with this name and ending.
+FileSearch search_file(const std::vector<std::filesystem::path> &folders, const std::string &name);
+
 // Returns the path of the file with this name, which has no ending. Throws std::runtime_error with a
 // suggestion if there is no such file.
 std::string example_path(const ExampleKind &kind, const std::string &name);
 
 // Returns the path that a word of the command line means. A word with a slash or a dot, and a word that is
-// the path of a file or folder, is a path already. Every other word is the name of a file of this kind.
-// Throws as example_path.
+// the path of a file or folder, is a path already. Every other word is the name of a file of this kind,
+// maybe with ":preset" behind it, which stays behind the path. Throws as example_path.
 std::string named_path(const ExampleKind &kind, const std::string &word);
 
 } // namespace crn

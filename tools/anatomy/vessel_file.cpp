@@ -337,17 +337,10 @@ VesselTree read_vessels(const std::string &file)
 
 std::string shipped_vessel_file(const std::string &name)
 {
-    std::error_code failure;
-    std::vector<std::string> others;
-    for (const std::filesystem::path &folder : crn::shipped_folders(crn::anatomy_files)) {
-        if (std::filesystem::is_regular_file(folder / name, failure)) return (folder / name).string();
-        for (const auto &entry : std::filesystem::directory_iterator(folder, failure))
-            others.push_back(entry.path().filename().string());
-    }
+    const crn::FileSearch search = crn::search_file(crn::shipped_folders(crn::anatomy_files), name);
+    if (!search.path.empty()) return search.path;
     const std::string text = "there is no file " + name + " in shared/examples/anatomies";
-    std::sort(others.begin(), others.end()); // the same folder may be found in two ways
-    others.erase(std::unique(others.begin(), others.end()), others.end());
-    if (!others.empty()) throw std::runtime_error(text + crn::suggestion(name, others));
+    if (!search.others.empty()) throw std::runtime_error(text + crn::suggestion(name, search.others));
     throw std::runtime_error(text +
                              ", nor in share/cournand/examples/anatomies where it is installed: run the "
                              "program in the repository, or install it by make install");

@@ -97,7 +97,7 @@ void check_parent(const TreeDraft &draft, const GivenVessel &given, size_t at)
 
 /* If a coronary artery begins in the aorta, the file must state its side (left or right); every other
  * coronary artery has the side of its parent. */
-void set_bed(const TreeDraft &draft, GivenVessel &given)
+void check_side(const TreeDraft &draft, const GivenVessel &given)
 {
     if (!given.is_coronary) return;
     const GivenVessel &parent = draft.vessels[index_of(draft.vessels, given.vessel.parent)];
@@ -107,7 +107,6 @@ void set_bed(const TreeDraft &draft, GivenVessel &given)
              "parent");
     if (!parent.is_coronary && !given.has_side)
         fail(given.place, given.vessel.name, "'side' is missing: side = \"left\" or \"right\"");
-    if (parent.is_coronary) given.vessel.bed = parent.vessel.bed;
 }
 
 /* Checks that a vessel begins inside its parent vessel. The vessel's first point may lie outside the parent
@@ -153,7 +152,8 @@ void set_entry(const GivenEntry &entry, VesselTree &tree)
     tree.entry_direction = -curve_tangent(curve, at);
 }
 
-/* A replaced coronary artery may have changed its side, and its branches follow it. */
+/* Gives every branch of a coronary artery the bed of its parent. This is done when the list is complete,
+ * because a later file may replace the parent by an artery of the other side. */
 void set_beds_of_branches(TreeDraft &draft)
 {
     for (GivenVessel &given : draft.vessels) {
@@ -169,7 +169,7 @@ void add_vessel(TreeDraft &draft, GivenVessel given)
 {
     const size_t at = place_in(draft, given);
     check_parent(draft, given, at);
-    set_bed(draft, given);
+    check_side(draft, given);
     if (given.replaces)
         draft.vessels[at] = std::move(given);
     else

@@ -72,11 +72,12 @@ static double point_distance_squared(const double *p, const double *q)
 }
 
 /* Returns the distance to the nearest of every eighth point of the path, which is an upper bound of the
- * distance to the path. */
+ * distance to the path. The jump to the second branch is no segment. */
 static double bound_m(const reference_tube *tube, const double *p, uint32_t from, uint32_t to)
 {
     double best = 1e18;
     for (uint32_t i = from; i + 1 < to; i += STRETCH) {
+        if (i + 1 == tube->branch) continue;
         double square = point_distance_squared(p, tube->points_m[i]);
         best = square < best ? square : best;
     }

@@ -75,9 +75,17 @@ static void a_relative_data_folder_is_ignored(void **)
     unsetenv("XDG_DATA_HOME");
 }
 
+static void a_preset_stays_behind_the_name(void **)
+{
+    const std::string path = named_path(instrument_files, "j_wire");
+    assert_string_equal(named_path(instrument_files, "j_wire:vcsim3-fit").c_str(),
+                        (path + ":vcsim3-fit").c_str());
+}
+
 static void a_path_stays_a_path(void **)
 {
-    for (const char *path : {"", "a/j_wire", "./j_wire", "j_wire.toml", "gone.session", "shared"})
+    for (const char *path : {"", "a/j_wire", "./j_wire", "j_wire.toml", "gone.session", "shared",
+                             "a:b.session", "a:b/j_wire.toml"})
         assert_string_equal(named_path(instrument_files, path).c_str(), path);
 }
 
@@ -100,6 +108,7 @@ int main()
         cmocka_unit_test(a_name_finds_the_file_that_comes_with_the_program),
         cmocka_unit_test(a_users_own_file_comes_first),
         cmocka_unit_test(a_relative_data_folder_is_ignored),
+        cmocka_unit_test(a_preset_stays_behind_the_name),
         cmocka_unit_test(a_path_stays_a_path),
         cmocka_unit_test(a_misspelt_name_has_a_suggestion),
     };

@@ -3,37 +3,29 @@
 # folder of compilers comes first now. CMake alone would forget the sanitizers. Prints TAP.
 set -u
 cd "$(dirname "$0")/../../.." || exit 1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+programs="" # it builds none
+# shellcheck source=tools/check/tool.sh
+. tools/check/tool.sh
 export BUILD="$work/build"
 for compiler in clang clang++; do
     mkdir -p "$work/other"
     printf '#!/bin/sh\nexec "%s" "$@"\n' "$(command -v $compiler)" >"$work/other/$compiler"
     chmod +x "$work/other/$compiler"
 done
-count=0 status=0
-report() { # STATUS NAME
-    count=$((count + 1))
-    if [ "$1" = 0 ]; then echo "ok $count - $2"; else
-        status=1
-        echo "not ok $count - $2"
-        tail -n 15 "$work/said" | sed 's/^/# /'
-    fi
-}
 configured() { # PARTS: configures the folder for sanitizers, and checks the sanitizers and the parts
     tools/build.sh sanitize "$1" build.ninja >"$work/said" 2>&1 &&
         grep -q '^CRN_SANITIZE:STRING=address,undefined$' "$BUILD/san/CMakeCache.txt" &&
         grep -q "^CRN_PARTS:[A-Z]*=.*$1" "$BUILD/san/CMakeCache.txt"
 }
 configured run
-report $? "a new folder is configured by its preset"
+report "a new folder is configured by its preset" $?
 PATH="$work/other:$PATH" configured tests
-report $? "it keeps the preset when the path to the compiler changes"
+report "it keeps the preset when the path to the compiler changes" $?
 if CMAKE_ARGS=-DCMAKE_CXX_COMPILER=no-such-compiler tools/build.sh sanitize run build.ninja >"$work/said" 2>&1; then
-    report 1 "a configuration that fails is reported"
+    report "a configuration that fails is reported" 1
 else
     grep -q no-such-compiler "$work/said"
-    report $? "a configuration that fails is reported"
+    report "a configuration that fails is reported" $?
 fi
-echo "1..$count"
-exit $status
+echo "1..$number"
+exit $failed

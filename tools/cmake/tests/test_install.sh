@@ -4,19 +4,11 @@
 set -u
 cd "$(dirname "$0")/../../.." || exit 1
 root=$PWD build="$PWD/${BUILD:-build}"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-count=0 status=0
-report() { # STATUS NAME
-    count=$((count + 1))
-    if [ "$1" = 0 ]; then echo "ok $count - $2"; else
-        status=1
-        echo "not ok $count - $2"
-        tail -n 15 "$work/said" | sed 's/^/# /'
-    fi
-}
+programs="cournand anatomy bake centreline"
+# shellcheck source=tools/check/tool.sh
+. tools/check/tool.sh
 cmake --install "$build" --prefix "$work/prefix" >"$work/said" 2>&1
-report $? "it installs into a folder"
+report "it installs into a folder" $?
 export PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig"
 cat >"$work/core.c" <<'C'
 #include "firmware/core/core.h"
@@ -43,12 +35,12 @@ cd "$work" || exit 1
 # shellcheck disable=SC2046
 gcc -std=c11 core.c $(pkg-config --cflags --libs cournand-core) -o core >said 2>&1 && ./core >said 2>&1 &&
     grep -q "^core [1-9]" said
-report $? "a C program finds the core by pkg-config"
+report "a C program finds the core by pkg-config" $?
 tool="$work/prefix/share/cournand/examples/instruments/j_wire.toml"
 # shellcheck disable=SC2046
 g++ -std=c++20 host.cpp $(pkg-config --cflags --libs cournand-host) -o host >said 2>&1 &&
     ./host "$tool" >said 2>&1 && [ -s said ]
-report $? "a C++ program finds the host by pkg-config, and reads an instrument that was installed"
+report "a C++ program finds the host by pkg-config, and reads an instrument that was installed" $?
 cat >CMakeLists.txt <<'C'
 cmake_minimum_required(VERSION 3.25)
 project(mine C CXX)
@@ -61,10 +53,10 @@ target_link_libraries(mine_core cournand::core)
 C
 cmake -S . -B b -DCMAKE_PREFIX_PATH="$work/prefix" >said 2>&1 &&
     cmake --build b >said 2>&1 && b/mine "$tool" >said 2>&1 && b/mine_core >>said
-report $? "a CMake project finds both by find_package"
+report "a CMake project finds both by find_package" $?
 "$work/prefix/bin/cournand" instruments "$tool" >said 2>&1
-report $? "the installed program runs"
+report "the installed program runs" $?
 ! grep -rIl "$root" "$work/prefix/lib/pkgconfig" "$work/prefix/lib/cmake" >said 2>&1
-report $? "no installed description names the folder that it was built in"
-echo "1..$count"
-exit $status
+report "no installed description names the folder that it was built in" $?
+echo "1..$number"
+exit $failed
