@@ -110,14 +110,19 @@ def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
     if not os.access(command[0], os.X_OK):
         outcome.fail("(did not build, or is not executable: %s)" % command[0])
         return outcome
-    with subprocess.Popen(
-        command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        env=environment,
-        start_new_session=True,
-    ) as process:
+    try:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env=environment,
+            start_new_session=True,
+        )
+    except OSError as error:  # such as an interpreter that does not exist
+        outcome.fail("(does not start: %s)" % error)
+        return outcome
+    with process:
         try:
             output, _ = process.communicate(timeout=time_limit_s)
             ended = True

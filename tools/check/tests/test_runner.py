@@ -173,6 +173,15 @@ def check_no_program(report):
             {"exit code": 1, "last": "0 passed, 2 failed, 0 skipped"},
             {"exit code": code, "last": output.splitlines()[-1]},
         )
+        with open(script(folder, "build/test/sample", ""), "w", encoding="utf-8") as file:
+            file.write("#!/ usr / bin / env python3\n")
+        code, output = run([RUN_TESTS, "--programs", "sample"], folder)
+        expect(
+            report,
+            "a script whose interpreter does not exist is counted as failed",
+            {"exit code": 1, "last": "0 passed, 1 failed, 0 skipped"},
+            {"exit code": code, "last": output.splitlines()[-1]},
+        )
         code, output = run([RUN_TESTS], folder)
         expect(report, "a run without any test is no success", {"exit code": 1}, {"exit code": code})
 
