@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A build folder keeps the values of its preset when the path to the compiler changes, for example because ccache's
-# folder of compilers comes first now. CMake alone would forget the sanitizers. Prints TAP.
+# A build folder keeps the values of its preset, such as the sanitizers, when the path to the compiler changes. The path
+# changes, for example, when ccache's folder of compilers is put first into PATH. Prints TAP.
 set -u
 cd "$(dirname "$0")/../../.." || exit 1
 programs="" # it builds none
