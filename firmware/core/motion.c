@@ -340,7 +340,8 @@ static inline int32_t norm_at_most(const int32_t m[3][3])
 }
 
 /* Returns a lower bound of 1 / |I + J|, at most 1. Format: Q28 -> Q30. Overflow is impossible: matrix norms
- * are at most 1 + 3 x 5/8 (checked when a scene is loaded), which is 2.9 in Q28. */
+ * are at most 1 + 3 x 5/8 (checked when a scene is loaded), about 2.9, and Q28 holds
+ * values below 8. */
 static inline int32_t shrink_of_gradient(const int32_t gradient_q28[3][3])
 {
     const int32_t one = 1 << 28, norm = norm_at_most(gradient_q28);

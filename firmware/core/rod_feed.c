@@ -30,7 +30,7 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 }
 
 /* Returns the compliance that the hand feels, which is its displacement per newton, in Q40 m/N. This value is
- * the compliance of the free part of the tool and the wall, or a smaller compliance that was observed in the
+ * the compliance of the wall and of the tool's free part, or a smaller compliance that was observed in the
  * last ticks. The observed compliance is smaller than that of the whole wire if the wall's friction holds the
  * front of the wire, so that the hand moves only the part between the hand and this place. The observed
  * compliance may grow by only 1/128 per tick. A single tick in which the tool moves easily (after a snap or a

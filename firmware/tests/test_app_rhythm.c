@@ -32,7 +32,7 @@ static void step_asking(uint32_t tick, uint8_t action, uint16_t value)
     send_step(&step);
 }
 
-/* The input of the second tick commands 140 beats a minute; the beat that follows the present beat is 428 ms
+/* At the second tick, the input requests 140 beats a minute; the beat that follows the present beat is 428 ms
  * long. */
 static void an_input_asks_at_its_own_tick(void **state)
 {

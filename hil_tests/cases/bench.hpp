@@ -59,8 +59,7 @@ class Bench
         return false;
     }
 
-    // Makes the rig's power supply fail for a time and then return; the device restarts. The rig has no power
-    // supply for `milliseconds`.
+    // Cuts the rig's power supply for `milliseconds`, and then restores it; the device restarts.
     void brown_out(std::uint32_t milliseconds)
     {
         plant_.supply_good = false;

@@ -24,7 +24,7 @@ enum { USB_PEER_DEADLINE_s = 5 }; /* of a token */
 
 int64_t usb_peer_now_ns(void);
 
-/* Opens a loop-back rig in this process, which makes its ticks in real time. If the host sends command 200,
+/* Opens a loop-back rig in this process. The rig makes its ticks in real time. If the host sends command 200,
  * the rig sends `value1` frames of `value2` bytes each, without a pause. */
 void usb_peer_open_here(usb_peer *peer);
 

@@ -1,5 +1,5 @@
-// Reads instrument files (TOML, docs/instruments.md). The reader returns the numbers of the record
-// `instrument` of the byte protocol, the instrument's unloaded shape and its X-ray layers.
+// Reads instrument files (TOML, docs/instruments.md). The reader returns three things: the
+// record `instrument` of the byte protocol, the instrument's unloaded shape, and its X-ray layers.
 //
 // An instrument file describes one instrument from its tip to its hub, in one or more presets. The path
 // "file.toml" selects the preset `physical`, and "file.toml:vcsim3-fit" selects the preset `vcsim3-fit`. In

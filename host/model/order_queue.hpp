@@ -16,7 +16,7 @@
 namespace crn
 {
 
-// Returns the commands for the core ("orders") in the list of a tick.
+// Returns the orders (commands for the core) that the list of one tick contains.
 inline std::span<const crn_wire_order> orders_of(const crn_wire_order_list &list)
 {
     return {list.items, list.items_count};

@@ -95,10 +95,10 @@ Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
     return centre;
 }
 
-/* Returns the longest time during which no point of the curve moves to a position more than `within_mm` away
- * from one of its earlier positions in that time. Between two frames the function moves the points along
- * straight lines. The middle of this time must lie in the interval [from, to) of the beat, where `from` and
- * `to` are fractions of the beat. */
+/* Returns the length of the longest interval in which the curve is at rest: any two positions of the same
+ * point in the interval are at most `within_mm` apart. Between two frames the function moves the points along
+ * straight lines. The middle of the interval must lie in the interval [from, to) of the beat, where `from`
+ * and `to` are fractions of the beat. */
 double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, double to)
 {
     constexpr int FINE = 240;

@@ -63,8 +63,8 @@ class Reader:
         self.process = None
 
     def ask(self, kind, path):
-        """Returns the line that the program `importers` prints about a file. Returns None if the program ended, or
-        printed nothing within three times the time limit.
+        """Returns the line that the program `importers` prints about a file. Returns None if the program has ended,
+        or if it printed nothing within three times the time limit.
         """
         if not self.process:
             self.start()

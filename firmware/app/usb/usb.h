@@ -156,8 +156,8 @@ void crn_usb_connect(crn_usb *usb, bool connected);
 bool crn_usb_poll(crn_usb *usb);
 
 /* One millisecond has passed. Makes a HID state report from `state` and queues it behind the waiting reports.
- * When the queue of state reports is full, the oldest report is dropped. No state report is queued while no
- * host has configured the device, or while the bus sleeps. */
+ * When the queue of state reports is full, the oldest report is dropped. State reports are queued only
+ * while a host has configured the device and the bus is awake. */
 void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
 
 /* Queues a whole frame for the host. Returns false and queues nothing if the device is not configured or the
