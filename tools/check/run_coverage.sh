@@ -10,6 +10,8 @@ BUILD=${BUILD:-build} tools/build.sh m7 run all || exit 1
 rm -rf "$build/profiles"
 mkdir -p "$build/profiles" "$build/firmware"
 cp "${BUILD:-build}"/firmware/*.elf "$build/firmware/"
+# test_image.py reads the objects of the images, which the preset `m7` has built.
+ln -sfn "$(realpath "${BUILD:-build}")/m7" "$build/m7"
 # A failed test is named, and the lines that it ran are counted nevertheless.
 LLVM_PROFILE_FILE="$PWD/$build/profiles/%p-%m.profraw" \
     tools/check/run_tests.py --build "$build" --jobs "$JOBS" --label product
