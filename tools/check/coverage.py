@@ -77,6 +77,8 @@ def exported(profile, programs):
 
 def counted_path(path, root, build):
     """Returns a file's path inside the repository, or None if the lines of this file are not counted."""
+    # The compiler replaces the repository's path by ".", and puts the build folder before it: "build/./host/x.cpp".
+    path = path.rpartition("/./")[2]
     inside = os.path.relpath(os.path.join(root, path), root)
     parts = inside.split(os.sep)
     if (

@@ -12,6 +12,8 @@ mkdir -p "$build/profiles" "$build/firmware"
 cp "${BUILD:-build}"/firmware/*.elf "$build/firmware/"
 # test_image.py reads the objects of the images, which the preset `m7` has built.
 ln -sfn "$(realpath "${BUILD:-build}")/m7" "$build/m7"
+# test_l2.sh runs the programs of the sanitized build, which are the same programs here.
+ln -sfn . "$build/san"
 # A failed test is named, and the lines that it ran are counted nevertheless.
 LLVM_PROFILE_FILE="$PWD/$build/profiles/%p-%m.profraw" \
     tools/check/run_tests.py --build "$build" --jobs "$JOBS" --label product

@@ -26,8 +26,10 @@ def make(root):
             file.write(text)
     os.makedirs(os.path.join(root, "build/profiles"))
     for program, source in (("one", "app/one.c"), ("two", "app/tests/test_two.c")):
-        words = ["clang"] + FLAGS + ["-ffile-prefix-map=%s=." % root, source, "core/sum.c", "-o", "build/" + program]
-        subprocess.run(words, cwd=root, check=True)
+        # CMake compiles in the build folder, with the whole path of each source.
+        words = ["clang"] + FLAGS + ["-ffile-prefix-map=%s=." % root]
+        words += [os.path.join(root, path) for path in (source, "core/sum.c")] + ["-o", program]
+        subprocess.run(words, cwd=os.path.join(root, "build"), check=True)
 
 
 def run(root, program):
