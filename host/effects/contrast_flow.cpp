@@ -52,14 +52,19 @@ void ContrastFlow::reshape(const VesselTree &opened, int steps)
     network_.reshape(cells_, tool_mm_);
 }
 
-void ContrastFlow::set_tools(std::span<const ToolBall> balls)
+void find_thickest(const FlowCells &cells, std::span<const ToolBall> balls, std::vector<double> &tool_mm)
 {
-    std::fill(tool_mm_.begin(), tool_mm_.end(), 0.0);
-    if (tool_mm_.empty()) return;
+    tool_mm.assign(cells.size(), 0.0);
+    if (tool_mm.empty()) return;
     for (const ToolBall &ball : balls) {
-        double &thickest = tool_mm_[cells_.nearest(ball.place_m)];
+        double &thickest = tool_mm[cells.nearest(ball.place_m)];
         thickest = std::max(thickest, ball.radius_m * 1e3);
     }
+}
+
+void ContrastFlow::set_tools(std::span<const ToolBall> balls)
+{
+    find_thickest(cells_, balls, tool_mm_);
     network_.set_tools(tool_mm_);
 }
 

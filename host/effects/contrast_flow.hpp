@@ -42,6 +42,9 @@ struct ToolBall {
     double radius_m = 0.0;
 };
 
+// Sets the radius of the thickest tool in each cell, in mm; 0 means that the cell contains no tool.
+void find_thickest(const FlowCells &cells, std::span<const ToolBall> balls, std::vector<double> &tool_mm);
+
 struct InjectedFluid {
     double flow_ml_s = 0.0;
     double iodine_mg_per_ml = 0.0;

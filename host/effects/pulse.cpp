@@ -86,6 +86,12 @@ void PulseMonitor::begin_beat(const crn_wire_tick_state &state)
 
 void PulseMonitor::tick(const crn_wire_tick_state &state)
 {
+    advance(state);
+    show(aortic_mmHg_);
+}
+
+void PulseMonitor::advance(const crn_wire_tick_state &state)
+{
     if (state.beat_ms < beat_ms_) begin_beat(state);
     beat_ms_ = state.beat_ms;
     bits_ = state.rhythm_bits;
@@ -96,12 +102,17 @@ void PulseMonitor::tick(const crn_wire_tick_state &state)
     const double run_off = (stored_mmHg_ - venous_mmHg) / resistance_mmHg_s_ml;
     stored_mmHg_ += (flow - run_off) / compliance_ml_mmHg * tick_s;
     aortic_mmHg_ = stored_mmHg_ + impedance_mmHg_s_ml * flow;
-    highest_mmHg_ = std::max(highest_mmHg_, aortic_mmHg_);
-    lowest_mmHg_ = std::min(lowest_mmHg_, aortic_mmHg_);
+    if (ticks_ % sample_ticks == 0)
+        ecg_mV_ = ecg_mV(phase, state.beat_ms, state.interval_ms, state.rhythm_bits);
+}
+
+void PulseMonitor::show(double measured_mmHg)
+{
+    highest_mmHg_ = std::max(highest_mmHg_, measured_mmHg);
+    lowest_mmHg_ = std::min(lowest_mmHg_, measured_mmHg);
     if (ticks_++ % sample_ticks != 0) return;
     newest_ = (newest_ + 1) % sample_count;
-    const double ecg = ecg_mV(phase, state.beat_ms, state.interval_ms, state.rhythm_bits);
-    samples_[newest_] = {static_cast<float>(ecg), static_cast<float>(aortic_mmHg_)};
+    samples_[newest_] = {static_cast<float>(ecg_mV_), static_cast<float>(measured_mmHg)};
 }
 
 double PulseMonitor::rate_per_min() const

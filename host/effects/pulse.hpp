@@ -38,10 +38,15 @@ class PulseMonitor
         float ecg_mV = 0.0f, pressure_mmHg = 0.0f;
     };
 
+    // Receives every tick. The curve then shows the aortic pressure.
     void tick(const crn_wire_tick_state &state);
+    // Does the same in two steps, for a curve that shows the pressure of another transducer: advance()
+    // computes the aortic pressure, and show() receives the measured pressure of the same tick.
+    void advance(const crn_wire_tick_state &state);
+    void show(double measured_mmHg);
 
-    double pressure_mmHg() const { return aortic_mmHg_; }
-    // The next functions return figures of the last complete beat.
+    double pressure_mmHg() const { return aortic_mmHg_; } // in the aorta
+    // The next functions return figures of the last complete beat. The pressures are those of the curve.
     double systolic_mmHg() const { return systolic_mmHg_; }
     double diastolic_mmHg() const { return diastolic_mmHg_; }
     // Returns the heart rate per minute: 60 000 divided by the mean of the last four intervals in ms; 0 after
@@ -65,6 +70,7 @@ class PulseMonitor
     std::array<Sample, sample_count> samples_{};
     std::size_t newest_ = 0;
     std::uint32_t ticks_ = 0, beats_ = 0, premature_beats_ = 0;
+    double ecg_mV_ = 0.0;
     std::uint8_t bits_ = 0;
     double beat_ms_ = 1e9, filling_ms_ = 500.0; // length of the diastole before this beat
     double systole_ms_ = 390.0;

@@ -2,7 +2,7 @@
 #include "host/base/format.hpp"
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/units.hpp"
-#include "host/model/wire_place.hpp"
+#include "host/patient/tool_balls.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,7 +22,6 @@ double seconds(Clock::duration duration)
 }
 
 constexpr double widening_step_m = 0.25e-3;
-constexpr double ball_step_m = 2e-3;        // between places of a tool that narrow the lumen
 constexpr double invisible_mg_per_ml = 0.3; // 0.1 % of a 5 mm column: less than noise
 constexpr double forgotten_mg = 0.01;       // mg in all vessels together below which medium is ignored
 constexpr double beats_per_min = 70.0;
@@ -47,44 +46,7 @@ void go_to(SweptCurve &curve, const SweptPoint &point)
     curve.points.push_back(point);
 }
 
-bool has_lumen(const Instrument &tool)
-{
-    return tool.table.knots_count > 0 && tool.table.knots[0].radius_inner_um > 0;
-}
-
-// Returns the point of the nested tools at an arc length from the leading tip; for an arc length beyond an
-// end, the function returns that end.
-Vector3d place_at(const WireFrame &wire, double arc_m)
-{
-    if (arc_m < wire.nodes.front().arc_m) return wire.nodes.front().position_m;
-    if (arc_m >= wire.nodes.back().arc_m) return wire.nodes.back().position_m;
-    return line_place_m(wire, arc_m);
-}
-
-std::vector<ToolBall> balls_of(const WireFrame &wire)
-{
-    std::vector<ToolBall> balls;
-    for (std::size_t i = 0; i + 1 < wire.nodes.size(); ++i) {
-        const WireNode &from = wire.nodes[i], &to = wire.nodes[i + 1];
-        const double length_m = (to.position_m - from.position_m).norm();
-        const int pieces = std::clamp(static_cast<int>(length_m / ball_step_m), 0, 50) + 1;
-        for (int k = 0; k < pieces; ++k)
-            balls.push_back(
-                {from.position_m + (static_cast<double>(k) / pieces) * (to.position_m - from.position_m),
-                 from.radius_m});
-    }
-    // The balls that model a balloon count as a tool too, so that a balloon that fills the vessel blocks the
-    // blood flow.
-    for (std::size_t j = 0; j < wire.balloon_radii_m.size() && !wire.nodes.empty(); ++j) {
-        const double arc_m = wire.balloon_arc_m + static_cast<double>(j) * wire.balloon_spacing_m;
-        balls.push_back({place_at(wire, arc_m), wire.balloon_radii_m[j]});
-    }
-    return balls;
-}
-
 constexpr double kPa_per_psi = 6.894757;
-constexpr double taken_out_m =
-    1e-3; // a tool that reaches no farther beyond the introducer also counts as outside the lumens
 
 // Returns the reason why this flow of medium cannot pass through the tool, or an empty string if it can.
 std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
@@ -132,6 +94,12 @@ std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, 
     return {};
 }
 
+bool is_in_patient(const crn_wire_tool_state &tool)
+{
+    constexpr double taken_out_m = 1e-3;
+    return units::metres(tool.inserted_m_q30) > taken_out_m;
+}
+
 std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
                               double iodine_mg_per_ml)
 {
@@ -147,19 +115,9 @@ std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCo
 
 PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                                  const Motion *motion, LesionOpening opening)
-    : tools_(tools), vessels_(vessels), opening_(std::move(opening)), flow_(vessels)
+    : tools_(tools), vessels_(vessels), moved_(vessels, motion, opening), opening_(std::move(opening)),
+      flow_(vessels)
 {
-    if (!motion) return;
-    std::vector<Vector3d> points_m;
-    for (const VesselBranch &branch : vessels.branches)
-        points_m.insert(points_m.end(), branch.points_m.begin(), branch.points_m.end());
-    points_.emplace(*motion, std::move(points_m));
-    std::vector<Vector3d> healthy_m;
-    for (std::size_t k = 0; k < opening_.lesion_count(); ++k)
-        healthy_m.insert(healthy_m.end(), vessels.lesions[k].healthy_points_m.begin(),
-                         vessels.lesions[k].healthy_points_m.end());
-    healthy_points_.emplace(*motion, std::move(healthy_m));
-    moved_ = vessels;
 }
 
 // Returns the reason why the pressure for this injection would be too high, or an empty string. The other
@@ -169,7 +127,7 @@ std::string PatientContrast::pressure_refusal(const Asked &asked, const crn_wire
     std::vector<InnerTool> inside;
     const auto inserted_m = [&](std::size_t tool) { return units::metres(state.tools[tool].inserted_m_q30); };
     for (std::size_t k = 0; k < asked.tool && asked.tool < state.tools_count; ++k)
-        if (inserted_m(k) > taken_out_m)
+        if (is_in_patient(state.tools[k]))
             inside.push_back({&tools_[k], inserted_m(asked.tool) - inserted_m(k)});
     return flow_refusal(tools_[asked.tool], inside, asked.flow_ml_s, asked.iodine_mg_per_ml);
 }
@@ -209,21 +167,8 @@ BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
 // Moves the centrelines of the vessels to where heart and breath have moved the vessels in this frame.
 void PatientContrast::place_vessels(const WireFrame &wire)
 {
-    if (!points_) return;
-    const MotionWeights now = motion_weights({wire.heart_phase32, wire.breath_phase32});
-    std::size_t i = 0;
-    for (VesselBranch &branch : moved_.branches)
-        for (Vector3d &point_m : branch.points_m) point_m = points_->at(i++, now);
-    i = 0;
-    for (std::size_t k = 0; k < opening_.lesion_count(); ++k) {
-        const VesselLesion &lesion = vessels_.lesions[k];
-        for (std::size_t point = 0; point < lesion.size(); ++point, ++i) {
-            Vector3d &place_m = moved_.branches[lesion.branch].points_m[lesion.first_point + point];
-            const double share = opening_.at_point(k, point, flow_open_);
-            if (share > 0.0) place_m += share * (healthy_points_->at(i, now) - place_m);
-        }
-    }
-    flow_.place(moved_);
+    if (moved_.can_move())
+        flow_.place(moved_.at({wire.heart_phase32, wire.breath_phase32}, opening_, flow_open_));
 }
 
 VesselTree PatientContrast::opened_vessels() const

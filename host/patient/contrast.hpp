@@ -6,8 +6,8 @@
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
-#include "host/model/motion.hpp"
 #include "host/model/wire_frame.hpp"
+#include "host/patient/moved_vessels.hpp"
 #include "host/room/command.hpp"
 #include "host/xray/paths/moved.hpp"
 #include "host/xray/run.hpp"
@@ -25,6 +25,9 @@ inline constexpr double iodine_default_mg_per_ml =
 // requested tool, counted from 1 for the innermost; the number 0 selects the outermost tool with a lumen. The
 // result has no value if the session has no such tool.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
+// Returns true if the tool reaches more than 1 mm beyond the introducer. A tool that reaches no farther
+// counts as taken out, also out of the lumens of other tools.
+bool is_in_patient(const crn_wire_tool_state &tool);
 // Returns the reason why these tools cannot carry out a command to the syringe, whatever their positions. The
 // string is empty if the tools can carry out the command, or if the command is not for the syringe.
 // `iodine_mg_per_ml` is the strength of the injected medium.
@@ -101,9 +104,8 @@ class PatientContrast
     SweptPoint stream_point(std::size_t cell, double narrowness) const;
 
     const std::vector<Instrument> tools_;
-    const VesselTree vessels_;                            // in the reference pose
-    VesselTree moved_;                                    // as flow_ has it now, if there is a motion
-    std::optional<MovingPoints> points_, healthy_points_; // points of all branches; of the lesions that yield
+    const VesselTree vessels_; // in the reference pose
+    MovedVessels moved_;
     const LesionOpening opening_;
     std::vector<double> flow_open_,
         seen_open_; // how far lesions are open: in flow_, and in the last frame

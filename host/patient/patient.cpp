@@ -23,7 +23,10 @@ Patient::Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &too
               anatomy.motion_or_null()),
       meter_(filled(scene_, anatomy, settings), settings.threads),
       contrast_(anatomy.bodies.vessels, tools, anatomy.motion_or_null(),
-                LesionOpening(anatomy.bodies.vessels, anatomy.stations))
+                LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
+      catheter_pressure_(anatomy.bodies.vessels, tools, anatomy.motion_or_null(),
+                         LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
+      catheter_air_(tools)
 {
     if (anatomy.motion) moving_.emplace(*anatomy.motion, anatomy.bodies);
     if (settings.stents.empty()) return;
@@ -58,12 +61,40 @@ void Patient::carry_out(std::uint32_t tick, const RoomCommand &command)
     if (stents_) stents_->command(tick, command);
     if (stents_ && stents_->refusals().size() > refused_loads) refused = stents_->refusals().back();
     if (command.action == RoomAction::load_stent && !stents_) refused = "NO STENT - name one with --stent";
+    if (command.action == RoomAction::aspirate) refused = aspirate(tick, command.values[0]);
+    if (command.action == RoomAction::inject && command.values[0] > 0 && refused.empty())
+        note_injection(tick);
     if (!refused.empty()) notice_ = {refused, tick};
+}
+
+// Draws blood into the syringe. Blood comes only where the tip does not block the vessel.
+std::string Patient::aspirate(std::uint32_t tick, std::int32_t volume_ul)
+{
+    const auto refuse = [&](const char *why) {
+        refused_aspirations_.push_back({tick, why});
+        return std::string(why);
+    };
+    if (!catheter_pressure_.is_measuring())
+        return refuse("NO CATHETER IN THE VESSELS - nothing to aspirate from");
+    if (catheter_pressure_.is_blocked())
+        return refuse("NO BLOOD - the tip is blocked: withdraw the catheter");
+    catheter_air_.aspirate(volume_ul);
+    return "";
+}
+
+// An injection is not prevented when it is dangerous, as in a real suite. The assessment counts it.
+void Patient::note_injection(std::uint32_t tick)
+{
+    if (catheter_pressure_.is_damped()) damped_injections_.push_back(tick);
+    catheter_air_.inject(tick);
 }
 
 void Patient::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state)
 {
-    monitor_.tick(state);
+    monitor_.advance(state);
+    catheter_pressure_.tick(monitor_.pressure_mmHg(), state);
+    catheter_air_.tick(state);
+    monitor_.show(catheter_pressure_.pressure_mmHg());
     const std::size_t refusals = contrast_.refusals().size();
     contrast_.tick(state);
     if (contrast_.refusals().size() > refusals) notice_ = {contrast_.refusals().back().why, state.tick};
@@ -74,7 +105,8 @@ void Patient::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &
 
 std::uint32_t Patient::next_vessel_look() const
 {
-    return std::min(contrast_.next_tick(), stents_ ? stents_->next_tick() : UINT32_MAX);
+    return std::min(
+        {contrast_.next_tick(), catheter_pressure_.next_tick(), stents_ ? stents_->next_tick() : UINT32_MAX});
 }
 
 std::uint32_t Patient::next_look() const
@@ -85,6 +117,7 @@ std::uint32_t Patient::next_look() const
 void Patient::look_at_vessels(const WireFrame &wire)
 {
     contrast_.advance(wire);
+    catheter_pressure_.advance(wire);
     if (stents_) stents_->advance(wire);
 }
 
@@ -135,6 +168,7 @@ std::vector<Refusal> Patient::refusals() const
 {
     std::vector<Refusal> all = room_.refusals();
     all.insert(all.end(), contrast_.refusals().begin(), contrast_.refusals().end());
+    all.insert(all.end(), refused_aspirations_.begin(), refused_aspirations_.end());
     std::stable_sort(all.begin(), all.end(),
                      [](const Refusal &a, const Refusal &b) { return a.tick < b.tick; });
     return all;

@@ -16,6 +16,8 @@
 #include "host/model/instrument.hpp"
 #include "host/model/opened_bodies.hpp"
 #include "host/model/scene_anatomy.hpp"
+#include "host/patient/catheter_air.hpp"
+#include "host/patient/catheter_pressure.hpp"
 #include "host/patient/contrast.hpp"
 #include "host/patient/stents.hpp"
 #include "host/room/room.hpp"
@@ -77,7 +79,13 @@ class Patient
     const PatientContrast &contrast() const { return contrast_; }
     PatientStents *stents() { return stents_.get(); } // null: the session has no stents
     const PatientStents *stents() const { return stents_.get(); }
+    // Returns the traces of the monitor. The pressure is that of the catheter, if a catheter lies in the
+    // vessels, and else that of the aorta.
     const PulseMonitor &monitor() const { return monitor_; }
+    const CatheterPressure &catheter_pressure() const { return catheter_pressure_; }
+    const CatheterAir &catheter_air() const { return catheter_air_; }
+    // Returns the ticks at which medium was injected although the catheter's pressure was damped.
+    const std::vector<std::uint32_t> &damped_injections() const { return damped_injections_; }
     const crn_wire_tick_state &state() const { return state_; } // of the last tick
     // Returns the requests for X-ray runs and for injections that the patient refused, in order of their
     // ticks.
@@ -91,6 +99,8 @@ class Patient
   private:
     void carry_out_due();
     void carry_out(std::uint32_t tick, const RoomCommand &command);
+    std::string aspirate(std::uint32_t tick, std::int32_t volume_ul);
+    void note_injection(std::uint32_t tick);
     void advance_room(std::uint32_t tick, const WireFrame &wire);
 
     XrayScene scene_;
@@ -102,6 +112,10 @@ class Patient
     XrayMeter meter_; // created after the scene has its bodies
     Room room_;
     PatientContrast contrast_;
+    CatheterPressure catheter_pressure_;
+    CatheterAir catheter_air_;
+    std::vector<Refusal> refused_aspirations_;
+    std::vector<std::uint32_t> damped_injections_;
     std::unique_ptr<PatientStents> stents_;
     PulseMonitor monitor_;
     crn_wire_tick_state state_{};

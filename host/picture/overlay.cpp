@@ -331,6 +331,9 @@ class Display
                       ? formatted("AO %.0f/%.0f mmHg", pulse.systolic_mmHg(), pulse.diastolic_mmHg())
                       : std::string("AO"),
                   scale_, pink);
+        if (info_.is_pressure_damped)
+            draw_text(rgb_, x + width - text_width("DAMPED", scale_), pressure_y - line_ + scale_, "DAMPED",
+                      scale_, amber);
         draw_trace(x, ecg_y, width, lane, green,
                    [](const PulseMonitor::Sample &s) { return (s.ecg_mV + 0.6) / 2.2; });
         draw_trace(x, pressure_y, width, lane, pink,

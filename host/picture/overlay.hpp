@@ -43,6 +43,7 @@ struct OverlayInfo {
     unsigned fluoro_reminder_min = 0; // minutes of fluoroscopy, likewise
     OverlayBalloon balloon;
     const PulseMonitor *pulse = nullptr; // traces of the heart; nullptr: none
+    bool is_pressure_damped = false;     // the tip of the catheter blocks its vessel
     std::string notice;                  // one line in the middle, e.g. a warning; empty for none
     std::vector<std::string> panel;      // help panel, one line each; empty for none
 };

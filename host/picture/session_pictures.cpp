@@ -106,6 +106,7 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame) const
     }
     info.balloon = balloon_display();
     info.pulse = patient_.monitor().has_samples() ? &patient_.monitor() : nullptr;
+    info.is_pressure_damped = patient_.catheter_pressure().is_damped();
     info.notice = notice_.empty() ? info.room.notice : notice_;
     const RoomNotice &refused = refused_.from > patient_.notice().from ? refused_ : patient_.notice();
     if (info.notice.empty() && refused.is_shown_at(frame.wire.tick)) info.notice = refused.text;

@@ -184,6 +184,22 @@ nlohmann::ordered_json grip_report(const GripFigures &grip)
             {"first_slip_tick", first}};
 }
 
+// Describes the pressure that the catheter measured; null if no catheter could measure one.
+nlohmann::ordered_json catheter_pressure_report(const Patient &patient)
+{
+    const CatheterPressure &pressure = patient.catheter_pressure();
+    if (pressure.tool_name().empty()) return {};
+    const auto seconds_of = [](const std::vector<std::uint32_t> &ticks) {
+        nlohmann::ordered_json seconds = nlohmann::ordered_json::array();
+        for (const std::uint32_t tick : ticks) seconds.push_back(tick * 1e-3);
+        return seconds;
+    };
+    return {{"tool", pressure.tool_name()},
+            {"damped_s", pressure.damped_ticks() * 1e-3},
+            {"injected_while_damped_at_s", seconds_of(patient.damped_injections())},
+            {"injected_unaspirated_at_s", seconds_of(patient.catheter_air().injections())}};
+}
+
 } // namespace
 
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
@@ -223,6 +239,7 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
                        {"last_rate_per_min", heart.monitor.rate_per_min()},
                        {"aortic_pressure_max_mmHg", heart.pressure_max_mmHg},
                        {"aortic_pressure_min_mmHg", heart.pressure_min_mmHg}};
+    report["catheter_pressure"] = catheter_pressure_report(patient);
     report["room"] = room_report(patient.room());
     report["contrast"] = contrast.was_used() ? contrast_report(contrast) : nlohmann::ordered_json();
     report["lesions"] = lesions_report(contrast);

@@ -52,6 +52,7 @@ constexpr Rule rules[] = {
     {RoomAction::contrast_strength,
      "strength of the contrast medium",
      {{strength_min_mg_ml, strength_max_mg_ml}}},
+    {RoomAction::aspirate, "aspiration", {{1, aspirate_max_ul}}},
     {RoomAction::load_stent, "load stent", {}},
 };
 

@@ -158,6 +158,7 @@ void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
     case RoomAction::review:
     case RoomAction::inject: // for the syringe
     case RoomAction::contrast_strength:
+    case RoomAction::aspirate:
     case RoomAction::load_stent: // for the stents
         break;
     default:

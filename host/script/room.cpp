@@ -58,7 +58,7 @@ const std::vector<std::string> &room_verbs()
     static const std::vector<std::string> verbs = {"fluoro", "cine",    "dsa",       "c-arm",  "view",
                                                    "table",  "field",   "collimate", "follow", "mask",
                                                    "shift",  "roadmap", "review",    "store",  "acknowledge",
-                                                   "stop",   "inject",  "contrast",  "load"};
+                                                   "stop",   "inject",  "contrast",  "load",   "aspirate"};
     return verbs;
 }
 
@@ -98,6 +98,9 @@ std::vector<RoomCommand> RoomParser::parse(LineParser &line, const std::string &
             line.is_at_end() ? 10.0
                              : line.quantity("time", time_units, store_min_ms * 1e-3, store_max_ms * 1e-3);
         add(RoomAction::store, nearest(seconds * 1e3));
+    } else if (verb == "aspirate") {
+        add(RoomAction::aspirate,
+            nearest(line.quantity("volume", volume_units, 0.1, aspirate_max_ul * 1e-3) * 1e3));
     } else if (verb == "inject") {
         inject(line);
     } else if (verb == "contrast") {

@@ -1,0 +1,40 @@
+// Keeps whether the lumen of the catheter may hold air. Air can enter when a tool is taken out of the lumen.
+// Before the next injection the operator aspirates blood, which removes the air (docs/contrast.md,
+// "Aspiration").
+#pragma once
+#include "host/model/instrument.hpp"
+#include "shared/wire/wire.h"
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace crn
+{
+
+class CatheterAir
+{
+  public:
+    // This volume fills the lumen of the longest catheter that ships; an assumption for all of them.
+    static constexpr std::int32_t enough_ul = 2000;
+
+    // The catheter is the outermost of `tools` with a lumen. It is flushed with saline before the session.
+    explicit CatheterAir(const std::vector<Instrument> &tools);
+
+    // Receives every tick.
+    void tick(const crn_wire_tick_state &state);
+    void aspirate(std::int32_t volume_ul);
+    void inject(std::uint32_t tick);
+
+    bool may_hold_air() const { return may_hold_air_; }
+    // Returns the ticks of the injections that came while the lumen might hold air.
+    const std::vector<std::uint32_t> &injections() const { return injections_; }
+
+  private:
+    std::optional<std::size_t> tool_;
+    std::uint32_t inside_bits_ = 0; // bit k: tool k lay in the lumen at the last tick
+    std::int32_t aspirated_ul_ = 0;
+    bool may_hold_air_ = false;
+    std::vector<std::uint32_t> injections_;
+};
+
+} // namespace crn

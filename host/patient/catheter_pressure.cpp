@@ -1,0 +1,116 @@
+#include "host/patient/catheter_pressure.hpp"
+#include "host/patient/contrast.hpp"
+#include "host/patient/tool_balls.hpp"
+#include <algorithm>
+#include <limits>
+
+namespace crn
+{
+namespace
+{
+
+constexpr double tick_s = 1e-3;
+constexpr double viscosity_mPa_s = ContrastSettings{}.viscosity_mPa_s;
+constexpr std::uint32_t longest_beat_ms = 3000;
+
+} // namespace
+
+void CatheterPressure::BeatFigures::take(double mmHg)
+{
+    highest_ = std::max(highest_, mmHg);
+    lowest_ = std::min(lowest_, mmHg);
+    sum_ += mmHg;
+    ++count_;
+}
+
+BeatPressure CatheterPressure::BeatFigures::end()
+{
+    BeatPressure beat;
+    if (count_ > 0) beat = {highest_, lowest_, sum_ / count_};
+    *this = {};
+    return beat;
+}
+
+CatheterPressure::CatheterPressure(const VesselTree &vessels, const std::vector<Instrument> &tools,
+                                   const Motion *motion, LesionOpening opening)
+    : vessels_(vessels), opening_(std::move(opening)), tool_(injecting_tool(tools, 0)),
+      name_(tool_ ? tools[*tool_].name : ""), moved_(vessels, motion, opening_), cells_(vessels),
+      network_(cells_, viscosity_mPa_s)
+{
+}
+
+std::uint32_t CatheterPressure::next_tick() const
+{
+    if (!is_inserted_ || cells_.size() == 0) return std::numeric_limits<std::uint32_t>::max();
+    const auto after =
+        static_cast<std::uint32_t>(std::max<std::int64_t>(look_tick_, std::int64_t{tick_} - 1));
+    return (after / look_every_ticks + 1) * look_every_ticks;
+}
+
+void CatheterPressure::open_vessels(const WireFrame &wire)
+{
+    if (opening_.is_empty() || wire.lesions_open == open_) return;
+    open_ = wire.lesions_open;
+    VesselTree opened = vessels_;
+    opening_.open(vessels_, open_, opened);
+    cells_.reshape(opened);
+    network_.reshape(cells_, tool_mm_);
+}
+
+// Solves for the mean flow with the tools in the vessels. The pressure at the tip's cell, divided by the
+// pressure at the inlet, is the share that the catheter measures.
+void CatheterPressure::advance(const WireFrame &wire)
+{
+    if (wire.tick < next_tick() || wire.nodes.empty() ||
+        *tool_ >= std::max(wire.tip_arc_m.size(), std::size_t{1}))
+        return;
+    look_tick_ = wire.tick;
+    open_vessels(wire);
+    if (moved_.can_move())
+        cells_.place(moved_.at({wire.heart_phase32, wire.breath_phase32}, opening_, open_));
+    find_thickest(cells_, balls_of(wire), tool_mm_);
+    network_.set_tools(tool_mm_);
+    const FlowDrive mean;
+    network_.settle(mean);
+    const double tip_arc_m = wire.tip_arc_m.empty() ? 0.0 : wire.tip_arc_m[*tool_];
+    const std::size_t cell = cells_.nearest(place_at(wire, tip_arc_m));
+    const double direct = std::clamp(network_.pressure_mmHg(cell) / mean.pressure_mmHg, 0.0, 1.0);
+    share_ = collateral_share + (1.0 - collateral_share) * direct;
+    has_place_ = true;
+}
+
+bool CatheterPressure::is_blocked() const
+{
+    constexpr double blocked_share = 0.1;
+    return has_place_ && direct_share() < blocked_share;
+}
+
+void CatheterPressure::end_beat()
+{
+    beat_ = measured_.end();
+    const BeatPressure aortic = aortic_.end();
+    is_damped_ = is_whole_beat_ && beat_.pulse() < damped_pulse_share * aortic.pulse();
+    is_whole_beat_ = has_place_;
+}
+
+void CatheterPressure::tick(double aortic_mmHg, const crn_wire_tick_state &state)
+{
+    tick_ = state.tick;
+    is_inserted_ = tool_ && *tool_ < state.tools_count && is_in_patient(state.tools[*tool_]);
+    if (!is_inserted_) {
+        has_place_ = is_whole_beat_ = is_damped_ = false;
+        share_ = 1.0;
+        look_tick_ = -1;
+    }
+    if (!has_place_) pressure_mmHg_ = aortic_mmHg;
+    const double wanted_mmHg = venous_mmHg + share_ * (aortic_mmHg - venous_mmHg);
+    pressure_mmHg_ +=
+        (wanted_mmHg - pressure_mmHg_) * tick_s / (tick_s + bed_time_s * (1.0 - direct_share()));
+    if (state.beat_ms < beat_ms_ || state.beat_ms > longest_beat_ms) end_beat();
+    beat_ms_ = state.beat_ms;
+    measured_.take(pressure_mmHg_);
+    aortic_.take(aortic_mmHg);
+    damped_ticks_ += is_damped_ ? 1u : 0u;
+}
+
+} // namespace crn

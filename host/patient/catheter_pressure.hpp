@@ -1,0 +1,101 @@
+// Computes the pressure that the transducer of a catheter measures at the catheter's tip. The tip may narrow
+// the vessel so much that little blood passes (a wedged or "damped" catheter). The pressure then falls and
+// its pulse gets narrower (docs/contrast.md, "Pressure at the catheter's tip").
+//
+//   pressure.tick(aortic_mmHg, state);     for every tick
+//   pressure.advance(wire);                with the shape of the tools, no later than next_tick()
+//
+// The pressure depends only on the ticks and on the shape of the tools at fixed ticks, so it is the same
+// whatever pictures are made.
+#pragma once
+#include "host/effects/flow_cells.hpp"
+#include "host/effects/flow_network.hpp"
+#include "host/model/instrument.hpp"
+#include "host/model/wire_frame.hpp"
+#include "host/patient/moved_vessels.hpp"
+#include "shared/wire/wire.h"
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+// Holds the figures of one complete beat, in mmHg.
+struct BeatPressure {
+    double systolic = 0.0, diastolic = 0.0, mean = 0.0;
+    double pulse() const { return systolic - diastolic; }
+};
+
+class CatheterPressure
+{
+  public:
+    static constexpr std::uint32_t look_every_ticks = 80;
+    // While a balloon blocks a coronary artery, collateral vessels keep this share of the pressure behind it
+    // (mean of 100 patients without coronary disease: Wustmann et al., Circulation 2003;107:2213).
+    static constexpr double collateral_share = 0.18;
+    static constexpr double venous_mmHg = 6.0;
+    // Time constant at which the pressure behind a complete block falls; an assumption.
+    static constexpr double bed_time_s = 0.3;
+    // The pressure counts as damped when its pulse is below this share of the aortic pulse; an assumption.
+    static constexpr double damped_pulse_share = 0.5;
+
+    // `motion` may be nullptr. `tools` lists the tools from the innermost outwards; the transducer is at the
+    // hub of the outermost tool with a lumen.
+    CatheterPressure(const VesselTree &vessels, const std::vector<Instrument> &tools, const Motion *motion,
+                     LesionOpening opening);
+
+    std::uint32_t next_tick() const; // UINT32_MAX: no catheter lies in the vessels
+    void advance(const WireFrame &wire);
+    void tick(double aortic_mmHg, const crn_wire_tick_state &state);
+
+    // Returns true if a catheter lies in the vessels and its tip has been located.
+    bool is_measuring() const { return has_place_; }
+    double pressure_mmHg() const { return pressure_mmHg_; }
+    // Returns the pressure at the tip, above the veins, as a share of the aortic pressure: 1 where the blood
+    // flows freely, collateral_share where the tip blocks the vessel.
+    double share() const { return share_; }
+    // Returns true if less than a tenth of the blood pressure reaches the tip through the vessel itself.
+    bool is_blocked() const;
+    // Returns true if the last complete beat was damped. Injecting now may injure the artery.
+    bool is_damped() const { return is_damped_; }
+    std::uint32_t damped_ticks() const { return damped_ticks_; } // of the session
+    const BeatPressure &beat() const { return beat_; }           // the last complete one
+    // Returns the name of the tool with the transducer; empty if no tool has a lumen.
+    const std::string &tool_name() const { return name_; }
+
+  private:
+    class BeatFigures
+    {
+      public:
+        void take(double mmHg);
+        BeatPressure end();
+
+      private:
+        double highest_ = 0.0, lowest_ = 1e9, sum_ = 0.0;
+        std::uint32_t count_ = 0;
+    };
+    void open_vessels(const WireFrame &wire);
+    void end_beat();
+
+    const VesselTree vessels_; // in the reference pose
+    const LesionOpening opening_;
+    double direct_share() const { return (share_ - collateral_share) / (1.0 - collateral_share); }
+    std::optional<std::size_t> tool_;
+    std::string name_;
+    MovedVessels moved_;
+    FlowCells cells_;
+    FlowNetwork network_;
+    std::vector<double> tool_mm_, open_;
+    std::uint32_t tick_ = 0;
+    std::int64_t look_tick_ = -1;
+    bool is_inserted_ = false, has_place_ = false, is_damped_ = false;
+    double share_ = 1.0, pressure_mmHg_ = 0.0;
+    std::uint32_t beat_ms_ = UINT32_MAX, damped_ticks_ = 0;
+    bool is_whole_beat_ = false; // the catheter has measured since the beat began
+    BeatFigures measured_, aortic_;
+    BeatPressure beat_;
+};
+
+} // namespace crn
