@@ -21,13 +21,13 @@ inline SessionRecord sample_record(const std::string &trainee, int number, doubl
     record.core_version = "27";
     record.program_version = "0.9.0";
     record.started_at = utc_text(sample_begin_ms + number * std::int64_t{3600000});
-    record.duration_s = 723.25 - number;
+    record.duration_s = 723.25 - number % 500;
     record.seed = 0xfedcba9876543210u + static_cast<std::uint64_t>(number);
     record.state_hash = "0123456789abcdef";
     record.passed = score >= 80.0;
     record.score =
         SessionScore{score, 100.0, {{"result", score / 2.0, 50.0}, {"handling", score / 2.0, 50.0}}};
-    record.metrics = {{"fluoroscopy_min", 12.5 - 0.1 * number, "min"},
+    record.metrics = {{"fluoroscopy_min", 12.5 - 0.01 * (number % 500), "min"},
                       {"kap_Gy_cm2", 31.0, "Gy cm²"},
                       {"contrast_ml", 80.0, "ml"}};
     record.events = {{1000, "phase_access", 0, "sheath"},
