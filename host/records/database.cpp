@@ -4,31 +4,6 @@
 namespace crn
 {
 
-std::int64_t whole_of(const SqlValue &value)
-{
-    if (const auto *whole = std::get_if<std::int64_t>(&value)) return *whole;
-    if (const auto *number = std::get_if<double>(&value)) return static_cast<std::int64_t>(*number);
-    return 0;
-}
-
-double number_of(const SqlValue &value)
-{
-    if (const auto *whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
-    if (const auto *number = std::get_if<double>(&value)) return *number;
-    return 0.0;
-}
-
-std::string text_of(const SqlValue &value)
-{
-    const auto *text = std::get_if<std::string>(&value);
-    return text ? *text : std::string();
-}
-
-bool is_null(const SqlValue &value)
-{
-    return std::holds_alternative<std::monostate>(value);
-}
-
 void migrate(Database &database)
 {
     migrate(database, schema_migrations());

@@ -19,10 +19,30 @@ struct SqlResult {
 };
 
 // Return the value of a column; null is 0, 0.0 or an empty text.
-std::int64_t whole_of(const SqlValue &value);
-double number_of(const SqlValue &value);
-std::string text_of(const SqlValue &value);
-bool is_null(const SqlValue &value);
+inline std::int64_t whole_of(const SqlValue &value)
+{
+    if (const auto *whole = std::get_if<std::int64_t>(&value)) return *whole;
+    if (const auto *number = std::get_if<double>(&value)) return static_cast<std::int64_t>(*number);
+    return 0;
+}
+
+inline double number_of(const SqlValue &value)
+{
+    if (const auto *whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
+    if (const auto *number = std::get_if<double>(&value)) return *number;
+    return 0.0;
+}
+
+inline std::string text_of(const SqlValue &value)
+{
+    const auto *text = std::get_if<std::string>(&value);
+    return text ? *text : std::string();
+}
+
+inline bool is_null(const SqlValue &value)
+{
+    return std::holds_alternative<std::monostate>(value);
+}
 
 class Database
 {

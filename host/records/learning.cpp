@@ -155,6 +155,10 @@ std::optional<LearningFit> fit_learning(const std::vector<double> &values, int r
         fit.low.push_back(quantile(one, 0.025));
         fit.high.push_back(quantile(one, 0.975));
     }
+    // A count or a time cannot fall below 0, and neither should its curve.
+    if (quantile(values, 0.0) >= 0.0)
+        for (auto *line_of : {&fit.value, &fit.low, &fit.high})
+            for (double &value : *line_of) value = std::max(0.0, value);
     return fit;
 }
 

@@ -22,8 +22,8 @@ struct LearningFit {
     double plateau = 0.0, gain = 0.0, scale_sessions = 0.0;
     std::vector<double> value, low, high; // one per session
 };
-// Empty with fewer than fit_sessions_min values. The same values give the same fit on every machine of one
-// arithmetic. All values must be finite.
+// If no value is below 0, the curve and the band end at 0. Empty with fewer than fit_sessions_min values. The
+// same values give the same fit on every machine of one arithmetic. All values must be finite.
 std::optional<LearningFit> fit_learning(const std::vector<double> &values, int resamples = fit_resamples);
 
 struct LearningPoint {

@@ -20,9 +20,9 @@ constexpr const char *expert_dash = "8 4", *cohort_dash = "2 4";
 std::string figure(double value, const std::string &unit)
 {
     const double size = std::fabs(value);
-    return decimals_text(value, size >= 100.0  ? 0
-                                : size >= 10.0 ? 1
-                                               : 2) +
+    return trimmed_text(value, size >= 100.0  ? 0
+                               : size >= 10.0 ? 1
+                                              : 2) +
            (unit.empty() ? "" : " " + html_text(unit));
 }
 
@@ -40,7 +40,7 @@ void add_others(LearningChart &chart, const LearningCurve &curve)
 {
     if (curve.expert) {
         chart.area(curve.expert->low, curve.expert->high, expert);
-        chart.level(curve.expert->median, expert, expert_dash, "expert");
+        chart.level(curve.expert->median, expert, expert_dash, "");
     }
     std::vector<double> low, median, high;
     for (const CohortStep &step : curve.cohort)

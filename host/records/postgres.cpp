@@ -1,5 +1,7 @@
-// Records on a PostgreSQL server, by libpqxx. A broken connection becomes RecordsError (unreachable); the
-// caller opens the database again and repeats, which is harmless, because every row has the station's key.
+// Records on a PostgreSQL server, by libpqxx. This file is a library of its own, which postgres_module.cpp
+// opens when a server is named: libpqxx brings sixteen more libraries, which no other command should load. A
+// broken connection becomes RecordsError (unreachable); the caller opens the database again and repeats,
+// which is harmless, because every row has the station's key.
 #include "host/base/number_text.hpp"
 #include "host/base/terminal.hpp"
 #include "host/records/database.hpp"
@@ -194,9 +196,9 @@ class PostgresDatabase : public Database
 
 } // namespace
 
-std::unique_ptr<Database> open_postgres(const std::string &url)
-{
-    return std::make_unique<PostgresDatabase>(url);
-}
-
 } // namespace crn
+
+extern "C" crn::Database *crn_open_postgres(const char *url)
+{
+    return new crn::PostgresDatabase(url);
+}

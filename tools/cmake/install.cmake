@@ -44,6 +44,7 @@ install(FILES firmware/port/mps2_an500/rig_page.h DESTINATION ${include_folder}/
 install(DIRECTORY shared/examples/instruments shared/examples/sessions shared/examples/stents shared/examples/lesions
     shared/examples/scenes shared/examples/anatomies shared/examples/records
     DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand/examples)
+install(TARGETS records_postgres LIBRARY DESTINATION lib/cournand) # opened by the program (host/records)
 install(FILES LICENSE NOTICE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES tools/udev/60-cournand.rules DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand)
 get_property(programs GLOBAL PROPERTY CRN_PROGRAMS)

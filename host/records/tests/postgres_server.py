@@ -50,7 +50,9 @@ class Server:
                     return
                 time.sleep(0.05)
             time.sleep(0.1)
-        raise SystemExit("Bail out! the server does not start: " + open(os.path.join(self.folder, "log")).read()[-2000:])
+        raise SystemExit(
+            "Bail out! the server does not start: " + open(os.path.join(self.folder, "log")).read()[-2000:]
+        )
 
     def answers(self):
         command = [os.path.join(self.programs, "pg_isready"), "-q", "-h", self.folder]

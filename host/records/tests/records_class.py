@@ -17,7 +17,7 @@ def sessions(people=7, each=14, seed=3):
     for person in range(people):
         for number in range(each - person % 3):
             made.append(session("t%d" % person, number, 1.0 + 0.15 * person, rng, person))
-    made += [session("expert", 40 + number, 0.2, rng, 20, by_expert=True) for number in range(3)]
+    made += [session("expert", 40 + number, 0.02, rng, 20, by_expert=True) for number in range(3)]
     return {"format": 1, "sessions": made}
 
 

@@ -117,11 +117,15 @@ def judge(server, stations, wanted, report, least):
     by_id = {session["id"]: session for session in central}
     rows = server.query("SELECT (SELECT count(*) FROM metric), (SELECT count(*) FROM event)")
     claims = [
-        ("there were at least %(stations)d, %(connections)d and %(servers)d kills" % least,
-         all(report[kind] >= least[kind] for kind in least)),
+        (
+            "there were at least %(stations)d, %(connections)d and %(servers)d kills" % least,
+            all(report[kind] >= least[kind] for kind in least),
+        ),
         ("the stations' own files have %d sessions (%d)" % (wanted, len(own)), len(own) == wanted),
-        ("none is lost (%d)" % sum(session["id"] not in by_id for session in own),
-         all(session["id"] in by_id for session in own)),
+        (
+            "none is lost (%d)" % sum(session["id"] not in by_id for session in own),
+            all(session["id"] in by_id for session in own),
+        ),
         ("none is double (%d)" % sum(count > 1 for count in counts.values()), len(central) == wanted == len(counts)),
         ("each has the same contents at the server", all(by_id.get(session["id"]) == session for session in own)),
         ("no part of a session is lost or double (%s)" % rows, rows == "%d|%d" % (3 * wanted, 4 * wanted)),

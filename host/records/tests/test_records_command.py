@@ -21,7 +21,7 @@ MEMBERS = {"id", "actor", "verb", "object", "result", "context", "timestamp"}
 
 def lists_sessions_and_trainees(desk):
     desk.fill()
-    assert len(desk.json("list")["sessions"]) == 94
+    assert len(desk.json("list")["sessions"]) == 95
     assert len(desk.json("list", "--trainee", "t3")["sessions"]) == 14
     text = desk.run("list", "--trainee", "t3")[0]
     assert "14 sessions" in text and "lad_pci" in text
@@ -43,8 +43,8 @@ def an_export_is_imported_unchanged_and_only_once(desk):
     text = desk.run("export", "--format", "json")[0]
     copy = desk.write("copy.json", text)
     other = os.path.join(desk.folder, "other.db")
-    assert "94 sessions imported, 0 known" in desk.run("import", copy, place=other)[0]
-    assert "0 sessions imported, 94 known" in desk.run("import", copy, place=other)[0]
+    assert "95 sessions imported, 0 known" in desk.run("import", copy, place=other)[0]
+    assert "0 sessions imported, 95 known" in desk.run("import", copy, place=other)[0]
     own, there = json.loads(text)["sessions"], json.loads(desk.run("export", "--format", "json", place=other)[0])
     for session in own + there["sessions"]:
         del session["station"]  # the importing station answers for it
@@ -67,7 +67,7 @@ def xapi_statements_follow_the_rules(desk):
     desk.fill()
     command = ["export", "--format", "xapi", "--home-page", "https://hospital.example"]
     statements = json.loads(desk.run(*command)[0])
-    assert len(statements) == len({one["id"] for one in statements}) == 94
+    assert len(statements) == len({one["id"] for one in statements}) == 95
     sessions = desk.json("list")["sessions"]
     for one, session in zip(statements, sessions):
         assert set(one) <= MEMBERS and {"actor", "verb", "object"} <= set(one)
@@ -192,7 +192,7 @@ def wrong_requests_are_refused_with_a_remedy(desk):
     assert "this is not a file of sessions" in desk.run("import", desk.write("x.json", "[1]"), code=1)[1]
     desk.run("export", "--format", "pdf", code=2)
     desk.run("erase", code=2)
-    assert len(desk.json("list")["sessions"]) == 94
+    assert len(desk.json("list")["sessions"]) == 95
 
 
 def curve_and_cohort_as_json(desk):
@@ -200,7 +200,9 @@ def curve_and_cohort_as_json(desk):
     curve = desk.json("curve", "t0", "--case", "lad_pci", "--metric", "fluoroscopy_min")
     one = curve["curves"][0]
     assert len(one["sessions"]) == len(one["fit"]["value"]) == 14 and one["unit"] == "min"
-    assert all(low <= value <= high for low, value, high in zip(one["fit"]["low"], one["fit"]["value"], one["fit"]["high"]))
+    assert all(
+        low <= value <= high for low, value, high in zip(one["fit"]["low"], one["fit"]["value"], one["fit"]["high"])
+    )
     assert one["fit"]["gain"] > 5.0 and one["expert"]["sessions"] == 3 and one["cohort"][0]["people"] == 7
     assert desk.json("curve", "t0", "--case", "lad_pci", "--metric", "fluoroscopy_min") == curve
     cohort = desk.json("cohort", "--case", "lad_pci")
