@@ -14,14 +14,14 @@ namespace fs = std::filesystem;
 
 constexpr int folders_up = 4; // build/san/bin is three below the repository
 
-fs::path own_folder()
+} // namespace
+
+fs::path user_data_folder()
 {
     const char *data = std::getenv("XDG_DATA_HOME"), *home = std::getenv("HOME");
     if (data && fs::path(data).is_absolute()) return fs::path(data) / "cournand";
     return home && *home ? fs::path(home) / ".local/share/cournand" : fs::path();
 }
-
-} // namespace
 
 std::vector<fs::path> shipped_folders(const ExampleKind &kind)
 {
@@ -42,7 +42,7 @@ std::vector<fs::path> example_folders(const ExampleKind &kind)
 {
     std::error_code failure;
     std::vector<fs::path> folders = shipped_folders(kind);
-    const fs::path own = own_folder();
+    const fs::path own = user_data_folder();
     if (!own.empty() && fs::is_directory(own / kind.folder, failure))
         folders.insert(folders.begin(), own / kind.folder);
     return folders;

@@ -18,6 +18,10 @@ inline constexpr ExampleKind stent_files{"stents", "stent", ".toml"};
 inline constexpr ExampleKind session_files{"sessions", "session", ".session"};
 inline constexpr ExampleKind anatomy_files{"anatomies", "anatomy", ".toml"};
 
+// Returns the user's own folder, $XDG_DATA_HOME/cournand or ~/.local/share/cournand, which may not exist.
+// Empty if neither XDG_DATA_HOME nor HOME is set.
+std::filesystem::path user_data_folder();
+
 // Returns the existing folders with the files of this kind that come with the program, in the order in which
 // they are searched. The installed program has share/cournand/examples/KIND, and the repository has
 // shared/examples/KIND; both are searched in the four folders above the running program, and the second also

@@ -4,6 +4,7 @@
 #include "host/base/terminal.hpp"
 #include "host/base/version.hpp"
 #include "host/command/cli_dicom.hpp"
+#include "host/command/cli_records.hpp"
 #include "host/command/cli_rig.hpp"
 #include "host/model/units.hpp"
 #include "host/report/instrument_list.hpp"
@@ -372,6 +373,8 @@ int command_line(int argc, char **argv, const RunWindow &run_window)
     add_instruments(app, instruments);
     RigOptions rig;
     add_rig(app, rig);
+    RecordsOptions records;
+    add_records(app, records);
     DicomCheckOptions dicom_check;
     add_dicom_check(app, dicom_check);
     CLI::App *info_command =
@@ -405,6 +408,7 @@ int command_line(int argc, char **argv, const RunWindow &run_window)
         }
         if (app.got_subcommand("instruments")) return command_instruments(instruments);
         if (app.got_subcommand("rig")) return command_rig(rig);
+        if (app.got_subcommand("records")) return command_records(records);
         if (app.got_subcommand("dicom-check")) return command_dicom_check(dicom_check);
         if (shows_opengl) return command_info_opengl();
         if (!*info_file) throw UsageError("info: name a file, or --opengl");

@@ -1,5 +1,6 @@
 // Writes the score as one HTML page that needs no other file.
 #include "host/base/format.hpp"
+#include "host/base/html_page.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/report/score.hpp"
 #include <algorithm>
@@ -16,17 +17,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double plot_width = 640.0, plot_height = 150.0, margin_left = 52.0, margin_bottom = 22.0,
                  margin_top = 8.0;
-
-const char *const style =
-    "body{font:15px/1.45 sans-serif;color:#1c2530;max-width:64em;margin:2em auto;padding:0 1em}"
-    "h1{font-size:1.5em;margin:0}h2{font-size:1.1em;margin:1.8em 0 "
-    ".4em}table{border-collapse:collapse;width:100%}"
-    "th,td{text-align:left;padding:.25em .6em;border-bottom:1px solid #dde3ea;vertical-align:top}"
-    "td.n,th.n{text-align:right;white-space:nowrap}.sum{font-size:2.6em;font-weight:600}.soft{color:#66727f}"
-    ".bad{color:#b3261e}.good{color:#1b6e3c}figure{display:inline-block;margin:0 1em 1em 0}"
-    "figure "
-    "img{width:300px;height:300px;background:#000}figcaption{font-size:.85em;color:#66727f;max-width:300px}"
-    "svg text{font:11px sans-serif;fill:#66727f}@media print{body{margin:0}}";
 
 std::string text_at(const Json &from, const char *key)
 {
@@ -70,15 +60,6 @@ std::string pictures_of(const std::vector<ScorePicture> &pictures)
     return html.empty() ? "" : "<h2>Pictures</h2>\n" + html;
 }
 
-// Returns a step that divides a range into at most five parts; the step is 1, 2 or 5 times a power of ten.
-double step_for(double range)
-{
-    const double power = std::pow(10.0, std::floor(std::log10(range / 5.0)));
-    for (double factor : {1.0, 2.0, 5.0})
-        if (range / (factor * power) <= 5.0) return factor * power;
-    return 10.0 * power;
-}
-
 struct Curve {
     const char *title, *colour;
     std::vector<double> values;
@@ -117,7 +98,7 @@ std::string plot(const std::string &title, const std::vector<double> &time_s,
         for (double value : curve.values) top = std::max(top, value);
     if (time_s.size() < 2 || top <= 0.0) return "";
     const double begin_s = time_s.front(), end_s = std::max(time_s.back(), begin_s + 1e-3);
-    const double step = step_for(top), step_s = step_for(end_s - begin_s);
+    const double step = axis_step(top), step_s = axis_step(end_s - begin_s);
     top = std::ceil(top / step) * step;
     std::string svg = formatted("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" role=\"img\">", plot_width,
                                 plot_height, plot_width);
@@ -240,19 +221,16 @@ std::string tools_table(const Json &report)
 
 std::string score_page(const Json &report, const Json &score, const std::vector<ScorePicture> &pictures)
 {
-    std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Cournand: "
-                       "score</title><style>";
-    html += style;
-    html += "</style></head><body>\n<h1>Angioplasty</h1>\n<p class=soft>Scene " + text_at(report, "scene") +
-            ", session " + text_at(report, "session") + ", state " + text_at(report, "hash") + "</p>\n";
+    std::string html = page_begin("Cournand: score");
+    html += "<h1>Angioplasty</h1>\n<p class=soft>Scene " + text_at(report, "scene") + ", session " +
+            text_at(report, "session") + ", state " + text_at(report, "hash") + "</p>\n";
     html += "<p><span class=sum>" +
             (score["percent"].is_number() ? formatted("%.0f", score["percent"].get<double>()) : "–") +
             "</span> of 100 <span class=soft>(" + figure(score["points"]) + " points of " +
             figure(score["of"]) + " that could be judged)</span></p>\n";
     html += metrics_table(score) + lesions_table(report) + stents_table(report) + pictures_of(pictures) +
             curves_of(report) + tools_table(report);
-    return html + "<p class=soft>Limits and weights are assumptions (docs/score.md). Not a medical "
-                  "device.</p>\n</body></html>\n";
+    return html + page_end("Limits and weights are assumptions (docs/score.md). Not a medical device.");
 }
 
 void write_score_page(const std::string &path, const Json &report, const Json &score,

@@ -42,7 +42,9 @@ install(FILES firmware/port/port.h firmware/port/port_built.h firmware/port/udc.
     DESTINATION ${include_folder}/firmware/port)
 install(FILES firmware/port/mps2_an500/rig_page.h DESTINATION ${include_folder}/firmware/port/mps2_an500)
 install(DIRECTORY shared/examples/instruments shared/examples/sessions shared/examples/stents shared/examples/lesions
-    shared/examples/scenes shared/examples/anatomies DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand/examples)
+    shared/examples/scenes shared/examples/anatomies shared/examples/records
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand/examples)
+install(TARGETS records_postgres LIBRARY DESTINATION lib/cournand) # opened by the program (host/records)
 install(FILES LICENSE NOTICE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES tools/udev/60-cournand.rules DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand)
 get_property(programs GLOBAL PROPERTY CRN_PROGRAMS)

@@ -34,7 +34,12 @@ GROUPS = (
     ("loaded", "Libraries that those of the first list load in turn"),
 )
 # Each row is a library that is opened by name: the file with the name, and the package that has the library.
-OPENED = {"libhidapi-": "libhidapi-hidraw0", "libOSMesa.so": "libosmesa6", "libEGL.so": "libegl1"}
+OPENED = {
+    "libhidapi-": "libhidapi-hidraw0",
+    "libOSMesa.so": "libosmesa6",
+    "libEGL.so": "libegl1",
+    "records_postgres.so": "libpqxx-6.4",  # a library of this project, which is linked with libpqxx
+}
 # The sources of these folders become part of a program that is distributed; tests and benchmarks do not.
 SHIPPED = re.compile(r"^(host|tools|shared|firmware)/(?!.*(tests|bench)/)")
 INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>]+/[^>]+)>", re.M)

@@ -1,0 +1,91 @@
+// Curves of learning: what a trainee's sessions in one case show, beside experts and the cohort
+// (docs/records.md has the formulas, their sources and how well the band covers the truth).
+//   const LearningCurve curve = learning_curve(sessions_of_case, "otter", "fluoroscopy_min", everybody);
+#pragma once
+#include "host/records/record.hpp"
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+inline constexpr std::size_t cohort_people_min = 5; // fewer people could be recognised
+inline constexpr std::size_t fit_sessions_min = 6;  // three parameters, and three sessions to judge them by
+inline constexpr int fit_resamples = 2000;
+
+// The exponential curve value(n) = plateau + gain exp(-(n - 1) / scale) of session n = 1, 2, ... (Heathcote,
+// Brown and Mewhort 2000: single persons learn by an exponential, not by a power), fitted by least squares,
+// with the pointwise 95 % band of a bootstrap of the residuals (Efron and Tibshirani 1993, 9.4).
+struct LearningFit {
+    double plateau = 0.0, gain = 0.0, scale_sessions = 0.0;
+    std::vector<double> value, low, high; // one per session
+};
+// If no value is below 0, the curve and the band end at 0. Empty with fewer than fit_sessions_min values. The
+// same values give the same fit on every machine of one arithmetic. All values must be finite.
+std::optional<LearningFit> fit_learning(const std::vector<double> &values, int resamples = fit_resamples);
+
+struct LearningPoint {
+    std::string session_id, started_at;
+    double value = 0.0;
+};
+
+// The middle half of the people who played the case at least `attempt` times.
+struct CohortStep {
+    std::size_t attempt = 0, people = 0;
+    double low = 0.0, median = 0.0, high = 0.0; // quartiles
+};
+
+struct ExpertRange {
+    std::size_t sessions = 0;
+    double low = 0.0, median = 0.0, high = 0.0; // least, median, largest
+};
+
+struct LearningCurve {
+    std::string metric, unit;
+    std::vector<LearningPoint> points;
+    std::optional<LearningFit> fit;
+    std::optional<ExpertRange> expert; // of all sessions by experts
+    std::vector<CohortStep> cohort;    // without experts; only steps of at least cohort_people_min people
+};
+
+// `sessions` are those of one case, with their details, by their begin. `members` are the pseudonyms of the
+// cohort.
+LearningCurve learning_curve(const std::vector<SessionRecord> &sessions, const std::string &trainee,
+                             const std::string &metric, const std::set<std::string> &members);
+// Only the cohort and the experts.
+LearningCurve cohort_curve(const std::vector<SessionRecord> &sessions, const std::string &metric,
+                           const std::set<std::string> &members);
+
+// Returns the quantile q (0 .. 1) by linear interpolation between the sorted values (type 7 of Hyndman and
+// Fan 1996). `values` may not be empty.
+double quantile(std::vector<double> values, double q);
+
+struct CusumSettings {
+    double rate_good = 0.1, rate_bad = 0.3; // rates of failures, 0 < good < bad < 1
+    int horizon = 50;                       // sessions
+    double error = 0.05;                    // chance of a wrong signal within the horizon
+};
+
+// Learning-curve CUSUM (Biau and others 2008): S = max(0, S + W), where a success adds ln((1 - good)/(1 -
+// bad)) and a failure adds ln(good/bad). The trainee counts as competent when S reaches the limit. From then
+// on a plain CUSUM watches for a relapse: a failure adds ln(bad/good), a success ln((1 - bad)/(1 - good)); at
+// its limit it signals and begins again at 0. Both limits come from 20,000 simulated trainees each.
+struct Cusum {
+    CusumSettings settings;
+    double success = 0.0, failure = 0.0; // what each adds to `learning`
+    double learning_limit = 0.0, relapse_limit = 0.0;
+    std::vector<double> learning, relapse;   // after each session; `relapse` is 0 before the competence
+    std::optional<std::size_t> competent_at; // index of the session
+    std::vector<std::size_t> relapses;       // indices of sessions
+};
+Cusum cusum_of(const std::vector<bool> &passed, const CusumSettings &settings);
+// The smallest sum that is reached within the horizon with a chance of at most `error`, if each session adds
+// `rise` with the chance `rate` and otherwise `fall` (below 0).
+double cusum_limit(double rise, double fall, double rate, int horizon, double error);
+
+// Whether the session was passed: as the case says, or by its score. Empty if neither is known.
+std::optional<bool> is_passed(const SessionRecord &session, double pass_score_pct);
+
+} // namespace crn

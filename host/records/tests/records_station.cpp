@@ -1,0 +1,61 @@
+// A station of a centre, as a program that tests may kill at any moment: it stores sessions one by one in its
+// own file, prints the number of each stored session, and ships to the server after each.
+//   records_station FILE URL STATION FIRST COUNT
+#include "host/records/outbox.hpp"
+#include "host/records/tests/sample_records.hpp"
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+
+namespace
+{
+
+constexpr int patience_rounds = 600; // of 0.1 s, while the server is away
+
+// Half of the sessions are those of a trainee who practises at all stations.
+crn::SessionRecord session_of(int station, int number)
+{
+    const std::string trainee = number % 2 == 0 ? "shared" : "trainee " + std::to_string(station);
+    return crn::sample_record(trainee, 10000 * station + number);
+}
+
+void ship_all(crn::RecordStore &store, const std::string &url)
+{
+    std::size_t sent = 0, known = 0;
+    for (int round = 0; round < patience_rounds && !store.outbox().empty(); round++) {
+        try {
+            const crn::Shipment shipment = crn::ship_to(store, url, 1);
+            sent += shipment.sent;
+            known += shipment.known;
+            for (const std::string &line : shipment.refused) std::fprintf(stderr, "%s\n", line.c_str());
+        } catch (const crn::RecordsError &error) {
+            if (error.cause != crn::RecordsError::Cause::unreachable) throw;
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        }
+    }
+    std::printf("shipped %zu known %zu\n", sent, known);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    if (argc != 6) return 2;
+    const std::string url = argv[2];
+    const int station = std::atoi(argv[3]), first = std::atoi(argv[4]), count = std::atoi(argv[5]);
+    try {
+        crn::RecordStore store = crn::open_store(argv[1]);
+        for (int number = first; number < count; number++) {
+            std::string note;
+            crn::save_and_ship(store, session_of(station, number), url, note);
+            std::printf("stored %d\n", number);
+            std::fflush(stdout);
+        }
+        ship_all(store, url);
+        return store.outbox().empty() ? 0 : 1;
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
+}

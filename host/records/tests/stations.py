@@ -1,0 +1,137 @@
+"""Lets many stations ship their sessions to one PostgreSQL server at once, while stations and server are killed at
+random moments (SIGKILL). Afterwards the server has to have each stored session once, with the same contents."""
+
+import collections
+import json
+import os
+import random
+import signal
+import subprocess
+import tempfile
+import time
+
+import postgres_server
+
+ROOT = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../.."))
+BUILD = os.path.join(ROOT, os.environ.get("BUILD") or "build")
+PROGRAM = os.path.join(BUILD, "bin/cournand")
+STATION = os.path.join(BUILD, "test/records_station")
+
+
+class Station:
+    """One station, which is started again after each kill and goes on behind its last reported session."""
+
+    def __init__(self, number, folder, url, count):
+        self.number, self.url, self.count = number, url, count
+        self.file = os.path.join(folder, "station%d.db" % number)
+        self.log = os.path.join(folder, "station%d.log" % number)
+        self.process = None
+
+    def stored(self):
+        if not os.path.exists(self.log):
+            return 0
+        numbers = [int(line.split()[1]) for line in open(self.log) if line.startswith("stored ") and line[-1] == "\n"]
+        return max(numbers) + 1 if numbers else 0
+
+    def known(self):
+        return sum(int(line.split()[3]) for line in open(self.log) if line.startswith("shipped "))
+
+    def start(self):
+        command = [STATION, self.file, self.url, str(self.number), str(self.stored()), str(self.count)]
+        with open(self.log, "a") as log:
+            self.process = subprocess.Popen(command, stdout=log, stderr=log)
+
+    def is_done(self):
+        return self.process.poll() == 0
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+
+def sessions(place):
+    command = [PROGRAM, "records", "export", "--format", "json", "--records", place]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise SystemExit("Bail out! " + done.stderr)
+    return json.loads(done.stdout)["sessions"]
+
+
+def disturb(rng, server, stations, report):
+    """Kills one thing, and starts it again: mostly a station, at times one connection, or the whole server."""
+    choice = rng.random()
+    running = [station for station in stations if station.process.poll() is None]
+    if choice < 0.6 and running:
+        station = rng.choice(running)
+        station.kill()
+        station.start()
+        report["stations"] += 1
+    elif choice < 0.8:
+        backends = server.backends()
+        if backends:
+            try:
+                os.kill(rng.choice(backends), signal.SIGKILL)
+                report["connections"] += 1
+            except ProcessLookupError:
+                pass
+    else:
+        server.kill()
+        time.sleep(rng.uniform(0.0, 0.5))
+        server.start()
+        report["servers"] += 1
+
+
+def run(stations_count, sessions_each, seed, pause_s, least, most):
+    """Prints TAP. `least` has the least number of kills of each kind, so that the claim is not shown by quiet; after
+    `most` kills the stations may end in peace."""
+    rng = random.Random(seed)
+    print("# seed %d" % seed)
+    begun = time.monotonic()
+    report = {"stations": 0, "connections": 0, "servers": 0}
+    with tempfile.TemporaryDirectory(prefix="cournand-stations-") as folder, postgres_server.Server() as server:
+        stations = [Station(number, folder, server.url, sessions_each) for number in range(stations_count)]
+        for station in stations:
+            station.start()
+        while not all(station.is_done() for station in stations):
+            time.sleep(rng.uniform(0.2, 1.0) * pause_s)
+            if time.monotonic() - begun > 550:
+                logs = "".join(open(one.log).read()[-300:] for one in stations if not one.is_done())
+                raise SystemExit("Bail out! the stations do not end: " + logs)
+            for station in stations:
+                if station.process.poll() not in (None, 0):
+                    raise SystemExit("Bail out! a station gave up: " + open(station.log).read()[-2000:])
+            if sum(report.values()) < most:
+                disturb(rng, server, stations, report)
+        server.start() if server.process.poll() is not None else None
+        judge(server, stations, stations_count * sessions_each, report, least)
+    print("# %.0f s" % (time.monotonic() - begun))
+
+
+def judge(server, stations, wanted, report, least):
+    own = [session for station in stations for session in sessions(station.file)]
+    central = sessions(server.url)
+    repeats = sum(station.known() for station in stations)
+    print("# killed: %(stations)d stations, %(connections)d connections, %(servers)d servers" % report)
+    print("# %d sessions were shipped a second time, and recognised" % repeats)
+    counts = collections.Counter(session["id"] for session in central)
+    by_id = {session["id"]: session for session in central}
+    rows = server.query("SELECT (SELECT count(*) FROM metric), (SELECT count(*) FROM event)")
+    claims = [
+        (
+            "there were at least %(stations)d, %(connections)d and %(servers)d kills" % least,
+            all(report[kind] >= least[kind] for kind in least),
+        ),
+        ("the stations' own files have %d sessions (%d)" % (wanted, len(own)), len(own) == wanted),
+        (
+            "none is lost (%d)" % sum(session["id"] not in by_id for session in own),
+            all(session["id"] in by_id for session in own),
+        ),
+        ("none is double (%d)" % sum(count > 1 for count in counts.values()), len(central) == wanted == len(counts)),
+        ("each has the same contents at the server", all(by_id.get(session["id"]) == session for session in own)),
+        ("no part of a session is lost or double (%s)" % rows, rows == "%d|%d" % (3 * wanted, 4 * wanted)),
+    ]
+    print("1..%d" % len(claims))
+    for number, (claim, is_true) in enumerate(claims, 1):
+        print("%s %d - %s" % ("ok" if is_true else "not ok", number, claim))
+    if not all(is_true for _, is_true in claims):
+        raise SystemExit(1)

@@ -1,0 +1,7 @@
+#!/usr/bin/env python3
+"""Claims: eight stations ship 48 sessions to one server at once; kills of stations and server lose none and double
+none. This is the short form of test_thousand_sessions.py. Prints TAP."""
+
+import stations
+
+stations.run(8, 6, seed=7, pause_s=0.3, least={"stations": 2, "connections": 0, "servers": 1}, most=6)
