@@ -59,7 +59,7 @@ _PROGRAM_complete() {
             *) described+=("${${line%%$'\t'*}//:/\\:}:${line#*$'\t'}") ;;
         esac
     done
-    (( $#described )) && _describe -o 'PROGRAM' described
+    (( $#described )) && _describe 'PROGRAM' described
     (( $#plain )) && compadd -a plain
     case $kind in
         :files) _files ;;

@@ -1,4 +1,4 @@
-# `cmake --install` (make install) installs below PREFIX: programs with their man pages and completion scripts, libraries
+# `cmake --install` (make install) installs below PREFIX: programs with man pages and completion scripts, libraries
 # with their headers, scenes and instruments. For other projects it installs pkg-config files and a CMake package for
 # the core and the host:
 #
