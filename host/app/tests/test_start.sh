@@ -29,7 +29,9 @@ result $? "their files are in the current folder"
 result $? "without a kept recording, 'last' is refused"
 "$program" >"$log" 2>&1 &
 window=$!
-focus && keys key Escape
+focus
+until kept=$(ls "$work"/state/cournand/*.rec.part* 2>>"$log") || ! kill -0 $window 2>>"$log"; do sleep 0.05; done
+ticks_pass "${kept%.part*}" 2 && keys key Escape
 wait $window
 result $? "with a display it opens a window, which Esc closes"
 "$program" replay last --verify >"$log" 2>&1 && grep -q "^verified" "$log" &&
