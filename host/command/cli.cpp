@@ -154,7 +154,7 @@ void add_inserted(CLI::App &command, std::vector<double> &inserted_mm)
     const Group group(command, "Patient and tools");
     command
         .add_option("--inserted", inserted_mm,
-                    "Inserted length at the start, mm; once for all tools, or once per tool ; without: the "
+                    "Inserted length at the start, mm; once for all tools, or once per tool; without: the "
                     "scene's start length (20 in free space)")
         ->allow_extra_args(false)
         ->check(CLI::Range(0.0, 2000.0));
@@ -269,8 +269,9 @@ void add_surface(CLI::App &app, SurfaceOptions &options)
         ->capture_default_str()
         ->check(CLI::Range(0.0, 200.0));
     add_scene(*command, options.scene, "the one that the recording names");
-    command->add_option("--bodies", options.surface.bodies_path,
-                        "Body file; default: the scene's .bodies file");
+    command
+        ->add_option("--bodies", options.surface.bodies_path, "Body file; default: the scene's .bodies file")
+        ->type_name("FILE");
     add_output(*command, "-o,--output", options.surface.output,
                "OBJ file, mm: objects TIME_BODY, and TIME_balloon for a balloon")
         ->required();
@@ -296,8 +297,10 @@ void add_view(CLI::App &app, WindowOptions &options)
     add_output(*command, "--score", options.score,
                "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
     add_dicom_options(*command, options.pictures.dicom);
-    command->add_option("--bodies", options.pictures.bodies_path,
-                        "Body file; default: the scene's .bodies file, if there is one");
+    command
+        ->add_option("--bodies", options.pictures.bodies_path,
+                     "Body file; default: the scene's .bodies file, if there is one")
+        ->type_name("FILE");
     command->add_option("--size", options.pictures.size, "Pixels along each edge of the X-ray")
         ->capture_default_str()
         ->check(CLI::Range(64, 2048));
@@ -307,9 +310,10 @@ void add_view(CLI::App &app, WindowOptions &options)
         ->check(CLI::Range(0, 64));
     add_xray_window(*command, options.pictures);
     add_inserted(*command, options.inserted_mm);
-    command->add_flag(
-        "--free-run", options.free_run,
-        "The rig's own encoders are the hands, and its first button the X-ray pedal (docs/rig.md)");
+    command
+        ->add_flag("--free-run", options.free_run,
+                   "The rig's own encoders are the hands, and its first button the X-ray pedal (docs/rig.md)")
+        ->group("Rig");
     add_motors(*command, options.motors, options.yes);
     command->add_flag("--fluoro", options.starts_with_fluoro, "X-ray on from the start");
     command->add_flag("!--no-help-panel", options.shows_help, "Start without the list of keys");

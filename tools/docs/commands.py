@@ -233,6 +233,9 @@ class Scratch:
             if name not in ("anatomy", "obj"):
                 self.link(os.path.join(ROOT, build, name), "build/" + name)
         shutil.copytree(stock.out, os.path.join(self.folder, "out"), dirs_exist_ok=True)
+        kept = os.path.join(self.folder, "state", "cournand")  # as the window keeps its recordings
+        os.makedirs(kept)
+        shutil.copy(os.path.join(stock.out, "demo.rec"), os.path.join(kept, "2026-01-31_10-15-00.rec"))
         if os.path.isdir(stock.anatomy):
             shutil.copytree(stock.anatomy, os.path.join(self.folder, "build", "anatomy"))
         beside = os.path.join(ROOT, "..", "shared")
