@@ -383,10 +383,10 @@ void a_script_may_name_its_scene_tools_and_stents(void **)
                  "a.session:2:1: 'needs' must come before all other statements");
     expect_error("begin inserted 5 mm\nneeds scene aorta", "a.session:2:1: 'needs' must come before");
     expect_error("needs scene a\nneeds scene b\nwait 1 s",
-                 "a.session:2:12: these files are stated in a line above");
+                 "a.session:2:13: these files are stated in a line above");
     expect_error("needs scene a b\nwait 1 s", "a session has one scene");
     expect_error("needs tool\nwait 1 s", "a.session:1:11: expected a name of a file, the line ends");
-    expect_error("needs tols a\nwait 1 s", "unknown kind of file 'tols', did you mean 'tool'?");
+    expect_error("needs tols a\nwait 1 s", "unknown kind of file 'tols', did you mean 'tools'?");
     expect_error("needs tools a b c d\nwait 1 s", "a line of tools holds at most 3");
 }
 
