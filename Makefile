@@ -45,7 +45,7 @@ test: ## test the product: all programs, sanitizers, a short fuzz run, machines,
 test: packages-build+tools+test+matrix+usb+bench
 	@JOBS=$(JOBS) tools/check/run_tests.sh product
 
-install: ## install programs, libraries, headers, pkg-config and CMake files (PREFIX=, DESTDIR=)
+install: ## install programs, man pages, completion, libraries, headers, pkg-config files (PREFIX=, DESTDIR=)
 install: packages-build+tools
 	$(call build,release,run$(comma)tools,cournand bake anatomy centreline)
 	@cmake --install $(BUILD) --prefix $(or $(PREFIX),/usr/local)

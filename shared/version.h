@@ -6,5 +6,6 @@
 #define CRN_VERSION_H
 
 #define CRN_VERSION "0.1.0"
+#define CRN_VERSION_DATE "2026-11-24" /* of the last change of the command lines; man pages show it */
 
 #endif

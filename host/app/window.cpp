@@ -6,13 +6,12 @@
 #include "host/base/interrupt.hpp"
 #include "host/base/terminal.hpp"
 #include "host/command/cli.hpp"
+#include "host/command/names.hpp"
 #include "host/report/session_summary.hpp"
 #include "host/screen/screen.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -36,31 +35,6 @@ std::string numbered(const std::string &wanted, int number)
     const std::string extension = path.extension().string();
     path.replace_extension(std::to_string(number) + extension);
     return path.string();
-}
-
-// Returns the path of the recording when the user has named no file for it. The file's name is made of date
-// and time, and the file lies in the user's state folder (XDG Base Directory Specification).
-std::string kept_recording()
-{
-    const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
-    std::filesystem::path folder = state && *state ? std::filesystem::path(state)
-                                   : home && *home ? std::filesystem::path(home) / ".local" / "state"
-                                                   : std::filesystem::path(".");
-    folder /= "cournand";
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error)
-        throw UsageError("recordings are kept in '" + folder.string() + "', which cannot be made (" +
-                         error.message() + "): name a file with --record, or give --no-record");
-    const std::time_t now = std::time(nullptr);
-    std::tm local{};
-    localtime_r(&now, &local);
-    char name[32];
-    std::strftime(name, sizeof name, "%Y-%m-%d_%H-%M-%S", &local);
-    std::filesystem::path file = folder / (std::string(name) + ".rec");
-    for (int again = 2; std::filesystem::exists(file, error); ++again)
-        file = folder / (std::string(name) + "." + std::to_string(again) + ".rec");
-    return file.string();
 }
 
 // Returns the folder for the DICOM files of a session. The first session uses "runs"; a later session uses

@@ -1,28 +1,51 @@
 // Checks the values of command-line options before the program uses any of them.
 #pragma once
 #include "host/base/examples.hpp"
+#include "host/base/text.hpp"
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace crn
 {
+
+// The returned validator replaces each value by what the function makes of it. The text of a
+// std::runtime_error refuses the value.
+template <typename Replace> CLI::Validator replaced_by(Replace replace)
+{
+    CLI::Validator values;
+    values.operation([replace](std::string &word) {
+        try {
+            word = replace(word);
+            return std::string();
+        } catch (const std::runtime_error &error) {
+            return std::string(error.what());
+        }
+    });
+    return values;
+}
 
 // The value of the returned validator's option may be the name of a file that comes with the program, or of
 // one of the user's own files. The validator replaces the name by the file's path. A name may end with
 // ":preset".
 inline CLI::Validator name_or_path(const ExampleKind &kind)
 {
-    CLI::Validator names;
-    names.operation([kind](std::string &word) {
-        try {
-            word = named_path(kind, word);
-            return std::string();
-        } catch (const std::runtime_error &error) {
-            return std::string(error.what());
-        }
-    });
-    return names;
+    return replaced_by([kind](const std::string &word) { return named_path(kind, word); });
+}
+
+// The returned validator accepts these words only, and suggests one of them for a mistyped word.
+inline CLI::Validator one_of(const std::vector<std::string> &words)
+{
+    std::string list;
+    for (const std::string &word : words) list += (list.empty() ? "" : ",") + word;
+    return CLI::Validator(
+        [words](std::string &word) {
+            if (std::find(words.begin(), words.end(), word) != words.end()) return std::string();
+            return "there is no '" + word + "'" + suggestion(word, words);
+        },
+        "{" + list + "}");
 }
 
 // A script in which a variable is empty produces `--json ""`, which does not mean that no file is wanted. An

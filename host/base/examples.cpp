@@ -1,7 +1,7 @@
 #include "host/base/examples.hpp"
 #include "host/base/text.hpp"
+#include "host/base/user_folders.hpp"
 #include <algorithm>
-#include <cstdlib>
 #include <stdexcept>
 
 namespace crn
@@ -15,13 +15,6 @@ namespace fs = std::filesystem;
 constexpr int folders_up = 4; // build/san/bin is three below the repository
 
 } // namespace
-
-fs::path user_data_folder()
-{
-    const char *data = std::getenv("XDG_DATA_HOME"), *home = std::getenv("HOME");
-    if (data && fs::path(data).is_absolute()) return fs::path(data) / "cournand";
-    return home && *home ? fs::path(home) / ".local/share/cournand" : fs::path();
-}
 
 std::vector<fs::path> shipped_folders(const ExampleKind &kind)
 {
@@ -42,7 +35,7 @@ std::vector<fs::path> example_folders(const ExampleKind &kind)
 {
     std::error_code failure;
     std::vector<fs::path> folders = shipped_folders(kind);
-    const fs::path own = user_data_folder();
+    const fs::path own = data_folder();
     if (!own.empty() && fs::is_directory(own / kind.folder, failure))
         folders.insert(folders.begin(), own / kind.folder);
     return folders;
@@ -62,13 +55,19 @@ FileSearch search_file(const std::vector<fs::path> &folders, const std::string &
     return search;
 }
 
+std::vector<std::string> example_names(const ExampleKind &kind)
+{
+    std::vector<std::string> names;
+    for (const fs::path other : search_file(example_folders(kind), "").others)
+        if (other.extension() == kind.ending) names.push_back(other.stem().string());
+    return names;
+}
+
 std::string example_path(const ExampleKind &kind, const std::string &name)
 {
     const FileSearch search = search_file(example_folders(kind), name + kind.ending);
     if (!search.path.empty()) return search.path;
-    std::vector<std::string> others;
-    for (const fs::path other : search.others)
-        if (other.extension() == kind.ending) others.push_back(other.stem().string());
+    const std::vector<std::string> others = example_names(kind);
     const std::string text = "there is no " + std::string(kind.singular) + " '" + name + "'";
     if (!others.empty()) throw std::runtime_error(text + suggestion(name, others));
     throw std::runtime_error(text + ", because no folder with " + kind.folder +
@@ -76,12 +75,17 @@ std::string example_path(const ExampleKind &kind, const std::string &name)
                              "give the path of a file");
 }
 
+bool is_path(const std::string &word)
+{
+    const std::string name = word.substr(0, word.find_last_of(':'));
+    std::error_code failure;
+    return name.empty() || word.find_first_of("/.") != word.npos || fs::exists(name, failure);
+}
+
 std::string named_path(const ExampleKind &kind, const std::string &word)
 {
     const std::string name = word.substr(0, word.find_last_of(':')), preset = word.substr(name.size());
-    std::error_code failure;
-    const bool is_path = name.empty() || word.find_first_of("/.") != word.npos || fs::exists(name, failure);
-    return is_path ? word : example_path(kind, name) + preset;
+    return is_path(word) ? word : example_path(kind, name) + preset;
 }
 
 } // namespace crn

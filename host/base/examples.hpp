@@ -16,11 +16,8 @@ struct ExampleKind {
 inline constexpr ExampleKind instrument_files{"instruments", "instrument", ".toml"};
 inline constexpr ExampleKind stent_files{"stents", "stent", ".toml"};
 inline constexpr ExampleKind session_files{"sessions", "session", ".session"};
+inline constexpr ExampleKind scene_files{"scenes", "scene", ".scene"};
 inline constexpr ExampleKind anatomy_files{"anatomies", "anatomy", ".toml"};
-
-// Returns the user's own folder, $XDG_DATA_HOME/cournand or ~/.local/share/cournand, which may not exist.
-// Empty if neither XDG_DATA_HOME nor HOME is set.
-std::filesystem::path user_data_folder();
 
 // Returns the existing folders with the files of this kind that come with the program, in the order in which
 // they are searched. The installed program has share/cournand/examples/KIND, and the repository has
@@ -45,9 +42,16 @@ FileSearch search_file(const std::vector<std::filesystem::path> &folders, const 
 // suggestion if there is no such file.
 std::string example_path(const ExampleKind &kind, const std::string &name);
 
-// Returns the path that a word of the command line means. A word with a slash or a dot, and a word that is
-// the path of a file or folder, is a path already. Every other word is the name of a file of this kind,
-// maybe with ":preset" behind it, which stays behind the path. Throws as example_path.
+// Returns the names of all files of this kind, sorted.
+std::vector<std::string> example_names(const ExampleKind &kind);
+
+// Returns true for a word of the command line that is a path: a word with a slash or a dot, and a word that
+// is the path of an existing file or folder, maybe with ":preset" behind it.
+bool is_path(const std::string &word);
+
+// Returns the path that a word of the command line means. A word that is_path() stays. Every other word is
+// the name of a file of this kind, maybe with ":preset" behind it, which stays behind the path. Throws as
+// example_path.
 std::string named_path(const ExampleKind &kind, const std::string &word);
 
 } // namespace crn

@@ -14,9 +14,12 @@ constexpr int bar_marks = 20;
 
 } // namespace
 
-ProgressLine::ProgressLine(bool is_wanted) : is_wanted_(is_wanted), is_terminal_(isatty(STDERR_FILENO) != 0)
+bool shows_progress()
 {
+    return isatty(STDERR_FILENO) != 0;
 }
+
+ProgressLine::ProgressLine(bool is_wanted) : is_wanted_(is_wanted && shows_progress()) {}
 
 ProgressLine::~ProgressLine()
 {
@@ -28,10 +31,6 @@ void ProgressLine::show(const std::string &what, std::size_t done, std::size_t t
     if (!is_wanted_) return;
     const bool is_new = what != begun_;
     begun_ = what;
-    if (!is_terminal_) {
-        if (is_new) say(stderr, "%s\n", what.c_str());
-        return;
-    }
     const Clock::time_point now = Clock::now();
     if (!is_new && now - drawn_at_ < std::chrono::milliseconds(100)) return;
     drawn_at_ = now;

@@ -1,5 +1,5 @@
-// Shows the progress of long work on standard error output. On a terminal the class redraws a progress bar;
-// elsewhere it prints one line at the beginning of each file.
+// Shows the progress of long work on standard error output, if that is a terminal. Progress never gets into a
+// file or a pipe.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -7,6 +7,9 @@
 
 namespace crn
 {
+
+// Returns true if standard error output is a terminal. No program prints progress elsewhere.
+bool shows_progress();
 
 class ProgressLine
 {
@@ -23,7 +26,7 @@ class ProgressLine
 
   private:
     using Clock = std::chrono::steady_clock;
-    bool is_wanted_, is_terminal_;
+    bool is_wanted_;
     bool is_drawn_ = false;
     std::string begun_;
     Clock::time_point drawn_at_{};

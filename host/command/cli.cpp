@@ -3,9 +3,12 @@
 #include "host/base/command_values.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/version.hpp"
+#include "host/cli/parse.hpp"
 #include "host/command/cli_dicom.hpp"
 #include "host/command/cli_records.hpp"
 #include "host/command/cli_rig.hpp"
+#include "host/command/names.hpp"
+#include "host/command/start.hpp"
 #include "host/model/units.hpp"
 #include "host/report/instrument_list.hpp"
 #include "host/session/replay.hpp"
@@ -21,20 +24,40 @@ namespace crn
 namespace
 {
 
+// While an object of this class exists, new options of the command appear in this group of its help.
+class Group
+{
+  public:
+    Group(CLI::App &command, const char *name) : command_(command) { command.option_defaults()->group(name); }
+    ~Group() { command_.option_defaults()->group("Options"); }
+    Group(const Group &) = delete;
+    Group &operator=(const Group &) = delete;
+
+  private:
+    CLI::App &command_;
+};
+
+// An option for a file that the command writes.
+CLI::Option *add_output(CLI::App &command, const std::string &names, std::string &path,
+                        const std::string &text)
+{
+    return command.add_option(names, path, text)->type_name("FILE")->group("Outputs");
+}
+
 void add_xray(CLI::App &command, PictureSettings &pictures)
 {
     command
         .add_option("--style", pictures.style,
                     "Look of the X-ray: physical, or vcsim3 as in the thesis (docs/xray-style.md)")
         ->capture_default_str()
-        ->check(CLI::IsMember({"physical", "vcsim3"}));
+        ->check(one_of({"physical", "vcsim3"}));
     command
         .add_option(
             "--xray", pictures.xray,
             "Who draws the path lengths: raster (no graphics driver, the same bytes everywhere), opengl "
             "(OSMesa, where that is missing EGL), opengl-osmesa, opengl-egl")
         ->capture_default_str()
-        ->check(CLI::IsMember(path_choices));
+        ->check(one_of(path_choices));
 }
 
 void add_xray_window(CLI::App &command, PictureSettings &pictures)
@@ -44,18 +67,21 @@ void add_xray_window(CLI::App &command, PictureSettings &pictures)
             "--xray", pictures.xray,
             "Who draws the path lengths: raster (the same bytes everywhere), opengl (the window's own)")
         ->capture_default_str()
-        ->check(CLI::IsMember(path_choices_window));
+        ->check(one_of(path_choices_window));
 }
 
 void add_pictures(CLI::App &command, PictureSettings &pictures)
 {
-    command.add_option("--bodies", pictures.bodies_path,
-                       "Body file for the picture; default: the scene's .bodies file, if there is one");
-    command.add_option("--png", pictures.png_path, "Write the last picture with its display, 8 bits");
-    command.add_option("--png16", pictures.png16_path,
-                       "Write the last X-ray's values, 16 bits, grey, proportional to the X-ray intensity");
-    command.add_option("--mp4", pictures.mp4_path, "Write all pictures as a film, H.264");
+    add_output(command, "--png", pictures.png_path, "Write the last picture with its display, 8 bits");
+    add_output(command, "--png16", pictures.png16_path,
+               "Write the last X-ray's values, 16 bits, grey, proportional to the X-ray intensity");
+    add_output(command, "--mp4", pictures.mp4_path, "Write all pictures as a film, H.264");
     add_dicom_options(command, pictures.dicom);
+    const Group group(command, "Pictures");
+    command
+        .add_option("--bodies", pictures.bodies_path,
+                    "Body file for the picture; default: the scene's .bodies file, if there is one")
+        ->type_name("FILE");
     command.add_option("--size", pictures.size, "Pixels along each edge")
         ->capture_default_str()
         ->check(CLI::Range(64, 2048));
@@ -70,21 +96,33 @@ void add_pictures(CLI::App &command, PictureSettings &pictures)
     add_xray(command, pictures);
 }
 
+void add_scene(CLI::App &command, std::string &scene, const std::string &without)
+{
+    const Group group(command, "Patient and tools");
+    command.add_option("--scene", scene, "Name or file of a baked scene; without: " + without)
+        ->type_name("SCENE")
+        ->check(scene_name());
+}
+
 void add_tools(CLI::App &command, std::string &instrument, std::vector<std::string> &tools)
 {
+    const Group group(command, "Patient and tools");
     command
         .add_option("--tool", tools,
                     "Name or file of an instrument, maybe with :preset (docs/instruments.md); once per tool, "
                     "from the "
                     "innermost to the outermost, at most three")
         ->allow_extra_args(false)
+        ->type_name("INSTRUMENT")
         ->transform(name_or_path(instrument_files));
     command.add_option("--instrument", instrument, "The innermost tool, as --tool before all others")
+        ->type_name("INSTRUMENT")
         ->transform(name_or_path(instrument_files));
 }
 
 void add_stents(CLI::App &command, std::vector<std::string> &stents, PictureSettings &pictures)
 {
+    const Group group(command, "Patient and tools");
     command
         .add_option("--stent", stents,
                     "Name or file of a stent (docs/stent.md) for the tool with a balloon; once per stent, in "
@@ -92,6 +130,7 @@ void add_stents(CLI::App &command, std::vector<std::string> &stents, PictureSett
                     "loading: the first "
                     "is on the balloon from the start, unless a script says 'load stent'")
         ->allow_extra_args(false)
+        ->type_name("STENT")
         ->transform(name_or_path(stent_files));
     command
         .add_option("--balloon-iodine", pictures.balloon_iodine_mg_per_ml,
@@ -102,6 +141,7 @@ void add_stents(CLI::App &command, std::vector<std::string> &stents, PictureSett
 
 void add_device(CLI::App &command, std::string &device)
 {
+    const Group group(command, "Rig");
     command
         .add_option(
             "--device", device,
@@ -112,15 +152,18 @@ void add_device(CLI::App &command, std::string &device)
 
 void add_inserted(CLI::App &command, std::vector<double> &inserted_mm)
 {
+    const Group group(command, "Patient and tools");
     command
         .add_option("--inserted", inserted_mm,
-                    "Inserted length at the start, mm; once for all tools, or once per tool (default 20)")
+                    "Inserted length at the start, mm; once for all tools, or once per tool; without: the "
+                    "scene's start length (20 in free space)")
         ->allow_extra_args(false)
         ->check(CLI::Range(0.0, 2000.0));
 }
 
 void add_motors(CLI::App &command, bool &motors, bool &yes)
 {
+    const Group group(command, "Rig");
     command.add_flag(
         "--motors", motors,
         "With --free-run: power the tracks whose damping the rig reports (docs/rig.md), after a typed yes");
@@ -130,14 +173,15 @@ void add_motors(CLI::App &command, bool &motors, bool &yes)
 void add_run(CLI::App &app, RunOptions &options)
 {
     CLI::App *command = app.add_subcommand("run", "Carry out a session script, or what hands do at a rig");
-    command->add_option("--scene", options.scene, "Baked scene; without: free space");
+    command
+        ->add_option("session,--session", options.session,
+                     "Name or file of a session script (docs/session.md), carried out as fast as the machine "
+                     "allows; it may name its own scene, tools and stents")
+        ->type_name("SESSION")
+        ->transform(name_or_path(session_files));
+    add_scene(*command, options.scene, "that of the session, else free space");
     add_tools(*command, options.instrument, options.tools);
     add_stents(*command, options.stents, options.pictures);
-    command
-        ->add_option(
-            "--session", options.session,
-            "Name or file of a session script (docs/session.md), carried out as fast as the machine allows")
-        ->transform(name_or_path(session_files));
     command
         ->add_option("--free-run", options.free_run_s,
                      "Instead of a script: FREE_RUN for so many seconds, 0: until Ctrl-C (docs/rig.md)")
@@ -145,30 +189,31 @@ void add_run(CLI::App &app, RunOptions &options)
     add_motors(*command, options.motors, options.yes);
     add_inserted(*command, options.inserted_mm);
     add_device(*command, options.device);
-    command->add_option("--record", options.record, "Write a recording");
-    command->add_option("--json", options.json, "Write the figures of the session");
-    command->add_option("--score", options.score,
-                        "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
-    command->add_option("--timing", options.timing, "Write what the session took of the machine");
+    add_output(*command, "--record", options.record, "Write a recording");
+    add_output(*command, "--json", options.json, "Write the figures of the session");
+    add_output(*command, "--score", options.score,
+               "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
+    add_output(*command, "--timing", options.timing, "Write what the session took of the machine");
     command->add_flag("--quiet", options.quiet, "No progress line");
     add_pictures(*command, options.pictures);
     command->footer(
-        "Examples:\n  cournand run --scene out/aorta.scene --tool shared/examples/instruments/bentson.toml "
-        "\\\n"
-        "      --session shared/examples/sessions/demo.session --record out/demo.rec --json out/demo.json\n"
-        "  cournand run --tool wire.toml --tool catheter.toml --session my.session --mp4 out/my.mp4\n"
-        "  cournand run --device usb --scene out/aorta.scene --tool wire.toml --free-run 60 --record "
-        "out/my.rec\n"
-        "  cournand run --tool wire.toml --session my.session --dicom out/my_dicom\n"
-        "  cournand run --scene out/lad.scene --tool wire.toml --tool balloon.toml --tool guide.toml "
-        "--stent "
-        "stent.toml \\\n      --session my.session");
+        "Examples:\n"
+        "  cournand run demo\n"
+        "  cournand run demo --mp4 demo.mp4 --record demo.rec --json demo.json\n"
+        "  cournand run iliac_to_arch --tool bentson\n"
+        "  cournand run my.session --scene aorta --tool j_wire --tool beacon_5f --dicom my_dicom\n"
+        "  cournand run --device usb --scene aorta --tool j_wire --free-run 60 --record my.rec");
 }
 
 void add_replay(CLI::App &app, ReplayOptions &options)
 {
     CLI::App *command = app.add_subcommand("replay", "Play a recording again, bit for bit");
-    command->add_option("recording", options.recording, "The recording")->required();
+    command
+        ->add_option("recording", options.recording,
+                     "File of the recording, or name of a kept one; last: the newest one that is kept")
+        ->type_name("RECORDING")
+        ->required()
+        ->transform(recording_name());
     command->add_flag("--verify", options.verify,
                       "Compare the hash of every tick; stop at the first difference");
     command
@@ -182,31 +227,36 @@ void add_replay(CLI::App &app, ReplayOptions &options)
     command->add_option("--from", options.from_s, "Start at this second, from the snapshot before it")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 1e6));
-    command->add_option("--scene", options.scene, "The scene, when it is no longer where the recording says");
-    command->add_option("--json", options.json, "Write the figures of the session, as run does");
-    command->add_option("--score", options.score,
-                        "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
+    add_scene(*command, options.scene, "the one that the recording names");
+    add_output(*command, "--json", options.json, "Write the figures of the session, as run does");
+    add_output(*command, "--score", options.score,
+               "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
     add_pictures(*command, options.pictures);
     CLI::Option *upgrade =
         command->add_flag("--upgrade", options.upgrades,
                           "Play nothing: convert a recording of an older version, and write it with -o");
-    CLI::Option *output = command->add_option("-o,--output", options.upgraded, "The converted recording");
+    CLI::Option *output = add_output(*command, "-o,--output", options.upgraded, "The converted recording");
     upgrade->needs(output);
     output->needs(upgrade);
-    for (const char *other : {"--verify", "--json", "--score", "--png", "--mp4"})
+    for (const char *other : {"--verify", "--json", "--score", "--png", "--png16", "--mp4", "--dicom"})
         upgrade->excludes(command->get_option(other));
-    command->footer("Examples:\n  cournand replay out/demo.rec --verify\n  cournand replay out/demo.rec "
-                    "--speed slow --from 12.5\n"
-                    "  cournand replay --upgrade old.rec -o new.rec\n"
-                    "  cournand replay out/demo.rec --dicom out/demo_dicom --size 1024");
+    command->footer("Examples:\n"
+                    "  cournand replay last --verify\n"
+                    "  cournand replay demo.rec --speed slow --from 12.5\n"
+                    "  cournand replay demo.rec --dicom demo_dicom --size 1024\n"
+                    "  cournand replay --upgrade old.rec -o new.rec");
 }
 
 void add_surface(CLI::App &app, SurfaceOptions &options)
 {
     CLI::App *command = app.add_subcommand(
         "surface", "The walls round a lesion at moments of a recording, as polygons (docs/lesions.md)");
-    command->add_option("recording", options.recording, "Recording of a session in a scene with lesions")
-        ->required();
+    command
+        ->add_option("recording", options.recording,
+                     "Recording of a session in a scene with lesions, as for replay")
+        ->type_name("RECORDING")
+        ->required()
+        ->transform(recording_name());
     command->add_option("--at", options.at_s, "Moment, s from the begin; once per moment")
         ->allow_extra_args(false);
     command->add_flag(
@@ -219,36 +269,39 @@ void add_surface(CLI::App &app, SurfaceOptions &options)
                      "Millimetres of vessel to either side of the lesion")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 200.0));
-    command->add_option("--scene", options.scene, "Where the recording's scene is now");
-    command->add_option("--bodies", options.surface.bodies_path,
-                        "Body file; default: the scene's .bodies file");
+    add_scene(*command, options.scene, "the one that the recording names");
     command
-        ->add_option("-o,--output", options.surface.output,
-                     "OBJ file, mm: objects TIME_BODY, and TIME_balloon for a balloon")
+        ->add_option("--bodies", options.surface.bodies_path, "Body file; default: the scene's .bodies file")
+        ->type_name("FILE");
+    add_output(*command, "-o,--output", options.surface.output,
+               "OBJ file, mm: objects TIME_BODY, and TIME_balloon for a balloon")
         ->required();
-    command->add_option("--png", options.surface.png,
-                        "And a picture: the moments side by side, the lesion from the side");
-    command->footer("Examples:\n  cournand surface out/pci.rec --at 5 --at 12.5 --at 30 -o out/lesion.obj\n"
-                    "  cournand surface out/pci.rec --stages -o out/lesion.obj");
+    add_output(*command, "--png", options.surface.png,
+               "And a picture: the moments side by side, the lesion from the side");
+    command->footer("Examples:\n"
+                    "  cournand surface out/pci_lad.rec --stages -o lesion.obj\n"
+                    "  cournand surface last --at 5 --at 12.5 --at 30 -o lesion.obj");
 }
 
 void add_view(CLI::App &app, WindowOptions &options)
 {
     CLI::App *command = app.add_subcommand("view", "A window: push, turn and look by keyboard");
-    command->add_option("--scene", options.scene, "Baked scene; without: free space");
+    add_scene(*command, options.scene, "free space, or aorta if no tool is named either");
     add_tools(*command, options.instrument, options.tools);
     add_stents(*command, options.stents, options.pictures);
     add_device(*command, options.device);
-    command->add_option("--record", options.record,
-                        "Write the recording of what the hands do here; without: by date and time in "
-                        "~/.local/state/cournand");
+    add_output(*command, "--record", options.record,
+               "Write the recording of what the hands do here; without: by date and time in "
+               "~/.local/state/cournand");
     command->add_flag("!--no-record", options.keeps_recording, "Without --record: keep no recording");
-    command->add_option("--json", options.json, "Write the figures of the session at its end, as run does");
-    command->add_option("--score", options.score,
-                        "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
+    add_output(*command, "--json", options.json, "Write the figures of the session at its end, as run does");
+    add_output(*command, "--score", options.score,
+               "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
     add_dicom_options(*command, options.pictures.dicom);
-    command->add_option("--bodies", options.pictures.bodies_path,
-                        "Body file; default: the scene's .bodies file, if there is one");
+    command
+        ->add_option("--bodies", options.pictures.bodies_path,
+                     "Body file; default: the scene's .bodies file, if there is one")
+        ->type_name("FILE");
     command->add_option("--size", options.pictures.size, "Pixels along each edge of the X-ray")
         ->capture_default_str()
         ->check(CLI::Range(64, 2048));
@@ -258,20 +311,22 @@ void add_view(CLI::App &app, WindowOptions &options)
         ->check(CLI::Range(0, 64));
     add_xray_window(*command, options.pictures);
     add_inserted(*command, options.inserted_mm);
-    command->add_flag(
-        "--free-run", options.free_run,
-        "The rig's own encoders are the hands, and its first button the X-ray pedal (docs/rig.md)");
+    command
+        ->add_flag("--free-run", options.free_run,
+                   "The rig's own encoders are the hands, and its first button the X-ray pedal (docs/rig.md)")
+        ->group("Rig");
     add_motors(*command, options.motors, options.yes);
     command->add_flag("--fluoro", options.starts_with_fluoro, "X-ray on from the start");
     command->add_flag("!--no-help-panel", options.shows_help, "Start without the list of keys");
     command->add_option("--frames", options.frames, "End after so many screens of 1/60 s; 0: until Esc")
         ->capture_default_str()
         ->check(CLI::Range(0, 1000000));
-    command->add_option("--screenshot", options.screenshot, "Write the last screen as PNG");
-    command->footer("Examples:\n  cournand view --scene out/aorta.scene --tool "
-                    "shared/examples/instruments/bentson.toml\n"
-                    "  cournand view --tool wire.toml --tool catheter.toml --inserted 60 --inserted 40\n"
-                    "  cournand view --tool wire.toml --record out/view.rec --dicom out/view_dicom");
+    add_output(*command, "--screenshot", options.screenshot, "Write the last screen as PNG");
+    command->footer("Examples:\n"
+                    "  cournand view\n"
+                    "  cournand view --scene aorta --tool bentson\n"
+                    "  cournand view --tool bentson --tool beacon_5f --inserted 60 --inserted 40\n"
+                    "  cournand view --record view.rec --dicom view_dicom");
 }
 
 void add_instruments(CLI::App &app, InstrumentsOptions &options)
@@ -281,17 +336,18 @@ void add_instruments(CLI::App &app, InstrumentsOptions &options)
     command
         ->add_option(
             "file", options.files,
-            std::string("Names or files of instruments, each maybe with :preset, or folders; default: ") +
-                shipped_instruments)
+            "Names or files of instruments, each maybe with :preset, or folders; without: those that come "
+            "with the program")
         ->transform(name_or_path(instrument_files));
     command->add_option("--preset", options.preset,
                         "This preset of every file that has it; default: physical");
-    command->add_option("--png", options.png, "Draw stiffness and unloaded shape");
-    command->add_option("--json", options.json, "Write every figure, knots and shapes included");
-    command->add_option("--table", options.table, "Renew the table in a document (docs/instruments.md)");
-    command->footer("Examples:\n  cournand instruments --png out/instruments.png\n"
-                    "  cournand instruments shared/examples/instruments/bentson.toml:vcsim3-fit --json "
-                    "out/bentson.json");
+    add_output(*command, "--png", options.png, "Draw stiffness and unloaded shape");
+    add_output(*command, "--json", options.json, "Write every figure, knots and shapes included");
+    add_output(*command, "--table", options.table, "Renew the table in a document (docs/instruments.md)");
+    command->footer("Examples:\n"
+                    "  cournand instruments\n"
+                    "  cournand instruments --png instruments.png\n"
+                    "  cournand instruments bentson:vcsim3-fit --json bentson.json");
 }
 
 } // namespace
@@ -355,10 +411,25 @@ std::string bodies_beside(const std::string &scene)
     return std::filesystem::exists(path, ignored) ? path.string() : "";
 }
 
-int command_line(int argc, char **argv, const RunWindow &run_window)
+void choose_defaults(WindowOptions &options)
 {
-    CLI::App app("Cournand: endovascular instruments in fixed point, seen under X-ray");
-    app.require_subcommand(1);
+    if (!options.tools.empty() || !options.instrument.empty()) return;
+    options.tools = {example_path(instrument_files, "j_wire")};
+    if (options.scene.empty()) options.scene = scene_path("aorta");
+}
+
+// `cournand` alone.
+static int start(const std::string &program, const OpenStart &open_start)
+{
+    if (open_start && has_display()) return open_start();
+    say(stdout, "%s", start_text(program).c_str());
+    return 0;
+}
+
+int command_line(int argc, char **argv, const RunWindow &run_window, const OpenStart &open_start)
+{
+    CLI::App app("Cournand: endovascular instruments in fixed point, seen under X-ray", "cournand");
+    app.require_subcommand(argc > 1 ? 1 : 0);
     app.set_help_all_flag("--help-all", "Help of every command");
     RunOptions run;
     ReplayOptions replay;
@@ -379,24 +450,24 @@ int command_line(int argc, char **argv, const RunWindow &run_window)
     add_dicom_check(app, dicom_check);
     CLI::App *info_command =
         app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
-    CLI::Option *info_file = info_command->add_option("file", info, "The file");
+    CLI::Option *info_file =
+        info_command->add_option("file", info, "Name or file")->type_name("NAME")->transform(any_name());
     bool shows_opengl = false;
     info_command->add_flag("--opengl", shows_opengl, "Instead: the OpenGL that --xray opengl finds here")
         ->excludes(info_file);
-    info_command->footer("Examples:\n  cournand info out/demo.rec\n  cournand info --opengl");
-    app.footer("Examples:\n  cournand run --help\n  cournand replay out/demo.rec --verify");
-    refuse_empty_values(app);
+    info_command->footer("Examples:\n  cournand info demo\n  cournand info j_wire\n  cournand info last\n  "
+                         "cournand info --opengl");
+    app.footer(
+        "Examples:\n  cournand\n  cournand run demo\n  cournand run --help\n  cournand replay last --verify");
     app.set_version_flag("--version", version_of("cournand") + ", core " +
                                           std::to_string(int{CRN_CORE_VERSION}) + ", protocol " +
                                           std::to_string(int{CRN_WIRE_PROTOCOL_MAJOR}) + "." +
                                           std::to_string(int{CRN_WIRE_PROTOCOL_MINOR}));
+    if (const std::optional<int> code = parse_command_line(app, argc, argv, names_of_type)) return *code;
     try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError &error) {
-        const int code = app.exit(error);
-        return code == 0 ? 0 : 2;
-    }
-    try {
+        if (argc < 2) return start(argc > 0 ? argv[0] : "cournand", open_start);
+        for (std::string *scene : {&run.scene, &replay.scene, &surface.scene, &window.scene})
+            *scene = scene_path(*scene);
         if (app.got_subcommand("run")) return command_run(run);
         if (app.got_subcommand("replay")) return command_replay(replay);
         if (app.got_subcommand("surface")) return command_surface(surface);
@@ -404,6 +475,7 @@ int command_line(int argc, char **argv, const RunWindow &run_window)
             if (!run_window)
                 throw UsageError("view: this program was built without its window, since the machine had no "
                                  "display: `make window` builds it");
+            choose_defaults(window);
             return run_window(window);
         }
         if (app.got_subcommand("instruments")) return command_instruments(instruments);

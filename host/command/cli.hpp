@@ -98,7 +98,13 @@ int exit_of_range(const RangeWatch &range);
 // not exist, the path is empty.
 std::string bodies_beside(const std::string &scene);
 
-// If `run_window` is empty, the command `view` is refused.
-int command_line(int argc, char **argv, const RunWindow &run_window);
+// Fills in what `cournand view` needs when the user has named nothing: the scene that comes with the program,
+// and a J wire. If a tool or a scene is named, only the missing tool is filled in.
+void choose_defaults(WindowOptions &options);
+
+// If `run_window` is empty, the command `view` is refused. Without any other word, the program calls
+// `open_start` where there is a display; elsewhere, or if `open_start` is empty, it prints what the user can
+// do without a window (start.hpp).
+int command_line(int argc, char **argv, const RunWindow &run_window, const OpenStart &open_start = {});
 
 } // namespace crn

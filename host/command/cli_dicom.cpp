@@ -1,4 +1,5 @@
 #include "host/command/cli_dicom.hpp"
+#include "host/base/command_values.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"
 #include <algorithm>
@@ -121,24 +122,32 @@ std::string counted(std::size_t count, const char *what)
 
 void add_dicom_options(CLI::App &command, DicomSettings &settings)
 {
-    CLI::Option *folder = command.add_option(
-        "--dicom", settings.folder,
-        "Write every run (pedal down to pedal up) as a DICOM XA file into this folder, which may not "
-        "hold .dcm files yet; anonymous");
+    CLI::Option *folder =
+        command
+            .add_option(
+                "--dicom", settings.folder,
+                "Write every run (pedal down to pedal up) as a DICOM XA file into this folder, which may not "
+                "hold .dcm files yet; anonymous")
+            ->type_name("FOLDER")
+            ->group("Outputs");
     command
         .add_option("--dicom-values", settings.values,
                     "What the pixels are: log or linear in the X-ray intensity, or display, as on the screen "
                     "(docs/output.md)")
         ->capture_default_str()
-        ->check(CLI::IsMember({"log", "linear", "display"}))
-        ->needs(folder);
+        ->check(one_of({"log", "linear", "display"}))
+        ->needs(folder)
+        ->group("DICOM");
     command.add_option("--patient-name", settings.patient_name, "Name in the DICOM files, as Family^Given")
-        ->needs(folder);
+        ->needs(folder)
+        ->group("DICOM");
     command.add_option("--patient-id", settings.patient_id, "Patient's number in the DICOM files")
-        ->needs(folder);
+        ->needs(folder)
+        ->group("DICOM");
     command
         .add_option("--study-date", settings.study_date, "Date in the DICOM files, YYYYMMDD; default: none")
-        ->needs(folder);
+        ->needs(folder)
+        ->group("DICOM");
 }
 
 void add_dicom_check(CLI::App &app, DicomCheckOptions &options)
@@ -146,7 +155,9 @@ void add_dicom_check(CLI::App &app, DicomCheckOptions &options)
     CLI::App *command = app.add_subcommand(
         "dicom-check",
         "Check DICOM files by dciodvfy (Debian package dicom3tools); exit code 1 when it finds errors");
-    command->add_option("file", options.files, "DICOM files, or folders of .dcm files")->required();
+    command->add_option("file", options.files, "DICOM files, or folders of .dcm files")
+        ->type_name("FILE")
+        ->required();
     command->add_flag("--warnings", options.shows_warnings, "List the warnings too, not only their number");
     command->footer("Examples:\n  cournand dicom-check out/dicom\n"
                     "  cournand dicom-check --warnings out/dicom/run_01_fluoro.dcm");

@@ -51,6 +51,7 @@ void print_scene(const std::string &path)
         units::metres(entry.position_x_m_q30) * 1e3, units::metres(entry.position_y_m_q30) * 1e3,
         units::metres(entry.position_z_m_q30) * 1e3, units::ratio(entry.direction_x_q30),
         units::ratio(entry.direction_y_q30), units::ratio(entry.direction_z_q30));
+    say(stdout, "start         %.1f mm inserted\n", scene.start_um * 1e-3);
 }
 
 void print_instrument(const std::string &path)
@@ -74,9 +75,18 @@ void print_session(const std::string &path)
     const Session session = read_session(path);
     say(stdout, "session       %zu statements, needs %zu tool%s, starts with", session.statements.size(),
         session.tools_named, session.tools_named == 1 ? "" : "s");
-    for (std::size_t k = 0; k < session.tools_named; k++)
-        say(stdout, "%s %.1f", k == 0 ? "" : " /", session.inserted_um[k] * 1e-3);
-    say(stdout, " mm inserted\n");
+    for (std::size_t k = 0; k < session.tools_named; k++) {
+        say(stdout, "%s", k == 0 ? " " : " / ");
+        if (session.inserted_um[k] == inserted_unstated)
+            say(stdout, "the scene's start");
+        else
+            say(stdout, "%.1f mm", session.inserted_um[k] * 1e-3);
+    }
+    say(stdout, " inserted\n");
+    const SessionNeeds &needs = session.needs;
+    if (!needs.scene.empty()) say(stdout, "scene         %s\n", needs.scene.c_str());
+    for (const std::string &tool : needs.tools) say(stdout, "tool          %s\n", tool.c_str());
+    for (const std::string &stent : needs.stents) say(stdout, "stent         %s\n", stent.c_str());
 }
 
 } // namespace

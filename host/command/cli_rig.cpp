@@ -1,4 +1,5 @@
 #include "host/command/cli_rig.hpp"
+#include "host/base/command_values.hpp"
 #include <CLI/CLI.hpp>
 
 namespace crn
@@ -37,7 +38,7 @@ void add_calibrate(CLI::App &rig, RigOptions &options)
     add_track(*command, options);
     command->add_option("--what", options.what, "translation, rotation, force or all")
         ->capture_default_str()
-        ->check(CLI::IsMember({"translation", "rotation", "force", "all"}));
+        ->check(one_of({"translation", "rotation", "force", "all"}));
     command->add_option("--distance", options.distance_mm, "Distance between the two marks, mm")
         ->capture_default_str()
         ->check(CLI::Range(1.0, 2000.0));
@@ -47,9 +48,13 @@ void add_calibrate(CLI::App &rig, RigOptions &options)
     command->add_option("--weight", options.weight_g, "Weight that pulls the hand back out, g")
         ->capture_default_str()
         ->check(CLI::Range(1.0, 800.0));
-    command->add_option("--save", options.save,
-                        "Write the rig's calibration to a file; a rig forgets at power-off");
-    command->add_option("--load", options.load, "Write a file's calibration to the rig instead of measuring");
+    command
+        ->add_option("--save", options.save,
+                     "Write the rig's calibration to a file; a rig forgets at power-off")
+        ->type_name("FILE")
+        ->group("Outputs");
+    command->add_option("--load", options.load, "Write a file's calibration to the rig instead of measuring")
+        ->type_name("FILE");
     command->add_flag("--yes", options.yes, "Write without asking");
 }
 
@@ -69,10 +74,12 @@ void add_rig(CLI::App &app, RigOptions &options)
                           "  cournand rig monitor\n  cournand rig monitor --seconds 10 --csv out/rig.csv");
     watch->add_option("--seconds", options.seconds, "End after so long; default: Ctrl-C")
         ->check(CLI::Range(0.001, 1e6));
-    watch->add_option("--csv", options.csv, "Write every report, one line each");
+    watch->add_option("--csv", options.csv, "Write every report, one line each")
+        ->type_name("FILE")
+        ->group("Outputs");
     watch->add_option("--hid", options.hid, "Back end of hidapi: hidraw or libusb")
         ->capture_default_str()
-        ->check(CLI::IsMember({"hidraw", "libusb"}));
+        ->check(one_of({"hidraw", "libusb"}));
     CLI::App *test =
         add(*rig, options, "selftest", "Test every sensor and limit; one line each, pass or FAIL",
             "  cournand rig selftest\n  cournand rig selftest --motors --track 2");

@@ -1,8 +1,11 @@
 // cournand run
+#include "host/base/examples.hpp"
 #include "host/base/interrupt.hpp"
+#include "host/base/progress_line.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
 #include "host/command/cli.hpp"
+#include "host/command/names.hpp"
 #include "host/patient/balloon.hpp"
 #include "host/patient/patient.hpp"
 #include "host/picture/session_pictures.hpp"
@@ -11,7 +14,6 @@
 #include "host/session/run.hpp"
 #include <algorithm>
 #include <cstdio>
-#include <unistd.h>
 
 namespace crn
 {
@@ -26,8 +28,6 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     inputs.insert(
         inputs.end(),
         {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
-    if (options.free_run_s.has_value() != options.session.empty())
-        throw UsageError("give either --session or --free-run");
     check_outputs(inputs, {{"--record", options.record},
                            {"--json", options.json},
                            {"--score", options.score},
@@ -84,7 +84,7 @@ void check_loads(const Session &session, std::size_t stents)
 RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, const RunOptions &options,
                     const Session &session, Recorder *recorder, FrameSink *sink, const TipPlaces &tips)
 {
-    RunSettings settings{!options.quiet && isatty(STDERR_FILENO) != 0};
+    RunSettings settings{!options.quiet && shows_progress()};
     settings.tips = &tips;
     const EffectsWitness witness(tips.map(), patient);
     settings.witness = &witness;
@@ -134,16 +134,33 @@ static int tell_end(const RunResult &result, const Patient &patient, bool was_st
     return result.failures.empty() ? 0 : 1;
 }
 
-int command_run(const RunOptions &options)
+// Adds to the options what the session was written for, and what the user has not named.
+static RunOptions with_needs(const RunOptions &given, const SessionNeeds &needs)
 {
+    RunOptions options = given;
+    if (options.scene.empty()) options.scene = scene_path(needs.scene);
+    if (options.tools.empty() && options.instrument.empty())
+        for (const std::string &name : needs.tools)
+            options.tools.push_back(named_path(instrument_files, name));
+    if (options.stents.empty())
+        for (const std::string &name : needs.stents) options.stents.push_back(named_path(stent_files, name));
+    return options;
+}
+
+int command_run(const RunOptions &given)
+{
+    if (given.free_run_s.has_value() != given.session.empty())
+        throw UsageError("name a session, or give --free-run (docs/session.md)");
+    const bool is_led = given.free_run_s.has_value(); // in FREE_RUN
+    check_files(given, given.pictures);
+    const Session session = is_led ? Session{"rig", {}, {}, {}} : read_session(given.session);
+    const RunOptions options = with_needs(given, session.needs);
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
     picture_settings.scene_path = options.scene;
     check_files(options, picture_settings);
-    const bool is_led = options.free_run_s.has_value(); // in FREE_RUN
     const SceneFile scene = read_scene(options.scene);
     const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
-    const Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);
     const crn_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
                                         : entry_of(scene, tools.size(), session.inserted_um);
     take_stents(picture_settings, options.stents, tools);

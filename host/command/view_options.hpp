@@ -38,5 +38,7 @@ struct WindowOptions {
 
 // Opens the window and returns the exit code.
 using RunWindow = std::function<int(WindowOptions)>;
+// Opens what the program shows when it is called without any other word, and returns the exit code.
+using OpenStart = std::function<int()>;
 
 } // namespace crn

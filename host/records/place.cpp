@@ -1,5 +1,5 @@
 // Finds and opens the place of the records.
-#include "host/base/examples.hpp"
+#include "host/base/user_folders.hpp"
 #include "host/base/terminal.hpp"
 #include "host/records/store.hpp"
 #include <cstdlib>
@@ -15,7 +15,7 @@ std::string own_records_file()
 {
     if (const char *place = std::getenv("COURNAND_RECORDS"); place && *place && !is_server_url(place))
         return place;
-    const fs::path folder = user_data_folder();
+    const fs::path folder = data_folder();
     if (folder.empty())
         throw RecordsError(
             RecordsError::Cause::refused,
@@ -43,13 +43,13 @@ RecordStore open_store(const std::string &place)
                            printable(place) + ": records are in an SQLite file, or at a URL that begins with "
                                               "postgresql://");
     std::error_code failed;
-    if (place == (user_data_folder() / "records.db").string() && !fs::exists(place, failed)) {
-        fs::create_directories(user_data_folder(), failed);
+    if (place == (data_folder() / "records.db").string() && !fs::exists(place, failed)) {
+        fs::create_directories(data_folder(), failed);
         // Only the user reads the folder, because names of trainees may be in the file.
-        if (!failed) ::chmod(user_data_folder().c_str(), 0700);
+        if (!failed) ::chmod(data_folder().c_str(), 0700);
         if (failed)
             throw RecordsError(RecordsError::Cause::refused,
-                               printable(user_data_folder().string()) + ": this folder cannot be created: " +
+                               printable(data_folder().string()) + ": this folder cannot be created: " +
                                    failed.message() + "; name a file by --records");
     }
     return RecordStore(open_sqlite(place));

@@ -1,4 +1,5 @@
 #include "host/report/instrument_list.hpp"
+#include "host/base/examples.hpp"
 #include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"
@@ -21,9 +22,23 @@ std::string joined(const std::vector<std::string> &words)
     return text;
 }
 
+std::string shipped_folder()
+{
+    const std::vector<fs::path> folders = shipped_folders(instrument_files);
+    if (folders.empty())
+        throw std::runtime_error("no folder with instruments is found beside the program: run it in the "
+                                 "repository, install it by make install, or name files or folders");
+    return folders.front().string();
+}
+
 const char *kind_name(InstrumentKind kind)
 {
     return kind == InstrumentKind::wire ? "wire" : "catheter";
+}
+
+std::string name_of(const ListedInstrument &item) // the word that a command line takes
+{
+    return fs::path(item.file).stem().string();
 }
 
 double outer_mm(const Instrument &instrument) // of the shaft
@@ -165,9 +180,9 @@ std::vector<ListedInstrument> list_instruments(const std::vector<std::string> &p
                                                const std::string &preset)
 {
     std::vector<ListedInstrument> list;
-    for (const std::string &path : paths.empty() ? std::vector<std::string>{shipped_instruments} : paths) {
+    for (const std::string &path : paths.empty() ? std::vector<std::string>{shipped_folder()} : paths) {
         std::error_code ignored;
-        if (paths.empty() || fs::is_directory(path, ignored)) {
+        if (fs::is_directory(path, ignored)) {
             add_folder(list, path, preset);
         } else {
             add_file(list, path, preset);
@@ -178,18 +193,21 @@ std::vector<ListedInstrument> list_instruments(const std::vector<std::string> &p
 
 std::string instruments_text(const std::vector<ListedInstrument> &list)
 {
-    std::size_t width = 10, shape = 5;
+    std::size_t width = 10, shape = 5, word = 4;
     for (const ListedInstrument &item : list) {
+        word = std::max(word, name_of(item).size());
         width = std::max(width, item.instrument.name.size());
         shape = std::max(shape, item.instrument.shape_name.size());
     }
     const int name_width = static_cast<int>(width), shape_width = static_cast<int>(shape);
-    std::string text =
-        formatted("%-*s  %-8s %9s %6s %6s %9s %9s  %-*s  %s\n", name_width, "instrument", "kind", "length mm",
-                  "OD mm", "ID mm", "EI tip", "EI shaft", shape_width, "shape", "presets");
+    const int word_width = static_cast<int>(word);
+    std::string text = formatted("%-*s  %-*s  %-8s %9s %6s %6s %9s %9s  %-*s  %s\n", word_width, "name",
+                                 name_width, "instrument", "kind", "length mm", "OD mm", "ID mm", "EI tip",
+                                 "EI shaft", shape_width, "shape", "presets");
     for (const ListedInstrument &item : list) {
         const Instrument &one = item.instrument;
         const std::string inner = one.kind == InstrumentKind::wire ? "-" : formatted("%.2f", inner_mm(one));
+        text += formatted("%-*s  ", word_width, name_of(item).c_str());
         text += formatted("%-*s  %-8s %9.0f %6.2f %6s %9.2e %9.2e  %-*s  ", name_width, one.name.c_str(),
                           kind_name(one.kind), one.length_m * 1e3, outer_mm(one), inner.c_str(),
                           at_tip(one, Stiffness::bend), at_shaft(one, Stiffness::bend), shape_width,
@@ -219,8 +237,8 @@ std::string instruments_markdown(const std::vector<ListedInstrument> &list)
         for (const Instrument &other : item.others) {
             if (other.thesis) fit = formatted("%.2e", at_shaft(other, Stiffness::bend));
         }
-        text += formatted("| `%s` | %s | %.0f | %.2f%s ", fs::path(item.file).stem().c_str(),
-                          one.name.c_str(), one.length_m * 1e3, outer_mm(one), inner.c_str());
+        text += formatted("| `%s` | %s | %.0f | %.2f%s ", name_of(item).c_str(), one.name.c_str(),
+                          one.length_m * 1e3, outer_mm(one), inner.c_str());
         text += formatted("| %.2e | %.2e | %.2e | %.2f, %.2f | %s | %s |\n", at_tip(one, Stiffness::bend),
                           at_shaft(one, Stiffness::bend), at_shaft(one, Stiffness::twist),
                           tip.friction_kinetic_milli * 1e-3, hub.friction_kinetic_milli * 1e-3,

@@ -16,16 +16,15 @@ struct ListedInstrument {
     std::vector<Instrument> others; // the file's other presets
 };
 
-inline constexpr char shipped_instruments[] =
-    "shared/examples/instruments"; // not a std::string, since other globals are initialised from it
-
 // Reads instruments from files (a file name may end with ":preset") and from folders (all .toml files in
-// them, in order of the names). If `paths` is empty, the folder of shipped instruments is read. If `preset`
-// is not empty, it applies to every file without a preset of its own. In a folder, files that do not have
-// this preset are left out. Throws FileError.
+// them, in order of the names). If `paths` is empty, the first folder of instruments that come with the
+// program is read (examples.hpp). If `preset` is not empty, it applies to every file without a preset of its
+// own. In a folder, files that do not have this preset are left out. Throws FileError, or std::runtime_error
+// if no folder comes with the program.
 std::vector<ListedInstrument> list_instruments(const std::vector<std::string> &paths,
                                                const std::string &preset);
 
+// The first column of the text has the names that command lines take.
 std::string instruments_text(const std::vector<ListedInstrument> &list);
 std::string instruments_json(const std::vector<ListedInstrument> &list);
 

@@ -79,6 +79,18 @@ class LineParser
                          : "unknown " + what + " '" + peek() + "'" + suggestion(peek(), words));
     }
 
+    // Reads the next word up to the next blank or comma, even if it begins with a number.
+    std::string name()
+    {
+        std::string text = peek();
+        int end = column() + static_cast<int>(text.size());
+        for (skip(); !is_at_end() && column() == end; skip()) {
+            text += peek();
+            end = column() + static_cast<int>(peek().size());
+        }
+        return text;
+    }
+
     double number(const std::string &what)
     {
         double value = 0.0;

@@ -13,8 +13,9 @@ namespace crn
 namespace
 {
 
-const std::vector<std::string> hand_verbs = {"begin", "advance", "withdraw", "rotate", "select", "tool",
-                                             "wait",  "inflate", "deflate",  "steer",  "engage", "expect"};
+const std::vector<std::string> hand_verbs = {"needs",  "begin",  "advance", "withdraw", "rotate",
+                                             "select", "tool",   "wait",    "inflate",  "deflate",
+                                             "steer",  "engage", "expect"};
 const std::vector<Unit> pressure_units = {{"bar", 100.0}, {"atm", 101.325}, {"kPa", 1.0}};
 const std::vector<Unit> pressure_rate_units = {{"bar/s", 100.0}, {"atm/s", 101.325}, {"kPa/s", 1.0}};
 HandMove parse_push(LineParser &line, int sign)
@@ -101,9 +102,13 @@ class SessionParser
         }
         Statement statement;
         statement.line = number;
+        if (line.peek() == "needs" && (has_begun_ || !session_.statements.empty() || has_selected_))
+            line.fail("'needs' must come before all other statements");
         if (line.peek() == "begin" && (!session_.statements.empty() || has_selected_))
             line.fail("'begin' must be the first statement");
         const std::string verb = line.choice("statement", all_verbs());
+        if (verb == "needs") return needs(line);
+        has_begun_ = true;
         if (verb == "begin") return begin(line, number);
         if (verb == "select" || verb == "tool") {
             selected_ = require_tool(line);
@@ -144,6 +149,26 @@ class SessionParser
             way.kPa_per_s = static_cast<std::int32_t>(
                 std::lround(line.quantity("rate", pressure_rate_units, 1.0, 4000.0)));
         return way;
+    }
+
+    // Reads statements such as "needs scene aorta", "needs tools bentson, beacon_5f" (from the innermost), or
+    // "needs stents coronary_3_0x18".
+    void needs(LineParser &line)
+    {
+        const std::string kind = line.choice("kind of file", {"scene", "tool", "tools", "stent", "stents"});
+        SessionNeeds &needs = session_.needs;
+        const bool is_scene = kind == "scene";
+        std::vector<std::string> scene, &names = is_scene                   ? scene
+                                                 : kind.starts_with("tool") ? needs.tools
+                                                                            : needs.stents;
+        if (!names.empty() || (is_scene && !needs.scene.empty()))
+            line.fail("these files are stated in a line above");
+        if (line.is_at_end()) line.fail("expected a name of a file, the line ends");
+        while (!line.is_at_end()) names.push_back(line.name());
+        if (is_scene && scene.size() > 1) line.fail("a session has one scene");
+        if (is_scene) needs.scene = scene.front();
+        if (needs.tools.size() > session_tools_max)
+            line.fail("a line of tools holds at most " + std::to_string(session_tools_max));
     }
 
     // Reads statements such as "begin inserted 20 mm", which applies to every tool, or "begin catheter
@@ -188,7 +213,7 @@ class SessionParser
     Session session_;
     RoomParser room_;
     ToolChoice selected_;
-    bool has_selected_ = false;
+    bool has_selected_ = false, has_begun_ = false;
 };
 
 } // namespace

@@ -55,11 +55,22 @@ struct Statement {
     std::optional<Expectation> expectation;
 };
 
+// Names the files that a script was written for, as `needs` statements state them. The names are those of the
+// options --scene, --tool (from the innermost) and --stent, which replace them.
+struct SessionNeeds {
+    std::string scene; // empty: free space, or not stated
+    std::vector<std::string> tools, stents;
+};
+
+inline constexpr std::uint32_t inserted_unstated = 0xffffffffu;
+
 struct Session {
     std::string file;
+    SessionNeeds needs;
     // This member holds the length of each tool that is inserted at the start of the session. The statement
-    // `begin inserted` sets the length of all tools that no other `begin` statement names.
-    std::uint32_t inserted_um[session_tools_max] = {20000, 20000, 20000};
+    // `begin inserted` sets the length of all tools that no other `begin` statement names. A length that no
+    // statement sets is the scene's own start length.
+    std::uint32_t inserted_um[session_tools_max] = {inserted_unstated, inserted_unstated, inserted_unstated};
     std::vector<Statement> statements;
     std::size_t tools_named = 1; // number of tools that the script needs ...
     int tools_named_line = 0;    // ... because of this line

@@ -3,6 +3,7 @@
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
 #include "host/script/hand_motion.hpp"
+#include "host/script/session.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -94,7 +95,8 @@ crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
     entry.inserted_um_count =
         static_cast<std::uint16_t>(std::min<std::size_t>(tool_count, CRN_WIRE_TOOL_MAX));
     for (std::size_t k = 0; k < entry.inserted_um_count; k++)
-        entry.inserted_um[k] = k < inserted_um.size() ? inserted_um[k] : inserted_default_um;
+        entry.inserted_um[k] =
+            k < inserted_um.size() && inserted_um[k] != inserted_unstated ? inserted_um[k] : scene.start_um;
     return entry;
 }
 

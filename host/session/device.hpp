@@ -134,10 +134,9 @@ class Device
 };
 
 // Returns the point where the tools enter the scene, with one inserted length per tool. A tool whose inserted
-// length is not given gets the default length.
+// length is not given, or is inserted_unstated (session.hpp), gets the scene's start length.
 crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
                         std::span<const std::uint32_t> inserted_um);
-inline constexpr std::uint32_t inserted_default_um = 20000;
 
 // Returns the shape of the nested tools and the readings of every tool after a batch of steps. The returned
 // frame is made from the nodes that the link received last, the result of the last tick, and the input of

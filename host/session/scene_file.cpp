@@ -37,6 +37,7 @@ SceneFile read_scene(const std::string &path)
     }
     file.crc32 = crn_wire_crc32(0, file.bytes.data(), file.bytes.size());
     file.name = scene.name;
+    if (scene.entry_start_um > 0) file.start_um = scene.entry_start_um;
     file.entry.position_x_m_q30 = scene.entry_position_m_q30[0];
     file.entry.position_y_m_q30 = scene.entry_position_m_q30[1];
     file.entry.position_z_m_q30 = scene.entry_position_m_q30[2];

@@ -9,11 +9,15 @@
 namespace crn
 {
 
+inline constexpr std::uint32_t start_default_um = 20000; // of scenes that state no length
+
 struct SceneFile {
     std::string path; // empty: free space
     std::vector<std::uint8_t> bytes;
     std::uint32_t crc32 = 0;
     crn_wire_entry entry{}; // the session sets inserted_um
+    // With this length inserted, a session begins whose script or user states no other length.
+    std::uint32_t start_um = start_default_um;
     std::string name;
 };
 

@@ -205,7 +205,8 @@ static crn_scene_status check_meta(crn_scene_check *check, crn_scene_span span, 
 
 static crn_scene_status check_entry(crn_scene_check *check, crn_scene_span span, crn_scene *scene)
 {
-    if (span.size != CRN_SCENE_ENTRY_BYTES)
+    const bool has_start = check->minor >= 6 && span.size == CRN_SCENE_ENTRY_START_BYTES;
+    if (span.size != CRN_SCENE_ENTRY_BYTES && !has_start)
         return crn_scene_fault_at(check, CRN_SCENE_SECTION_SIZE, span.offset);
     const int64_t one_q60 = (int64_t)1 << 60,
                   tolerance_q60 = (int64_t)1 << 41; /* 2^-19: 1e-6 of the length */
@@ -221,6 +222,10 @@ static crn_scene_status check_entry(crn_scene_check *check, crn_scene_span span,
     }
     if (square_q60 > (uint64_t)(one_q60 + tolerance_q60) || square_q60 < (uint64_t)(one_q60 - tolerance_q60))
         return crn_scene_fault_at(check, CRN_SCENE_ENTRY_DIRECTION, span.offset + 12);
+    if (!has_start) return CRN_SCENE_OK;
+    scene->entry_start_um = crn_scene_u32(check->bytes + span.offset + CRN_SCENE_ENTRY_BYTES);
+    if (scene->entry_start_um == 0 || scene->entry_start_um > CRN_SCENE_ENTRY_START_MAX_um)
+        return crn_scene_fault_at(check, CRN_SCENE_ENTRY_START, span.offset + CRN_SCENE_ENTRY_BYTES);
     return CRN_SCENE_OK;
 }
 

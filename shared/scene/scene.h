@@ -24,8 +24,8 @@ extern "C" {
 enum {
     CRN_SCENE_MAJOR = 1,
     /* minor version; files get the lowest that covers their contents: 1 for a body that moves, a TREE; 2 for
-       LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER */
-    CRN_SCENE_MINOR = 5,
+       LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER; 6 for an ENTRY with a start length */
+    CRN_SCENE_MINOR = 6,
     CRN_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     CRN_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     CRN_SCENE_HEADER_BYTES = 32,
@@ -38,6 +38,8 @@ enum {
     CRN_SCENE_SOURCE_BYTES = 192,
     CRN_SCENE_META_BYTES = CRN_SCENE_NAME_BYTES + CRN_SCENE_SOURCE_BYTES,
     CRN_SCENE_ENTRY_BYTES = 24,
+    CRN_SCENE_ENTRY_START_BYTES = 28, /* with a start length */
+    CRN_SCENE_ENTRY_START_MAX_um = 500000,
     CRN_SCENE_LUMEN_HEADER_BYTES = 32,
     CRN_SCENE_BRICK_BYTES = 1000,
     CRN_SCENE_BRICK_LOG2_Q30 = 23, /* edge of a coarse brick: 2^23 Q30 m = 7.8 mm */
@@ -138,6 +140,7 @@ typedef enum crn_scene_status {
     CRN_SCENE_LESION_PLACE, /* a lesion on a branch or at points that do not exist, or healthy points or radii
                                out of range */
     CRN_SCENE_PLAQUE, /* no plaques, too many, or one whose stations, radii or pressures are out of range */
+    CRN_SCENE_ENTRY_START, /* a start length of 0 or beyond 500 mm */
     CRN_SCENE_STATUS_COUNT,
 } crn_scene_status;
 
@@ -170,6 +173,7 @@ typedef struct crn_scene {
     const char *source;
     int32_t entry_position_m_q30[3]; /* KIND_SCENE */
     int32_t entry_direction_q30[3];
+    uint32_t entry_start_um; /* inserted length with which a session begins; 0: not stated */
     crn_scene_lumen lumen;
     bool has_motion;
     crn_scene_motion motion;

@@ -53,6 +53,8 @@ const char *crn_scene_status_text(crn_scene_status status)
         [CRN_SCENE_LESION_SIZE] = "the list of lesions is empty or too long: bake it with fewer lesions",
         [CRN_SCENE_LESION_PLACE] =
             "a lesion lies where no vessel is, or its healthy points are damaged: bake it again",
+        [CRN_SCENE_ENTRY_START] =
+            "the start length is 0 or beyond 500 mm: correct inserted_mm and bake it again",
         [CRN_SCENE_PLAQUE] = "a lesion that should give way is damaged or too large: bake it again",
     };
     return (unsigned)status < CRN_SCENE_STATUS_COUNT ? texts[status]

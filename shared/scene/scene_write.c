@@ -33,6 +33,7 @@ size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count)
 /* Returns the oldest version of the scene format whose readers can read this part. */
 static uint16_t minor_of_part(const crn_scene_part *part)
 {
+    if (part->type == CRN_SCENE_ENTRY && part->size == CRN_SCENE_ENTRY_START_BYTES) return 6;
     if (part->type == CRN_SCENE_PARTNER) return 5;
     if (part->type == CRN_SCENE_MOTION || part->type == CRN_SCENE_BREATH) return 4;
     if (part->type == CRN_SCENE_PLAQUES) return 3;
@@ -43,7 +44,8 @@ static uint16_t minor_of_part(const crn_scene_part *part)
     return moves ? 1 : 0;
 }
 
-/* Files without lesions, motion and tree keep the version that they had before these sections existed. */
+/* Files without start length, lesions, motion and tree keep the version that they had before these sections
+ * existed. */
 static uint16_t minor_of(const crn_scene_part *parts, uint32_t part_count)
 {
     uint16_t minor = 0;

@@ -5,9 +5,11 @@
 #include "host/base/number_text.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
+#include "host/base/progress_line.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
 #include "host/base/version.hpp"
+#include "host/cli/parse.hpp"
 #include "tools/anatomy/borrowed_beat.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
@@ -73,7 +75,7 @@ Mesh make_mesh(const Options &options, const std::string &name, const MeshReques
     write_ply(options.folder / (file_stem(name) + ".ply"), mesh,
               "Cournand anatomy, " + name + ", millimetres");
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-    if (!options.quiet)
+    if (!options.quiet && crn::shows_progress())
         std::fprintf(stderr, "  %-20s %7zu triangles  %8.1f cm3  %5.1f s\n", name.c_str(),
                      mesh.triangles.size(), mesh_volume_mm3(mesh) * 1e-3, passed.count());
     return mesh;
@@ -249,18 +251,21 @@ int make_beat(const BeatOptions &options)
 
 void add_beat_options(CLI::App &command, BeatOptions &options)
 {
-    command.add_option("MESH", options.mesh.file, "its mesh at the end of diastole: STL, OBJ, PLY or glTF")
+    command.add_option("MESH", options.mesh.file, "Its mesh at the end of diastole: STL, OBJ, PLY or glTF")
+        ->type_name("FILE")
         ->required();
     command
-        .add_option("-o,--output", options.folder, "folder for the 24 meshes; the inhaled one goes beside it")
+        .add_option("-o,--output", options.folder, "Folder for the 24 meshes; the inhaled one goes beside it")
+        ->type_name("FOLDER")
+        ->group("Outputs")
         ->required();
     options.mesh.placement.unit = "mm";
-    command.add_option("--unit", options.mesh.placement.unit, "of the mesh")
-        ->check(CLI::IsMember({"mm", "cm", "m"}))
+    command.add_option("--unit", options.mesh.placement.unit, "Of the mesh")
+        ->check(crn::one_of({"mm", "cm", "m"}))
         ->capture_default_str();
     command
         .add_option("--part", options.mesh.parts,
-                    "only nodes of this name, which may end in *; may be given often")
+                    "Only nodes of this name, which may end in *; may be given often")
         ->take_all();
     const HeartLandmarks shipped = shipped_landmarks();
     const auto place = [&](const char *name, std::vector<double> &xyz, const char *what, const Vec3 &there) {
@@ -328,35 +333,40 @@ VesselTree tree_named(const std::string &name)
 
 void add_making_options(CLI::App &command, Options &options)
 {
-    command.add_option("-o,--output", options.folder, "folder for scene.toml, meshes and centrelines")
+    command.add_option("-o,--output", options.folder, "Folder for scene.toml, meshes and centrelines")
+        ->type_name("FOLDER")
+        ->group("Outputs")
         ->required();
-    command.add_option("--vessels", options.vessels,
-                       "a file of your own vessels in place of those that ship (docs/vessels.md)");
-    command.add_option("--lumen-mm", options.fineness.lumen_voxel_mm, "grid spacing of the lumen")
+    command
+        .add_option("--vessels", options.vessels,
+                    "A file of your own vessels in place of those that ship (docs/vessels.md)")
+        ->type_name("FILE");
+    command.add_option("--lumen-mm", options.fineness.lumen_voxel_mm, "Grid spacing of the lumen")
         ->check(CLI::Range(0.3, 3.0))
         ->capture_default_str();
     command
         .add_option("--body-scale", options.fineness.body_scale,
-                    "multiplies the grid spacing of every body (1.1-4 mm)")
+                    "Multiplies the grid spacing of every body (1.1-4 mm)")
         ->check(CLI::Range(0.5, 4.0))
         ->capture_default_str();
-    command.add_flag("!--no-bodies", options.bodies, "only lumen, centrelines and scene");
+    command.add_flag("!--no-bodies", options.bodies, "Only lumen, centrelines and scene");
     command
         .add_option(
             "--lesion", options.lesions,
-            "a stenosis, BRANCH:PERCENT:LENGTH_MM:AT_MM[:ECCENTRICITY[:PLAQUE_DEG[:CALCIFIED_DEG]]], by "
+            "A stenosis, BRANCH:PERCENT:LENGTH_MM:AT_MM[:ECCENTRICITY[:PLAQUE_DEG[:CALCIFIED_DEG]]], by "
             "diameter, its middle AT_MM behind the ostium; may be given often")
         ->take_all();
-    command.add_flag("--quiet", options.quiet, "no progress lines");
+    command.add_flag("--quiet", options.quiet, "No progress lines on the terminal");
 }
 
 int run(int argc, char **argv)
 {
     CLI::App app{"Makes the anatomy that ships with Cournand: closed meshes, centrelines and the scene text "
-                 "for `bake`."};
+                 "for `bake`",
+                 "anatomy"};
     app.footer(
         "Examples:\n"
-        "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.crn\n"
+        "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.scene\n"
         "  anatomy phantom -o out/phantom\n"
         "  anatomy access -o out/access       a phantom with a long winding way in, to measure instruments "
         "in\n"
@@ -371,39 +381,36 @@ int run(int argc, char **argv)
     app.require_subcommand(1);
     Options options;
     auto *aorta = app.add_subcommand(
-        "aorta", "a man's arteries from the groins to the arch, with bones, lungs and skin");
-    auto *phantom = app.add_subcommand("phantom", "aorto-iliac and renal silicone phantom for benchmarks");
+        "aorta", "A man's arteries from the groins to the arch, with bones, lungs and skin");
+    auto *phantom = app.add_subcommand("phantom", "Aorto-iliac and renal silicone phantom for benchmarks");
     auto *access = app.add_subcommand(
-        "access", "silicone phantom with a long winding access, to measure instruments in; lumen only");
+        "access", "Silicone phantom with a long winding access, to measure instruments in; lumen only");
     auto *heart = app.add_subcommand(
-        "heart", "the same man with coronary arteries and a heart that beats, in 24 frames of one topology");
+        "heart", "The same man with coronary arteries and a heart that beats, in 24 frames of one topology");
     auto *beat = app.add_subcommand(
-        "beat", "the shipped heart's beat for the mesh of another heart, known in one phase only");
+        "beat", "The shipped heart's beat for the mesh of another heart, known in one phase only");
     auto *checked = app.add_subcommand(
-        "check", "whether a folder of 24 OBJ files is a beat: topology, inverted faces, jump at the wrap");
-    auto *table = app.add_subcommand("list", "stated diameters with position and source, tab separated");
+        "check", "Whether a folder of 24 OBJ files is a beat: topology, inverted faces, jump at the wrap");
+    auto *table = app.add_subcommand("list", "Stated diameters with position and source, tab separated");
     add_making_options(*aorta, options);
     add_making_options(*phantom, options);
     add_making_options(*access, options);
     add_making_options(*heart, options);
     heart
         ->add_flag("--heart-only", options.heart_only,
-                   "only the heart and its vessels, without scene and lumen")
+                   "Only the heart and its vessels, without scene and lumen")
         ->excludes("--lesion"); // a lesion belongs to a scene
     BeatOptions beat_options;   // their help states where the heart that ships has its landmarks
-    if (argc > 1 && std::string_view(argv[1]) == "beat") add_beat_options(*beat, beat_options);
+    const std::string_view first = argc > 1 ? argv[1] : "";
+    if (first == "beat" || first == "--generate" || first == "--complete")
+        add_beat_options(*beat, beat_options);
     std::filesystem::path folder;
-    checked->add_option("FOLDER", folder, "the folder of OBJ files")->required();
+    checked->add_option("FOLDER", folder, "The folder of OBJ files")->type_name("FOLDER")->required();
     std::string which = "aorta";
-    table->add_option("anatomy", which, "aorta, heart, phantom or access, or a file of your own vessels")
+    table->add_option("anatomy", which, "Aorta, heart, phantom or access, or a file of your own vessels")
         ->capture_default_str();
-    crn::refuse_empty_values(app);
     app.set_version_flag("--version", crn::version_of("anatomy"));
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError &error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
+    if (const std::optional<int> code = crn::parse_command_line(app, argc, argv)) return *code;
     if (*table) return list(tree_named(which));
     if (*checked) return check(folder);
     if (*beat) return make_beat(beat_options);

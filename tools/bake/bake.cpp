@@ -25,6 +25,9 @@ std::string notes_of(const Mesh &mesh)
     return text;
 }
 
+constexpr double start_default_mm = 20.0; // readers assume it for a scene that states no start length
+constexpr double start_radius_mm = 1.335, start_step_mm = 0.25;
+
 CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
 {
     CurvePoint entry{text.entry.position_mm, text.entry.direction};
@@ -40,6 +43,33 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
         throw Fault(text.file.string() + ": [entry] at " + place_text(entry.position_mm) +
                     " points into the wall 5 mm ahead: turn direction into the vessel");
     return entry;
+}
+
+// Finds the longest start length, in whole millimetres up to `start_default_mm`, for which a straight tool of
+// 8 F stays off the wall. In a vessel that is too narrow for such a tool, the tool is taken as 80 % of the
+// room at the entry. The check uses the distances that the device also uses.
+double clear_start_mm(const crn_lumen &lumen, const CurvePoint &entry)
+{
+    const auto room_mm = [&](double mm) {
+        const crn_vec3 place = to_q30(entry.position_mm + mm * entry.direction);
+        return -std::ldexp(crn_lumen_distance(&lumen, &place), -30) * 1e3;
+    };
+    const double radius_mm = std::min(start_radius_mm, 0.8 * room_mm(0.0));
+    double mm = 0.0;
+    while (mm < start_default_mm && room_mm(mm + start_step_mm) >= radius_mm) mm += start_step_mm;
+    return std::max(1.0, std::floor(mm));
+}
+
+// Returns the start length for the scene file, or 0 if readers assume this length anyway.
+std::uint32_t start_um(const EntryText &text, const crn_lumen &lumen, const CurvePoint &entry,
+                       std::string &report)
+{
+    const double clear_mm = clear_start_mm(lumen, entry);
+    const double mm = text.inserted_mm > 0.0 ? text.inserted_mm : clear_mm;
+    report +=
+        formatted_line("start             %.1f mm inserted; a straight tool of 8 F has room for %.0f mm%s",
+                       mm, clear_mm, clear_mm >= start_default_mm ? " or more" : "");
+    return mm == start_default_mm ? 0 : static_cast<std::uint32_t>(std::lround(mm * 1e3));
 }
 
 // Narrows the mesh of the lumen, or of the blood in the lumen, wherever a lesion lies. Returns a list that
@@ -320,8 +350,9 @@ std::string bake(const Options &options, Progress &progress)
                               measure_motion(field.view(), motion->view(), *frames, narrowed));
         moved += entry_report(*motion, entry.position_mm);
     }
+    const std::uint32_t start = start_um(text.entry, *field.view(), entry, report);
     const Bytes scene = scene_bytes(text, entry.position_mm, entry.direction, field,
-                                    motion ? &*motion : nullptr, &posed_vessels);
+                                    motion ? &*motion : nullptr, &posed_vessels, start);
     report +=
         field_report(field, measure_field(field.view(), posed_tree, options.points, options.seed, progress));
     report += referee_report(measure_contact(field.view(), posed_tree, options.poses, options.seed, progress),

@@ -40,7 +40,8 @@ Bytes meta_section(const SceneText &text)
     return bytes;
 }
 
-Bytes entry_section(const Eigen::Vector3d &position_mm, const Eigen::Vector3d &direction)
+Bytes entry_section(const Eigen::Vector3d &position_mm, const Eigen::Vector3d &direction,
+                    std::uint32_t start_um)
 {
     Bytes bytes;
     const crn_vec3 position = to_q30(position_mm);
@@ -48,6 +49,7 @@ Bytes entry_section(const Eigen::Vector3d &position_mm, const Eigen::Vector3d &d
     for (int k = 0; k < 3; ++k)
         put_u32(bytes, static_cast<std::uint32_t>(
                            static_cast<std::int32_t>(std::lround(std::ldexp(direction[k], 30)))));
+    if (start_um > 0) put_u32(bytes, start_um);
     return bytes;
 }
 
@@ -193,11 +195,11 @@ Bytes sealed(crn_scene_kind kind, const std::vector<std::pair<crn_scene_section,
 } // namespace
 
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
-                  const Field &field, const Motion *motion, const VesselTree *tree)
+                  const Field &field, const Motion *motion, const VesselTree *tree, std::uint32_t start_um)
 {
     std::vector<std::pair<crn_scene_section, Bytes>> sections = {
         {CRN_SCENE_META, meta_section(text)},
-        {CRN_SCENE_ENTRY, entry_section(entry_mm, direction)},
+        {CRN_SCENE_ENTRY, entry_section(entry_mm, direction, start_um)},
         {CRN_SCENE_LUMEN, lumen_section(field)}};
     if (motion)
         sections.emplace_back(CRN_SCENE_MOTION, motion_section(motion->lattices.beat,

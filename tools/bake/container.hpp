@@ -19,9 +19,11 @@ struct BakedBody {
 
 // The functions below test their result by opening its bytes with the scene reader of shared/scene, and throw
 // Fault if the reader rejects the bytes. `motion` is nullptr when the lumen does not move. `tree` holds the
-// lesions of the field; it is nullptr when the scene has no lesion that a balloon can open.
+// lesions of the field; it is nullptr when the scene has no lesion that a balloon can open. `start_um` is the
+// start length, 0 if the scene states none.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
-                  const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr);
+                  const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr,
+                  std::uint32_t start_um = 0);
 // `scene` holds the bytes of the scene to which the bodies belong; the body file records their hash. `scene`
 // is empty when the bodies belong to no scene.
 Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree,

@@ -218,8 +218,10 @@ TreeText tree_of(const Table &t)
 
 EntryText entry_of(const Table &t)
 {
-    t.check_keys({"position_mm", "direction", "centreline", "end", "distance_mm"});
+    t.check_keys({"position_mm", "direction", "centreline", "end", "distance_mm", "inserted_mm"});
     EntryText entry;
+    if (t.has("inserted_mm"))
+        entry.inserted_mm = t.number("inserted_mm", {0.001, int{CRN_SCENE_ENTRY_START_MAX_um} * 1e-3}, 0.0);
     if (const TomlValue line = t["centreline"]) {
         if (t.has("position_mm") || t.has("direction"))
             line.fail("takes either centreline or position_mm and direction, not both");

@@ -83,6 +83,7 @@ struct EntryText {
     std::filesystem::path centreline; // when it is given, position and direction follow from it
     bool from_last = true;
     double distance_mm = 8.0;
+    double inserted_mm = 0.0; // start length; 0: bake finds one
 };
 
 // Before a body's mesh is written, the program `bake` applies the following steps to the mesh in this order.

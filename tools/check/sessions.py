@@ -122,6 +122,19 @@ class Sessions:
         code, said = self.run(script, scene, tools, stent)
         self.result(code == 1 and ": expected " in said, f"{short}_without_its_turns_misses_it", said)
 
+    def starts(self, scene):
+        """Tests that a session can begin with each instrument that ships, if nobody states an inserted length."""
+        script = f"{self.folder}/start.session"
+        with open(script, "w", encoding="utf-8") as file:
+            file.write("wait 20 ms\n")
+        failures = []
+        for name in sorted(os.listdir("shared/examples/instruments")):
+            code, said = self.run(script, scene, [name[: -len(".toml")]])
+            if code != 0:
+                failures.append(f"{name}: {said}")
+        name = os.path.basename(scene)[: -len(".scene")]
+        self.result(not failures, f"every_tool_that_ships_can_start_in_{name}", "\n".join(failures))
+
     def changed(self, name, scene, tool, change, replacements):
         """Tests that the session also reaches its expected end with a different instrument."""
         with open(f"shared/examples/instruments/{tool}.toml", encoding="utf-8") as file:
@@ -182,8 +195,10 @@ def aorta(run, test):
 
 
 def heart(run, test):
-    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart."""
+    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart.
+    Returns the path of the heart's scene."""
     scene = run.scene("heart", "lad_middle")
     test("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
     test("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
     test("sessions/pci_lad", scene, ["coronary_014", "balloon_3x20", "guide_jl3_6f"], "coronary_3_0x18")
+    return scene

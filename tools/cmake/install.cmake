@@ -1,5 +1,6 @@
-# `cmake --install` (make install) installs below PREFIX: programs, libraries with their headers, scenes and
-# instruments. For other projects it installs pkg-config files and a CMake package for the core and the host:
+# `cmake --install` (make install) installs below PREFIX: programs with man pages and completion scripts, libraries
+# with their headers, scenes and instruments. For other projects it installs pkg-config files and a CMake package for
+# the core and the host:
 #
 #   find_package(cournand CONFIG REQUIRED)            pkg-config --cflags --libs cournand-core
 #   target_link_libraries(mine cournand::core)        pkg-config --cflags --libs --static cournand-host
@@ -51,6 +52,9 @@ get_property(programs GLOBAL PROPERTY CRN_PROGRAMS)
 foreach(program cournand anatomy bake centreline)
     if(TARGET ${program})
         install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+        # Each program writes its man pages and completion scripts itself, from its table of options.
+        install(CODE "execute_process(COMMAND \"$<TARGET_FILE:${program}>\" --generate share
+            \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}\" COMMAND_ERROR_IS_FATAL ANY)")
     endif()
 endforeach()
 

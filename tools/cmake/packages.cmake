@@ -15,6 +15,7 @@ set(CRN_PACKAGE_openvdb "libopenvdb-dev|openvdb;tbb;Imath-3_1|openvdb/openvdb.h|
 set(CRN_PACKAGE_tbb "libtbb-dev|tbb|tbb/parallel_for.h|")
 set(CRN_PACKAGE_assimp "libassimp-dev|assimp|assimp/Importer.hpp|")
 set(CRN_PACKAGE_pugixml "libpugixml-dev|pugixml|pugixml.hpp|")
+set(CRN_PACKAGE_archive "libarchive-dev|archive|archive.h|")
 set(CRN_PACKAGE_z "zlib1g-dev|z|zlib.h|")
 set(CRN_PACKAGE_pagmo "libpagmo-dev|pagmo;boost_serialization;tbb|pagmo/problem.hpp|")
 set(CRN_PACKAGE_cmocka "libcmocka-dev|cmocka;m|cmocka.h|")

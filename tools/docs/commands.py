@@ -233,6 +233,11 @@ class Scratch:
             if name not in ("anatomy", "obj"):
                 self.link(os.path.join(ROOT, build, name), "build/" + name)
         shutil.copytree(stock.out, os.path.join(self.folder, "out"), dirs_exist_ok=True)
+        demo = os.path.join(stock.out, "demo.rec")
+        if os.path.exists(demo):
+            kept = os.path.join(self.folder, "state", "cournand")  # as the window keeps its recordings
+            os.makedirs(kept)
+            shutil.copy(demo, os.path.join(kept, "2026-01-31_10-15-00.rec"))
         if os.path.isdir(stock.anatomy):
             shutil.copytree(stock.anatomy, os.path.join(self.folder, "build", "anatomy"))
         beside = os.path.join(ROOT, "..", "shared")
@@ -451,7 +456,7 @@ def run_all(found, texts, options):
     with tempfile.TemporaryDirectory(prefix="cournand_stock_") as folder:
         stock = Stock(options.build, folder)
         wanted = " ".join(prepared(one) for one in found if run.how in CLASSES[one.kind][0])
-        if re.search(r"out/(aorta|demo)|build/anatomy/aorta|real_patient|hil --aorta", wanted):
+        if re.search(r"out/(aorta|demo)|replay last|build/anatomy/aorta|real_patient|hil --aorta", wanted):
             stock.make_short(bodies="real_patient" in wanted)
         if re.search(r"out/(lad_pci|pci)\.", wanted):
             stock.make_long()

@@ -34,7 +34,7 @@ void Progress::step(std::size_t done)
     using namespace std::chrono_literals;
     if (interrupted()) throw Fault("interrupted: nothing was written");
     const auto now = std::chrono::steady_clock::now();
-    if (now - began_ < 1s || now - shown_ < 500ms) return;
+    if (!is_shown_ || now - began_ < 1s || now - shown_ < 500ms) return;
     shown_ = now;
     visible_ = true;
     if (total_ > 0)

@@ -1,6 +1,7 @@
-// Reports the progress of long calculations on standard error and handles the user's interrupt (Ctrl-C).
-// Calculations that take less than a second print nothing.
+// Reports the progress of long calculations on standard error, if that is a terminal, and handles the user's
+// interrupt (Ctrl-C). Calculations that take less than a second print nothing.
 #pragma once
+#include "host/base/progress_line.hpp"
 #include <chrono>
 #include <cstddef>
 #include <string>
@@ -29,6 +30,7 @@ class Progress
     std::size_t total_ = 0;
     std::chrono::steady_clock::time_point began_, shown_;
     bool visible_ = false;
+    const bool is_shown_ = shows_progress();
 };
 
 } // namespace crn::bake

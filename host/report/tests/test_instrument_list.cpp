@@ -27,7 +27,7 @@ namespace
 using crn::Instrument;
 using crn::Stiffness;
 
-const std::string folder = std::string(crn::shipped_instruments) + "/";
+const std::string folder = "shared/examples/instruments/";
 
 void expect_near(const std::string &what, double got, double expected, double share)
 {
@@ -165,7 +165,7 @@ void a_list_has_text_json_and_picture(void **)
         crn::list_instruments({folder + "j_wire.toml", folder + "beacon_5f.toml:vcsim3-fit"}, "");
     assert_int_equal(list.size(), 2);
     const std::string text = crn::instruments_text(list);
-    assert_true(text.find("Cook J 0.035 in, 3 mm ") != std::string::npos);
+    assert_true(text.find("\nj_wire     Cook J 0.035 in, 3 mm ") != std::string::npos);
     assert_true(text.find("5F Beacon, Kumpe (vcsim3-fit)") != std::string::npos);
     const nlohmann::json json = nlohmann::json::parse(crn::instruments_json(list));
     assert_int_equal(json.size(), 2);

@@ -360,6 +360,36 @@ void every_tool_may_begin_at_its_own_length(void **)
     assert_int_equal(each.tools_named, 3);
 }
 
+// A tool without a `begin` statement begins at the length that the scene states.
+void a_length_that_no_statement_sets_is_left_to_the_scene(void **)
+{
+    const crn::Session session = crn::parse_session("begin wire inserted 120 mm\nwait 1 s", "test");
+    assert_int_equal(session.inserted_um[0], 120000);
+    assert_int_equal(session.inserted_um[1], crn::inserted_unstated);
+}
+
+void a_script_may_name_its_scene_tools_and_stents(void **)
+{
+    const crn::Session session = crn::parse_session(
+        "# a comment\nneeds scene aorta\nneeds tools 014_wire, my/b_3x20.toml:soft\nneeds stent s\nwait 1 s",
+        "test");
+    assert_string_equal(session.needs.scene.c_str(), "aorta");
+    assert_int_equal(session.needs.tools.size(), 2);
+    assert_string_equal(session.needs.tools[0].c_str(), "014_wire");
+    assert_string_equal(session.needs.tools[1].c_str(), "my/b_3x20.toml:soft");
+    assert_string_equal(session.needs.stents.at(0).c_str(), "s");
+    assert_int_equal(session.statements.size(), 1);
+    expect_error("wait 1 s\nneeds scene aorta",
+                 "a.session:2:1: 'needs' must come before all other statements");
+    expect_error("begin inserted 5 mm\nneeds scene aorta", "a.session:2:1: 'needs' must come before");
+    expect_error("needs scene a\nneeds scene b\nwait 1 s",
+                 "a.session:2:13: these files are stated in a line above");
+    expect_error("needs scene a b\nwait 1 s", "a session has one scene");
+    expect_error("needs tool\nwait 1 s", "a.session:1:11: expected a name of a file, the line ends");
+    expect_error("needs tols a\nwait 1 s", "unknown kind of file 'tols', did you mean 'tools'?");
+    expect_error("needs tools a b c d\nwait 1 s", "a line of tools holds at most 3");
+}
+
 // If a script needs more tools than the session has, the message must give the line and the remedy.
 void a_tool_that_is_not_there_is_named_with_its_line(void **)
 {
@@ -412,6 +442,8 @@ int main()
         cmocka_unit_test(together_moves_every_tool_of_the_line),
         cmocka_unit_test(until_looks_at_its_own_tool),
         cmocka_unit_test(every_tool_may_begin_at_its_own_length),
+        cmocka_unit_test(a_length_that_no_statement_sets_is_left_to_the_scene),
+        cmocka_unit_test(a_script_may_name_its_scene_tools_and_stents),
         cmocka_unit_test(a_tool_that_is_not_there_is_named_with_its_line),
         cmocka_unit_test(a_live_hand_comes_to_rest),
     };

@@ -54,16 +54,24 @@ static inline void sample_lumen(uint8_t *lumen)
     for (int i = 0; i < 1000 * SAMPLE_BRICKS; i++) lumen[68 + i] = (uint8_t)(i * 37);
 }
 
-static inline size_t sample_scene(uint8_t *file, size_t capacity)
+/* If `start_um` is 0, the scene states no start length. */
+static inline size_t sample_scene_starting(uint32_t start_um, uint8_t *file, size_t capacity)
 {
-    uint8_t meta[CRN_SCENE_META_BYTES], entry[CRN_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES];
+    uint8_t meta[CRN_SCENE_META_BYTES], entry[CRN_SCENE_ENTRY_START_BYTES], lumen[SAMPLE_LUMEN_BYTES];
     sample_meta(meta);
     sample_entry(entry);
+    crn_scene_put_u32(entry + CRN_SCENE_ENTRY_BYTES, start_um);
     sample_lumen(lumen);
-    const crn_scene_part parts[3] = {{CRN_SCENE_META, meta, sizeof meta},
-                                     {CRN_SCENE_ENTRY, entry, sizeof entry},
-                                     {CRN_SCENE_LUMEN, lumen, sizeof lumen}};
+    const crn_scene_part parts[3] = {
+        {CRN_SCENE_META, meta, sizeof meta},
+        {CRN_SCENE_ENTRY, entry, start_um > 0 ? CRN_SCENE_ENTRY_START_BYTES : CRN_SCENE_ENTRY_BYTES},
+        {CRN_SCENE_LUMEN, lumen, sizeof lumen}};
     return crn_scene_write(CRN_SCENE_KIND_SCENE, parts, 3, file, capacity);
+}
+
+static inline size_t sample_scene(uint8_t *file, size_t capacity)
+{
+    return sample_scene_starting(0, file, capacity);
 }
 
 /* Returns the offset in the MOTION section of keyframe column `i` of component `k` of node `node`. */

@@ -185,7 +185,6 @@ int command_convert(const Options &options)
 int command_carry(const Options &options)
 {
     bake::Progress progress;
-    const Tree tree = read_tree(options.tree);
     const std::vector<std::filesystem::path> files = frames_of(options.folder);
     std::vector<NamedPath> inputs = {{"TREE", options.tree}}, outputs;
     for (const std::filesystem::path &file : files) inputs.push_back({"FOLDER", file.string()});
@@ -196,6 +195,7 @@ int command_carry(const Options &options)
     for (std::size_t n = 0; n < files.size(); ++n)
         outputs.push_back({"--output", frame_file(options.output, n, files.size())});
     check_outputs(inputs, outputs);
+    const Tree tree = read_tree(options.tree);
     std::vector<Frame> frames = carried(tree, files, mesh_text(options, ""), lumen_wish(options), progress);
     std::printf("frame\tmesh\tmoved_mm\trefit_mm\n");
     for (std::size_t n = 0; n < frames.size(); ++n) {

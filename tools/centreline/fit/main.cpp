@@ -3,6 +3,7 @@
 #include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/version.hpp"
+#include "host/cli/parse.hpp"
 #include "tools/centreline/fit/commands.hpp"
 
 #include <CLI/CLI.hpp>
@@ -23,23 +24,24 @@ constexpr const char *examples =
     "heart\n"
     "  centreline convert a.mrk.json b.mrk.json -o tree.vtp            curves become a tree\n"
     "  centreline show lca.csv --mesh coronaries.obj -o lca.png        a picture, manual points red\n"
-    "Trees: .csv, .mrk.json (3D Slicer), .vtp (VMTK), .obj. Meshes: .stl, .obj, .ply, .gltf, .glb, or a "
-    "scene's .toml.\n"
-    "Exit codes: 0 done, 1 the input is unusable (the message says why), 2 usage.\n";
+    "Trees: .csv, .mrk.json (3D Slicer), .vtp (VMTK), .obj.\n"
+    "Meshes: .stl, .obj, .ply, .gltf, .glb, or a scene's .toml.\n";
 
 void add_mesh_options(CLI::App &command, Options &options)
 {
-    command.add_option("--unit", options.unit, "of the mesh: m, cm, mm or um")
-        ->check(CLI::IsMember({"m", "cm", "mm", "um"}))
+    command.add_option("--unit", options.unit, "Of the mesh: m, cm, mm or um")
+        ->check(crn::one_of({"m", "cm", "mm", "um"}))
         ->capture_default_str();
     command.add_option("--part", options.parts,
-                       "only this part of the mesh file; may end in *, may be repeated");
-    command.add_option("--cap", options.cap, "openings that are closed: none, flat or any")
-        ->check(CLI::IsMember({"none", "flat", "any"}))
+                       "Only this part of the mesh file; may end in *, may be repeated");
+    command.add_option("--cap", options.cap, "Openings that are closed: none, flat or any")
+        ->check(crn::one_of({"none", "flat", "any"}))
         ->capture_default_str();
-    command.add_option("--data", options.data, "folder of paths beginning with data: in a scene's text")
+    command.add_option("--data", options.data, "Folder of paths beginning with data: in a scene's text")
+        ->type_name("FOLDER")
         ->capture_default_str();
-    command.add_option("--shipped", options.shipped, "folder of paths beginning with shipped:")
+    command.add_option("--shipped", options.shipped, "Folder of paths beginning with shipped:")
+        ->type_name("FOLDER")
         ->capture_default_str();
 }
 
@@ -47,16 +49,16 @@ void add_fit_options(CLI::App &command, Options &options)
 {
     command
         .add_option("--voxel-mm", options.voxel_mm,
-                    "grid for the ways; 0: by the size of the vessel, 0.15 to 1 mm")
+                    "Grid for the ways; 0: by the size of the vessel, 0.15 to 1 mm")
         ->check(CLI::Range(0.0, 5.0))
         ->capture_default_str();
-    command.add_option("--spacing", options.automatic.grow.spacing, "of neighbouring spheres, in radii")
+    command.add_option("--spacing", options.automatic.grow.spacing, "Of neighbouring spheres, in radii")
         ->check(CLI::Range(0.1, 2.0))
         ->capture_default_str();
-    command.add_option("--inlet-mm-s", options.flow.inlet_mm_s, "mean speed of the blood in each inlet")
+    command.add_option("--inlet-mm-s", options.flow.inlet_mm_s, "Mean speed of the blood in each inlet")
         ->check(CLI::Range(0.1, 5000.0))
         ->capture_default_str();
-    command.add_option("--inlet-ml-min", options.flow.inlet_ml_min, "or its flow; 0: by the speed")
+    command.add_option("--inlet-ml-min", options.flow.inlet_ml_min, "Or its flow; 0: by the speed")
         ->check(CLI::Range(0.0, 50000.0))
         ->capture_default_str();
 }
@@ -65,10 +67,10 @@ void add_auto_options(CLI::App &command, Options &options)
 {
     command
         .add_option("--prune", options.automatic.prune,
-                    "a branch goes on at least so many radii of the vessel it leaves")
+                    "A branch goes on at least so many radii of the vessel it leaves")
         ->check(CLI::Range(0.0, 100.0))
         ->capture_default_str();
-    command.add_option("--shortest-mm", options.automatic.shortest_mm, "and at least so far")
+    command.add_option("--shortest-mm", options.automatic.shortest_mm, "And at least so far")
         ->check(CLI::Range(0.0, 1000.0))
         ->capture_default_str();
 }
@@ -76,86 +78,106 @@ void add_auto_options(CLI::App &command, Options &options)
 void add_tree_output(CLI::App &command, Options &options, bool is_required)
 {
     CLI::Option *output =
-        command.add_option("-o,--output", options.output, "the tree: .csv, .mrk.json, .vtp or .obj");
+        command.add_option("-o,--output", options.output, "The tree: .csv, .mrk.json, .vtp or .obj")
+            ->type_name("FILE")
+            ->group("Outputs");
     if (is_required) output->required();
 }
 
 void add_mesh(CLI::App &command, Options &options)
 {
-    command.add_option("MESH", options.mesh, "the vessel's surface")->required();
+    command.add_option("MESH", options.mesh, "The vessel's surface")->type_name("FILE")->required();
     add_mesh_options(command, options);
     add_fit_options(command, options);
 }
 
 void add_making(CLI::App &app, Options &options)
 {
-    CLI::App *fit = app.add_subcommand("fit", "spheres between points that a person gave");
+    CLI::App *fit = app.add_subcommand("fit", "Spheres between points that a person gave");
     add_mesh(*fit, options);
-    fit->add_option("--points", options.points, "start, end and bifurcation points (TOML)")->required();
+    fit->add_option("--points", options.points, "Start, end and bifurcation points (TOML)")
+        ->type_name("FILE")
+        ->required();
     add_tree_output(*fit, options, true);
-    CLI::App *automatic = app.add_subcommand("auto", "the whole tree from the mesh alone");
+    CLI::App *automatic = app.add_subcommand("auto", "The whole tree from the mesh alone");
     add_mesh(*automatic, options);
     add_auto_options(*automatic, options);
     automatic
         ->add_option("--inlet", options.inlet_mm,
                      "x y z, mm: where the blood comes in; else the widest opening or end")
         ->expected(3);
-    automatic->add_option("--points", options.points,
-                          "also write the points that were found, for `fit` and `edit`");
+    automatic
+        ->add_option("--points", options.points,
+                     "Also write the points that were found, for `fit` and `edit`")
+        ->type_name("FILE")
+        ->group("Outputs");
     add_tree_output(*automatic, options, true);
-    CLI::App *edit = app.add_subcommand("edit", "a window to set, drag and fit points; resumes its project");
+    CLI::App *edit = app.add_subcommand("edit", "A window to set, drag and fit points; resumes its project");
     add_mesh(*edit, options);
     add_auto_options(*edit, options);
-    edit->add_option("--project", options.project, "the points, saved with Ctrl-S and at the end")
+    edit->add_option("--project", options.project, "The points, saved with Ctrl-S and at the end")
+        ->type_name("FILE")
+        ->group("Outputs")
         ->required();
-    edit->add_option("--frames", options.frames, "end after so many screens (for tests); 0: until Esc")
+    edit->add_option("--frames", options.frames, "End after so many screens (for tests); 0: until Esc")
         ->check(CLI::Range(0, 1000000));
-    edit->add_option("--screenshot", options.screenshot, "PNG of the last screen");
+    edit->add_option("--screenshot", options.screenshot, "PNG of the last screen")
+        ->type_name("FILE")
+        ->group("Outputs");
     add_tree_output(*edit, options, false);
 }
 
 void add_using(CLI::App &app, Options &options)
 {
     CLI::App *convert =
-        app.add_subcommand("convert", "from one format to another; curves that touch become a tree");
-    convert->add_option("TREE", options.inputs, "one file or several")->required();
-    convert->add_flag("--as-is", options.as_is, "do not join curves");
-    convert->add_flag("--split", options.split, "branches end where others leave");
+        app.add_subcommand("convert", "From one format to another; curves that touch become a tree");
+    convert->add_option("TREE", options.inputs, "One file or several")->type_name("FILE")->required();
+    convert->add_flag("--as-is", options.as_is, "Do not join curves");
+    convert->add_flag("--split", options.split, "Branches end where others leave");
     convert
         ->add_option("--inlet", options.inlet_mm,
                      "x y z, mm: the tree begins at the curve with an end there; else at the widest")
         ->expected(3);
-    convert->add_option("--radii-from", options.radii_from, "measure the radii in this mesh");
+    convert->add_option("--radii-from", options.radii_from, "Measure the radii in this mesh")
+        ->type_name("FILE");
     convert
         ->add_option("--radii-times", options.radii_times,
-                     "widen every sphere: vessels drawn too thin are blown up again")
+                     "Widen every sphere: vessels drawn too thin are blown up again")
         ->check(CLI::Range(0.01, 100.0))
         ->capture_default_str();
     convert->add_option("--axes", options.axes,
-                        "turn: the file's axes that become x, y and z, like +x,+z,-y");
+                        "Turn: the file's axes that become x, y and z, like +x,+z,-y");
     add_mesh_options(*convert, options);
     add_tree_output(*convert, options, true);
-    CLI::App *carry = app.add_subcommand("carry", "one tree through a folder of meshes with one topology");
-    carry->add_option("TREE", options.tree, "the tree of the first mesh")->required();
-    carry->add_option("FOLDER", options.folder, "one mesh per frame, numbered")->required();
-    carry->add_option("-o,--output", options.output, "folder for tree_00.csv, tree_01.csv ...")->required();
+    CLI::App *carry = app.add_subcommand("carry", "One tree through a folder of meshes with one topology");
+    carry->add_option("TREE", options.tree, "The tree of the first mesh")->type_name("FILE")->required();
+    carry->add_option("FOLDER", options.folder, "One mesh per frame, numbered")
+        ->type_name("FOLDER")
+        ->required();
+    carry->add_option("-o,--output", options.output, "Folder for tree_00.csv, tree_01.csv ...")
+        ->type_name("FOLDER")
+        ->group("Outputs")
+        ->required();
     add_mesh_options(*carry, options);
-    CLI::App *show = app.add_subcommand("show", "a picture of mesh and spheres");
-    show->add_option("TREE", options.tree, "the tree; not needed with --wireframe");
+    CLI::App *show = app.add_subcommand("show", "A picture of mesh and spheres");
+    show->add_option("TREE", options.tree, "The tree; not needed with --wireframe")->type_name("FILE");
     show->add_flag("--wireframe", options.wireframe,
-                   "the mesh as its edges, nearer ones darker, instead of as glass");
-    show->add_option("--mesh", options.mesh, "the vessel's surface")->required();
-    show->add_option("--points", options.points, "points to draw too");
-    show->add_flag("--names", options.with_names, "write the points' names");
-    show->add_option("-o,--output", options.output, "the PNG to write")->required();
+                   "The mesh as its edges, nearer ones darker, instead of as glass");
+    show->add_option("--mesh", options.mesh, "The vessel's surface")->type_name("FILE")->required();
+    show->add_option("--points", options.points, "Points to draw too")->type_name("FILE");
+    show->add_flag("--names", options.with_names, "Write the points' names");
+    show->add_option("-o,--output", options.output, "The PNG to write")
+        ->type_name("FILE")
+        ->group("Outputs")
+        ->required();
     show->add_option("--turn", options.turn_deg,
-                     "degrees about the head axis, above 0 from the patient's left")
+                     "Degrees about the head axis, above 0 from the patient's left")
         ->check(CLI::Range(-360.0, 360.0))
         ->capture_default_str();
-    show->add_option("--tilt", options.tilt_deg, "degrees towards the head")
+    show->add_option("--tilt", options.tilt_deg, "Degrees towards the head")
         ->check(CLI::Range(-90.0, 90.0))
         ->capture_default_str();
-    show->add_option("--size", options.size, "pixels")->check(CLI::Range(100, 4000))->capture_default_str();
+    show->add_option("--size", options.size, "Pixels")->check(CLI::Range(100, 4000))->capture_default_str();
     add_mesh_options(*show, options);
 }
 
@@ -176,19 +198,15 @@ int main(int argc, char **argv)
 {
     Options options;
     if (const char *folder = std::getenv("CRN_ANATOMY")) options.data = folder;
-    CLI::App app{"centreline: vessel trees of inscribed spheres, from a mesh and a few points, or from the "
-                 "mesh alone"};
+    CLI::App app{"Vessel trees of inscribed spheres, from a mesh and a few points, or from the "
+                 "mesh alone",
+                 "centreline"};
     app.footer(examples);
     app.require_subcommand(1);
     add_making(app, options);
     add_using(app, options);
-    crn::refuse_empty_values(app);
     app.set_version_flag("--version", crn::version_of("centreline"));
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError &error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
+    if (const std::optional<int> code = crn::parse_command_line(app, argc, argv)) return *code;
     crn::bake::Progress::catch_interrupts();
     try {
         return run(app.get_subcommands().front()->get_name(), options);

@@ -260,7 +260,8 @@ def cournand_command_lines(bench):
     bench.write("good.session", SESSION)
     bench.good("the good session runs", session_run(more=["--record", "good.rec", "--json", "good.json"]))
     bench.good("its recording is verified", ["cournand", "replay", "good.rec", "--verify"])
-    bench.bad("cournand without a command is refused", ["cournand"], 2, "subcommand")
+    bench.good("cournand without a command says what it can do without a display", ["cournand"])
+    bench.bad("a command without its subcommand is refused", ["cournand", "rig"], 2, "subcommand.*selftest")
     bench.bad("cournand with an unknown command is refused", ["cournand", "fly"], 2, "fly|subcommand")
     bench.bad("a run without a tool is refused", ["cournand", "run", "--session", "good.session"], 2,
               "--tool is required")
@@ -454,7 +455,7 @@ def instrument_lists(bench):
     bench.good("instruments are listed, drawn and written",
                listing + [WIRE, "--png", "list.png", "--json", "list.json"])
     bench.good("one preset is listed", listing + [WIRE + ":vcsim3-fit"])
-    bench.bad("a list of the shipped instruments elsewhere is refused", listing, 1, "shared/examples/instruments")
+    bench.good("the shipped instruments are listed from every folder", listing)
     bench.bad("a list of a missing instrument is refused", listing + ["gone.toml"], 1, r"gone\.toml")
     bench.bad("a list of a folder without instruments is refused", listing + ["."], 1, r"bad\.toml|no \.toml")
     bench.bad("a list of a preset that nothing has is refused", listing + [os.path.dirname(WIRE), "--preset", "x"], 1,

@@ -14,5 +14,5 @@ import sessions  # noqa: E402
 
 if __name__ == "__main__":
     with sessions.Sessions() as run:
-        sessions.heart(run, run.reaches)
+        run.starts(sessions.heart(run, run.reaches))
         run.end()

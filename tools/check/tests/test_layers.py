@@ -98,6 +98,7 @@ ALLOWED = {
     "shared/scene/tests": ["shared", "firmware/tests/reference"],
     "host/link": ["host/base", "shared", "firmware/port/sim/sim.h", "firmware/port/mps2_an500/rig_page.h"],
     "host/base": ["shared/version.h"],
+    "host/cli": ["host/base"],  # the command lines of all programs
     "host/model": ["host/base", "shared"],
     "host/xray/paths": ["host/model", "host/base"],
     "host/xray": ["host/xray/paths", "host/model", "host/base"],
@@ -154,6 +155,7 @@ ALLOWED = {
     "host/app/tests": HOST_TESTS,
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/base/tests": HOST_TESTS,
+    "host/cli/tests": HOST_TESTS,
     "host/dicom/tests": HOST_TESTS,
     "host/effects/tests": HOST_TESTS,
     "host/link/tests": HOST_TESTS,
@@ -172,6 +174,7 @@ ALLOWED = {
         "shared",
         "host/model",
         "host/base",
+        "host/cli/parse.hpp",
         "tools/mesh",
         "tools/centreline/tree.hpp",
         "tools/centreline/join.hpp",
@@ -191,12 +194,21 @@ ALLOWED = {
         "tools/mesh",
         "host/model",
         "host/base",
+        "host/cli/parse.hpp",
         "host/picture/picture.hpp",
         "host/picture/canvas.hpp",
         "host/screen/screen.hpp",
     ],
     "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base"],
-    "tools/anatomy": ["shared", "host/model", "host/base", "tools/mesh", "tools/bake/mesh.hpp"] + CORE_PUBLIC,
+    "tools/anatomy": [
+        "shared",
+        "host/model",
+        "host/base",
+        "host/cli/parse.hpp",
+        "tools/mesh",
+        "tools/bake/mesh.hpp",
+    ]
+    + CORE_PUBLIC,
     # One program calls the readers of all tools for `make importers`.
     "tools/importers": [
         "host/base/version.hpp",
@@ -256,6 +268,7 @@ ALLOWED = {
         "host/base/interrupt.hpp",
         "host/base/number_range.hpp",
         "host/base/number_text.hpp",
+        "host/base/progress_line.hpp",
     ],
     # The one room that knows OpenVDB.
     "tools/mesh/level_set": ["tools/mesh"],

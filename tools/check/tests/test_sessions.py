@@ -31,4 +31,6 @@ if __name__ == "__main__":
         scene = sessions.aorta(run, run.reaches)
         for name, changes in CHANGES.items():
             run.changed("sessions/demo", scene, "j_wire", name, changes)
+        for start in (scene, run.scene("aorta", "renal_ostium"), run.scene("phantom"), run.scene("access")):
+            run.starts(start)
         run.end()

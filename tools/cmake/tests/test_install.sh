@@ -56,6 +56,18 @@ cmake -S . -B b -DCMAKE_PREFIX_PATH="$work/prefix" >said 2>&1 &&
 report "a CMake project finds both by find_package" $?
 "$work/prefix/bin/cournand" instruments "$tool" >said 2>&1
 report "the installed program runs" $?
+export XDG_CACHE_HOME="$work/cache" XDG_STATE_HOME="$work/state"
+"$work/prefix/bin/cournand" instruments >said 2>&1 && grep -q "^j_wire " said
+report "the installed program lists its instruments from every folder" $?
+"$work/prefix/bin/cournand" run demo --record demo.rec >said 2>&1 && [ -s demo.rec ] &&
+    ls "$work"/cache/cournand/scenes/*/aorta.bodies >said 2>&1
+report "the installed program runs a session by its name, and unpacks the scene that comes with it" $?
+man -l "$work/prefix/share/man/man1/cournand-run.1" 2>said | grep -q "cournand run demo" &&
+    [ -s "$work/prefix/share/man/man1/bake.1" ] &&
+    [ -s "$work/prefix/share/bash-completion/completions/cournand" ] &&
+    [ -s "$work/prefix/share/zsh/site-functions/_cournand" ] &&
+    [ -s "$work/prefix/share/fish/vendor_completions.d/cournand.fish" ]
+report "man pages and completion scripts are installed" $?
 ! grep -rIl "$root" "$work/prefix/lib/pkgconfig" "$work/prefix/lib/cmake" >said 2>&1
 report "no installed description names the folder that it was built in" $?
 echo "1..$number"
