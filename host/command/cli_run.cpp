@@ -11,6 +11,7 @@
 #include "host/session/run.hpp"
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 namespace crn
@@ -82,11 +83,11 @@ void check_loads(const Session &session, std::size_t stents)
 }
 
 RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, const RunOptions &options,
-                    const Session &session, Recorder *recorder, FrameSink *sink, const TipPlaces &tips)
+                    const Session &session, Recorder *recorder, FrameSink *sink, const TipPlaces &tips,
+                    const SessionWitness &witness)
 {
     RunSettings settings{!options.quiet && isatty(STDERR_FILENO) != 0};
     settings.tips = &tips;
-    const EffectsWitness witness(tips.map(), patient);
     settings.witness = &witness;
     std::vector<RoomCommand> begin = options.free_run_s ? entry_commands(scene) : std::vector<RoomCommand>();
     if (patient.stents() && count_loads(session) == 0) begin.push_back(first_stent);
@@ -95,6 +96,38 @@ RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, co
                ? run_free_session(device, patient, begin, *options.free_run_s, recorder, sink, settings)
                : run_session(device, patient, session, recorder, sink, settings);
 }
+
+// Watches the goals of the case that a session plays; does nothing for a session without a case.
+class CasePlay
+{
+  public:
+    CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitness &witness, FrameSink *pictures)
+        : lesson_(lesson), sink_(pictures)
+    {
+        if (!lesson) return;
+        goals_.emplace(*lesson, tips.map());
+        goal_sink_.emplace(*goals_, tips, &witness, pictures);
+        sink_ = &*goal_sink_;
+    }
+    FrameSink *sink() { return sink_; }
+
+    // Judges and prints the goals at the end. Returns the entry of the report, or null without a case.
+    nlohmann::ordered_json end(const RunResult &result, const nlohmann::ordered_json &report)
+    {
+        std::vector<double> inserted_m;
+        for (const ToolFigures &tool : result.figures.tools) inserted_m.push_back(tool.inserted_m);
+        goal_sink_->end(inserted_m, result.tips);
+        const nlohmann::ordered_json entry = case_result(*lesson_, goals_->results(), report);
+        print_case_result(entry);
+        return entry;
+    }
+
+  private:
+    const Case *lesson_;
+    FrameSink *sink_;
+    std::optional<GoalWatch> goals_;
+    std::optional<GoalSink> goal_sink_;
+};
 
 } // namespace
 
@@ -143,7 +176,9 @@ int command_run(const RunOptions &options)
     const bool is_led = options.free_run_s.has_value(); // in FREE_RUN
     const SceneFile scene = read_scene(options.scene);
     const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
-    const Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);
+    const Session session = is_led           ? Session{"rig", {}, {}}
+                            : options.lesson ? case_session(*options.lesson, options.session)
+                                             : read_session(options.session);
     const crn_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
                                         : entry_of(scene, tools.size(), session.inserted_um);
     take_stents(picture_settings, options.stents, tools);
@@ -176,14 +211,21 @@ int command_run(const RunOptions &options)
                                         picture_settings.stents};
         recorder = std::make_unique<Recorder>(options.record, header);
     }
+    const EffectsWitness witness(tips.map(), *patient);
+    CasePlay play(options.lesson, tips, witness, pictures.get());
     RunResult result =
-        carry_out(device, *patient, scene, options, session, recorder.get(), pictures.get(), tips);
+        carry_out(device, *patient, scene, options, session, recorder.get(), play.sink(), tips, witness);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
     print_session(result, tools, *patient);
-    write_session_files({options.json, options.score, options.timing}, result, scene.path, tools,
-                        session.file, *patient, pictures ? &pictures->screen() : nullptr);
+    SessionFiles files{options.json, options.score, options.timing, nullptr};
+    if (options.lesson)
+        files.case_entry =
+            play.end(result, report_of(result, scene.path, tools, session.file, *patient));
+    write_session_files(files, result, scene.path, tools, session.file, *patient,
+                        pictures ? &pictures->screen() : nullptr);
     if (pictures) print_files(pictures->files());
-    return tell_end(result, *patient, pictures && pictures->was_stopped());
+    const int code = tell_end(result, *patient, pictures && pictures->was_stopped());
+    return code == 0 && options.lesson && !files.case_entry.at("is_reached").get<bool>() ? 1 : code;
 }
 
 } // namespace crn

@@ -3,6 +3,7 @@
 #pragma once
 #include "host/room/room_screen.hpp"
 #include "host/session/run.hpp"
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ void print_session(const RunResult &result, const std::vector<Instrument> &tools
 
 struct SessionFiles {
     std::string json, score, timing; // empty: none
+    nlohmann::ordered_json case_entry = nullptr; // entry "case" of the report; null: the session plays no case
 };
 // `session` names what controlled the session, for example the script. `screen` has the pictures for the
 // score's page; if it is null, the page has no pictures. Throws OutputError.
