@@ -166,8 +166,9 @@ CaseGoal read_goal(const TomlTable &table)
     using Kind = Expectation::Kind;
     const Kind kind = goal.expectation.kind;
     if (goal.is_once && kind != Kind::tip && kind != Kind::inserted && kind != Kind::turned)
-        table["when"].fail("only a goal about a tip, an inserted length or a turn can be reached 'once'; the others "
-                           "are judged at the end");
+        table["when"].fail(
+            "only a goal about a tip, an inserted length or a turn can be reached 'once'; the others "
+            "are judged at the end");
     return goal;
 }
 

@@ -14,10 +14,10 @@
 namespace crn
 {
 
-inline constexpr std::size_t case_tools_max = 8;   // tools on the table
-inline constexpr double case_expert_least = 90.0;  // score of the expert's script, at least
-inline constexpr double case_clumsy_most = 60.0;   // score of the clumsy script, at most
-inline constexpr double case_marks_standard = 10;  // of a goal or limit that states no marks
+inline constexpr std::size_t case_tools_max = 8;  // tools on the table
+inline constexpr double case_expert_least = 90.0; // score of the expert's script, at least
+inline constexpr double case_clumsy_most = 60.0;  // score of the clumsy script, at most
+inline constexpr double case_marks_standard = 10; // of a goal or limit that states no marks
 
 // The patient is invented, and every case file states this.
 struct CasePatient {
@@ -67,8 +67,8 @@ struct Case {
     CaseStart start;
     std::vector<CaseGoal> goals;
     std::vector<CaseLimit> limits;
-    std::string expert, clumsy; // paths of the scripts
-    std::string picture;        // path of the picture beside the file, or empty if there is none
+    std::string expert, clumsy;  // paths of the scripts
+    std::string picture;         // path of the picture beside the file, or empty if there is none
     bool has_assessment = false; // the table [assessment], which host/assess reads
 };
 

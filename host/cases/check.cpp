@@ -87,8 +87,9 @@ class Checker
         for (std::size_t k = 0; k < lesson_.start.tools.size(); ++k) {
             const std::string &path = lesson_.start.tools[k];
             if (std::find(lesson_.offered.begin(), lesson_.offered.end(), path) == lesson_.offered.end())
-                add(lesson_.start.line, "tool " + std::to_string(k + 1) +
-                                            " of the start is not among the offered devices: add it to 'offered'");
+                add(lesson_.start.line,
+                    "tool " + std::to_string(k + 1) +
+                        " of the start is not among the offered devices: add it to 'offered'");
             can([&] { line_.push_back(read_instrument(path)); });
         }
         for (std::size_t k = 0; k + 1 < line_.size(); ++k) {
@@ -157,7 +158,8 @@ class Checker
             if (expected.tool >= lesson_.start.tools.size())
                 add(goal.line, "names the " + tool_name(expected.tool) + ", but the start has only " +
                                    std::to_string(lesson_.start.tools.size()) + " of the tools");
-            if (expected.kind == Kind::stenosis && lesson_.recipe.kind != "" && lesson_.recipe.lesions.empty())
+            if (expected.kind == Kind::stenosis && lesson_.recipe.kind != "" &&
+                lesson_.recipe.lesions.empty())
                 add(goal.line, "asks for a stenosis, but the anatomy has no lesion: name one in 'lesions'");
             if (expected.kind == Kind::apposition && lesson_.stents.empty())
                 add(goal.line, "asks for a stent's apposition, but 'stents' names none");
@@ -170,9 +172,9 @@ class Checker
         vessel(file, line, expected.vessel.text);
         const std::optional<std::size_t> found = map_.find(expected.vessel.text);
         if (found && expected.kind == Expectation::Kind::tip && expected.least > length_mm(*found))
-            add_in(file, line, "no tip can be " + number_text(expected.least, 4) + " mm inside " +
-                                   expected.vessel.text + ", which is " + number_text(length_mm(*found), 4) +
-                                   " mm long");
+            add_in(file, line,
+                   "no tip can be " + number_text(expected.least, 4) + " mm inside " + expected.vessel.text +
+                       ", which is " + number_text(length_mm(*found), 4) + " mm long");
     }
 
     void vessel(const std::string &file, int line, const std::string &name)
@@ -186,15 +188,16 @@ class Checker
         Session session;
         if (!can([&] { session = read_session(path); })) return;
         if (session.tools_named > line_.size())
-            add_in(path, session.tools_named_line, "needs " + std::to_string(session.tools_named) +
-                                                       " tools, but the case starts with " +
-                                                       std::to_string(line_.size()));
+            add_in(path, session.tools_named_line,
+                   "needs " + std::to_string(session.tools_named) + " tools, but the case starts with " +
+                       std::to_string(line_.size()));
         const Session standard;
         for (std::size_t k = 0; k < line_.size(); ++k)
             if (session.inserted_um[k] != lesson_.start.inserted_um[k] &&
                 session.inserted_um[k] != standard.inserted_um[k])
-                add_in(path, 1, "begins with other inserted lengths than the case: leave out 'begin', or state "
-                                "those of 'inserted_mm'");
+                add_in(path, 1,
+                       "begins with other inserted lengths than the case: leave out 'begin', or state "
+                       "those of 'inserted_mm'");
         std::size_t loads = 0;
         double iodine_mg_per_ml = iodine_default_mg_per_ml;
         for (const Statement &statement : session.statements) {

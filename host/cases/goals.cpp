@@ -102,7 +102,8 @@ void GoalSink::end(std::span<const double> inserted_m, std::span<const TipPlace>
 
 bool GoalWatch::are_all_reached() const
 {
-    return std::all_of(results_.begin(), results_.end(), [](const GoalResult &one) { return one.is_reached; });
+    return std::all_of(results_.begin(), results_.end(),
+                       [](const GoalResult &one) { return one.is_reached; });
 }
 
 Json case_result(const Case &lesson, const std::vector<GoalResult> &goals, const Json &report)
@@ -153,7 +154,8 @@ Json case_result(const Case &lesson, const std::vector<GoalResult> &goals, const
 void print_case_result(const Json &entry)
 {
     for (const Json &goal : entry.at("goals"))
-        std::printf("%-21s %s (%s; %s)\n", goal.at("is_reached").get<bool>() ? "goal reached" : "goal NOT REACHED",
+        std::printf("%-21s %s (%s; %s)\n",
+                    goal.at("is_reached").get<bool>() ? "goal reached" : "goal NOT REACHED",
                     printable(goal.at("text").get<std::string>()).c_str(),
                     printable(goal.at("expected").get<std::string>()).c_str(),
                     printable(goal.at("found").get<std::string>()).c_str());

@@ -27,8 +27,8 @@ class GoalWatch
     // The goals depend on the ticks at which they are looked at, so every session looks at the same ticks.
     static constexpr std::uint32_t look_every_ticks = 64;
 
-    // `lesson` must live longer than this object. Throws FileError if a goal names a vessel or a tool that the
-    // case does not have; the message gives the line of the case file.
+    // `lesson` must live longer than this object. Throws FileError if a goal names a vessel or a tool that
+    // the case does not have; the message gives the line of the case file.
     GoalWatch(const Case &lesson, const VesselMap &map);
     // Takes the state of the session at one tick. `turned_deg` holds the angle by which each hand has turned.
     void look(const SessionView &view, std::span<const double> turned_deg);
@@ -70,8 +70,8 @@ class GoalSink final : public FrameSink
 
 // Returns the entry "case" of a session's report: {"name", "title", "score", "is_reached", "goals": [{"text",
 // "expected", "when", "is_reached", "at_s", "found", "marks", "points"}], "limits": [{"measure", "title",
-// "value", "unit", "full_marks_at", "no_marks_at", "marks", "points"}]}. The score is the sum of the points in
-// percent of the sum of the marks.
+// "value", "unit", "full_marks_at", "no_marks_at", "marks", "points"}]}. The score is the sum of the points
+// in percent of the sum of the marks.
 nlohmann::ordered_json case_result(const Case &lesson, const std::vector<GoalResult> &goals,
                                    const nlohmann::ordered_json &report);
 // Prints the entry, one line per goal and limit.

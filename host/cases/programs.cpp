@@ -71,7 +71,8 @@ bool read_some(Pipe &pipe, std::string &text)
 }
 
 // Reads both pipes until they end, and ends the process when `goes_on` says so.
-void hear(pid_t process, Pipe &said, Pipe &refused, ProgramResult &result, const std::function<bool()> &goes_on)
+void hear(pid_t process, Pipe &said, Pipe &refused, ProgramResult &result,
+          const std::function<bool()> &goes_on)
 {
     Clock::time_point stopped_at;
     while (said.ends[0] >= 0 || refused.ends[0] >= 0) {
@@ -84,7 +85,8 @@ void hear(pid_t process, Pipe &said, Pipe &refused, ProgramResult &result, const
             stopped_at = Clock::now();
             ::kill(process, SIGTERM);
         }
-        if (result.was_stopped && std::chrono::duration<double>(Clock::now() - stopped_at).count() > patience_s)
+        if (result.was_stopped &&
+            std::chrono::duration<double>(Clock::now() - stopped_at).count() > patience_s)
             ::kill(process, SIGKILL);
     }
 }
@@ -100,7 +102,7 @@ std::string sibling_program(const std::string &name)
         for (const fs::path &path : {above / name, above / "bin" / name})
             if (fs::is_regular_file(path, failure) && ::access(path.c_str(), X_OK) == 0) return path.string();
     throw std::runtime_error("the program '" + name + "' is not beside this one, in " + folder.string() +
-                             ": build it by `make scene-tools`, or install all programs by `make install`");
+                             ": build it by `make cases`, or install all programs by `make install`");
 }
 
 ProgramResult run_program(const std::vector<std::string> &words, const std::function<bool()> &goes_on)

@@ -6,8 +6,10 @@
 #include "host/base/text.hpp"
 #include "host/base/toml_reader.hpp"
 #include "host/cases/programs.hpp"
-#include <chrono>
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
@@ -163,15 +165,16 @@ class SceneMaker
     }
 
   private:
-    // Returns false if the machine has no tar or no xz, or the archive is damaged: then the scene is made anew.
+    // Returns false if the machine has no tar or no xz, or the archive is damaged: then the scene is made
+    // anew.
     bool unpack(const fs::path &work, const fs::path &out)
     {
         const std::string archive = shipped_archive();
         if (archive.empty()) return false;
         steps_ = step_ = 1;
-        const ProgramResult done = run_program({"tar", "-xJf", archive, "-C", work.string(), "aorta.scene",
-                                                "aorta.bodies"},
-                                               [&] { return tell("the shipped scene is unpacked"); });
+        const ProgramResult done =
+            run_program({"tar", "-xJf", archive, "-C", work.string(), "aorta.scene", "aorta.bodies"},
+                        [&] { return tell("the shipped scene is unpacked"); });
         if (done.was_stopped) throw SceneStopped("interrupted");
         if (done.code != 0) return false;
         fs::rename(work / "aorta.scene", out / "case.scene");
@@ -218,6 +221,13 @@ PreparedScene baked_scene(const Recipe &recipe)
     std::error_code failure;
     const fs::path bodies = fs::path(recipe.scene).replace_extension(".bodies");
     return {recipe.scene, fs::exists(bodies, failure) ? bodies.string() : std::string(), true};
+}
+
+double length_of(const std::string &text)
+{
+    double length_mm = 0.0;
+    std::from_chars(text.data(), text.data() + text.size(), length_mm);
+    return length_mm;
 }
 
 // Splits a line at tabs.
@@ -289,8 +299,7 @@ PreparedScene prepare_scene(const Recipe &recipe, const SceneWatch &watch)
 std::vector<RecipeVessel> recipe_vessels(const Recipe &recipe)
 {
     const std::string file = vessels_of(recipe);
-    const ProgramResult done =
-        run_program({sibling_program("anatomy"), "list", file}, [] { return true; });
+    const ProgramResult done = run_program({sibling_program("anatomy"), "list", file}, [] { return true; });
     if (done.code != 0) {
         const std::string before = "anatomy: ";
         std::string why = done.refused.substr(0, done.refused.find_last_not_of("\n ") + 1);
@@ -300,8 +309,7 @@ std::vector<RecipeVessel> recipe_vessels(const Recipe &recipe)
     for (std::size_t at = 0; at < done.said.size();) {
         const std::size_t end = std::min(done.said.find('\n', at), done.said.size());
         const std::vector<std::string> cells = cells_of(done.said.substr(at, end - at));
-        if (cells.size() > 2 && cells[1] == "length")
-            vessels.push_back({cells[0], std::strtod(cells[2].c_str(), nullptr)});
+        if (cells.size() > 2 && cells[1] == "length") vessels.push_back({cells[0], length_of(cells[2])});
         at = end + 1;
     }
     return vessels;

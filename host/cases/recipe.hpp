@@ -42,8 +42,8 @@ struct SceneStopped : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// Returns the key of a recipe: a hash of everything that decides how the scene becomes, including the contents
-// of the programs that make it. Throws std::runtime_error if a file or a program is missing.
+// Returns the key of a recipe: a hash of everything that decides how the scene becomes, including the
+// contents of the programs that make it. Throws std::runtime_error if a file or a program is missing.
 std::string recipe_key(const Recipe &recipe);
 // Returns true if prepare_scene() would return without making anything.
 bool is_scene_ready(const Recipe &recipe);

@@ -81,7 +81,8 @@ expert = "NAME_expert.session"
 clumsy = "NAME_clumsy.session"
 )";
 
-constexpr const char *expert_text = R"(# The expert pushes gently, and turns the wire where the arch's branches leave.
+constexpr const char *expert_text =
+    R"(# The expert pushes gently, and turns the wire where the arch's branches leave.
 fluoro on
 advance 300 mm at 70 mm/s in strokes of 90 mm
 advance 150 mm at 70 mm/s in strokes of 75 mm

@@ -26,6 +26,7 @@ struct RunOptions {
     bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     std::vector<double> inserted_mm;  // FREE_RUN: none, one for all tools, or one each
     const Case *lesson = nullptr;     // the session plays this case, and gets its marks
+    std::string card;                 // file for the picture that stands for the session (card_picture)
 };
 
 struct ReplayOptions {

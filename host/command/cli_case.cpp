@@ -6,7 +6,6 @@
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
-#include "host/base/progress_line.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
 #include "host/cases/check.hpp"
@@ -38,8 +37,7 @@ struct Listed {
 Listed all_cases()
 {
     Listed listed;
-    for (const std::string &path : case_paths())
-        try {
+    for (const std::string &path : case_paths()) try {
             listed.cases.push_back(read_case(path));
         } catch (const std::runtime_error &error) {
             listed.faults.push_back(error.what());
@@ -75,14 +73,14 @@ Json entry_of(const Case &lesson)
 
 int call_play(const Case &lesson, const std::string &script, std::vector<std::string> more);
 
-// Plays the expert's script of every case for its last picture.
+// Plays the expert's script of every case for its picture.
 int make_cards(const Listed &listed, const std::string &folder)
 {
     fs::create_directories(folder);
     int code = 0;
     for (const Case &lesson : listed.cases) {
         const std::string file = (fs::path(folder) / (lesson.name + ".png")).string();
-        if (call_play(lesson, "expert", {"--size", "256", "--png", file}) >= 2 || is_interrupted()) code = 1;
+        if (call_play(lesson, "expert", {"--size", "256", "--card", file}) >= 2 || is_interrupted()) code = 1;
         std::printf("written               %s\n", printable(file).c_str());
         if (is_interrupted()) break;
     }
@@ -112,7 +110,6 @@ int list_cases(const CaseOptions &options)
 PreparedScene scene_of(const Case &lesson, bool is_quiet)
 {
     watch_for_interrupt();
-    ProgressLine line(!is_quiet);
     std::string shown;
     const bool is_terminal = isatty(STDERR_FILENO) != 0;
     return prepare_scene(lesson.recipe, [&](const SceneProgress &progress) {
@@ -129,8 +126,9 @@ PreparedScene scene_of(const Case &lesson, bool is_quiet)
 
 void print_briefing(const Case &lesson)
 {
-    std::printf("%s\n\n%s, %s, %d years (an invented patient). %s\n%s\n\nAim: %s\n", printable(lesson.title).c_str(),
-                printable(lesson.patient.name).c_str(), lesson.patient.sex.c_str(), lesson.patient.age_years,
+    std::printf("%s\n\n%s, %s, %d years (an invented patient). %s\n%s\n\nAim: %s\n",
+                printable(lesson.title).c_str(), printable(lesson.patient.name).c_str(),
+                lesson.patient.sex.c_str(), lesson.patient.age_years,
                 printable(lesson.patient.indication).c_str(), printable_lines(lesson.story).c_str(),
                 printable(lesson.aim).c_str());
     for (const CaseGoal &goal : lesson.goals) std::printf("  - %s\n", printable(goal.text).c_str());
@@ -175,6 +173,7 @@ int play(const CaseOptions &options, const RunWindow &run_window)
     run.json = options.json;
     run.score = options.score;
     run.pictures.png_path = options.png;
+    run.card = options.card;
     run.pictures.mp4_path = options.mp4;
     run.pictures.size = options.size;
     run.quiet = options.quiet;
@@ -209,11 +208,13 @@ fs::path own_cases()
 
 int make_new(const CaseOptions &options)
 {
-    const bool is_good = !options.name.empty() && std::all_of(options.name.begin(), options.name.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-    });
+    const bool is_good =
+        !options.name.empty() && std::all_of(options.name.begin(), options.name.end(), [](char c) {
+            return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+        });
     if (!is_good)
-        throw UsageError("case new: the name '" + options.name + "' may have small letters, digits and _ only");
+        throw UsageError("case new: the name '" + options.name +
+                         "' may have small letters, digits and _ only");
     const fs::path folder = options.folder.empty() ? own_cases() : fs::path(options.folder);
     std::error_code failure;
     fs::create_directories(folder, failure);
@@ -252,51 +253,89 @@ Played played(const Case &lesson, const std::string &script)
         result.is_reached = report.at("case").at("is_reached").get<bool>();
         fs::remove(file, failure);
     } else {
-        result.fault = formatted("it ended with exit code %d and without a report: cournand case play %s --script %s",
-                                 code, lesson.name.c_str(), script.c_str());
+        result.fault =
+            formatted("it ended with exit code %d and without a report: cournand case play %s --script %s",
+                      code, lesson.name.c_str(), script.c_str());
     }
     return result;
 }
 
-// Plays both scripts, and returns a message for every bar that is not kept.
-std::vector<std::string> play_faults(const Case &lesson, std::string &row)
+struct Bars {
+    Played expert, clumsy;
+    std::vector<std::string> faults; // a message for every bar that is not kept
+};
+
+Bars play_both(const Case &lesson)
 {
-    std::vector<std::string> faults;
-    const Played expert = played(lesson, "expert"), clumsy = played(lesson, "clumsy");
+    Bars bars{played(lesson, "expert"), played(lesson, "clumsy"), {}};
+    const Played &expert = bars.expert, &clumsy = bars.clumsy;
     const auto add = [&](const std::string &script, const std::string &text) {
-        faults.push_back(FileError(script, 0, 0, text).what());
+        bars.faults.push_back(FileError(script, 0, 0, text).what());
     };
     if (!expert.fault.empty()) add(lesson.expert, expert.fault);
     if (!clumsy.fault.empty()) add(lesson.clumsy, clumsy.fault);
-    if (expert.fault.empty() && !expert.is_reached) add(lesson.expert, "the expert does not reach every goal");
+    if (expert.fault.empty() && !expert.is_reached)
+        add(lesson.expert, "the expert does not reach every goal");
     if (expert.fault.empty() && expert.score < case_expert_least)
         add(lesson.expert, formatted("the expert's score is %.1f, and must be at least %.0f", expert.score,
                                      case_expert_least));
     if (clumsy.fault.empty() && clumsy.score > case_clumsy_most)
-        add(lesson.clumsy, formatted("the clumsy script's score is %.1f, and must be at most %.0f", clumsy.score,
-                                     case_clumsy_most));
-    row = formatted("%-20s expert %5.1f   clumsy %5.1f", lesson.name.c_str(), expert.score, clumsy.score);
-    return faults;
+        add(lesson.clumsy, formatted("the clumsy script's score is %.1f, and must be at most %.0f",
+                                     clumsy.score, case_clumsy_most));
+    return bars;
+}
+
+// Replaces the table between the marks of docs/cases.md.
+void write_table(const std::string &path, const std::string &rows)
+{
+    const std::string begin = "<!-- table of cases: written by `make docs-cases` -->\n",
+                      end = "<!-- end of the table -->\n";
+    std::string text = read_text_file(path);
+    const std::size_t from = text.find(begin), to = text.find(end);
+    if (from == text.npos || to == text.npos || to < from)
+        throw FileError(path, 0, 0, "has no table of cases between its two marks");
+    text.replace(from + begin.size(), to - from - begin.size(),
+                 "| case | aim | expert | clumsy |\n|---|---|---|---|\n" + rows +
+                     formatted("\nThe scores were measured with core %d.\n", int{CRN_CORE_VERSION}));
+    write_whole_file(path, text);
+}
+
+bool check_one(const std::string &path, bool plays, std::string &rows)
+{
+    std::vector<std::string> faults = case_faults(path);
+    std::string said = path + ": good";
+    if (faults.empty() && plays) {
+        const Case lesson = read_case(path);
+        const Bars bars = play_both(lesson);
+        faults = bars.faults;
+        said = formatted("%-20s expert %5.1f   clumsy %5.1f", lesson.name.c_str(), bars.expert.score,
+                         bars.clumsy.score);
+        rows += "| `" + lesson.name + "` | " + lesson.aim +
+                formatted(" | %.0f | %.0f |\n", bars.expert.score, bars.clumsy.score);
+    } else if (!faults.empty()) {
+        said.clear();
+    }
+    if (is_interrupted()) throw std::runtime_error("interrupted");
+    for (const std::string &fault : faults) say(stderr, "%s\n", fault.c_str());
+    if (!said.empty()) say(stdout, "%s\n", said.c_str());
+    std::fflush(stdout);
+    return faults.empty();
 }
 
 int check(const CaseOptions &options)
 {
     std::vector<std::string> paths;
     for (const std::string &name : options.names) paths.push_back(named_path(case_files, name));
-    if (options.checks_all) paths = case_paths();
+    if (options.checks_all)
+        for (const Case &lesson : all_cases().cases) paths.push_back(lesson.file);
     if (paths.empty()) throw UsageError("case check: name a case or a file, or give --all");
-    bool is_good = true;
-    for (const std::string &path : paths) {
-        std::vector<std::string> faults = case_faults(path);
-        std::string row;
-        if (faults.empty() && options.plays) faults = play_faults(read_case(path), row);
-        if (is_interrupted()) throw std::runtime_error("interrupted");
-        for (const std::string &fault : faults) say(stderr, "%s\n", fault.c_str());
-        is_good = is_good && faults.empty();
-        if (!row.empty()) say(stdout, "%s\n", row.c_str());
-        if (row.empty() && faults.empty()) say(stdout, "%s: good\n", path.c_str());
-        std::fflush(stdout);
-    }
+    if (!options.table.empty() && !options.plays) throw UsageError("case check: --table needs --play");
+    bool is_good = !options.checks_all || all_cases().faults.empty();
+    if (options.checks_all)
+        for (const std::string &fault : all_cases().faults) say(stderr, "%s\n", fault.c_str());
+    std::string rows;
+    for (const std::string &path : paths) is_good = check_one(path, options.plays, rows) && is_good;
+    if (!options.table.empty()) write_table(options.table, rows);
     return is_good ? 0 : 1;
 }
 
@@ -314,10 +353,12 @@ void add_play(CLI::App &app, CaseOptions &options)
     command->add_option("--script", options.script,
                         "Without a window: expert, clumsy, or the name or file of a session script");
     command->add_option("--record", options.record, "Write a recording");
-    command->add_option("--json", options.json, "Write the figures of the session, with the marks of the case");
+    command->add_option("--json", options.json,
+                        "Write the figures of the session, with the marks of the case");
     command->add_option("--score", options.score,
                         "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
     command->add_option("--png", options.png, "With a script: write the last picture");
+    command->add_option("--card", options.card, "With a script: write the picture of the case's card");
     command->add_option("--mp4", options.mp4, "With a script: write a film");
     command->add_option("--size", options.size, "Pixels along each edge of the X-ray")
         ->capture_default_str()
@@ -333,10 +374,12 @@ void add_case(CLI::App &app, CaseOptions &options)
 {
     CLI::App *command = app.add_subcommand("case", "Exercises with a story, goals and marks (docs/cases.md)");
     command->require_subcommand(1);
-    CLI::App *list = command->add_subcommand("list", "All cases: your own, and those that come with the program");
+    CLI::App *list =
+        command->add_subcommand("list", "All cases: your own, and those that come with the program");
     list->add_flag("--json", options.as_json, "As JSON, with story, goals and picture");
-    list->add_option("--cards", options.cards, "Instead: play the expert of every case, and write its last "
-                                               "picture into this folder");
+    list->add_option("--cards", options.cards,
+                     "Instead: play the expert of every case, and write a "
+                     "picture of each into this folder");
     add_play(*command, options);
     CLI::App *made = command->add_subcommand("new", "Write a commented case for you to change");
     add_name(*made, options.name);
@@ -344,8 +387,11 @@ void add_case(CLI::App &app, CaseOptions &options)
     CLI::App *checked = command->add_subcommand("check", "Find every mistake in a case");
     checked->add_option("case", options.names, "Names or files of cases");
     checked->add_flag("--all", options.checks_all, "All cases");
-    checked->add_flag("--play", options.plays,
-                      "Also play both scripts: the expert must get 90 of 100 marks, the clumsy one at most 60");
+    checked->add_flag(
+        "--play", options.plays,
+        "Also play both scripts: the expert must get 90 of 100 marks, the clumsy one at most 60");
+    checked->add_option("--table", options.table,
+                        "With --play: renew the table in a document (docs/cases.md)");
     command->footer("Examples:\n  cournand case list\n  cournand case play first_push\n"
                     "  cournand case new my_case\n  cournand case check my_case --play");
 }

@@ -14,9 +14,9 @@ struct CaseOptions {
     bool checks_all = false, plays = false, as_json = false;
     std::string script; // expert, clumsy or a file; empty: the window
     std::string folder; // of `new`; empty: the user's own
-    std::string cards;  // folder for the cards of `list`
     std::string table;  // document whose table `check --play` renews
-    std::string record, json, score, png, mp4;
+    std::string cards;  // folder for the cards of `list`
+    std::string record, json, score, png, card, mp4;
     int size = 512;
     bool quiet = false;
 };

@@ -1,5 +1,6 @@
 // cournand run
 #include "host/base/interrupt.hpp"
+#include "host/base/pending_file.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
 #include "host/command/cli.hpp"
@@ -34,6 +35,7 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
                            {"--score", options.score},
                            {"--timing", options.timing},
                            {"--png", pictures.png_path},
+                           {"--card", options.card},
                            {"--png16", pictures.png16_path},
                            {"--mp4", pictures.mp4_path}});
     check_dicom_settings(pictures.dicom);
@@ -95,6 +97,14 @@ RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, co
     return options.free_run_s
                ? run_free_session(device, patient, begin, *options.free_run_s, recorder, sink, settings)
                : run_session(device, patient, session, recorder, sink, settings);
+}
+
+void write_card(const std::string &path, const SessionPictures &pictures)
+{
+    const std::vector<std::uint8_t> bytes =
+        encode_png(card_picture(pictures.screen(), pictures.plain_image()));
+    write_whole_file(path, {reinterpret_cast<const char *>(bytes.data()), bytes.size()});
+    print_files({path});
 }
 
 // Watches the goals of the case that a session plays; does nothing for a session without a case.
@@ -193,7 +203,8 @@ int command_run(const RunOptions &options)
     const SceneAnatomy anatomy = read_anatomy(picture_settings);
     const std::unique_ptr<Patient> patient = make_patient(picture_settings, anatomy, tools);
     std::unique_ptr<SessionPictures> pictures;
-    if (writes_pictures(picture_settings) || !options.score.empty()) // a score's page shows the runs
+    if (writes_pictures(picture_settings) || !options.score.empty() ||
+        !options.card.empty()) // a score's page shows the runs
         pictures = std::make_unique<SessionPictures>(picture_settings, tools, *patient, anatomy);
     const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
     check_injections(session, patient->contrast());
@@ -219,11 +230,11 @@ int command_run(const RunOptions &options)
     print_session(result, tools, *patient);
     SessionFiles files{options.json, options.score, options.timing, nullptr};
     if (options.lesson)
-        files.case_entry =
-            play.end(result, report_of(result, scene.path, tools, session.file, *patient));
+        files.case_entry = play.end(result, report_of(result, scene.path, tools, session.file, *patient));
     write_session_files(files, result, scene.path, tools, session.file, *patient,
                         pictures ? &pictures->screen() : nullptr);
     if (pictures) print_files(pictures->files());
+    if (!options.card.empty()) write_card(options.card, *pictures);
     const int code = tell_end(result, *patient, pictures && pictures->was_stopped());
     return code == 0 && options.lesson && !files.case_entry.at("is_reached").get<bool>() ? 1 : code;
 }

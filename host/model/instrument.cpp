@@ -192,9 +192,9 @@ std::string nesting_refusal(const Instrument &inside, const Instrument &outer)
     for (std::uint16_t i = 0; i < outer.table.knots_count; i++) {
         const crn_wire_knot &knot = outer.table.knots[i];
         if (knot.radius_inner_um >= thickest_um) continue;
-        return "'" + inside.name + "' (" + millimetres(2.0 * thickest_um) +
-               ") does not pass the lumen of '" + outer.name + "' (" + millimetres(2.0 * knot.radius_inner_um) +
-               ", at " + millimetres(knot.arc_um) + " from its tip)";
+        return "'" + inside.name + "' (" + millimetres(2.0 * thickest_um) + ") does not pass the lumen of '" +
+               outer.name + "' (" + millimetres(2.0 * knot.radius_inner_um) + ", at " +
+               millimetres(knot.arc_um) + " from its tip)";
     }
     return "";
 }

@@ -191,4 +191,11 @@ void write_session_files(const SessionFiles &files, const RunResult &result, con
     if (!files.json.empty()) write_report(files.json, report);
 }
 
+Image card_picture(const RoomScreen &screen, const Image &last)
+{
+    for (auto one = screen.store().runs().rbegin(); one != screen.store().runs().rend(); ++one)
+        if ((*one)->run.kind == RunKind::cine && !(*one)->grey.empty()) return darkest_frame(**one);
+    return last;
+}
+
 } // namespace crn

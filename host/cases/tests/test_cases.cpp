@@ -1,6 +1,7 @@
-// Tests that a case file is read with all its parts, and that each mistake of a teacher is refused with file and
-// line. A goal that must be reached once stays reached, and counts only after the earlier goals of its kind; a
-// goal of the end is judged by the last look. The marks between the two values of a limit fall in proportion.
+// Tests that a case file is read with all its parts, and that each mistake of a teacher is refused with file
+// and line. A goal that must be reached once stays reached, and counts only after the earlier goals of its
+// kind; a goal of the end is judged by the last look. The marks between the two values of a limit fall in
+// proportion.
 #include "host/cases/check.hpp"
 #include "host/cases/goals.hpp"
 #include "host/cases/measures.hpp"
@@ -98,7 +99,8 @@ void each_mistake_is_refused_with_its_line(void **)
         {"kind = \"aorta\"", "kind = \"aorte\"", "did you mean 'aorta'?"},
         {"\"view ap\"", "\"advance 3 mm\"", "no statement for the X-ray room"},
         {"\"view ap\"", "\"view app\"", "'app'"},
-        {"tip wire in descending aorta\"", "tip wire in descending aorte\"", "did you mean 'descending aorta'?"},
+        {"tip wire in descending aorta\"", "tip wire in descending aorte\"",
+         "did you mean 'descending aorta'?"},
         {"tip wire in descending aorta\"", "tip guide in descending aorta\"", "the start has only 1"},
         {"tip wire in descending aorta\"", "tipp wire in descending aorta\"", "did you mean 'tip'?"},
         {"at least 20 mm\"", "at least 900 mm\"", "no tip can be"},
@@ -107,7 +109,8 @@ void each_mistake_is_refused_with_its_line(void **)
         {"measure = \"time_min\"", "measure = \"time_mn\"", "did you mean 'time_min'?"},
         {"no_marks_at = 4", "no_marks_at = 2", "equals 'full_marks_at'"},
         {"expert = \"a_expert.session\"", "expert = \"b_expert.session\"", "there is no file"},
-        {"# stents = [\"renal_6_0x18\"]", "stents = [\"renal_6_0x18\"]", "none of the offered devices has a balloon"},
+        {"# stents = [\"renal_6_0x18\"]", "stents = [\"renal_6_0x18\"]",
+         "none of the offered devices has a balloon"},
         {"# lesions = [\"renal_ostium\"]", "lesions = [\"renal_ostum\"]", "did you mean 'renal_ostium'?"},
         {"sex = \"male\"", "sex = \"man\"", "'sex' is 'man'"},
     };
@@ -121,10 +124,11 @@ void each_mistake_is_refused_with_its_line(void **)
         const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
         const int line = line_of(text, mistake.changed);
         const bool has_line = faults[0].find(path + ":" + std::to_string(line) + ":") != std::string::npos;
-        // Faults of the stents are told at the start's tools, and those of a key that is missing at its table.
-        const bool is_elsewhere =
-            faults[0].find("balloon") != std::string::npos || faults[0].find("is only") != std::string::npos ||
-            faults[0].find("lengths for") != std::string::npos;
+        // Faults of the stents are told at the start's tools, and those of a key that is missing at its
+        // table.
+        const bool is_elsewhere = faults[0].find("balloon") != std::string::npos ||
+                                  faults[0].find("is only") != std::string::npos ||
+                                  faults[0].find("lengths for") != std::string::npos;
         if (!has_line && !is_elsewhere) fail_msg("line %d is not in: %s", line, faults[0].c_str());
     }
 }

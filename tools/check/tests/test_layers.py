@@ -123,6 +123,13 @@ ALLOWED = {
         "host/base",
         "shared",
     ],
+    "host/cases": [
+        "host/session",
+        "host/script",
+        "host/patient",
+        "host/model",
+        "host/base",
+    ],
     "host/picture": [
         "host/session/frame_sink.hpp",
         "host/patient",
