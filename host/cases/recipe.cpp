@@ -5,7 +5,9 @@
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"
 #include "host/base/toml_reader.hpp"
+#include "host/base/version.hpp"
 #include "host/cases/programs.hpp"
+#include "shared/scene/scene.h"
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -61,10 +63,13 @@ void add_vessels(Digest &digest, std::string path)
     }
 }
 
-void add_program(Digest &digest, const std::string &name)
+// Adds the release and the format of the programs that make scenes. The tests of `bake` compare whole scenes,
+// so two releases with the same scenes may still have different keys, but never the reverse.
+void add_bakers(Digest &digest)
 {
-    const std::vector<unsigned char> bytes = read_binary_file(sibling_program(name));
-    digest.add(bytes.data(), bytes.size());
+    for (const char *name : {"anatomy", "bake"}) sibling_program(name); // throws if it is missing
+    digest.add(version_of("bake"));
+    digest.add(std::to_string(int{CRN_SCENE_MAJOR}) + "." + std::to_string(int{CRN_SCENE_MINOR}));
 }
 
 fs::path cache_folder()
@@ -262,10 +267,9 @@ std::string recipe_key(const Recipe &recipe)
     if (recipe.kind.empty()) digest.add(read_text_file(recipe.scene));
     if (!recipe.kind.empty()) {
         add_vessels(digest, vessels_of(recipe));
-        add_program(digest, "anatomy");
     }
     for (const std::string &lesion : recipe.lesions) digest.add(read_text_file(lesion));
-    add_program(digest, "bake");
+    add_bakers(digest);
     return digest.hex();
 }
 
