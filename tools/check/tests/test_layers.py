@@ -129,7 +129,9 @@ ALLOWED = {
         "host/patient",
         "host/model",
         "host/base",
+        "shared/scene/scene.h",  # the version of scenes
     ],
+    "host/cases/tests": HOST_TESTS,
     "host/picture": [
         "host/session/frame_sink.hpp",
         "host/patient",
