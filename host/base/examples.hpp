@@ -18,6 +18,9 @@ inline constexpr ExampleKind stent_files{"stents", "stent", ".toml"};
 inline constexpr ExampleKind session_files{"sessions", "session", ".session"};
 inline constexpr ExampleKind scene_files{"scenes", "scene", ".scene"};
 inline constexpr ExampleKind anatomy_files{"anatomies", "anatomy", ".toml"};
+inline constexpr ExampleKind lesion_files{"lesions", "lesion", ".toml"};
+inline constexpr ExampleKind case_files{"cases", "case", ".toml"};
+inline constexpr ExampleKind scene_archives{"scenes", "scene", ".tar.xz"};
 
 // Returns the existing folders with the files of this kind that come with the program, in the order in which
 // they are searched. The installed program has share/cournand/examples/KIND, and the repository has

@@ -4,6 +4,7 @@
 #include "host/base/terminal.hpp"
 #include "host/base/version.hpp"
 #include "host/cli/parse.hpp"
+#include "host/command/cli_case.hpp"
 #include "host/command/cli_dicom.hpp"
 #include "host/command/cli_records.hpp"
 #include "host/command/cli_rig.hpp"
@@ -448,6 +449,8 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
     add_records(app, records);
     DicomCheckOptions dicom_check;
     add_dicom_check(app, dicom_check);
+    CaseOptions lesson;
+    add_case(app, lesson);
     CLI::App *info_command =
         app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
     CLI::Option *info_file =
@@ -481,6 +484,7 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
         if (app.got_subcommand("instruments")) return command_instruments(instruments);
         if (app.got_subcommand("rig")) return command_rig(rig);
         if (app.got_subcommand("records")) return command_records(records);
+        if (app.got_subcommand("case")) return command_case(app, lesson, run_window);
         if (app.got_subcommand("dicom-check")) return command_dicom_check(dicom_check);
         if (shows_opengl) return command_info_opengl();
         if (!*info_file) throw UsageError("info: name a file, or --opengl");

@@ -2,6 +2,7 @@
 // or 3 if the physics left its valid range (range_watch.hpp).
 #pragma once
 #include "host/base/output_files.hpp"
+#include "host/cases/goals.hpp"
 #include "host/command/view_options.hpp"
 #include "host/picture/session_pictures.hpp"
 #include "host/picture/surface_file.hpp"
@@ -24,6 +25,8 @@ struct RunOptions {
         free_run_s; // FREE_RUN for so many seconds, 0: until Ctrl-C; empty: the script controls the session
     bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     std::vector<double> inserted_mm;  // FREE_RUN: none, one for all tools, or one each
+    const Case *lesson = nullptr;     // the session plays this case, and gets its marks
+    std::string card;                 // file for the picture that stands for the session (card_picture)
 };
 
 struct ReplayOptions {

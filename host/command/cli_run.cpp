@@ -1,6 +1,7 @@
 // cournand run
 #include "host/base/examples.hpp"
 #include "host/base/interrupt.hpp"
+#include "host/base/pending_file.hpp"
 #include "host/base/progress_line.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
@@ -14,6 +15,7 @@
 #include "host/session/run.hpp"
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 namespace crn
 {
@@ -33,6 +35,7 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
                            {"--score", options.score},
                            {"--timing", options.timing},
                            {"--png", pictures.png_path},
+                           {"--card", options.card},
                            {"--png16", pictures.png16_path},
                            {"--mp4", pictures.mp4_path}});
     check_dicom_settings(pictures.dicom);
@@ -82,11 +85,11 @@ void check_loads(const Session &session, std::size_t stents)
 }
 
 RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, const RunOptions &options,
-                    const Session &session, Recorder *recorder, FrameSink *sink, const TipPlaces &tips)
+                    const Session &session, Recorder *recorder, FrameSink *sink, const TipPlaces &tips,
+                    const SessionWitness &witness)
 {
     RunSettings settings{!options.quiet && shows_progress()};
     settings.tips = &tips;
-    const EffectsWitness witness(tips.map(), patient);
     settings.witness = &witness;
     std::vector<RoomCommand> begin = options.free_run_s ? entry_commands(scene) : std::vector<RoomCommand>();
     if (patient.stents() && count_loads(session) == 0) begin.push_back(first_stent);
@@ -95,6 +98,46 @@ RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, co
                ? run_free_session(device, patient, begin, *options.free_run_s, recorder, sink, settings)
                : run_session(device, patient, session, recorder, sink, settings);
 }
+
+void write_card(const std::string &path, const SessionPictures &pictures)
+{
+    const std::vector<std::uint8_t> bytes =
+        encode_png(card_picture(pictures.screen(), pictures.plain_image()));
+    write_whole_file(path, {reinterpret_cast<const char *>(bytes.data()), bytes.size()});
+    print_files({path});
+}
+
+// Watches the goals of the case that a session plays; does nothing for a session without a case.
+class CasePlay
+{
+  public:
+    CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitness &witness, FrameSink *pictures)
+        : lesson_(lesson), sink_(pictures)
+    {
+        if (!lesson) return;
+        goals_.emplace(*lesson, tips.map());
+        goal_sink_.emplace(*goals_, tips, &witness, pictures);
+        sink_ = &*goal_sink_;
+    }
+    FrameSink *sink() { return sink_; }
+
+    // Judges and prints the goals at the end. Returns the entry of the report, or null without a case.
+    nlohmann::ordered_json end(const RunResult &result, const nlohmann::ordered_json &report)
+    {
+        std::vector<double> inserted_m;
+        for (const ToolFigures &tool : result.figures.tools) inserted_m.push_back(tool.inserted_m);
+        goal_sink_->end(inserted_m, result.tips);
+        const nlohmann::ordered_json entry = case_result(*lesson_, goals_->results(), report);
+        print_case_result(entry);
+        return entry;
+    }
+
+  private:
+    const Case *lesson_;
+    FrameSink *sink_;
+    std::optional<GoalWatch> goals_;
+    std::optional<GoalSink> goal_sink_;
+};
 
 } // namespace
 
@@ -153,7 +196,9 @@ int command_run(const RunOptions &given)
         throw UsageError("name a session, or give --free-run (docs/session.md)");
     const bool is_led = given.free_run_s.has_value(); // in FREE_RUN
     check_files(given, given.pictures);
-    const Session session = is_led ? Session{"rig", {}, {}, {}} : read_session(given.session);
+    const Session session = is_led         ? Session{"rig", {}, {}, {}}
+                            : given.lesson ? case_session(*given.lesson, given.session)
+                                           : read_session(given.session);
     const RunOptions options = with_needs(given, session.needs);
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
@@ -175,7 +220,8 @@ int command_run(const RunOptions &given)
     const SceneAnatomy anatomy = read_anatomy(picture_settings);
     const std::unique_ptr<Patient> patient = make_patient(picture_settings, anatomy, tools);
     std::unique_ptr<SessionPictures> pictures;
-    if (writes_pictures(picture_settings) || !options.score.empty()) // a score's page shows the runs
+    if (writes_pictures(picture_settings) || !options.score.empty() ||
+        !options.card.empty()) // a score's page shows the runs
         pictures = std::make_unique<SessionPictures>(picture_settings, tools, *patient, anatomy);
     const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
     check_injections(session, patient->contrast());
@@ -193,14 +239,21 @@ int command_run(const RunOptions &given)
                                         picture_settings.stents};
         recorder = std::make_unique<Recorder>(options.record, header);
     }
+    const EffectsWitness witness(tips.map(), *patient);
+    CasePlay play(options.lesson, tips, witness, pictures.get());
     RunResult result =
-        carry_out(device, *patient, scene, options, session, recorder.get(), pictures.get(), tips);
+        carry_out(device, *patient, scene, options, session, recorder.get(), play.sink(), tips, witness);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
     print_session(result, tools, *patient);
-    write_session_files({options.json, options.score, options.timing}, result, scene.path, tools,
-                        session.file, *patient, pictures ? &pictures->screen() : nullptr);
+    SessionFiles files{options.json, options.score, options.timing, nullptr};
+    if (options.lesson)
+        files.case_entry = play.end(result, report_of(result, scene.path, tools, session.file, *patient));
+    write_session_files(files, result, scene.path, tools, session.file, *patient,
+                        pictures ? &pictures->screen() : nullptr);
     if (pictures) print_files(pictures->files());
-    return tell_end(result, *patient, pictures && pictures->was_stopped());
+    if (!options.card.empty()) write_card(options.card, *pictures);
+    const int code = tell_end(result, *patient, pictures && pictures->was_stopped());
+    return code == 0 && options.lesson && !files.case_entry.at("is_reached").get<bool>() ? 1 : code;
 }
 
 } // namespace crn

@@ -7,8 +7,8 @@
 //
 // docs/output.md lists the attributes of the DICOM file with units and meaning.
 #pragma once
+#include "host/base/digest.hpp"
 #include "host/base/pending_file.hpp"
-#include "host/dicom/dicom_uid.hpp"
 #include "host/xray/run.hpp"
 #include <functional>
 #include <memory>

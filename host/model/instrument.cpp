@@ -1,6 +1,7 @@
 // Reads a whole instrument file: its general data, the list of sources, and the presets. The code in this
 // file also makes a preset from a table in the VCSim3 thesis.
 #include "host/model/instrument.hpp"
+#include "host/base/number_text.hpp"
 #include "host/model/instrument_parts.hpp"
 #include <algorithm>
 #include <cmath>
@@ -180,6 +181,22 @@ Instrument read_instrument(const std::string &path)
     }
     if (!wanted) root.fail_file("has no preset " + in_quotes(asked) + suggestion(asked, head.presets));
     return *wanted;
+}
+
+std::string nesting_refusal(const Instrument &inside, const Instrument &outer)
+{
+    const auto millimetres = [](double um) { return number_text(um * 1e-3, 3) + " mm"; };
+    std::uint32_t thickest_um = 0;
+    for (std::uint16_t i = 0; i < inside.table.knots_count; i++)
+        thickest_um = std::max(thickest_um, inside.table.knots[i].radius_outer_um);
+    for (std::uint16_t i = 0; i < outer.table.knots_count; i++) {
+        const crn_wire_knot &knot = outer.table.knots[i];
+        if (knot.radius_inner_um >= thickest_um) continue;
+        return "'" + inside.name + "' (" + millimetres(2.0 * thickest_um) + ") does not pass the lumen of '" +
+               outer.name + "' (" + millimetres(2.0 * knot.radius_inner_um) + ", at " +
+               millimetres(knot.arc_um) + " from its tip)";
+    }
+    return "";
 }
 
 } // namespace crn

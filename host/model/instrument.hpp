@@ -84,6 +84,11 @@ Instrument read_instrument(const std::string &path);
 // Splits "a.toml:b" into {"a.toml", "b"}; without a preset the second string is empty.
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
+// Returns "'Bentson' (0.889 mm) does not pass the lumen of 'Terumo 4F' (0.8 mm, at 30 mm from its tip)", or
+// an empty text if the inner instrument passes through the outer one. The core refuses tools by the same
+// rule.
+std::string nesting_refusal(const Instrument &inside, const Instrument &outer);
+
 // Returns the number of nodes of the core's mesh (docs/rod.md), for one instrument or for several nested
 // instruments. Nested instruments share one mesh. This mesh has the shortest elements that any of the
 // instruments has at its tip and at its shaft, the longest fine part and the greatest length. The number of

@@ -74,6 +74,7 @@ class SessionPictures final : public FrameSink
         return was_stopped_;
     }                                             // Ctrl-C came while finish() wrote runs: some are missing
     const Image &image() const { return image_; } // the last picture with its display
+    Image plain_image() const { return {settings_.size, settings_.size, 1, screen_.grey}; } // without it
     // Sets the notice and the help panel for the following pictures; empty texts remove them.
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     // From the next picture on, the display marks the tool that the user moves with the keys, or marks all

@@ -185,9 +185,17 @@ void write_session_files(const SessionFiles &files, const RunResult &result, con
 {
     if (!files.timing.empty()) write_report(files.timing, timing_of(result, patient));
     if (files.json.empty() && files.score.empty()) return;
-    const nlohmann::ordered_json report = report_of(result, scene, tools, session, patient);
+    nlohmann::ordered_json report = report_of(result, scene, tools, session, patient);
+    if (!files.case_entry.is_null()) report["case"] = files.case_entry;
     if (!files.score.empty()) give_score(files.score, report, screen);
     if (!files.json.empty()) write_report(files.json, report);
+}
+
+Image card_picture(const RoomScreen &screen, const Image &last)
+{
+    for (auto one = screen.store().runs().rbegin(); one != screen.store().runs().rend(); ++one)
+        if ((*one)->run.kind == RunKind::cine && !(*one)->grey.empty()) return darkest_frame(**one);
+    return last;
 }
 
 } // namespace crn

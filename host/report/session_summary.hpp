@@ -1,8 +1,10 @@
 // Summarises a session that a script, a rig or the keyboard controlled: figures on the terminal, a JSON file
 // and a score. The commands `run`, `view` and `replay` print the same summary.
 #pragma once
+#include "host/picture/picture.hpp"
 #include "host/room/room_screen.hpp"
 #include "host/session/run.hpp"
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -20,11 +22,17 @@ void print_session(const RunResult &result, const std::vector<Instrument> &tools
 
 struct SessionFiles {
     std::string json, score, timing; // empty: none
+    nlohmann::ordered_json case_entry =
+        nullptr; // entry "case" of the report; null: the session plays no case
 };
 // `session` names what controlled the session, for example the script. `screen` has the pictures for the
 // score's page; if it is null, the page has no pictures. Throws OutputError.
 void write_session_files(const SessionFiles &files, const RunResult &result, const std::string &scene,
                          const std::vector<Instrument> &tools, const std::string &session, Patient &patient,
                          const RoomScreen *screen);
+
+// Returns a picture that stands for a session: the frame of a cine run in which contrast medium is most
+// visible, or `last`, the last picture of a session without a cine run.
+Image card_picture(const RoomScreen &screen, const Image &last);
 
 } // namespace crn

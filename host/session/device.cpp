@@ -1,5 +1,4 @@
 #include "host/session/device.hpp"
-#include "host/base/number_text.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
 #include "host/script/hand_motion.hpp"
@@ -27,29 +26,11 @@ crn_wire_rig host_rig()
 namespace
 {
 
-std::string millimetres(double um)
-{
-    return number_text(um * 1e-3, 3) + " mm";
-}
-
-// "'Bentson' (0.889 mm) does not pass the lumen of 'Terumo 4F' (0.8 mm, at 30 mm from its tip)"
-std::string nesting_text(const std::vector<Instrument> &tools, std::size_t outer, std::size_t knot)
-{
-    const crn_wire_instrument &inside = tools[outer - 1].table;
-    std::uint32_t thickest_um = 0;
-    for (std::uint16_t i = 0; i < inside.knots_count; i++)
-        thickest_um = std::max(thickest_um, inside.knots[i].radius_outer_um);
-    const crn_wire_knot &tight = tools[outer].table.knots[knot];
-    return "'" + tools[outer - 1].name + "' (" + millimetres(2.0 * thickest_um) +
-           ") does not pass the lumen of '" + tools[outer].name + "' (" +
-           millimetres(2.0 * tight.radius_inner_um) + ", at " + millimetres(tight.arc_um) + " from its tip)";
-}
-
 // Returns a text with the names of the tools that caused a refusal, as they are in the tools' files; the text
 // is empty if no tool caused the refusal.
 std::string tool_at_fault(const std::vector<Instrument> &tools, const crn_wire_reject &reject)
 {
-    const std::size_t tool = reject.detail1, knot = reject.detail2;
+    const std::size_t tool = reject.detail1;
     switch (reject.code) {
     case CRN_REJECT_TOOL_KNOTS:
     case CRN_REJECT_TOOL_RANGE:
@@ -60,8 +41,7 @@ std::string tool_at_fault(const std::vector<Instrument> &tools, const crn_wire_r
     case CRN_REJECT_LENGTH_INSERTED:
         return tool < tools.size() ? "'" + tools[tool].name + "'" : "";
     case CRN_REJECT_TOOL_NESTING:
-        if (tool == 0 || tool >= tools.size() || knot >= tools[tool].table.knots_count) return "";
-        return nesting_text(tools, tool, knot);
+        return tool > 0 && tool < tools.size() ? nesting_refusal(tools[tool - 1], tools[tool]) : "";
     default:
         return "";
     }

@@ -1,7 +1,7 @@
 # Targets that developers of the product run.
 ##@ For developers
 .PHONY: all scene coverage bench format fuzz fuzz-coverage fuzz-corpus compilers matrix budget
-.PHONY: budget-docs docs-tables docs-pictures gallery dissector sbom
+.PHONY: budget-docs docs-tables docs-cases docs-pictures gallery dissector sbom
 .PHONY: notice programs-list bars flakes
 N     ?= 30
 LOAD  ?= 4
@@ -75,6 +75,12 @@ docs-tables: packages-build
 	@$(BUILD)/bin/docs --write
 	@tools/docs/printed.py --write --build $(BUILD)
 	@$(BUILD)/bin/cournand instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null
+
+docs-cases: ## play all cases, and write the scores in docs/cases.md and the cards of the cases (half an hour)
+docs-cases: packages-build+tools
+	$(call build,release,run$(comma)tools,$(TOOLS))
+	@$(BUILD)/bin/cournand case check --all --play --table docs/cases.md
+	@$(BUILD)/bin/cournand case list --cards shared/examples/cases
 
 docs-pictures: ## remake the pictures of README and docs, each with its stamp (NAMES=..., minutes)
 docs-pictures: packages-build+tools+pictures

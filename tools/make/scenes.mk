@@ -113,8 +113,13 @@ $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake $(VESS
 	@$(BUILD)/bin/bake $(BUILD)/anatomy/access/scene.toml -o $(ACCESS) --surface $(ACCESS:.scene=.ply) $(ACCESS_CHECKS)
 
 ##@ For trainees: procedures on film (minutes)
-.PHONY: coronary coronary-real demo-pci
+.PHONY: cases coronary coronary-real demo-pci
 TOOLS = cournand bake anatomy centreline
+cases: ## build all programs that cases need, and list the cases (docs/cases.md)
+cases: packages-build+tools
+	$(call build,release,run$(comma)tools,$(TOOLS))
+	@$(BUILD)/bin/cournand case list
+
 coronary: ## guides engage the left and the right coronary artery: out/coronary.mp4, out/coronary_right.mp4
 coronary: packages-build+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))

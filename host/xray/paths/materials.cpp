@@ -28,6 +28,7 @@ constexpr std::pair<std::string_view, Material> short_forms[] = {
     {"marrow", Material::bone_spongy},
     {"contrast", Material::iohexol_350},
     {"steel_304", Material::steel},
+    {"silicone", Material::polymer}, // of the phantoms; silicon would make it a little darker
 };
 
 } // namespace

@@ -124,6 +124,15 @@ ALLOWED = {
         "host/base",
         "shared",
     ],
+    "host/cases": [
+        "host/session",
+        "host/script",
+        "host/patient",
+        "host/model",
+        "host/base",
+        "shared/scene/scene.h",  # the version of scenes
+    ],
+    "host/cases/tests": HOST_TESTS,
     "host/picture": [
         "host/session/frame_sink.hpp",
         "host/patient",

@@ -1,4 +1,4 @@
-#include "host/dicom/dicom_uid.hpp"
+#include "host/base/digest.hpp"
 #include "host/base/format.hpp"
 #include <algorithm>
 

@@ -1,0 +1,94 @@
+// Reads case files (TOML, docs/cases.md). A case is an exercise for a trainee: an anatomy with lesions, the
+// tools on the table, the start, and goals that a session must reach. A teacher writes a case as a text file,
+// and the program needs no change for it.
+//
+//   const Case lesson = read_case(example_path(case_files, "first_push"));
+#pragma once
+#include "host/base/examples.hpp"
+#include "host/cases/recipe.hpp"
+#include "host/script/session.hpp"
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace crn
+{
+
+inline constexpr std::size_t case_tools_max = 8;  // tools on the table
+inline constexpr double case_expert_least = 90.0; // score of the expert's script, at least
+inline constexpr double case_clumsy_most = 60.0;  // score of the clumsy script, at most
+inline constexpr double case_marks_standard = 10; // of a goal or limit that states no marks
+
+// The patient is invented, and every case file states this.
+struct CasePatient {
+    std::string name, sex, indication, history;
+    int age_years = 0;
+};
+
+// A condition in the words of `expect` (docs/session.md). A goal must hold at the end of the session, or at
+// any moment of the session if `is_once` is true. A goal of the second kind counts only from the moment at
+// which all earlier goals of this kind have been reached.
+struct CaseGoal {
+    int line = 0;
+    std::string text; // for the trainee
+    Expectation expectation;
+    bool is_once = false;
+    double marks = case_marks_standard;
+};
+
+// A quantity of the session's report that earns all marks up to `full_at`, none from `none_at` on, and a part
+// of the marks between these two values.
+struct CaseLimit {
+    int line = 0;
+    std::string measure; // one of case_measures()
+    double full_at = 0.0, none_at = 0.0;
+    double marks = case_marks_standard;
+};
+
+// What is on the line when the case begins.
+struct CaseStart {
+    int line = 0;
+    std::vector<std::string> tools; // paths from the innermost, maybe with ":preset"
+    std::vector<std::uint32_t> inserted_um;
+    std::vector<std::string> room_words; // statements of a session script for C-arm, table and field
+    std::vector<Statement> room;         // the same, parsed
+};
+
+struct Case {
+    std::string name; // of the file, without its ending
+    std::string file;
+    int order = 500; // lists of cases are sorted by this number
+    std::string title, aim, story, teaching;
+    std::vector<std::string> hints;
+    CasePatient patient;
+    Recipe recipe;
+    std::vector<std::string> offered; // paths of the tools on the table, at most case_tools_max
+    std::vector<std::string> stents;  // paths, in the order of loading
+    CaseStart start;
+    std::vector<CaseGoal> goals;
+    std::vector<CaseLimit> limits;
+    std::string expert, clumsy;  // paths of the scripts
+    std::string picture;         // path of the picture beside the file, or empty if there is none
+    bool has_assessment = false; // the table [assessment], which host/assess reads
+};
+
+// Throws FileError: "FILE:LINE:COLUMN: what is wrong", with a suggestion for a misspelt word.
+Case read_case(const std::string &path);
+
+// Returns the paths of all case files: the user's own first, then those that come with the program. A case
+// that has the name of an earlier one is left out.
+std::vector<std::string> case_paths();
+
+// Returns the session that a script of a case leads: the script's own statements after the statements for the
+// room at the start of the case. The lengths that are inserted at the start are those of the case.
+Session case_session(const Case &lesson, const std::string &script);
+
+// Returns a case file with comments, for a teacher to change. The file passes the check, once the two scripts
+// are beside it (template_scripts).
+std::string case_template(const std::string &name);
+struct NamedText {
+    std::string name, text;
+};
+std::vector<NamedText> template_scripts(const std::string &name);
+
+} // namespace crn

@@ -1,0 +1,26 @@
+// Runs the programs that belong to this one, such as `anatomy` and `bake`, which are in the same folder.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+// Returns the path of a program in the folder of the running program. Throws std::runtime_error with the
+// remedy if there is no such program.
+std::string sibling_program(const std::string &name);
+
+struct ProgramResult {
+    int code = 0;        // exit code, or 128 and the number of the signal
+    std::string said;    // standard output
+    std::string refused; // standard error
+    bool was_stopped = false;
+};
+
+// Runs a program until it ends. `goes_on` is called about ten times per second; when it returns false, the
+// program gets SIGTERM, and SIGKILL two seconds later. The program also ends when this process dies. Throws
+// std::runtime_error if the program cannot be started.
+ProgramResult run_program(const std::vector<std::string> &words, const std::function<bool()> &goes_on);
+
+} // namespace crn
