@@ -1,6 +1,6 @@
 // Finds and opens the place of the records.
-#include "host/base/user_folders.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/user_folders.hpp"
 #include "host/records/store.hpp"
 #include <cstdlib>
 #include <filesystem>

@@ -1,11 +1,14 @@
 // A station of a centre, as a program that tests may kill at any moment: it stores sessions one by one in its
-// own file, prints the number of each stored session, and ships to the server after each.
-//   records_station FILE URL STATION FIRST COUNT
+// own file, prints the number of each stored session, and ships to the server after each. It
+// ends when everything is shipped and the file HOLD does not exist, so that a test has time for all of its
+// kills.
+//   records_station FILE URL STATION FIRST COUNT HOLD
 #include "host/records/outbox.hpp"
 #include "host/records/tests/sample_records.hpp"
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <thread>
 
 namespace
@@ -20,19 +23,22 @@ crn::SessionRecord session_of(int station, int number)
     return crn::sample_record(trainee, 10000 * station + number);
 }
 
-void ship_all(crn::RecordStore &store, const std::string &url)
+void ship_all(crn::RecordStore &store, const std::string &url, const std::string &hold)
 {
     std::size_t sent = 0, known = 0;
-    for (int round = 0; round < patience_rounds && !store.outbox().empty(); round++) {
+    for (int failures = 0;
+         failures < patience_rounds && (std::filesystem::exists(hold) || !store.outbox().empty());) {
         try {
             const crn::Shipment shipment = crn::ship_to(store, url, 1);
             sent += shipment.sent;
             known += shipment.known;
+            failures += !shipment.refused.empty();
             for (const std::string &line : shipment.refused) std::fprintf(stderr, "%s\n", line.c_str());
         } catch (const crn::RecordsError &error) {
             if (error.cause != crn::RecordsError::Cause::unreachable) throw;
-            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            failures++;
         }
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
     std::printf("shipped %zu known %zu\n", sent, known);
 }
@@ -41,7 +47,7 @@ void ship_all(crn::RecordStore &store, const std::string &url)
 
 int main(int argc, char **argv)
 {
-    if (argc != 6) return 2;
+    if (argc != 7) return 2;
     const std::string url = argv[2];
     const int station = std::atoi(argv[3]), first = std::atoi(argv[4]), count = std::atoi(argv[5]);
     try {
@@ -52,7 +58,7 @@ int main(int argc, char **argv)
             std::printf("stored %d\n", number);
             std::fflush(stdout);
         }
-        ship_all(store, url);
+        ship_all(store, url, argv[6]);
         return store.outbox().empty() ? 0 : 1;
     } catch (const std::exception &error) {
         std::fprintf(stderr, "%s\n", error.what());

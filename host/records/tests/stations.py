@@ -24,6 +24,7 @@ class Station:
     def __init__(self, number, folder, url, count):
         self.number, self.url, self.count = number, url, count
         self.file = os.path.join(folder, "station%d.db" % number)
+        self.hold = os.path.join(folder, "hold")  # while this file exists, the station goes on shipping
         self.log = os.path.join(folder, "station%d.log" % number)
         self.process = None
 
@@ -37,7 +38,7 @@ class Station:
         return sum(int(line.split()[3]) for line in open(self.log) if line.startswith("shipped "))
 
     def start(self):
-        command = [STATION, self.file, self.url, str(self.number), str(self.stored()), str(self.count)]
+        command = [STATION, self.file, self.url, str(self.number), str(self.stored()), str(self.count), self.hold]
         with open(self.log, "a") as log:
             self.process = subprocess.Popen(command, stdout=log, stderr=log)
 
@@ -57,69 +58,74 @@ def sessions(place):
     return json.loads(done.stdout)["sessions"]
 
 
-def disturb(rng, server, stations, report):
-    """Kills one thing, and starts it again: mostly a station, at times one connection, or the whole server."""
-    choice = rng.random()
-    running = [station for station in stations if station.process.poll() is None]
-    if choice < 0.6 and running:
-        station = rng.choice(running)
-        station.kill()
-        station.start()
-        report["stations"] += 1
-    elif choice < 0.8:
-        backends = server.backends()
-        if backends:
-            try:
-                os.kill(rng.choice(backends), signal.SIGKILL)
-                report["connections"] += 1
-            except ProcessLookupError:
-                pass
-    else:
+def kill(kind, rng, server, stations):
+    """Kills one station, one connection or the whole server, and starts it again. Returns False if there was none."""
+    if kind == "servers":
         server.kill()
         time.sleep(rng.uniform(0.0, 0.5))
         server.start()
-        report["servers"] += 1
+        return True
+    if kind == "stations":
+        running = [station for station in stations if station.process.poll() is None]
+        if running:
+            station = rng.choice(running)
+            station.kill()
+            station.start()
+        return bool(running)
+    backends = server.backends()
+    try:
+        os.kill(rng.choice(backends), signal.SIGKILL)
+    except (IndexError, ProcessLookupError):  # no connection at this moment
+        return False
+    return True
 
 
-def run(stations_count, sessions_each, seed, pause_s, least, most):
-    """Prints TAP. `least` has the least number of kills of each kind, so that the claim is not shown by quiet; after
-    `most` kills the stations may end in peace."""
+def run(stations_count, sessions_each, seed, kills):
+    """Prints TAP. `kills` has the number of kills of each kind, in a random order. They are spread over the progress
+    of the stations and not over time, so that a fast machine has as many of them as a slow one."""
     rng = random.Random(seed)
     print("# seed %d" % seed)
     begun = time.monotonic()
-    report = {"stations": 0, "connections": 0, "servers": 0}
+    wanted = stations_count * sessions_each
+    planned = [kind for kind, count in sorted(kills.items()) for _ in range(count)]
+    rng.shuffle(planned)
+    moments = sorted(rng.uniform(0.0, 0.9) * wanted for _ in planned)  # in stored sessions
+    killed = collections.Counter()
     with tempfile.TemporaryDirectory(prefix="cournand-stations-") as folder, postgres_server.Server() as server:
         stations = [Station(number, folder, server.url, sessions_each) for number in range(stations_count)]
+        open(stations[0].hold, "w").close()
         for station in stations:
             station.start()
         while not all(station.is_done() for station in stations):
-            time.sleep(rng.uniform(0.2, 1.0) * pause_s)
+            time.sleep(0.005)
             if time.monotonic() - begun > 550:
                 logs = "".join(open(one.log).read()[-300:] for one in stations if not one.is_done())
                 raise SystemExit("Bail out! the stations do not end: " + logs)
             for station in stations:
                 if station.process.poll() not in (None, 0):
                     raise SystemExit("Bail out! a station gave up: " + open(station.log).read()[-2000:])
-            if sum(report.values()) < most:
-                disturb(rng, server, stations, report)
-        server.start() if server.process.poll() is not None else None
-        judge(server, stations, stations_count * sessions_each, report, least)
+            if planned and sum(station.stored() for station in stations) >= moments[sum(killed.values())]:
+                if kill(planned[0], rng, server, stations):
+                    killed[planned.pop(0)] += 1
+                if not planned:
+                    os.remove(stations[0].hold)
+        judge(server, stations, wanted, killed, kills)
     print("# %.0f s" % (time.monotonic() - begun))
 
 
-def judge(server, stations, wanted, report, least):
+def judge(server, stations, wanted, killed, kills):
     own = [session for station in stations for session in sessions(station.file)]
     central = sessions(server.url)
     repeats = sum(station.known() for station in stations)
-    print("# killed: %(stations)d stations, %(connections)d connections, %(servers)d servers" % report)
+    print("# killed: %(stations)d stations, %(connections)d connections, %(servers)d servers" % killed)
     print("# %d sessions were shipped a second time, and recognised" % repeats)
     counts = collections.Counter(session["id"] for session in central)
     by_id = {session["id"]: session for session in central}
     rows = server.query("SELECT (SELECT count(*) FROM metric), (SELECT count(*) FROM event)")
     claims = [
         (
-            "there were at least %(stations)d, %(connections)d and %(servers)d kills" % least,
-            all(report[kind] >= least[kind] for kind in least),
+            "all %d planned kills took place" % sum(kills.values()),
+            killed == kills,
         ),
         ("the stations' own files have %d sessions (%d)" % (wanted, len(own)), len(own) == wanted),
         (

@@ -4,4 +4,4 @@ none. This is the short form of test_thousand_sessions.py. Prints TAP."""
 
 import stations
 
-stations.run(8, 6, seed=7, pause_s=0.3, least={"stations": 2, "connections": 0, "servers": 1}, most=6)
+stations.run(8, 6, seed=7, kills={"stations": 5, "connections": 1, "servers": 2})

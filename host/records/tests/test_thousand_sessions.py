@@ -4,4 +4,4 @@ none and double none. Prints TAP."""
 
 import stations
 
-stations.run(8, 125, seed=11, pause_s=1.0, least={"stations": 10, "connections": 3, "servers": 3}, most=60)
+stations.run(8, 125, seed=11, kills={"stations": 30, "connections": 10, "servers": 10})
