@@ -84,7 +84,9 @@ void GoalSink::frame(const SessionFrame &frame)
         goals_.look({inserted_m, places, witness_, tick_}, turned_deg);
         next_ = tick_ + GoalWatch::look_every_ticks - tick_ % GoalWatch::look_every_ticks;
     }
-    if (inner_ && inner_->next_tick() <= tick_) inner_->frame(frame);
+    // The patient has reached this tick already, so next_tick() of the inner observer speaks of a later one:
+    // it must get every frame, and ignores those that it does not need.
+    if (inner_) inner_->frame(frame);
 }
 
 void GoalSink::finish()
@@ -168,6 +170,26 @@ void print_case_result(const Json &entry)
                     number_text(limit.at("points").get<double>(), 3).c_str(),
                     number_text(limit.at("marks").get<double>(), 3).c_str());
     std::printf("score of the case     %.0f of 100\n", entry.at("score").get<double>());
+}
+
+CasePlay::CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitness *witness,
+                   FrameSink *pictures)
+    : lesson_(lesson), sink_(pictures)
+{
+    if (!lesson) return;
+    goals_.emplace(*lesson, tips.map());
+    goal_sink_.emplace(*goals_, tips, witness, pictures);
+    sink_ = &*goal_sink_;
+}
+
+Json CasePlay::end(const RunResult &result, const Json &report)
+{
+    std::vector<double> inserted_m;
+    for (const ToolFigures &tool : result.figures.tools) inserted_m.push_back(tool.inserted_m);
+    goal_sink_->end(inserted_m, result.tips);
+    const Json entry = case_result(*lesson_, goals_->results(), report);
+    print_case_result(entry);
+    return entry;
 }
 
 } // namespace crn

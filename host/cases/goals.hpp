@@ -6,6 +6,7 @@
 #pragma once
 #include "host/cases/case.hpp"
 #include "host/session/frame_sink.hpp"
+#include "host/session/run.hpp"
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
@@ -76,5 +77,24 @@ nlohmann::ordered_json case_result(const Case &lesson, const std::vector<GoalRes
                                    const nlohmann::ordered_json &report);
 // Prints the entry, one line per goal and limit.
 void print_case_result(const nlohmann::ordered_json &entry);
+
+// Watches the goals of the case that a session or a replay plays. Without a case it only passes frames on.
+class CasePlay
+{
+  public:
+    // `lesson`, `witness` and `pictures` may be nullptr; all must live longer than this object. Throws as
+    // GoalWatch.
+    CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitness *witness, FrameSink *pictures);
+    FrameSink *sink() { return sink_; }
+    // Judges and prints the goals at the end; only for a session with a case. Returns the entry "case" of the
+    // report.
+    nlohmann::ordered_json end(const RunResult &result, const nlohmann::ordered_json &report);
+
+  private:
+    const Case *lesson_;
+    FrameSink *sink_;
+    std::optional<GoalWatch> goals_;
+    std::optional<GoalSink> goal_sink_;
+};
 
 } // namespace crn

@@ -36,6 +36,7 @@ struct ReplayOptions {
     std::string upgraded;
     double from_s = 0.0;
     PictureSettings pictures;
+    const Case *lesson = nullptr; // the recorded session plays this case, and gets its marks
 };
 
 struct SurfaceOptions {

@@ -185,6 +185,17 @@ int play(const CaseOptions &options, const RunWindow &run_window)
     return command_run(run);
 }
 
+// Gives the marks of a case to a recorded session, such as one that hands played in the window.
+int score(const CaseOptions &options)
+{
+    const Case lesson = read_case(named_path(case_files, options.name));
+    ReplayOptions replay;
+    replay.recording = options.recording;
+    replay.json = options.json;
+    replay.lesson = &lesson;
+    return command_replay(replay);
+}
+
 // Plays a case in a process of its own, so that a crash is a result like any other. Returns the exit code.
 int call_play(const Case &lesson, const std::string &script, std::vector<std::string> more)
 {
@@ -381,6 +392,12 @@ void add_case(CLI::App &app, CaseOptions &options)
                      "Instead: play the expert of every case, and write a "
                      "picture of each into this folder");
     add_play(*command, options);
+    CLI::App *scored = command->add_subcommand("score", "Give the marks of a case to a recorded session");
+    add_name(*scored, options.name);
+    scored->add_option("recording", options.recording, "Recording of the window, of play or of run")
+        ->required();
+    scored->add_option("--json", options.json,
+                       "Write the figures of the session, with the marks of the case");
     CLI::App *made = command->add_subcommand("new", "Write a commented case for you to change");
     add_name(*made, options.name);
     made->add_option("--folder", options.folder, "Where; without: your own folder of cases");
@@ -401,6 +418,7 @@ int command_case(const CLI::App &app, const CaseOptions &options, const RunWindo
     const CLI::App *command = app.get_subcommand("case");
     if (command->got_subcommand("list")) return list_cases(options);
     if (command->got_subcommand("play")) return play(options, run_window);
+    if (command->got_subcommand("score")) return score(options);
     if (command->got_subcommand("new")) return make_new(options);
     return check(options);
 }

@@ -11,6 +11,7 @@
 #include "host/session/replay.hpp"
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 namespace crn
@@ -122,7 +123,7 @@ int command_replay(const ReplayOptions &options)
                    {"--json", options.json},
                    {"--score", options.score}});
     check_dicom_settings(options.pictures.dicom);
-    const bool is_reported = !options.json.empty() || !options.score.empty();
+    const bool is_reported = !options.json.empty() || !options.score.empty() || options.lesson;
     if (is_reported && options.from_s > 0.0)
         throw UsageError("--json and --score describe the whole session: leave out --from");
     const Recording recording = read_recording(options.recording);
@@ -157,14 +158,22 @@ int command_replay(const ReplayOptions &options)
     settings.from_s = options.from_s;
     settings.waits_for_enter = isatty(STDIN_FILENO) != 0;
     settings.measures_contacts = is_reported;
-    ReplayResult result = replay_recording(device, recording, patient.get(), pictures.get(), settings);
+    const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
+    std::optional<EffectsWitness> witness;
+    if (patient) witness.emplace(tips.map(), *patient);
+    CasePlay play(options.lesson, tips, witness ? &*witness : nullptr, pictures.get());
+    ReplayResult result = replay_recording(device, recording, patient.get(), play.sink(), settings);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
     if (is_reported) {
         device.link().read_nodes();
-        result.tips =
-            TipPlaces(anatomy.bodies.vessels, anatomy.motion).at(session_frame(device, {}, {}).wire);
-        write_session_files({options.json, options.score, ""}, run_result(result), scene.path, header.tools,
-                            header.session_path, *patient, pictures ? &pictures->screen() : nullptr);
+        result.tips = tips.at(session_frame(device, {}, {}).wire);
+        SessionFiles files{options.json, options.score, "", nullptr};
+        if (options.lesson)
+            files.case_entry =
+                play.end(run_result(result), report_of(run_result(result), scene.path, header.tools,
+                                                       header.session_path, *patient));
+        write_session_files(files, run_result(result), scene.path, header.tools, header.session_path,
+                            *patient, pictures ? &pictures->screen() : nullptr);
     }
     if (pictures) print_files(pictures->files());
     const int code = print_result(recording, options, result);

@@ -107,38 +107,6 @@ void write_card(const std::string &path, const SessionPictures &pictures)
     print_files({path});
 }
 
-// Watches the goals of the case that a session plays; does nothing for a session without a case.
-class CasePlay
-{
-  public:
-    CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitness &witness, FrameSink *pictures)
-        : lesson_(lesson), sink_(pictures)
-    {
-        if (!lesson) return;
-        goals_.emplace(*lesson, tips.map());
-        goal_sink_.emplace(*goals_, tips, &witness, pictures);
-        sink_ = &*goal_sink_;
-    }
-    FrameSink *sink() { return sink_; }
-
-    // Judges and prints the goals at the end. Returns the entry of the report, or null without a case.
-    nlohmann::ordered_json end(const RunResult &result, const nlohmann::ordered_json &report)
-    {
-        std::vector<double> inserted_m;
-        for (const ToolFigures &tool : result.figures.tools) inserted_m.push_back(tool.inserted_m);
-        goal_sink_->end(inserted_m, result.tips);
-        const nlohmann::ordered_json entry = case_result(*lesson_, goals_->results(), report);
-        print_case_result(entry);
-        return entry;
-    }
-
-  private:
-    const Case *lesson_;
-    FrameSink *sink_;
-    std::optional<GoalWatch> goals_;
-    std::optional<GoalSink> goal_sink_;
-};
-
 } // namespace
 
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
@@ -240,7 +208,7 @@ int command_run(const RunOptions &given)
         recorder = std::make_unique<Recorder>(options.record, header);
     }
     const EffectsWitness witness(tips.map(), *patient);
-    CasePlay play(options.lesson, tips, witness, pictures.get());
+    CasePlay play(options.lesson, tips, &witness, pictures.get());
     RunResult result =
         carry_out(device, *patient, scene, options, session, recorder.get(), play.sink(), tips, witness);
     name_range_branch(result.figures.range, picture_settings.bodies_path);

@@ -45,7 +45,8 @@ PYTHON
 # Both find an empty cache at the same moment.
 "$tool" case play first_push --script clumsy --quiet --json "$work/clumsy.json" >"$work/clumsy.said" 2>&1 &
 clumsy=$!
-"$tool" case play first_push --script expert --quiet --json "$work/expert.json" >"$work/said" 2>&1
+"$tool" case play first_push --script expert --quiet --json "$work/expert.json" \
+    --record "$work/expert.rec" >"$work/said" 2>&1
 [ $? = 0 ] && score "$work/expert.json" 90 100
 report an_expert_reaches_the_goals $?
 wait $clumsy
@@ -53,6 +54,15 @@ wait $clumsy
 report a_clumsy_beginner_does_not $?
 [ "$(ls "$scenes" | grep -vc lock)" = 1 ]
 report two_programs_make_one_scene $?
+
+"$tool" case score first_push "$work/expert.rec" --json "$work/again.json" >"$work/said" 2>&1 &&
+    python3 - "$work/expert.json" "$work/again.json" >>"$work/said" 2>&1 <<'PYTHON'
+import json, sys
+first, again = (json.load(open(name))["case"] for name in sys.argv[1:])
+print(first, again)
+sys.exit(first != again)
+PYTHON
+report a_recording_gets_the_same_marks $?
 
 "$tool" case play rings --script expert --quiet >"$work/said" 2>&1 &
 play=$!

@@ -218,6 +218,30 @@ void a_goal_without_its_vessel_is_refused(void **)
     }
 }
 
+// An observer that expects no frame for a long time.
+struct Counter final : crn::FrameSink {
+    int frames = 0;
+    std::uint32_t next_tick() const override { return 100000; }
+    void frame(const crn::SessionFrame &) override { ++frames; }
+};
+
+// Pictures read the events of the room at the patient's last look, so a frame that they do not get is a pulse
+// without a picture. The cine runs of the first cases lacked all their frames.
+void pictures_get_every_frame_that_the_goals_ask_for(void **)
+{
+    const crn::TipPlaces tips(tube(), {});
+    const crn::Case lesson = two_steps(false);
+    crn::GoalWatch goals(lesson, tips.map());
+    Counter pictures;
+    crn::GoalSink sink(goals, tips, nullptr, &pictures);
+    crn_wire_tick_state state{};
+    for (state.tick = 0; state.tick < 1000; state.tick += 50) {
+        sink.tick({}, state);
+        sink.frame({});
+    }
+    assert_int_equal(pictures.frames, 20);
+}
+
 // Half of the way between the two values gives half of the marks, in both directions.
 void marks_fall_in_proportion_between_the_values_of_a_limit(void **)
 {
@@ -276,6 +300,7 @@ int main()
         cmocka_unit_test(goals_that_are_reached_once_count_in_their_order),
         cmocka_unit_test(goals_of_the_end_are_judged_by_the_last_look),
         cmocka_unit_test(a_goal_without_its_vessel_is_refused),
+        cmocka_unit_test(pictures_get_every_frame_that_the_goals_ask_for),
         cmocka_unit_test(marks_fall_in_proportion_between_the_values_of_a_limit),
         cmocka_unit_test(a_changed_lesion_is_another_scene),
         cmocka_unit_test(every_shipped_case_can_be_read),
