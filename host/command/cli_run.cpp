@@ -8,9 +8,11 @@
 #include "host/picture/session_pictures.hpp"
 #include "host/report/session_summary.hpp"
 #include "host/rig/rig.hpp"
+#include "host/script/hand_model.hpp"
 #include "host/session/run.hpp"
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 namespace crn
@@ -28,6 +30,11 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
         {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
     if (options.free_run_s.has_value() != options.session.empty())
         throw UsageError("give either --session or --free-run");
+    if (options.free_run_s && !options.hands.empty())
+        throw UsageError("--hands changes a script: give --session");
+    if (options.free_run_s && !options.plan.plan.empty())
+        throw UsageError("--plan: a session on a rig is assessed from its recording: give --record FILE, and "
+                         "then run `cournand score FILE`");
     check_outputs(inputs, {{"--record", options.record},
                            {"--json", options.json},
                            {"--score", options.score},
@@ -96,6 +103,21 @@ RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, co
                : run_session(device, patient, session, recorder, sink, settings);
 }
 
+// Writes the files of a session that was observed for its assessment: the page is the debrief.
+void write_assessed(const RunOptions &options, const RunResult &result, const std::string &scene,
+                    const std::string &session, const std::vector<Instrument> &tools, Patient &patient,
+                    const SessionAssessor &assessor)
+{
+    nlohmann::ordered_json report = report_of(result, scene, tools, session, patient);
+    assessor.assess(report);
+    print_assessment(report["assessment"]);
+    if (!options.timing.empty()) write_report(options.timing, timing_of(result, patient));
+    if (!options.json.empty()) write_report(options.json, report);
+    if (options.score.empty()) return;
+    write_debrief(options.score, report["assessment"]);
+    print_files({options.score});
+}
+
 } // namespace
 
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
@@ -143,7 +165,8 @@ int command_run(const RunOptions &options)
     const bool is_led = options.free_run_s.has_value(); // in FREE_RUN
     const SceneFile scene = read_scene(options.scene);
     const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
-    const Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);
+    Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);
+    if (!options.hands.empty()) session = with_hands(session, read_hands(options.hands));
     const crn_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
                                         : entry_of(scene, tools.size(), session.inserted_um);
     take_stents(picture_settings, options.stents, tools);
@@ -162,6 +185,8 @@ int command_run(const RunOptions &options)
         pictures = std::make_unique<SessionPictures>(picture_settings, tools, *patient, anatomy);
     const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
     check_injections(session, patient->contrast());
+    std::optional<SessionAssessor> assessor;
+    if (!options.plan.plan.empty()) assessor.emplace(options.plan, *patient, tools, tips, pictures.get());
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty()) {
         const RecordingHeader header = {device.identity().core_version,
@@ -176,12 +201,15 @@ int command_run(const RunOptions &options)
                                         picture_settings.stents};
         recorder = std::make_unique<Recorder>(options.record, header);
     }
-    RunResult result =
-        carry_out(device, *patient, scene, options, session, recorder.get(), pictures.get(), tips);
+    FrameSink *sink = assessor ? assessor->sink() : pictures.get();
+    RunResult result = carry_out(device, *patient, scene, options, session, recorder.get(), sink, tips);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
     print_session(result, tools, *patient);
-    write_session_files({options.json, options.score, options.timing}, result, scene.path, tools,
-                        session.file, *patient, pictures ? &pictures->screen() : nullptr);
+    if (assessor)
+        write_assessed(options, result, scene.path, session.file, tools, *patient, *assessor);
+    else
+        write_session_files({options.json, options.score, options.timing}, result, scene.path, tools,
+                            session.file, *patient, pictures ? &pictures->screen() : nullptr);
     if (pictures) print_files(pictures->files());
     return tell_end(result, *patient, pictures && pictures->was_stopped());
 }
