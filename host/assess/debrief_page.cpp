@@ -178,10 +178,10 @@ std::string timeline_part(const Json &assessment)
     svg += label(3 * row, "contrast") + bands_of(time_s, injecting, 1, end_s, 3 * row, "#4a4a4a", "contrast");
     svg += label(4 * row, "balloon") +
            bands_of(time_s, page_numbers(curves, "balloon_bar"), 0.5, end_s, 4 * row, "#1b6e3c", "balloon");
-    for (int i = 0; i <= 10; ++i)
-        svg += formatted("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">",
-                         place_of(end_s * i / 10, end_s), 5.6 * row) +
-               clock_text(end_s * i / 10) + "</text>";
+    const double step_s = std::max(1.0, page_step(end_s));
+    for (double s = 0.0; s <= end_s; s += step_s)
+        svg += formatted("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%.0f s</text>",
+                         place_of(s, end_s), 5.6 * row, s);
     return "<h2>Timeline</h2>\n" + svg +
            "</svg>\n<p class=soft>Errors: M moderate, S serious, L life-threatening. A mark leads to its "
            "line in the "
@@ -300,8 +300,8 @@ std::string debrief_page(const Json &assessment)
         "content=\"width=device-width\"><title>Cournand: debrief</title><style>";
     html += std::string(page_style()) + debrief_style;
     html += "</style></head><body>\n<h1>" + page_text(assessment, "title") + "</h1>\n<p class=soft>Scene " +
-            page_text(assessment, "scene") + ", session " + page_text(assessment, "session") + ", " +
-            clock_text(assessment["ticks"].get<double>() * 1e-3) + " min, state " +
+            page_text(assessment, "scene") + ", session " + page_text(assessment, "session") + ", length " +
+            clock_text(assessment["ticks"].get<double>() * 1e-3) + ", state " +
             page_text(assessment, "hash") + "</p>\n";
     html += errors_part(assessment) + timeline_part(assessment) + "<h2>Score</h2>\n" +
             score_part(assessment["score"]) + phases_part(assessment["phases"]) +

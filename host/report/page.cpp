@@ -26,15 +26,6 @@ const char *const style_text =
     "img{width:300px;height:300px;background:#000}figcaption{font-size:.85em;color:#66727f;max-width:300px}"
     "svg text{font:11px sans-serif;fill:#66727f}@media print{body{margin:0}}";
 
-// Returns a step that divides a range into at most five parts; the step is 1, 2 or 5 times a power of ten.
-double step_for(double range)
-{
-    const double power = std::pow(10.0, std::floor(std::log10(range / 5.0)));
-    for (double factor : {1.0, 2.0, 5.0})
-        if (range / (factor * power) <= 5.0) return factor * power;
-    return 10.0 * power;
-}
-
 // The line of a curve is interrupted where two samples are more than a second apart, and more than three
 // times as far apart as on average.
 std::string line_of(const std::vector<double> &time_s, const PageCurve &curve, double begin_s, double end_s,
@@ -59,6 +50,14 @@ std::string line_of(const std::vector<double> &time_s, const PageCurve &curve, d
 const char *page_style()
 {
     return style_text;
+}
+
+double page_step(double range)
+{
+    const double power = std::pow(10.0, std::floor(std::log10(range / 5.0)));
+    for (double factor : {1.0, 2.0, 5.0})
+        if (range / (factor * power) <= 5.0) return factor * power;
+    return 10.0 * power;
 }
 
 std::string page_text(const Json &from, const char *key)
@@ -91,7 +90,7 @@ std::string page_plot(const std::string &title, const std::vector<double> &time_
         for (double value : curve.values) top = std::max(top, value);
     if (time_s.size() < 2 || top <= 0.0) return "";
     const double begin_s = time_s.front(), end_s = std::max(time_s.back(), begin_s + 1e-3);
-    const double step = step_for(top), step_s = step_for(end_s - begin_s);
+    const double step = page_step(top), step_s = page_step(end_s - begin_s);
     top = std::ceil(top / step) * step;
     std::string svg = formatted("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" role=\"img\">", plot_width,
                                 plot_height, plot_width);

@@ -16,6 +16,9 @@ std::string page_figure(const nlohmann::ordered_json &value);
 // Returns a list of numbers; an absent list is empty.
 std::vector<double> page_numbers(const nlohmann::ordered_json &from, const char *key);
 
+// Returns a step that divides a range into at most five parts; the step is 1, 2 or 5 times a power of ten.
+double page_step(double range);
+
 struct PageCurve {
     const char *title, *colour;
     std::vector<double> values; // not negative
