@@ -149,7 +149,7 @@ std::vector<Metric> results_of(const Json &report)
          over_lesions(report, "minimum_diameter_mm", smaller), 0, 0, 0, ""},
         {"flow_reserve", group_result, "Fractional flow reserve", "", over_lesions(report, "ffr", smaller), 0,
          0, 0, "0.80 and less: the flow is short"},
-        {"stent_expansion_pct", group_result, "Stent expansion", "%", stent_expansion_pct(report), 90, 60, 15,
+        {"stent_expansion_pct", group_result, "Stent expansion", "%", stent_expansion_pct(report), 90, 50, 15,
          "the stent's least inside area, of the healthy vessel's area"},
         {"apposition_pct", group_result, "Struts on the wall", "%",
          over_stents(report, "apposed_pct", smaller), 95, 80, 15,

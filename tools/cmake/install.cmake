@@ -42,7 +42,8 @@ install(FILES firmware/port/port.h firmware/port/port_built.h firmware/port/udc.
     DESTINATION ${include_folder}/firmware/port)
 install(FILES firmware/port/mps2_an500/rig_page.h DESTINATION ${include_folder}/firmware/port/mps2_an500)
 install(DIRECTORY shared/examples/instruments shared/examples/sessions shared/examples/stents shared/examples/lesions
-    shared/examples/scenes shared/examples/anatomies shared/examples/assessments DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand/examples)
+    shared/examples/scenes shared/examples/anatomies shared/examples/assessments
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand/examples)
 install(FILES LICENSE NOTICE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES tools/udev/60-cournand.rules DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand)
 get_property(programs GLOBAL PROPERTY CRN_PROGRAMS)

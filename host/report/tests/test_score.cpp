@@ -110,8 +110,8 @@ void a_stent_open_at_76_percent_does_not_have_full_marks(void **)
     report["stents"][0]["area_min_mm2"] = 0.76 * 7.0685835; // of a circle of 3 mm
     const Json score = crn::score_of(report);
     assert_float_equal(metric(score, "stent_expansion_pct")["value"].get<double>(), 76.0, 1e-6);
-    assert_float_equal(metric(score, "stent_expansion_pct")["points"].get<double>(), 8.0, 1e-6);
-    assert_float_equal(score["percent"].get<double>(), 93.0, 1e-6);
+    assert_float_equal(metric(score, "stent_expansion_pct")["points"].get<double>(), 9.75, 1e-6);
+    assert_float_equal(score["percent"].get<double>(), 94.75, 1e-6);
 }
 
 void a_long_session_loses_no_marks_for_its_time(void **)
