@@ -13,9 +13,10 @@ namespace crn
 void add_plan(CLI::App &command, PlanOptions &options, const std::string &help)
 {
     command.add_option("--plan", options.plan, help);
-    command.add_option(
-        "--vessel", options.vessels,
-        "NAME=VESSEL, such as target=LAD: which vessel a name in the plan means; once per name");
+    command
+        .add_option("--vessel", options.vessels,
+                    "NAME=VESSEL, such as target=LAD: which vessel a name in the plan means; once per name")
+        ->allow_extra_args(false);
 }
 
 AssessPlan plan_of(const PlanOptions &options, const SessionLog &log)
