@@ -8,7 +8,7 @@ namespace crn
 namespace
 {
 
-const char *const style =
+const char *const common_style =
     "body{font:15px/1.45 sans-serif;color:#1c2530;max-width:64em;margin:2em auto;padding:0 1em}"
     "h1{font-size:1.5em;margin:0}h2{font-size:1.1em;margin:1.8em 0 "
     ".4em}table{border-collapse:collapse;width:100%}"
@@ -21,10 +21,11 @@ const char *const style =
 
 } // namespace
 
-std::string page_begin(const std::string &title)
+std::string page_begin(const std::string &title, const std::string &style)
 {
-    return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + html_text(title) +
-           "</title><style>" + style + "</style></head><body>\n";
+    return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+           "content=\"width=device-width\"><title>" +
+           html_text(title) + "</title><style>" + common_style + style + "</style></head><body>\n";
 }
 
 std::string page_end(const std::string &remark)

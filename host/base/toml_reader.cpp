@@ -107,6 +107,11 @@ int TomlValue::line() const
     return node_ ? static_cast<int>(node_->source().begin.line) : 0;
 }
 
+int TomlValue::column() const
+{
+    return node_ ? static_cast<int>(node_->source().begin.column) : 0;
+}
+
 void TomlValue::fail(const std::string &what) const
 {
     fail_at(*document_, node_ ? node_ : outer_, where_, what);
@@ -363,6 +368,17 @@ void TomlTable::check_source() const
     std::vector<std::string> known;
     for (const auto &[name, source] : document_->sources) known.push_back(name);
     value.fail("there is no " + in_quotes(key) + " in [sources]" + suggestion(key, known));
+}
+
+std::string TomlTable::source_text() const
+{
+    check_source();
+    const std::string text = words("source");
+    if (text[0] != '@') return text;
+    const std::size_t colon = text.find(':');
+    const std::string key = text.substr(1, colon - 1);
+    const std::string of_key = document_->sources.at(key).node->value_exact<std::string>().value_or("");
+    return of_key + (colon == std::string::npos ? "" : text.substr(colon));
 }
 
 TomlRange TomlTable::sourced_range(const std::string &key, NumberRange range) const

@@ -50,7 +50,8 @@ class TomlValue
     bool is_list() const;
     bool is_table() const;
     const std::string &key() const { return key_; }
-    int line() const; // 0: absent
+    int line() const;   // 0: absent
+    int column() const; // where the value begins; 0: absent
 
     double number() const; // finite
     double number(NumberRange range) const;
@@ -117,6 +118,7 @@ class TomlTable
     void read_sources() const;       // of the root
     void check_sources_used() const; // of the root, after everything else
     void check_source() const;       // of the key `source` in this table
+    std::string source_text() const; // the checked source, with the text of the entry to which "@key" refers
     TomlRange sourced_range(const std::string &key, NumberRange range) const;
     double sourced(const std::string &key, NumberRange range) const;
 

@@ -190,11 +190,17 @@ void add_run(CLI::App &app, RunOptions &options)
     add_motors(*command, options.motors, options.yes);
     add_inserted(*command, options.inserted_mm);
     add_device(*command, options.device);
+    command->add_option("--hands", options.hands,
+                        "Play the script with the hands of an expert, a novice or a clumsy person, such as "
+                        "novice:7; the number is the seed (docs/assessment.md)");
     add_output(*command, "--record", options.record, "Write a recording");
     add_output(*command, "--json", options.json, "Write the figures of the session");
     add_output(*command, "--score", options.score,
                "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
     add_output(*command, "--timing", options.timing, "Write what the session took of the machine");
+    add_plan(*command, options.plan,
+             "Assess the session by this plan (name or file): --json has the assessment, and --score is the "
+             "debrief (docs/assessment.md)");
     command->add_flag("--quiet", options.quiet, "No progress line");
     add_pictures(*command, options.pictures);
     command->footer(
@@ -436,9 +442,11 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
     ReplayOptions replay;
     SurfaceOptions surface;
     WindowOptions window;
+    ScoreOptions score;
     std::string info;
     add_run(app, run);
     add_replay(app, replay);
+    add_score(app, score);
     add_surface(app, surface);
     add_view(app, window);
     InstrumentsOptions instruments;
@@ -473,6 +481,7 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
             *scene = scene_path(*scene);
         if (app.got_subcommand("run")) return command_run(run);
         if (app.got_subcommand("replay")) return command_replay(replay);
+        if (app.got_subcommand("score")) return command_score(score);
         if (app.got_subcommand("surface")) return command_surface(surface);
         if (app.got_subcommand("view")) {
             if (!run_window)

@@ -3,11 +3,13 @@
 #pragma once
 #include "host/base/output_files.hpp"
 #include "host/cases/goals.hpp"
+#include "host/command/cli_assess.hpp"
 #include "host/command/view_options.hpp"
 #include "host/picture/session_pictures.hpp"
 #include "host/picture/surface_file.hpp"
 #include "host/script/tip_places.hpp"
-#include "host/session/device.hpp"
+#include "host/session/replay.hpp"
+#include "host/session/run.hpp"
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,10 +18,11 @@ namespace crn
 {
 
 struct RunOptions {
-    std::string scene, instrument, session, record, json, score, timing;
+    std::string scene, instrument, session, record, json, score, timing, hands;
     std::string device = "sim"; // as parse_device
     std::vector<std::string> tools, stents;
     PictureSettings pictures;
+    PlanOptions plan; // without a plan the session is not assessed
     bool quiet = false;
     std::optional<double>
         free_run_s; // FREE_RUN for so many seconds, 0: until Ctrl-C; empty: the script controls the session
@@ -89,6 +92,8 @@ std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vec
 // std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
+// Returns the result of a replay in the form of the result of a session, for reports.
+RunResult run_result(const ReplayResult &replayed);
 
 // Adds the name of the vessel branch to the point at which the physics left its valid range; the names come
 // from the scene's bodies. Does nothing if the physics stayed in its valid range, or if the bodies cannot be

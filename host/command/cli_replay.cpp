@@ -45,9 +45,6 @@ void check_core(const RecordingHeader &header, const crn_wire_hello_reply &ident
                              ": it cannot be replayed bit for bit; use the release that recorded it");
 }
 
-namespace
-{
-
 RunResult run_result(const ReplayResult &replayed)
 {
     RunResult result;
@@ -60,6 +57,9 @@ RunResult run_result(const ReplayResult &replayed)
     result.faults = replayed.faults;
     return result;
 }
+
+namespace
+{
 
 int print_result(const Recording &recording, const ReplayOptions &options, const ReplayResult &result)
 {

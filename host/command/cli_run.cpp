@@ -12,6 +12,7 @@
 #include "host/picture/session_pictures.hpp"
 #include "host/report/session_summary.hpp"
 #include "host/rig/rig.hpp"
+#include "host/script/hand_model.hpp"
 #include "host/session/run.hpp"
 #include <algorithm>
 #include <cstdio>
@@ -30,6 +31,11 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     inputs.insert(
         inputs.end(),
         {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
+    if (options.free_run_s && !options.hands.empty())
+        throw UsageError("--hands changes a script: name a session");
+    if (options.free_run_s && !options.plan.plan.empty())
+        throw UsageError("--plan: a session on a rig is assessed from its recording: give --record FILE, and "
+                         "then run `cournand score FILE`");
     check_outputs(inputs, {{"--record", options.record},
                            {"--json", options.json},
                            {"--score", options.score},
@@ -107,6 +113,21 @@ void write_card(const std::string &path, const SessionPictures &pictures)
     print_files({path});
 }
 
+// Writes the files of a session that was observed for its assessment: the page is the debrief.
+void write_assessed(const RunOptions &options, const RunResult &result, const std::string &scene,
+                    const std::string &session, const std::vector<Instrument> &tools, Patient &patient,
+                    const SessionAssessor &assessor)
+{
+    nlohmann::ordered_json report = report_of(result, scene, tools, session, patient);
+    assessor.assess(report);
+    print_assessment(report["assessment"]);
+    if (!options.timing.empty()) write_report(options.timing, timing_of(result, patient));
+    if (!options.json.empty()) write_report(options.json, report);
+    if (options.score.empty()) return;
+    write_debrief(options.score, report["assessment"]);
+    print_files({options.score});
+}
+
 } // namespace
 
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
@@ -164,9 +185,10 @@ int command_run(const RunOptions &given)
         throw UsageError("name a session, or give --free-run (docs/session.md)");
     const bool is_led = given.free_run_s.has_value(); // in FREE_RUN
     check_files(given, given.pictures);
-    const Session session = is_led         ? Session{"rig", {}, {}, {}}
-                            : given.lesson ? case_session(*given.lesson, given.session)
-                                           : read_session(given.session);
+    Session session = is_led         ? Session{"rig", {}, {}, {}}
+                      : given.lesson ? case_session(*given.lesson, given.session)
+                                     : read_session(given.session);
+    if (!given.hands.empty()) session = with_hands(session, read_hands(given.hands));
     const RunOptions options = with_needs(given, session.needs);
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
@@ -193,6 +215,8 @@ int command_run(const RunOptions &given)
         pictures = std::make_unique<SessionPictures>(picture_settings, tools, *patient, anatomy);
     const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
     check_injections(session, patient->contrast());
+    std::optional<SessionAssessor> assessor;
+    if (!options.plan.plan.empty()) assessor.emplace(options.plan, *patient, tools, tips, pictures.get());
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty()) {
         const RecordingHeader header = {device.identity().core_version,
@@ -208,7 +232,7 @@ int command_run(const RunOptions &given)
         recorder = std::make_unique<Recorder>(options.record, header);
     }
     const EffectsWitness witness(tips.map(), *patient);
-    CasePlay play(options.lesson, tips, &witness, pictures.get());
+    CasePlay play(options.lesson, tips, &witness, assessor ? assessor->sink() : pictures.get());
     RunResult result =
         carry_out(device, *patient, scene, options, session, recorder.get(), play.sink(), tips, witness);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
@@ -216,8 +240,11 @@ int command_run(const RunOptions &given)
     SessionFiles files{options.json, options.score, options.timing, nullptr};
     if (options.lesson)
         files.case_entry = play.end(result, report_of(result, scene.path, tools, session.file, *patient));
-    write_session_files(files, result, scene.path, tools, session.file, *patient,
-                        pictures ? &pictures->screen() : nullptr);
+    if (assessor)
+        write_assessed(options, result, scene.path, session.file, tools, *patient, *assessor);
+    else
+        write_session_files(files, result, scene.path, tools, session.file, *patient,
+                            pictures ? &pictures->screen() : nullptr);
     if (pictures) print_files(pictures->files());
     if (!options.card.empty()) write_card(options.card, *pictures);
     const int code = tell_end(result, *patient, pictures && pictures->was_stopped());

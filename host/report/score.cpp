@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 
 namespace crn
@@ -95,6 +96,25 @@ Value geographic_miss_mm(const Json &report)
     return sum;
 }
 
+// Returns the smallest ratio, over all stents that were opened in a lesion, of the stent's least inside area
+// to the area of the healthy vessel there, in percent.
+Value stent_expansion_pct(const Json &report)
+{
+    Value least;
+    for (const Json &stent : list(report, "stents")) {
+        const Value area_mm2 = number(stent, {"area_min_mm2"});
+        if (!area_mm2 || !stent.contains("opened_s") || stent["opened_s"].is_null()) continue;
+        for (const Json &covered : list(stent, "lesions"))
+            for (const Json &lesion : list(report, "lesions")) {
+                const Value healthy_mm = number(lesion, {"after", "reference_diameter_mm"});
+                if (!healthy_mm || !covered.contains("name") || covered["name"] != lesion["name"]) continue;
+                const double pct = 100.0 * *area_mm2 / (std::numbers::pi / 4.0 * *healthy_mm * *healthy_mm);
+                least = std::min(least.value_or(pct), pct);
+            }
+    }
+    return least;
+}
+
 // Counts mishaps: burst balloons, lost stents, and deployed stents that hold no lesion open.
 Value mishaps(const Json &report)
 {
@@ -110,39 +130,69 @@ Value times(const Value &value, double factor)
     return value ? Value(*value * factor) : Value();
 }
 
+constexpr const char *group_result = "result", *group_burden = "burden";
+
 struct Metric {
-    const char *name, *title, *unit;
+    const char *name, *group, *title, *unit;
     Value value;
     double full_at, none_at, weight; // no weight: only shown
     const char *remark;
 };
 
-std::vector<Metric> metrics_of(const Json &report)
+std::vector<Metric> results_of(const Json &report)
+{
+    return {
+        {"residual_stenosis_pct", group_result, "Residual stenosis, by diameter", "%",
+         over_lesions(report, "stenosis_diameter_pct", larger), 10, 30, 20,
+         "the narrowest lesion that is left"},
+        {"minimum_lumen_diameter_mm", group_result, "Minimum lumen diameter", "mm",
+         over_lesions(report, "minimum_diameter_mm", smaller), 0, 0, 0, ""},
+        {"flow_reserve", group_result, "Fractional flow reserve", "", over_lesions(report, "ffr", smaller), 0,
+         0, 0, "0.80 and less: the flow is short"},
+        {"stent_expansion_pct", group_result, "Stent expansion", "%", stent_expansion_pct(report), 90, 50, 15,
+         "the stent's least inside area, of the healthy vessel's area"},
+        {"apposition_pct", group_result, "Struts on the wall", "%",
+         over_stents(report, "apposed_pct", smaller), 95, 80, 15,
+         "within 0.1 mm; a stent that is too small or not fully opened has malapposed struts"},
+        {"geographic_miss_mm", group_result, "Lesion left without stent", "mm", geographic_miss_mm(report), 0,
+         5, 15, "at both ends together"},
+        {"overstretch_pct", group_result, "Wall over-stretch", "%",
+         over_stents(report, "overstretch_pct", larger), 10, 30, 10,
+         "of the healthy diameter; too large a balloon tears the wall"},
+        {"mishaps", group_result, "Burst balloons and lost stents", "", mishaps(report), 0, 1, 10, ""},
+    };
+}
+
+std::vector<Metric> burdens_of(const Json &report)
 {
     const Value session_min = times(number(report, {"ticks"}), 1e-3 / 60.0);
     return {
-        {"residual_stenosis_pct", "Residual stenosis, by diameter", "%",
-         over_lesions(report, "stenosis_diameter_pct", larger), 10, 30, 25,
-         "the narrowest lesion that is left"},
-        {"minimum_lumen_diameter_mm", "Minimum lumen diameter", "mm",
-         over_lesions(report, "minimum_diameter_mm", smaller), 0, 0, 0, ""},
-        {"flow_reserve", "Fractional flow reserve", "", over_lesions(report, "ffr", smaller), 0, 0, 0,
-         "0.80 and less: the flow is short"},
-        {"apposition_pct", "Struts on the wall", "%", over_stents(report, "apposed_pct", smaller), 95, 80, 20,
-         "within 0.1 mm; a stent that is too small or not fully opened has malapposed struts"},
-        {"geographic_miss_mm", "Lesion left without stent", "mm", geographic_miss_mm(report), 0, 5, 15,
-         "at both ends together"},
-        {"overstretch_pct", "Wall over-stretch", "%", over_stents(report, "overstretch_pct", larger), 10, 30,
-         10, "of the healthy diameter; too large a balloon tears the wall"},
-        {"mishaps", "Burst balloons and lost stents", "", mishaps(report), 0, 1, 10, ""},
-        {"contrast_ml", "Contrast medium", "ml", number(report, {"contrast", "injected_ml"}), 50, 200, 4, ""},
-        {"fluoroscopy_min", "Fluoroscopy", "min", number(report, {"room", "fluoroscopy_min"}), 5, 20, 4, ""},
-        {"kap_Gy_cm2", "Kerma-area product", "Gy cm²", number(report, {"room", "total", "kap_Gy_cm2"}), 20,
-         100, 4, ""},
-        {"time_min", "Time", "min", session_min, 15, 60, 3, ""},
-        {"contact_impulse_N_s", "Contact impulse", "N s", number(report, {"contact", "impulse_N_s"}), 600,
-         3000, 5, "force of the wall on the line, over the time"},
+        {"contrast_ml", group_burden, "Contrast medium", "ml", number(report, {"contrast", "injected_ml"}),
+         50, 200, 3, ""},
+        {"fluoroscopy_min", group_burden, "Fluoroscopy", "min", number(report, {"room", "fluoroscopy_min"}),
+         5, 20, 4, ""},
+        {"kap_Gy_cm2", group_burden, "Kerma-area product", "Gy cm²",
+         number(report, {"room", "total", "kap_Gy_cm2"}), 20, 100, 3, ""},
+        {"contact_impulse_N_s", group_burden, "Contact impulse", "N s",
+         number(report, {"contact", "impulse_N_s"}), 600, 3000, 5,
+         "force of the wall on the line, over the time"},
+        {"time_min", group_burden, "Time", "min", session_min, 0, 0, 0,
+         "a quick session has no advantage by itself"},
     };
+}
+
+std::vector<Metric> metrics_of(const Json &report, const ScoreLimits &limits)
+{
+    std::vector<Metric> metrics = results_of(report);
+    for (const Metric &metric : burdens_of(report)) metrics.push_back(metric);
+    for (Metric &metric : metrics) {
+        const auto limit = limits.find(metric.name);
+        if (limit == limits.end()) continue;
+        metric.full_at = limit->second.full_at;
+        metric.none_at = limit->second.none_at;
+        metric.weight = limit->second.weight.value_or(metric.weight);
+    }
+    return metrics;
 }
 
 // Returns all points for values up to `full_at`, no points from `none_at` on, and a proportional number of
@@ -155,13 +205,23 @@ double points_of(const Metric &metric)
 
 } // namespace
 
-Json score_of(const Json &report)
+std::vector<std::string> score_metric_names()
+{
+    std::vector<std::string> names;
+    for (const Metric &metric : metrics_of(Json::object(), {})) names.push_back(metric.name);
+    return names;
+}
+
+Json score_of(const Json &report, const ScoreLimits &limits)
 {
     double points = 0.0, of = 0.0;
     Json metrics = Json::array();
-    for (const Metric &metric : metrics_of(report)) {
-        Json entry = {
-            {"name", metric.name}, {"title", metric.title}, {"value", Json()}, {"unit", metric.unit}};
+    for (const Metric &metric : metrics_of(report, limits)) {
+        Json entry = {{"name", metric.name},
+                      {"group", metric.group},
+                      {"title", metric.title},
+                      {"value", Json()},
+                      {"unit", metric.unit}};
         if (metric.value) entry["value"] = *metric.value;
         if (metric.weight > 0.0) {
             entry["full_marks_at"] = metric.full_at;

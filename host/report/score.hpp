@@ -4,17 +4,30 @@
 //   Json score = score_of(report);    write_score_page("score.html", report, score, pictures);
 #pragma once
 #include "host/picture/picture.hpp"
+#include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace crn
 {
 
-// Returns {"points", "of", "percent", "metrics": [{"name", "title", "value", "unit", "full_marks_at",
-// "no_marks_at", "weight", "points", "remark"}]}. `value` is null if it is not known; `points` is null in
-// this case, and if the metric has no weight. `report` is the output of write_report().
-nlohmann::ordered_json score_of(const nlohmann::ordered_json &report);
+// Other limits of a metric than those of docs/score.md, by the metric's name; a plan of an assessment states
+// them.
+struct ScoreLimit {
+    double full_at = 0.0, none_at = 0.0;
+    std::optional<double> weight; // absent: as without this limit
+};
+using ScoreLimits = std::map<std::string, ScoreLimit>;
+// Returns the names of all metrics, in the order of the score.
+std::vector<std::string> score_metric_names();
+
+// Returns {"points", "of", "percent", "metrics": [{"name", "group", "title", "value", "unit",
+// "full_marks_at", "no_marks_at", "weight", "points", "remark"}]}. The group is "result" for what the
+// treatment achieved and "burden" for what it cost the patient. `value` is null if it is not known; `points`
+// is null in this case, and if the metric has no weight. `report` is the output of write_report().
+nlohmann::ordered_json score_of(const nlohmann::ordered_json &report, const ScoreLimits &limits = {});
 
 struct ScorePicture {
     std::string caption;

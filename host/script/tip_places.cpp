@@ -10,14 +10,15 @@ std::vector<TipPlace> TipPlaces::at(const WireFrame &wire) const
     std::vector<TipPlace> tips(wire.tip_arc_m.size());
     if (map_.is_empty() || wire.nodes.size() < 2) return tips;
     const MotionMoment moment{wire.heart_phase32, wire.breath_phase32};
-    const auto place = [&](const Eigen::Vector3d &at_m) {
-        return map_.at(motion_ ? motion_->pull(at_m, moment) : at_m);
+    const auto pulled = [&](const Eigen::Vector3d &at_m) -> Eigen::Vector3d {
+        return motion_ ? motion_->pull(at_m, moment) : at_m;
     };
-    const VesselPlace sheath = place(wire.nodes.back().position_m);
+    const VesselPlace sheath = map_.at(pulled(wire.nodes.back().position_m));
     for (std::size_t k = 0; k < tips.size(); ++k) {
         TipPlace &tip = tips[k];
         tip.at_m = line_place_m(wire, wire.tip_arc_m[k]);
-        tip.place = place(tip.at_m);
+        tip.reference_m = pulled(tip.at_m);
+        tip.place = map_.at(tip.reference_m);
         tip.vessel = map_.vessels()[tip.place.vessel].name;
         tip.sheath = sheath;
         tip.inside_m = map_.inside_m(tip.place, sheath);

@@ -19,6 +19,7 @@ struct TipPlace {
     VesselPlace place, sheath; // of the tip, and where the line enters
     double inside_m = 0.0;     // distance from where the tools enter the vessel
     Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d reference_m = Eigen::Vector3d::Zero(); // the same without the motion of heart and breath
 };
 
 class TipPlaces

@@ -15,6 +15,19 @@ struct ContactSample {
     float force_N = 0; // sum of the magnitudes of all nodes' contacts
 };
 
+// Returns the sum of the magnitudes of all contact forces.
+inline double contact_sum_N(const crn_wire_contacts &contacts)
+{
+    constexpr double N_per_q22 = 1.0 / (1 << 22);
+    double sum_N = 0.0;
+    for (std::uint16_t i = 0; i < contacts.contacts_count; i++) {
+        const crn_wire_contact &one = contacts.contacts[i];
+        sum_N += N_per_q22 * std::sqrt(std::pow(one.force_x_N_q22, 2) + std::pow(one.force_y_N_q22, 2) +
+                                       std::pow(one.force_z_N_q22, 2));
+    }
+    return sum_N;
+}
+
 struct ContactFigures {
     static constexpr std::uint32_t look_every_ticks = 16, sample_every_ticks = 160;
 
@@ -26,13 +39,7 @@ struct ContactFigures {
     // look_every_ticks ticks.
     void take(const crn_wire_contacts &contacts)
     {
-        constexpr double N_per_q22 = 1.0 / (1 << 22);
-        double sum_N = 0.0;
-        for (std::uint16_t i = 0; i < contacts.contacts_count; i++) {
-            const crn_wire_contact &one = contacts.contacts[i];
-            sum_N += N_per_q22 * std::sqrt(std::pow(one.force_x_N_q22, 2) + std::pow(one.force_y_N_q22, 2) +
-                                           std::pow(one.force_z_N_q22, 2));
-        }
+        const double sum_N = contact_sum_N(contacts);
         is_known = true;
         impulse_N_s += sum_N * look_every_ticks * 1e-3;
         force_max_N = std::max(force_max_N, sum_N);

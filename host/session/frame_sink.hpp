@@ -4,6 +4,7 @@
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "shared/wire/wire.h"
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -30,6 +31,9 @@ class FrameSink
     virtual ~FrameSink() = default;
     // Receives every tick in order, with its input and its result, before the frame of that tick.
     virtual void tick(const crn_wire_tick_input &, const crn_wire_tick_state &) {}
+    // Receives the forces of the walls on the tools at every multiple of ContactFigures::look_every_ticks, if
+    // the session reads them, before the frame of that tick. A session in FREE_RUN does not read them.
+    virtual void contacts(const crn_wire_contacts &) {}
     // Returns the next tick at which frame() must be called, as far as the observer can know now.
     virtual std::uint32_t next_tick() const = 0;
     virtual void frame(const SessionFrame &frame) = 0;
@@ -59,6 +63,43 @@ class SteadySink : public FrameSink
 
   private:
     std::uint32_t per_second_, index_ = 0;
+};
+
+// Passes everything on to several observers. Every observer also receives the frames that only another
+// observer requested; an observer must ignore a frame that it does not need.
+class FrameSinks final : public FrameSink
+{
+  public:
+    void add(FrameSink *sink) // nullptr is ignored
+    {
+        if (sink) sinks_.push_back(sink);
+    }
+    bool is_empty() const { return sinks_.empty(); }
+    void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state) override
+    {
+        for (FrameSink *sink : sinks_) sink->tick(input, state);
+    }
+    void contacts(const crn_wire_contacts &contacts) override
+    {
+        for (FrameSink *sink : sinks_) sink->contacts(contacts);
+    }
+    std::uint32_t next_tick() const override
+    {
+        std::uint32_t next = UINT32_MAX;
+        for (const FrameSink *sink : sinks_) next = std::min(next, sink->next_tick());
+        return next;
+    }
+    void frame(const SessionFrame &frame) override
+    {
+        for (FrameSink *sink : sinks_) sink->frame(frame);
+    }
+    void finish() override
+    {
+        for (FrameSink *sink : sinks_) sink->finish();
+    }
+
+  private:
+    std::vector<FrameSink *> sinks_;
 };
 
 } // namespace crn

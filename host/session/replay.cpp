@@ -158,8 +158,10 @@ class Replayer
     void look_at_contacts()
     {
         static_assert(ContactFigures::look_every_ticks == batch_ticks); // batches end at its multiples
-        if (settings_.measures_contacts && link_.tick() % batch_ticks == 0)
-            result_.contacts.take(link_.read_contacts());
+        if (!settings_.measures_contacts || link_.tick() % batch_ticks != 0) return;
+        const crn_wire_contacts &contacts = link_.read_contacts();
+        result_.contacts.take(contacts);
+        if (sink_) sink_->contacts(contacts);
     }
 
     void compare_lanes(const crn_wire_tick_state &state)

@@ -141,7 +141,11 @@ class Runner
         static_assert(ContactFigures::look_every_ticks ==
                       SessionPlayer::observe_every_ticks); // batches end at its multiples
         if (link_.tick() % ContactFigures::look_every_ticks != 0) return;
-        device_.ask([&](Link &link) { contacts_.take(link.read_contacts()); });
+        device_.ask([&](Link &link) {
+            const crn_wire_contacts &contacts = link.read_contacts();
+            contacts_.take(contacts);
+            if (sink_) sink_->contacts(contacts);
+        });
     }
 
     void record_state()

@@ -19,7 +19,7 @@ set(CRN_CORE_ROOMS firmware/core)
 set(CRN_HOST_ROOMS shared/wire shared/scene firmware/app/safety firmware/app/haptics firmware/app firmware/port/sim
     host/base host/model host/link host/effects host/stent host/xray/paths host/xray
     host/xray/style host/xray/gl host/room host/dicom host/patient host/rig host/script host/session
-    host/cases host/picture host/report)
+    host/cases host/picture host/report host/assess)
 
 # Archives are in link order: each comes before those that it uses.
 function(crn_install_archives rooms name)
@@ -43,7 +43,8 @@ install(FILES firmware/port/port.h firmware/port/port_built.h firmware/port/udc.
     DESTINATION ${include_folder}/firmware/port)
 install(FILES firmware/port/mps2_an500/rig_page.h DESTINATION ${include_folder}/firmware/port/mps2_an500)
 install(DIRECTORY shared/examples/instruments shared/examples/sessions shared/examples/stents shared/examples/lesions
-    shared/examples/scenes shared/examples/anatomies shared/examples/cases shared/examples/records
+    shared/examples/scenes shared/examples/anatomies shared/examples/assessments
+    shared/examples/cases shared/examples/records
     DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand/examples)
 install(TARGETS records_postgres LIBRARY DESTINATION lib/cournand) # opened by the program (host/records)
 install(FILES LICENSE NOTICE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

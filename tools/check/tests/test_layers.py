@@ -156,6 +156,17 @@ ALLOWED = {
     ],
     # The only room that uses SQLite and libpqxx; it knows neither cases nor reports.
     "host/records": ["host/base"],
+    "host/assess": [
+        "host/report",
+        "host/session",
+        "host/script",
+        "host/patient",
+        "host/room",
+        "host/xray",
+        "host/model",
+        "host/base",
+        "shared",
+    ],
     # The only room that needs GLFW: a program without a window is built without it.
     "host/screen": ["host/picture/picture.hpp", "host/xray/gl"],
     # The command line as a library, so that tests run whole commands in their process; the window comes as a function.

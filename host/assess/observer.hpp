@@ -1,0 +1,52 @@
+// Observes a session for its assessment. The observer reads the state of the tools, the patient and the X-ray
+// room every 16 ticks and changes nothing. It needs no pictures: the place of a tip in the picture is
+// computed from the geometry of the C-arm.
+//
+//   AssessObserver observer(patient, tools, tips);
+//   run_session(device, patient, session, recorder, &observer, settings);
+//   const SessionLog &log = observer.log();
+//
+// In FREE_RUN a rig sends the shape of the tools at times of its own choice, so a session on a rig is
+// assessed by a replay of its recording.
+#pragma once
+#include "host/assess/session_log.hpp"
+#include "host/patient/patient.hpp"
+#include "host/script/tip_places.hpp"
+#include "host/session/frame_sink.hpp"
+
+namespace crn
+{
+
+class AssessObserver final : public FrameSink
+{
+  public:
+    // `tools` lists the tools from the innermost outwards. `patient` and `tips` must live longer than the
+    // observer.
+    AssessObserver(Patient &patient, const std::vector<Instrument> &tools, const TipPlaces &tips);
+
+    void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state) override;
+    void contacts(const crn_wire_contacts &contacts) override;
+    std::uint32_t next_tick() const override { return next_tick_; }
+    void frame(const SessionFrame &frame) override;
+
+    // Returns the moments up to now.
+    const SessionLog &log() const { return log_; }
+
+  private:
+    void look_at_tools(const SessionFrame &frame, SessionMoment &moment);
+    void look_at_picture(ToolMoment &tool, const Eigen::Vector3d &tip_m) const;
+    void look_at_room(SessionMoment &moment);
+    void look_at_vessels(const WireFrame &wire, SessionMoment &moment);
+    void look_at_stents(const WireFrame &wire, SessionMoment &moment);
+    double lumen_mm(const TipPlace &tip) const;
+
+    Patient &patient_;
+    const TipPlaces &tips_;
+    SessionLog log_;
+    std::uint32_t next_tick_ = 0;
+    double wall_N_ = 0.0;
+    bool was_acquiring_ = false;
+    double injected_at_run_ml_ = 0.0; // when the present run began
+};
+
+} // namespace crn

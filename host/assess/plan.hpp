@@ -1,0 +1,79 @@
+// Reads the plan of an assessment (TOML, docs/assessment.md): phases with steps, handling errors, limits of
+// metrics, and what each part of the score weighs. A plan is a file of shared/examples/assessments, a user's
+// own file, or the table [assessment] of another file.
+//
+//   const AssessPlan plan = read_plan(named_path(plan_files, "angioplasty"));
+#pragma once
+#include "host/assess/condition.hpp"
+#include "host/base/examples.hpp"
+#include "host/base/toml_reader.hpp"
+#include "host/report/score.hpp"
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+inline constexpr ExampleKind plan_files{"assessments", "assessment plan", ".toml"};
+
+struct PlanStep {
+    std::string title;
+    Condition done;
+    double weight = 1.0;
+};
+
+struct PlanPhase {
+    std::string name, title;
+    std::optional<Condition> begin; // absent: when the phase before it ends, or at the start of the session
+    Condition end;
+    double weight = 1.0;
+    std::vector<PlanStep> steps;
+};
+
+// How bad an error is. The weights are those of 28 experts for errors of carotid stenting: Van Herzeele,
+// Aggarwal, Malik et al., Eur J Vasc Endovasc Surg 2009;38:1.
+enum class Severity { moderate = 3, serious = 4, life_threatening = 5 };
+std::string severity_text(Severity severity);
+
+struct PlanError {
+    std::string name, title, advice, source;
+    Condition when;
+    Severity severity = Severity::moderate;
+    double for_s = 0.0;   // the condition must hold for so long
+    double again_s = 2.0; // and must not hold for so long before the error can count again
+    int at_most = 5;      // counted in the score; more are listed
+};
+
+struct PlanScore {
+    double errors = 50.0, phases = 20.0, result = 20.0, burden = 10.0; // weights of the parts
+    double error_marks = 40.0; // sum of the weights of all errors at which nothing is left of that part
+    std::optional<double> life_threatening_cap_pct; // of the whole score, after such an error
+};
+
+struct AssessPlan {
+    std::string file, name, title;
+    PlanVessels vessels;
+    PlanScore score;
+    std::vector<PlanPhase> phases;
+    std::vector<PlanError> errors;
+    ScoreLimits limits; // of the metrics
+};
+
+// Reads a plan file. If the file has the key `plan`, the plan with that name is read first, and the file adds
+// to it: its [vessels] name vessels, its [score] and its metrics replace weights and limits, its errors are
+// added or replace those of the same name, and its phases, if it has any, replace all phases. Throws
+// FileError: the message names file, line and column and suggests a known word.
+AssessPlan read_plan(const std::string &path);
+
+// Reads a plan in the same way from a table of another file, such as [assessment] in the file of a case. The
+// sources of that file must have been read (TomlTable::read_sources). Throws FileError.
+AssessPlan read_plan(const TomlTable &table);
+
+// Reads a word of the command line such as "target=LAD" into the plan's vessels. Throws std::runtime_error.
+void set_vessel(AssessPlan &plan, const std::string &word);
+
+// Returns the plan that is used if none is named: `angioplasty` with a balloon, else `navigation`.
+AssessPlan standard_plan(bool has_balloon);
+
+} // namespace crn

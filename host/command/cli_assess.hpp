@@ -1,0 +1,47 @@
+// The options and the work that `cournand run --plan` and `cournand score` share: a plan is read, the session
+// is observed, and the assessment is written.
+#pragma once
+#include "host/assess/assessment.hpp"
+#include "host/assess/observer.hpp"
+#include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+struct PlanOptions {
+    std::string plan;                 // name or path; empty: none, or the standard one
+    std::vector<std::string> vessels; // NAME=VESSEL
+};
+void add_plan(CLI::App &command, PlanOptions &options, const std::string &help);
+
+// Reads the plan, or the standard plan for these tools. Throws FileError and std::runtime_error.
+AssessPlan plan_of(const PlanOptions &options, const SessionLog &log);
+
+// Observes a session and assesses it.
+class SessionAssessor
+{
+  public:
+    // Reads the plan and checks its vessels; throws FileError. `pictures` may be nullptr.
+    SessionAssessor(const PlanOptions &options, Patient &patient, const std::vector<Instrument> &tools,
+                    const TipPlaces &tips, FrameSink *pictures);
+    FrameSink *sink() { return &sinks_; } // of the observer and the pictures
+    // Adds the entry "assessment" to the report, and gives the report's score the limits of the plan.
+    void assess(nlohmann::ordered_json &report) const;
+
+  private:
+    AssessObserver observer_;
+    const AssessPlan plan_;
+    FrameSinks sinks_;
+};
+
+struct ScoreOptions {
+    std::string recording, scene, bodies_path, json, html;
+    PlanOptions plan;
+};
+void add_score(CLI::App &app, ScoreOptions &options);
+int command_score(const ScoreOptions &options);
+
+} // namespace crn

@@ -1,0 +1,26 @@
+// Parts of the HTML pages about a session: texts, numbers and curves. The pages need no other file.
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+// Returns the text of an entry, escaped for HTML; an absent entry gives an empty text.
+std::string page_text(const nlohmann::ordered_json &from, const char *key);
+// Returns a number, rounded to three significant digits, without an exponent; a dash if it is no number.
+std::string page_figure(const nlohmann::ordered_json &value);
+// Returns a list of numbers; an absent list is empty.
+std::vector<double> page_numbers(const nlohmann::ordered_json &from, const char *key);
+
+struct PageCurve {
+    const char *title, *colour;
+    std::vector<double> values; // not negative
+};
+// Returns curves over the time as SVG, or an empty text if no value is above 0. The line of a curve is
+// interrupted where samples are missing.
+std::string page_plot(const std::string &title, const std::vector<double> &time_s,
+                      const std::vector<PageCurve> &curves);
+
+} // namespace crn
