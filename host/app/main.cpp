@@ -1,6 +1,5 @@
-#include "host/app/start.hpp"
-#include "host/app/window.hpp"
 #include "host/command/cli.hpp"
+#include "host/suite/window.hpp"
 
 int main(int argc, char **argv)
 {

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr TomlKind case_kind{"a case", "the name or the file of a case (cournand case list)"};
 constexpr std::size_t title_bytes_max = 80, text_bytes_max = 4000, name_bytes_max = 80;
-constexpr NumberRange orders{0, 999}, ages_years{0, 120}, lengths_mm{0, 1600}, marks_range{0, 1000},
+constexpr NumberRange order_range{0, 999}, ages_years{0, 120}, lengths_mm{0, 1600}, marks_range{0, 1000},
     values_range{-1e6, 1e6};
 
 // Returns a text for people. Line ends are spaces, so that a file may break its lines where it likes.
@@ -194,7 +194,7 @@ std::string script_of(const TomlTable &table, const std::string &key, const fs::
 void read_texts(const TomlTable &root, Case &lesson)
 {
     lesson.title = root["title"].text(title_bytes_max);
-    lesson.order = root.has("order") ? root.whole("order", orders) : lesson.order;
+    lesson.order = root.has("order") ? root.whole("order", order_range) : lesson.order;
     lesson.aim = story_of(root, "aim");
     lesson.story = story_of(root, "story");
     lesson.teaching = story_of(root, "teaching");

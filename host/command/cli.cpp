@@ -329,6 +329,21 @@ void add_view(CLI::App &app, WindowOptions &options)
         ->capture_default_str()
         ->check(CLI::Range(0, 1000000));
     add_output(*command, "--screenshot", options.screenshot, "Write the last screen as PNG");
+    command->add_option("--width", options.window_width, "Width of the window at the start, pixels")
+        ->capture_default_str()
+        ->check(CLI::Range(800, 7680));
+    command->add_option("--height", options.window_height, "Height of the window at the start, pixels")
+        ->capture_default_str()
+        ->check(CLI::Range(450, 4320));
+    command->add_option("--font", options.font,
+                        "TrueType file of the window's letters; default: DejaVu Sans");
+    command->add_flag("--start", options.opens_start,
+                      "Begin with the cards of cases, practice and recordings");
+    command->add_option("--replay", options.replays, "Show any moment of this recording from any angle");
+    add_output(*command, "--timing", options.timing,
+               "Write what the window took of the machine: late ticks, pictures, delays");
+    add_output(*command, "--layout", options.layout,
+               "Write the names and places of the controls on the screen, for tests that press them");
     command->footer("Examples:\n"
                     "  cournand view\n"
                     "  cournand view --scene aorta --tool bentson\n"

@@ -33,7 +33,13 @@ struct WindowOptions {
     // In tests the window closes after this number of screens. Every screen counts as 1/60 s of session time,
     // however long it takes. If this number is 0, the window runs in real time until the user presses Esc.
     int frames = 0;
-    std::string screenshot; // PNG of the window's last screen; empty: none
+    std::string screenshot;                       // PNG of the window's last screen; empty: none
+    int window_width = 1600, window_height = 900; // at the start, in pixels of the desktop
+    std::string font;                             // TrueType file; empty: the installed DejaVu Sans
+    bool opens_start = false;                     // begin with the cards instead of a session
+    std::string replays;                          // begin with the replay of this recording; empty: no
+    std::string timing; // file of the figures of this machine: punctuality, pictures, delays; empty: none
+    std::string layout; // file with the names and places of the controls, for tests; empty: none
 };
 
 // Opens the window and returns the exit code.

@@ -120,16 +120,29 @@ PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<In
 {
 }
 
+// Returns the tools that lie in the lumen of `tool`.
+std::vector<InnerTool> PatientContrast::inside(std::size_t tool, const crn_wire_tick_state &state) const
+{
+    std::vector<InnerTool> inner;
+    const auto inserted_m = [&](std::size_t k) { return units::metres(state.tools[k].inserted_m_q30); };
+    for (std::size_t k = 0; k < tool && tool < state.tools_count; ++k)
+        if (is_in_patient(state.tools[k])) inner.push_back({&tools_[k], inserted_m(tool) - inserted_m(k)});
+    return inner;
+}
+
 // Returns the reason why the pressure for this injection would be too high, or an empty string. The other
 // tools count as far as they are inserted into the injecting tool.
 std::string PatientContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
 {
-    std::vector<InnerTool> inside;
-    const auto inserted_m = [&](std::size_t tool) { return units::metres(state.tools[tool].inserted_m_q30); };
-    for (std::size_t k = 0; k < asked.tool && asked.tool < state.tools_count; ++k)
-        if (is_in_patient(state.tools[k]))
-            inside.push_back({&tools_[k], inserted_m(asked.tool) - inserted_m(k)});
-    return flow_refusal(tools_[asked.tool], inside, asked.flow_ml_s, asked.iodine_mg_per_ml);
+    return flow_refusal(tools_[asked.tool], inside(asked.tool, state), asked.flow_ml_s,
+                        asked.iodine_mg_per_ml);
+}
+
+std::optional<double> PatientContrast::injection_kPa_per_ml_s(const crn_wire_tick_state &state) const
+{
+    const std::optional<std::size_t> tool = injecting_tool(tools_, 0);
+    if (!tool) return {};
+    return injection_pressure_kPa(tools_[*tool], inside(*tool, state), 1.0, iodine_mg_per_ml_);
 }
 
 void PatientContrast::tick(const crn_wire_tick_state &state)

@@ -4,6 +4,7 @@
 // requested. While the vessels contain no medium, nothing is computed.
 #pragma once
 #include "host/effects/injector.hpp"
+#include "host/effects/lumen_pressure.hpp"
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
 #include "host/model/wire_frame.hpp"
@@ -80,6 +81,10 @@ class PatientContrast
     bool was_used() const { return injector_.injected_ml() > 0.0; }
     double injected_ml() const { return injector_.injected_ml(); }
     double flow_ml_s() const { return fluid_.flow_ml_s; } // present flow of the injection
+    // Returns the pressure in kPa that a flow of 1 ml/s through the outermost tool with a lumen needs, with
+    // the tools where they are in `state`. It is infinite if the lumen is closed, and has no value if no tool
+    // has a lumen.
+    std::optional<double> injection_kPa_per_ml_s(const crn_wire_tick_state &state) const;
     // Returns the medium that was injected after tick `from` up to tick `to`, as DICOM files state it: total
     // volume and time, mean flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
@@ -140,6 +145,7 @@ class PatientContrast
         std::size_t tool = 0;
         double flow_ml_s = 0.0, iodine_mg_per_ml = 0.0;
     };
+    std::vector<InnerTool> inside(std::size_t tool, const crn_wire_tick_state &state) const;
     std::string pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const;
     void judge_asked();
     std::vector<Asked> asked_;

@@ -3,6 +3,7 @@
 #include "host/picture/overlay.hpp"
 #include "host/base/format.hpp"
 #include "host/picture/font.hpp"
+#include "host/picture/room_text.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -55,74 +56,6 @@ void draw_letters(Image &rgb, int x, int y, std::string_view text, int scale, Co
     }
 }
 
-double finite_or_zero(double value)
-{
-    return std::isfinite(value) ? value : 0.0;
-}
-
-// Rounds a value to a multiple of 1/steps, and never returns a negative zero, which would be printed as
-// "-0.00".
-double rounded(double value, double steps)
-{
-    return std::round(finite_or_zero(value) * steps) / steps + 0.0;
-}
-
-// Returns a text with the angles of the C-arm in whole degrees, such as "LAO 30\x7f CRA 10\x7f".
-std::string angles(const CArm &carm)
-{
-    const long primary = std::lround(std::clamp(finite_or_zero(carm.primary_deg), -999.0, 999.0));
-    const long secondary = std::lround(std::clamp(finite_or_zero(carm.secondary_deg), -999.0, 999.0));
-    return formatted("%s %ld\x7f  %s %ld\x7f", primary < 0 ? "RAO" : "LAO", std::labs(primary),
-                     secondary < 0 ? "CAU" : "CRA", std::labs(secondary));
-}
-
-const char *name_of(RunKind kind)
-{
-    return kind == RunKind::fluoro ? "FLUORO" : kind == RunKind::cine ? "CINE" : "DSA";
-}
-
-// Returns the text for the state of the screen (such as live or held), which is the largest text of the
-// display.
-std::string state_of(const RoomStatus &room)
-{
-    switch (room.source) {
-    case ScreenSource::live:
-        return formatted("X-RAY ON  %s %g/s", name_of(room.kind), room.pulses_per_s);
-    case ScreenSource::held:
-        return "LAST IMAGE HOLD";
-    case ScreenSource::loop:
-        return formatted("RUN %d LOOP  %d/%d", room.run, room.frame + 1, room.frames);
-    case ScreenSource::still:
-        return formatted("RUN %d FRAME  %d/%d", room.run, room.frame + 1, room.frames);
-    case ScreenSource::nothing:
-        break;
-    }
-    return room.is_beam_on ? "X-RAY ON" : "NO IMAGE YET";
-}
-
-// If a subtraction mask or a roadmap is in use, returns a line of text about each of them.
-std::vector<std::string> processing_of(const RoomStatus &room)
-{
-    std::vector<std::string> lines;
-    if (room.is_subtracted && room.mask_first == room.mask_last)
-        lines.push_back(formatted("DSA  mask %d", room.mask_first + 1));
-    else if (room.is_subtracted)
-        lines.push_back(formatted("DSA  mask %d-%d", room.mask_first + 1, room.mask_last + 1));
-    if (room.is_subtracted && (room.shift_right_px != 0.0 || room.shift_up_px != 0.0))
-        lines.push_back(formatted("mask shifted %+.1f %+.1f px", room.shift_right_px, room.shift_up_px));
-    if (room.roadmap == RoadmapState::waits) lines.push_back("ROADMAP: press the pedal");
-    if (room.roadmap == RoadmapState::collects) lines.push_back("ROADMAP: collecting");
-    if (room.roadmap == RoadmapState::shown) lines.push_back("ROADMAP");
-    if (room.roadmap == RoadmapState::moved) lines.push_back("ROADMAP hidden: geometry changed");
-    return lines;
-}
-
-std::string clock(double time_s)
-{
-    const long tenths = std::lround(std::clamp(finite_or_zero(time_s), 0.0, 1e6) * 10.0);
-    return formatted("%02ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
-}
-
 class Display
 {
   public:
@@ -156,7 +89,7 @@ class Display
     void draw_geometry()
     {
         const RoomStatus &room = info_.room;
-        left(margin_, angles(room.carm), room.is_blocked ? red : room.is_moving ? amber : white);
+        left(margin_, angles_text(room.carm), room.is_blocked ? red : room.is_moving ? amber : white);
         left(margin_ + line_,
              formatted("SID %.0f  FD %.0f cm", finite_or_zero(room.carm.source_detector_m) * 100.0,
                        finite_or_zero(room.carm.field_m) * 100.0),
@@ -166,7 +99,7 @@ class Display
                        room.program_pulses_per_s),
              dim);
         int y = margin_ + 3 * line_;
-        for (const std::string &text : processing_of(room)) {
+        for (const std::string &text : processing_texts(room)) {
             left(y, text, room.roadmap == RoadmapState::moved ? amber : white);
             y += line_;
         }
@@ -200,7 +133,7 @@ class Display
     void draw_dose()
     {
         const RoomStatus &room = info_.room;
-        right(margin_, state_of(room), room.is_beam_on ? amber : dim);
+        right(margin_, state_text(room), room.is_beam_on ? amber : dim);
         right(margin_ + line_, formatted("FL %.1f min", finite_or_zero(info_.fluoro_min)), white);
         right(margin_ + 2 * line_,
               info_.kerma_rate_mGy_min > 0.0
@@ -233,7 +166,7 @@ class Display
     void draw_tools()
     {
         const int y = rgb_.height - margin_ - 8 * scale_;
-        right(y, clock(info_.time_s), white);
+        right(y, session_clock(info_.time_s), white);
         if (info_.tools.size() == 1) return draw_one_tool(y, info_.tools.front());
         const int count = static_cast<int>(std::min(info_.tools.size(), tools_max));
         for (int k = 0; k < count; ++k) draw_line(y - (count - 1 - k) * line_, info_.tools[k]);
@@ -257,23 +190,25 @@ class Display
         draw_text(rgb_, margin_ + 2 * letter, y, std::string_view(tool.name).substr(0, name_letters), scale_,
                   colour);
         const int x = margin_ + (name_letters + 4) * letter;
-        draw_text(
-            rgb_, x, y,
-            formatted("%4.0f mm %+5.0f\x7f", rounded(tool.inserted_mm, 1.0), rounded(tool.turned_deg, 1.0)),
-            scale_, white);
-        draw_text(
-            rgb_, x + 16 * letter, y,
-            formatted("%5.2f N %5.1f mNm", rounded(tool.axial_N, 100.0), rounded(tool.torque_mN_m, 10.0)),
-            scale_, force_colour(tool.axial_N));
+        draw_text(rgb_, x, y,
+                  formatted("%4.0f mm %+5.0f\x7f", rounded_to(tool.inserted_mm, 1.0),
+                            rounded_to(tool.turned_deg, 1.0)),
+                  scale_, white);
+        draw_text(rgb_, x + 16 * letter, y,
+                  formatted("%5.2f N %5.1f mNm", rounded_to(tool.axial_N, 100.0),
+                            rounded_to(tool.torque_mN_m, 10.0)),
+                  scale_, force_colour(tool.axial_N));
     }
 
     static std::string place(const OverlayTool &tool)
     {
-        return formatted("%.0f mm  %+.0f\x7f", rounded(tool.inserted_mm, 1.0), rounded(tool.turned_deg, 1.0));
+        return formatted("%.0f mm  %+.0f\x7f", rounded_to(tool.inserted_mm, 1.0),
+                         rounded_to(tool.turned_deg, 1.0));
     }
     static std::string force(const OverlayTool &tool)
     {
-        return formatted("%.2f N  %.1f mNm", rounded(tool.axial_N, 100.0), rounded(tool.torque_mN_m, 10.0));
+        return formatted("%.2f N  %.1f mNm", rounded_to(tool.axial_N, 100.0),
+                         rounded_to(tool.torque_mN_m, 10.0));
     }
 
     double force_share(double axial_N) const

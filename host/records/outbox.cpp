@@ -83,10 +83,10 @@ Shipment ship_to(RecordStore &station, const std::string &url, int attempts)
             total.refused = one.refused;
             return total;
         } catch (const RecordsError &error) {
-            const std::size_t left = station.outbox().size();
-            total.sent += waiting - std::min(waiting, left);
-            failed = left < waiting ? 1 : failed + 1;
-            waiting = left;
+            const std::size_t remaining = station.outbox().size();
+            total.sent += waiting - std::min(waiting, remaining);
+            failed = remaining < waiting ? 1 : failed + 1;
+            waiting = remaining;
             if (error.cause != Cause::unreachable || failed >= attempts) throw;
             std::this_thread::sleep_for(
                 std::chrono::milliseconds(std::min(100 << std::min(failed, 5), 2000)));

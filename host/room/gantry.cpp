@@ -87,16 +87,21 @@ const std::array<AxisLimits, gantry_axes> &gantry_limits()
     return limits;
 }
 
-double table_clearance_m(const GantryPose &pose)
+GantryBoxes gantry_boxes(const GantryPose &pose)
 {
     static const Box table = table_box();
     const View view = make_view(carm_of(pose, 0.32), 512);
     const double sid_m = pose[axis_sid];
-    const Box tube = along_beam(view, -tube_behind_m, tube_front_m, tube_half_m);
-    const Box detector =
-        along_beam(view, sid_m - detector_front_m, sid_m + detector_behind_m, detector_half_m);
-    const Box collimator = along_beam(view, tube_front_m, collimator_front_m, collimator_half_m);
-    return std::min({gap_between(tube, table), gap_between(collimator, table), gap_between(detector, table)});
+    return {table, along_beam(view, -tube_behind_m, tube_front_m, tube_half_m),
+            along_beam(view, tube_front_m, collimator_front_m, collimator_half_m),
+            along_beam(view, sid_m - detector_front_m, sid_m + detector_behind_m, detector_half_m)};
+}
+
+double table_clearance_m(const GantryPose &pose)
+{
+    const GantryBoxes boxes = gantry_boxes(pose);
+    return std::min({gap_between(boxes.tube, boxes.table), gap_between(boxes.collimator, boxes.table),
+                     gap_between(boxes.detector, boxes.table)});
 }
 
 void Gantry::place(const GantryPose &pose)

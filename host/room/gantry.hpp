@@ -9,6 +9,7 @@
 // docs/room.md has the equations, and describes the boxes that represent table, tube and detector in the
 // collision check.
 #pragma once
+#include "host/room/boxes.hpp"
 #include "host/xray/paths/carm.hpp"
 #include <array>
 #include <string>
@@ -37,6 +38,12 @@ struct AxisLimits {
     double speed, acceleration, low, high;
 };
 const std::array<AxisLimits, gantry_axes> &gantry_limits();
+
+// Returns the boxes that the interlock checks, in the patient frame, for these positions of the motors.
+struct GantryBoxes {
+    Box table, tube, collimator, detector;
+};
+GantryBoxes gantry_boxes(const GantryPose &pose);
 
 // Returns the smallest gap in metres between the table and the housings of tube and detector; the gap is
 // negative if they overlap. All are boxes: docs/room.md.

@@ -18,14 +18,19 @@ bool is_near(double a, double b, double tolerance)
     return std::fabs(a - b) <= tolerance;
 }
 
+int frame_at(const StoredRun &stored, std::int64_t milliseconds)
+{
+    const auto frame =
+        static_cast<std::int64_t>(static_cast<double>(milliseconds) * stored.run.pulses_per_s * 1e-3);
+    return static_cast<int>(frame % static_cast<std::int64_t>(stored.run.frames.size()));
+}
+
 } // namespace
 
 int RoomScreen::loop_frame(const StoredRun &stored) const
 {
     if (!review_.is_loop) return review_.frame;
-    const std::int64_t past = room_.tick() - review_.tick_begin;
-    const auto frame = static_cast<std::int64_t>(static_cast<double>(past) * stored.run.pulses_per_s * 1e-3);
-    return static_cast<int>(frame % static_cast<std::int64_t>(stored.run.frames.size()));
+    return frame_at(stored, room_.tick() - review_.tick_begin);
 }
 
 RoomScreen::Source RoomScreen::shown() const
@@ -113,6 +118,32 @@ bool RoomScreen::compose(int size, std::vector<std::uint8_t> &grey)
     return true;
 }
 
+bool RoomScreen::compose_stored(int run, int frame, std::vector<std::uint8_t> &grey, RoomStatus &status)
+{
+    StoredRun *stored = store_.find(run);
+    if (!stored || stored->is_dropped || stored->run.frames.empty()) return false;
+    const bool is_loop = frame < 0;
+    const int last = static_cast<int>(stored->run.frames.size()) - 1;
+    const int shown =
+        is_loop ? frame_at(*stored, std::max<std::int64_t>(room_.tick(), 0)) : std::min(frame, last);
+    const auto at = static_cast<std::size_t>(shown);
+    const Source source{&stored->run.frames[at].raw, &stored->grey[at], stored, shown, stored->run.size};
+    RoomStatus now;
+    now.source = is_loop ? ScreenSource::loop : ScreenSource::still;
+    fill_run(source, now);
+    now.runs_kept = static_cast<int>(store_.runs().size());
+    const bool is_same = !grey.empty() && now.run == status.run && now.frame == status.frame &&
+                         now.mask_first == status.mask_first && now.mask_last == status.mask_last &&
+                         now.shift_right_px == status.shift_right_px && now.shift_up_px == status.shift_up_px;
+    if (is_same) return false;
+    status = now;
+    if (is_subtracted(source))
+        compose_subtracted(source, grey);
+    else
+        grey = *source.grey;
+    return true;
+}
+
 RoomStatus RoomScreen::status() const
 {
     RoomStatus status;
@@ -134,7 +165,11 @@ void RoomScreen::fill_shown(RoomStatus &status) const
         status.source = review_.is_loop ? ScreenSource::loop : ScreenSource::still;
     status.kind = held_kind_;
     status.pulses_per_s = held_pulses_per_s_;
-    if (!source.run) return;
+    if (source.run) fill_run(source, status);
+}
+
+void RoomScreen::fill_run(const Source &source, RoomStatus &status) const
+{
     const XrayRun &run = source.run->run;
     status.kind = run.kind;
     status.pulses_per_s = run.pulses_per_s;

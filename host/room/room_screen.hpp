@@ -61,6 +61,10 @@ class RoomScreen
     // Writes the present picture of the screen, which has size*size pixels and is black before the first
     // pulse. Returns false if the picture has not changed since the last call.
     bool compose(int size, std::vector<std::uint8_t> &grey);
+    // Writes one frame of a stored run as the review shows it, in `grey`, and describes it in `status`. Frame
+    // -1 is the one at which a loop of the run is now. Returns false if the run has no pictures, or if `grey`
+    // and `status` already hold this frame.
+    bool compose_stored(int run, int frame, std::vector<std::uint8_t> &grey, RoomStatus &status);
     const RunStore &store() const { return store_; }
 
   private:
@@ -98,6 +102,7 @@ class RoomScreen
     Source shown() const;
     bool is_subtracted(const Source &source) const;
     void fill_shown(RoomStatus &status) const;
+    void fill_run(const Source &source, RoomStatus &status) const;
     int loop_frame(const StoredRun &stored) const;
     StoredRun *shown_dsa(std::uint32_t tick);
     void compose_subtracted(const Source &source, std::vector<std::uint8_t> &grey);

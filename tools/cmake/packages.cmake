@@ -5,6 +5,7 @@ include_guard()
 # NAME -> Debian package, libraries, a required header, and include folders below /usr/include.
 set(CRN_PACKAGE_png "libpng-dev|png|png.h|")
 set(CRN_PACKAGE_glfw "libglfw3-dev|glfw|GLFW/glfw3.h|")
+set(CRN_PACKAGE_imgui "libimgui-dev|imgui;stb;freetype|imgui.h|imgui")
 set(CRN_PACKAGE_openh264 "libopenh264-dev|openh264|wels/codec_api.h|")
 set(CRN_PACKAGE_sqlite "libsqlite3-dev|sqlite3|sqlite3.h|")
 set(CRN_PACKAGE_pqxx "libpqxx-dev|pqxx;pq|pqxx/pqxx|")

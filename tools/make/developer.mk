@@ -2,7 +2,7 @@
 ##@ For developers
 .PHONY: all scene coverage bench format fuzz fuzz-coverage fuzz-corpus compilers matrix budget
 .PHONY: budget-docs docs-tables docs-cases docs-pictures gallery dissector sbom
-.PHONY: notice programs-list bars flakes
+.PHONY: notice programs-list bars flakes screenshots bench-suite
 N     ?= 30
 LOAD  ?= 4
 
@@ -81,6 +81,18 @@ docs-cases: packages-build+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	@$(BUILD)/bin/cournand case check --all --play --table docs/cases.md
 	@$(BUILD)/bin/cournand case list --cards shared/examples/cases
+
+screenshots: ## pictures of the window in three sizes: out/screenshots
+screenshots: packages-build+tools+test
+	$(call build,release,run$(comma)window,cournand)
+	$(again) $(SCENE)
+	@tools/docs/screenshots.sh $(BUILD)/bin/cournand $(SCENE) out/screenshots
+
+bench-suite: ## measure the window on two processors, under a virtual display: out/suite.tsv (SECONDS=60 each)
+bench-suite: packages-build+tools+test
+	$(call build,release,run$(comma)window,cournand)
+	$(again) $(SCENE)
+	@tools/bench/suite.py --build $(BUILD) --scene $(SCENE) --seconds $(SECONDS) --output out/suite.tsv
 
 docs-pictures: ## remake the pictures of README and docs, each with its stamp (NAMES=..., minutes)
 docs-pictures: packages-build+tools+pictures

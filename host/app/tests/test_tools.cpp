@@ -1,7 +1,7 @@
 // Tests sessions with several tools. If the device refuses a tool, the error message must contain the tool's
 // name from its instrument file. A session with three tools replays bit for bit. The X-ray picture shows each
 // tool only along that tool's own length, with its own layers and lumen. The report has an entry for every
-// tool, and the window's keys reach every tool.
+// tool.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -15,16 +15,13 @@
 #include <unistd.h>
 #include <vector>
 
-#include <GLFW/glfw3.h>
 #include <nlohmann/json.hpp>
 
-#include "host/app/window_keys.hpp"
 #include "host/base/text.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
 #include "host/picture/session_pictures.hpp"
 #include "host/rig/pedals.hpp"
-#include "host/room/presets.hpp"
 #include "host/session/replay.hpp"
 #include "host/session/run.hpp"
 #include "host/xray/xray.hpp"
@@ -343,7 +340,7 @@ void a_tool_takes_its_radii_from_its_knots(void **)
                 std::abs(look.radii[2].inner_m - 200e-6) < 1e-12);
 }
 
-// --- report and keys ---
+// --- report and pedals ---
 
 void the_report_has_every_tool(void **)
 {
@@ -361,34 +358,6 @@ void the_report_has_every_tool(void **)
     assert_true(report["tools"][1]["handle_torque_max_mN_m"].get<double>() > 0.0);
 }
 
-crn::Screen::KeyEvent press(int key)
-{
-    return {key, true, false, false};
-}
-
-void keys_choose_the_tool_they_move(void **)
-{
-    const crn::Room standing;
-    const crn::RoomScreen screen(standing);
-    crn::WindowKeys keys(2, false);
-    assert_int_equal(keys.chosen_tool(), 0);
-    keys.take(press(GLFW_KEY_2), screen);
-    assert_int_equal(keys.chosen_tool(), 1);
-    keys.take(press(GLFW_KEY_3), screen); // there is no third tool
-    assert_int_equal(keys.chosen_tool(), 1);
-    keys.take(press(GLFW_KEY_TAB), screen);
-    assert_int_equal(keys.chosen_tool(), 0);
-    keys.take(press(GLFW_KEY_G), screen);
-    assert_true(keys.moves_all());
-    keys.take(press(GLFW_KEY_1), screen);
-    assert_false(keys.moves_all());
-    crn::WindowKeys alone(1, false);
-    for (int key : {GLFW_KEY_TAB, GLFW_KEY_G, GLFW_KEY_2}) alone.take(press(key), screen);
-    assert_int_equal(alone.chosen_tool(), 0);
-    assert_false(alone.moves_all());
-    assert_true(crn::help_panel(2).size() > crn::help_panel(1).size());
-}
-
 void pedals_of_a_rig_are_commands_when_they_change(void **)
 {
     using crn::RoomAction, crn::RoomCommand;
@@ -399,81 +368,6 @@ void pedals_of_a_rig_are_commands_when_they_change(void **)
     assert_true(pedals.changes(0x83) == (std::vector<RoomCommand>{{RoomAction::acquire_pedal, {1, 0, 0}}}));
     assert_true(pedals.changes(0) == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {0, 0, 0}},
                                                                {RoomAction::acquire_pedal, {0, 0, 0}}}));
-}
-
-// The key of a standard view sends three commands: for the detector's distance, the angles and the field.
-void every_standard_view_has_a_key(void **)
-{
-    using crn::RoomAction, crn::RoomCommand;
-    const crn::Room standing;
-    const crn::RoomScreen screen(standing);
-    crn::WindowKeys keys(1, false);
-    std::vector<std::vector<RoomCommand>> reached;
-    for (int shift : {0, 1}) {
-        keys.take({GLFW_KEY_RIGHT_SHIFT, shift == 1, false, shift == 0}, screen);
-        for (int key = GLFW_KEY_F2; key <= GLFW_KEY_F12; ++key) {
-            keys.take(press(key), screen);
-            reached.push_back(keys.take_commands());
-        }
-    }
-    for (const crn::ViewPreset &view : crn::view_presets()) {
-        const std::vector<RoomCommand> wanted = {
-            {RoomAction::distance, {view.sid_um, 750'000, 0}},
-            {RoomAction::angles, {view.primary_mdeg, view.secondary_mdeg, 0}},
-            {RoomAction::field, {view.field_um, 0, 0}}};
-        if (std::find(reached.begin(), reached.end(), wanted) == reached.end())
-            fail_msg("no key goes to the view %s", std::string(view.name).c_str());
-    }
-}
-
-// Every key must become a command to the X-ray room. Pressing a key moves the motors' target position by one
-// step, but not beyond the limit of travel.
-void keys_are_commands_to_the_room(void **)
-{
-    using crn::RoomAction, crn::RoomCommand;
-    crn::Room room;
-    const crn::RoomScreen screen(room);
-    room.give(0, {RoomAction::angles, {118000, 0, 0}});
-    room.advance(0, nullptr);
-    crn::WindowKeys keys(1, false);
-    const struct {
-        int key;
-        RoomCommand command;
-    } cases[] = {{GLFW_KEY_D, {RoomAction::angles, {120000, 0, 0}}},
-                 {GLFW_KEY_A, {RoomAction::angles, {113000, 0, 0}}},
-                 {GLFW_KEY_S, {RoomAction::angles, {118000, -5000, 0}}},
-                 {GLFW_KEY_0, {RoomAction::angles, {0, 0, 0}}},
-                 {GLFW_KEY_I, {RoomAction::table, {0, 20000, 0}}},
-                 {GLFW_KEY_PAGE_UP, {RoomAction::table, {0, 0, -10000}}},
-                 {GLFW_KEY_HOME, {RoomAction::distance, {1100000, 750000, 0}}},
-                 {GLFW_KEY_EQUAL, {RoomAction::field, {250000, 0, 0}}},
-                 {GLFW_KEY_LEFT_BRACKET, {RoomAction::blades, {870, 970, 0}}},
-                 {GLFW_KEY_Q, {RoomAction::iris, {1, 0, 0}}},
-                 {GLFW_KEY_P, {RoomAction::fluoro_rate, {3000, 0, 0}}},
-                 {GLFW_KEY_X, {RoomAction::program, {1, 0, 0}}},
-                 {GLFW_KEY_O, {RoomAction::cine_rate, {3000, 0, 0}}},
-                 {GLFW_KEY_V, {RoomAction::review, {1, 0, 0}}},
-                 {GLFW_KEY_PERIOD, {RoomAction::review, {2, 0, 0}}},
-                 {GLFW_KEY_B, {RoomAction::store, {10000, 0, 0}}},
-                 {GLFW_KEY_N, {RoomAction::mask, {0, 0, 0}}},
-                 {GLFW_KEY_M, {RoomAction::roadmap, {2, 0, 0}}},
-                 {GLFW_KEY_T, {RoomAction::follow, {1, 0, 0}}},
-                 {GLFW_KEY_Z, {RoomAction::halt, {0, 0, 0}}},
-                 {GLFW_KEY_BACKSPACE, {RoomAction::acknowledge, {0, 0, 0}}}};
-    for (const auto &c : cases) {
-        keys.take(press(c.key), screen);
-        const std::vector<RoomCommand> commands = keys.take_commands();
-        if (commands != std::vector<RoomCommand>{c.command}) fail_msg("key %d is another command", c.key);
-        assert_true(crn::refusal(c.command).empty());
-    }
-    keys.take(press(GLFW_KEY_F3), screen); // spider: distance, angles, field
-    assert_int_equal(keys.take_commands().size(), 3);
-    keys.latch_pedal();
-    assert_true(keys.take_commands() == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {1, 0, 0}}}));
-    assert_true(keys.take_commands().empty());
-    keys.take(press(GLFW_KEY_R), screen);
-    assert_true(keys.take_reset());
-    assert_true(keys.take_commands().size() == 1); // the new room gets the pedal's state again
 }
 
 } // namespace
@@ -491,10 +385,7 @@ int main()
         cmocka_unit_test(tips_anywhere_are_drawn_or_left_out),
         cmocka_unit_test(a_tool_takes_its_radii_from_its_knots),
         cmocka_unit_test(the_report_has_every_tool),
-        cmocka_unit_test(keys_choose_the_tool_they_move),
         cmocka_unit_test(pedals_of_a_rig_are_commands_when_they_change),
-        cmocka_unit_test(every_standard_view_has_a_key),
-        cmocka_unit_test(keys_are_commands_to_the_room),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

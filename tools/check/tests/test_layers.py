@@ -167,11 +167,13 @@ ALLOWED = {
         "host/base",
         "shared",
     ],
-    # The only room that needs GLFW: a program without a window is built without it.
+    # The rooms that need GLFW: a program without a window is built without them.
     "host/screen": ["host/picture/picture.hpp", "host/xray/gl"],
+    "host/live": ["host", "shared"],  # sessions in threads, without a window
+    "host/suite": ["host", "shared"],
     # The command line as a library, so that tests run whole commands in their process; the window comes as a function.
     "host/command": ["host", "shared", "firmware/core/core.h"],
-    "host/app": ["host", "shared", "firmware/core/core.h"],  # the program: main and the window
+    "host/app": ["host/suite", "host/command"],  # the program: main
     "host/app/tests": HOST_TESTS,
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/base/tests": HOST_TESTS,
@@ -179,6 +181,7 @@ ALLOWED = {
     "host/dicom/tests": HOST_TESTS,
     "host/effects/tests": HOST_TESTS,
     "host/link/tests": HOST_TESTS,
+    "host/live/tests": HOST_TESTS,
     "host/model/tests": HOST_TESTS,
     "host/patient/tests": HOST_TESTS,
     "host/picture/tests": HOST_TESTS,
@@ -189,6 +192,7 @@ ALLOWED = {
     "host/script/tests": HOST_TESTS,
     "host/session/tests": HOST_TESTS,
     "host/stent/tests": HOST_TESTS,
+    "host/suite/tests": HOST_TESTS,
     "host/xray/tests": HOST_TESTS,
     "tools/bake": [
         "shared",

@@ -11,5 +11,7 @@ namespace crn
 // the window or the session ended with a fault. Throws std::runtime_error when there is no display or no
 // OpenGL 3.3, or when a file is bad; the exit code is then 1.
 int run_window(WindowOptions options);
+// Opens the start screen, as `cournand` does without any other word. Returns and throws as run_window() does.
+int open_start();
 
 } // namespace crn

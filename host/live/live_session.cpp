@@ -1,6 +1,7 @@
-#include "host/app/window_live.hpp"
+#include "host/live/live_session.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/patient/balloon.hpp"
+#include "host/picture/session_pictures.hpp"
 #include "host/rig/presence.hpp"
 #include "host/session/run.hpp"
 #include <algorithm>
@@ -10,9 +11,14 @@
 namespace crn
 {
 
-constexpr std::int32_t inflator_max_kPa = 4000; // the largest value that a device accepts (docs/wire.md)
 namespace
 {
+
+constexpr std::int32_t inflator_max_kPa = 4000; // the largest value that a device accepts (docs/wire.md)
+constexpr std::uint32_t look_every_ticks = 20;  // the window is told the shape of the tools so often
+// A hand that drags a tool by the mouse moves at most 0.2 m and 2.5 turns per second.
+constexpr std::int32_t drag_um_per_tick = 200, drag_turn_per_tick = counts_per_turn / 400;
+constexpr std::int32_t drag_max_counts = 100'000; // 10 cm, or one and a half turns, may wait
 
 RecordingHeader header_of(const Device &device, const SceneFile &scene, const std::vector<Instrument> &tools,
                           const crn_wire_entry &entry, const std::vector<StentDesign> &stents)
@@ -34,11 +40,11 @@ RecordingHeader header_of(const Device &device, const SceneFile &scene, const st
 LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools,
                          const crn_wire_entry &entry, const std::string &record,
                          const PictureSettings &pictures, const std::vector<RoomCommand> &begin,
-                         const DeviceChoice &choice)
+                         const DeviceChoice &choice, bool keeps_all_pictures)
     : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice),
-      anatomy_(read_anatomy(pictures)), patient_(make_patient(pictures, anatomy_, tools)),
-      pictures_(pictures, tools, *patient_, anatomy_), hands_(tools.size()),
-      has_balloon_(balloon_tool(tools).has_value())
+      anatomy_(read_anatomy(pictures)), patient_(make_patient(pictures, anatomy_, tools)), tools_(tools),
+      pictures_(pictures, tools, patient_->scene(), anatomy_, keeps_all_pictures), hands_(tools.size()),
+      dragged_(tools.size()), to_drag_(tools.size()), has_balloon_(balloon_tool(tools).has_value())
 {
     if (!record.empty()) {
         recorder_ =
@@ -46,18 +52,39 @@ LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &
     }
     for (const RoomCommand &command : begin) pass(0, command);
     device_.link().read_nodes();
-    picture();
+    look();
+}
+
+void LiveSession::lead(std::span<const HandSpeed> speeds)
+{
+    for (std::size_t k = 0; k < hands_.size() && k < speeds.size(); ++k)
+        hands_[k].set_speed(speeds[k].push_um_per_s * counts_per_m / 1'000'000, speeds[k].turn_counts_per_s);
+}
+
+void LiveSession::drag(std::size_t tool, std::int32_t translation_counts, std::int32_t rotation_counts)
+{
+    if (tool >= to_drag_.size()) return;
+    crn_wire_hand &waiting = to_drag_[tool];
+    waiting.translation_counts =
+        std::clamp(waiting.translation_counts + translation_counts, -drag_max_counts, drag_max_counts);
+    waiting.rotation_counts =
+        std::clamp(waiting.rotation_counts + rotation_counts, -drag_max_counts, drag_max_counts);
+}
+
+// Returns the part of a drag that one tick carries out.
+crn_wire_hand LiveSession::step_of_drag(crn_wire_hand &waiting)
+{
+    const crn_wire_hand step = {std::clamp(waiting.translation_counts, -drag_um_per_tick, drag_um_per_tick),
+                                std::clamp(waiting.rotation_counts, -drag_turn_per_tick, drag_turn_per_tick)};
+    waiting.translation_counts -= step.translation_counts;
+    waiting.rotation_counts -= step.rotation_counts;
+    return step;
 }
 
 void LiveSession::inflate(std::int32_t kPa_per_s)
 {
     inflation_kPa_per_s_ = has_balloon_ ? kPa_per_s : 0;
-    if (kPa_per_s != 0 && !has_balloon_) pictures_.show_refusal(state_.tick, no_balloon_text);
-}
-
-void LiveSession::choose_tool(std::size_t tool, bool all)
-{
-    pictures_.choose_tool(tool, all);
+    if (kPa_per_s != 0 && !has_balloon_) refused_ = {no_balloon_text, state_.tick};
 }
 
 void LiveSession::pass(std::uint32_t tick, const RoomCommand &command)
@@ -97,21 +124,21 @@ void LiveSession::look_at_pedals()
         command(*injection);
 }
 
-void LiveSession::annotate(const std::string &notice, const std::vector<std::string> &panel)
+std::uint32_t LiveSession::next_look() const
 {
-    pictures_.annotate(notice, panel);
-    pictures_.redraw(frame_);
+    const std::uint32_t shown = frame_.wire.tick - frame_.wire.tick % look_every_ticks + look_every_ticks;
+    return std::min(patient_->next_look(), shown);
 }
 
 std::uint32_t LiveSession::batch_size(std::uint32_t wanted)
 {
     const std::uint32_t tick = device_.link().tick();
-    const std::uint32_t to_picture = pictures_.next_tick() - tick;
+    const std::uint32_t to_look = next_look() - tick;
     const std::uint32_t to_snapshot = Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks;
     static_assert(ContactFigures::look_every_ticks ==
                   HandGrip::look_every_ticks); // batches end at its multiples
-    return std::min({wanted, to_picture, to_snapshot, grip_.batch_max(tick),
-                     static_cast<std::uint32_t>(Link::steps_max)});
+    return std::min(
+        {wanted, to_look, to_snapshot, grip_.batch_max(tick), static_cast<std::uint32_t>(Link::steps_max)});
 }
 
 bool LiveSession::advance(std::uint32_t ticks)
@@ -143,7 +170,11 @@ void LiveSession::batch(std::uint32_t count)
         input.buttons = buttons_;
         for (std::size_t k = 0; k < hands_.size(); ++k) {
             hands_[k].advance_tick();
-            input.hands[k] = {hands_[k].translation_counts(), hands_[k].rotation_counts()};
+            const crn_wire_hand step = step_of_drag(to_drag_[k]);
+            dragged_[k].translation_counts += step.translation_counts;
+            dragged_[k].rotation_counts += step.rotation_counts;
+            input.hands[k] = {hands_[k].translation_counts() + dragged_[k].translation_counts,
+                              hands_[k].rotation_counts() + dragged_[k].rotation_counts};
         }
         inflator_milli_kPa_ =
             std::clamp(inflator_milli_kPa_ + inflation_kPa_per_s_, 0, inflator_max_kPa * 1000);
@@ -152,8 +183,8 @@ void LiveSession::batch(std::uint32_t count)
         patient_->give_orders(input.orders);
         inputs_.push_back(grip_.hold(input));
     }
-    const bool is_picture_due = link.tick() + count == pictures_.next_tick();
-    const auto states = device_.step(inputs_, is_picture_due);
+    const bool is_look_due = link.tick() + count == next_look();
+    const auto states = device_.step(inputs_, is_look_due);
     for (std::size_t i = 0; i < states.size(); ++i) {
         state_ = states[i];
         grip_.feel(state_);
@@ -161,10 +192,11 @@ void LiveSession::batch(std::uint32_t count)
         if (recorder_) recorder_->tick(inputs_[i], states[i]);
         patient_->tick(inputs_[i], states[i]);
     }
+    done_tick_ = link.tick();
     record_state();
     if (link.tick() % ContactFigures::look_every_ticks == 0)
         device_.ask([&](Link &asked) { contacts_.take(asked.read_contacts()); });
-    if (is_picture_due) picture();
+    if (is_look_due) look();
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
@@ -179,7 +211,7 @@ void LiveSession::advance_rig(std::uint32_t ticks)
         hash_tick_ = hash->tick;
         recorder_->hash(hash->tick, hash->hash);
     }
-    if (device_.link().nodes().tick != shown) picture();
+    if (device_.link().nodes().tick != shown) look();
     send_orders(device_.link(), *patient_);
     if (figures_.range.is_left()) stop_out_of_range();
 }
@@ -235,13 +267,52 @@ void LiveSession::record_state()
     recorder_->snapshot(link.tick(), device_.read_snapshot());
 }
 
-void LiveSession::picture()
+// Brings the patient to the present tick, and gives what happened in the X-ray room to the pictures' thread.
+void LiveSession::look()
 {
     const crn_wire_tick_input input = inputs_.empty() ? crn_wire_tick_input{} : inputs_.back();
     frame_ = session_frame(device_, state_, input);
     const Presence presence(choice_.free_run && device_.has_its_own_clock() ? &device_.link() : nullptr);
+    give_pictures();
+}
+
+void LiveSession::give_pictures()
+{
     patient_->look(frame_.wire);
-    pictures_.frame(frame_);
+    RoomPackage package;
+    for (const RoomEvent &event : patient_->room().events()) {
+        RoomItem item{event, {}};
+        if (event.kind == RoomEvent::Kind::pulse) {
+            item.shot = shot_of(*patient_, frame_.wire, event.tick, tools_, settings_);
+            item.shot->own();
+        }
+        package.items.push_back(std::move(item));
+    }
+    package.room = patient_->room();
+    package.asked = asked_;
+    pictures_.give(std::move(package));
+}
+
+SuiteState LiveSession::state() const
+{
+    SuiteState state;
+    state.tick = tick();
+    state.room = patient_->room();
+    state.frame = frame_;
+    state.contrast_ml = patient_->contrast().injected_ml();
+    state.contrast_ml_s = patient_->contrast().flow_ml_s();
+    state.injection_kPa_per_ml_s = patient_->contrast().injection_kPa_per_ml_s(state_);
+    state.inflator_kPa = inflator_milli_kPa_ * 1e-3;
+    state.core = state_;
+    if (patient_->stents()) state.stent = patient_->stents()->stage_text();
+    state.pulse = patient_->monitor();
+    state.is_pressure_damped = patient_->catheter_pressure().is_damped();
+    state.pressure_tool = patient_->catheter_pressure().tool_name();
+    state.notice = patient_->notice();
+    state.refused = refused_;
+    state.fault = fault_;
+    state.has_left_range = figures_.range.is_left();
+    return state;
 }
 
 void LiveSession::finish()
@@ -263,9 +334,9 @@ void LiveSession::finish()
     // The final state combines the last finished tick with the last received shape of the tools, because a
     // device that has disappeared sends no later shape.
     frame_.wire.tick = std::max(frame_.wire.tick, state_.tick);
-    patient_->look(frame_.wire);
-    pictures_.frame(frame_);
-    pictures_.finish();
+    give_pictures();
+    pictures_.stop();
+    was_stopped_ = !pictures_.pictures().finish_export(*patient_, files_);
 }
 
 RunResult LiveSession::result(const TipPlaces &tips) const

@@ -1,10 +1,12 @@
-// Runs a session that the user controls by keyboard; it has one device, one recording and its pictures. An
-// object of this class serves one session; after a reset the window makes a new object. A device in the mode
-// FREE_RUN computes ticks by its own clock, and its encoders measure the motion of the user's hands. The
-// pedals of a rig work in addition to the keys.
+// Runs a session that a person controls; it has one device, one recording, one patient and the thread of its
+// pictures. An object of this class serves one session; after a reset the window makes a new object. A device
+// in the mode FREE_RUN computes ticks by its own clock, and its encoders measure the motion of the user's
+// hands. The pedals of a rig work in addition to the keys. One thread at a time may use the object.
 #pragma once
+#include "host/live/hand_speed.hpp"
+#include "host/live/picture_thread.hpp"
+#include "host/live/suite_state.hpp"
 #include "host/model/order_queue.hpp"
-#include "host/picture/session_pictures.hpp"
 #include "host/rig/pedals.hpp"
 #include "host/script/hand_motion.hpp"
 #include "host/session/device.hpp"
@@ -25,36 +27,43 @@ class LiveSession final : private FreeRunSink
   public:
     // `tools` lists the tools from the innermost outwards. `begin` holds the commands that the X-ray room
     // receives at the start. If `record` is empty, the session is not recorded. Throws the exceptions that
-    // Device, Recorder and SessionPictures throw.
+    // Device, Recorder and PictureThread throw.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
-                const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {});
+                const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {},
+                bool keeps_all_pictures = false);
 
-    std::span<LiveHand> hands() { return hands_; } // one per tool
+    // --- what the user does; all of it is in force from the next tick on, and recorded ---
+    // Sets the speeds of the hands, one per tool.
+    void lead(std::span<const HandSpeed> speeds);
+    // Moves one hand by a distance and an angle in encoder counts, no faster than a hand can.
+    void drag(std::size_t tool, std::int32_t translation_counts, std::int32_t rotation_counts);
     // Sets the rate at which the inflator's pressure changes from now on; a rate of 0 keeps the pressure.
     // If no tool has a balloon, the screen shows a notice instead.
     void inflate(std::int32_t kPa_per_s);
-    void choose_tool(std::size_t tool, bool all); // marked in the display
-    void command(const RoomCommand &command);     // in force from the next tick on; recorded
-    void order(const crn_wire_order &order);      // for the next tick
-    // Advances the session by `ticks` ticks and makes the pictures that become due. Returns false when the
-    // device stopped; fault() gives the reason.
+    void command(const RoomCommand &command);
+    void order(const crn_wire_order &order);
+    void note_input(SuiteClock::time_point when) { asked_ = when; } // for the delay from hand to picture
+
+    // Advances the session by `ticks` ticks, and gives the pictures that become due to their thread. Returns
+    // false when the device stopped; fault() gives the reason.
     bool advance(std::uint32_t ticks);
+    std::uint32_t tick() const { return choice_.free_run ? led_tick_ : done_tick_; }
+    bool has_own_clock() const { return choice_.free_run && choice_.is_usb; }
     const std::string &fault() const { return fault_; }
     // The session stops when the physics leaves its valid range: fault() then returns the notice, and range()
     // returns the details.
     const RangeWatch &range() const { return figures_.range; }
-    void annotate(const std::string &notice, const std::vector<std::string> &panel);
-    const Image &image() const { return pictures_.image(); }
+    SuiteState state() const; // a copy of what the window shows
+    PictureThread &pictures() { return pictures_; }
     void finish(); // closes the recording and writes the runs
     // Returns the result of the session, in the form in which a script's session reports it; call this after
     // finish(). `tips` gives the vessels.
     RunResult result(const TipPlaces &tips) const;
-    const SessionPictures &pictures() const { return pictures_; }
     Patient &patient() { return *patient_; }
     const SceneAnatomy &anatomy() const { return anatomy_; }
-    const std::vector<std::string> &files() const { return pictures_.files(); } // written by finish()
-    bool was_stopped() const { return pictures_.was_stopped(); } // Ctrl-C came while finish() wrote
+    const std::vector<std::string> &files() const { return files_; } // written by finish()
+    bool was_stopped() const { return was_stopped_; }                // Ctrl-C came while finish() wrote
 
   private:
     std::uint32_t batch_size(std::uint32_t wanted);
@@ -66,8 +75,11 @@ class LiveSession final : private FreeRunSink
     void record_state();
     void pass(std::uint32_t tick, const RoomCommand &command);
     void look_at_pedals();
-    void picture();
+    void look();
+    void give_pictures();
+    std::uint32_t next_look() const;
     void stop_out_of_range();
+    static crn_wire_hand step_of_drag(crn_wire_hand &waiting);
 
     PictureSettings settings_;
     DeviceChoice choice_;
@@ -75,9 +87,11 @@ class LiveSession final : private FreeRunSink
     std::unique_ptr<Recorder> recorder_;
     const SceneAnatomy anatomy_;
     std::unique_ptr<Patient> patient_;
-    SessionPictures pictures_;
+    const std::vector<Instrument> tools_;
+    PictureThread pictures_;
     std::vector<LiveHand> hands_;
-    HandGrip grip_; // grip of the keys
+    std::vector<crn_wire_hand> dragged_, to_drag_; // by the mouse: done, and still to do
+    HandGrip grip_;                                // grip of the keys
     SessionFigures figures_;
     ContactFigures contacts_;
     crn_wire_fault_log faults_{};
@@ -92,9 +106,14 @@ class LiveSession final : private FreeRunSink
     std::vector<crn_wire_tick_input> inputs_;
     crn_wire_tick_state state_{};
     SessionFrame frame_;
+    RoomNotice refused_; // of the inflator
+    SuiteClock::time_point asked_{};
+    std::uint32_t done_tick_ = 0;
     std::uint32_t hash_tick_ = 0;
     std::uint32_t led_tick_ = 0; // FREE_RUN: the last received tick
     std::string fault_;
+    std::vector<std::string> files_;
+    bool was_stopped_ = false;
     bool has_stopped_ = false; // by itself, because physics left its range
 };
 

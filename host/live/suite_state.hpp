@@ -1,0 +1,41 @@
+// Holds a copy of everything about a session that the window shows besides pictures. The thread of the
+// physics publishes a new copy about 50 times a second, and never changes a copy that it has published.
+#pragma once
+#include "host/effects/pulse.hpp"
+#include "host/room/room.hpp"
+#include "host/session/frame_sink.hpp"
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+// Says how punctual the physics is.
+struct PaceFigures {
+    double real_time_factor = 1.0;           // simulated seconds per second, over the last second
+    std::uint64_t ticks = 0, late_ticks = 0; // more than 2 ms after their time
+    double lost_s = 0.0;                     // by which the session has become later than the clock
+};
+
+struct SuiteState {
+    std::uint32_t tick = 0;
+    Room room;
+    SessionFrame frame; // the shape and the readings of the tools, at most 20 ms old
+    double contrast_ml = 0.0, contrast_ml_s = 0.0;
+    // The pressure that 1 ml/s needs with the tools as they are now; empty: no tool can inject. The flow is
+    // laminar, so the pressure grows in proportion to it.
+    std::optional<double> injection_kPa_per_ml_s;
+    double inflator_kPa = 0.0; // as set by the user
+    crn_wire_tick_state core{};
+    std::string stent; // stage of the last stent; empty: none
+    PulseMonitor pulse;
+    bool is_pressure_damped = false; // the tip of the catheter blocks its vessel
+    std::string pressure_tool;       // with the transducer; empty: the pressure is that of the aorta
+    RoomNotice notice, refused;      // of syringe and stents; of the inflator
+    std::string fault;
+    bool has_left_range = false;
+    PaceFigures pace;
+};
+
+} // namespace crn

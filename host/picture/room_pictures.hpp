@@ -1,0 +1,106 @@
+// Computes the pictures of the X-ray room: one picture for every pulse, the screen that shows them, and the
+// DICOM files of the runs. The pictures need no patient, only copies of what the patient was at the tick of
+// each pulse, so they may be computed in another thread than the patient.
+//
+//   RoomPictures pictures(settings, tools, patient.scene(), anatomy, room);
+//   PulseShot shot = shot_of(patient, shape, tools, settings);      in the patient's thread
+//   pictures.take(event, &shot);                                    every event in order
+//   pictures.screen().compose(size, grey);
+#pragma once
+#include "host/model/instrument.hpp"
+#include "host/model/scene_anatomy.hpp"
+#include "host/patient/patient.hpp"
+#include "host/picture/dicom_export.hpp"
+#include "host/picture/path_choice.hpp"
+#include "host/room/room_screen.hpp"
+#include "host/xray/style/vcsim3.hpp"
+#include "host/xray/xray.hpp"
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+// Throws std::runtime_error if a material is unknown; the message names the section and the known materials.
+RadiopaqueInstrument instrument_look(const Instrument &instrument);
+
+struct PictureSettings {
+    std::string bodies_path;    // empty: air
+    std::string scene_path;     // the scene with their motion; empty: they do not move
+    std::string png_path;       // file for the last picture; empty: none
+    std::string png16_path;     // file for the values of the last X-ray; empty: none
+    std::string mp4_path;       // empty: none
+    DicomSettings dicom;        // files for the runs
+    bool shows_progress = true; // during long exports, on standard error
+    int size = 512;
+    std::uint32_t pictures_per_second = 15;
+    std::uint64_t seed = 1;
+    int threads = 0;
+    std::string style =
+        "physical"; // docs/xray.md, or vcsim3: docs/xray-style.md; doses and counts stay physical
+    std::string xray = "raster";             // one of path_choices
+    GlOpener window_context;                 // set if there is a window
+    std::vector<StentDesign> stents;         // stents that a session may load, in this order
+    double balloon_iodine_mg_per_ml = 175.0; // filling of balloons
+};
+
+// Holds everything that the picture of one X-ray pulse needs from the patient.
+struct PulseShot {
+    WireFrame shape; // the tools, with the concentration of iodine around them
+    std::vector<SweptCurve> curves;
+    // The vertices of the bodies that move belong to the patient until own() has copied them.
+    std::vector<MovedBody> bodies;
+    void own();
+
+    PulseShot() = default;
+    PulseShot(PulseShot &&) = default; // a copy would refer to the vertices of the original
+    PulseShot &operator=(PulseShot &&) = default;
+
+  private:
+    std::vector<std::vector<Eigen::Vector3i>> vertices_um_;
+};
+
+// Returns what a pulse at `tick` sees. The result refers to the patient's bodies until they move, unless
+// PulseShot::own() is called. `shape` holds the tools at the pulse.
+PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick,
+                  const std::vector<Instrument> &tools, const PictureSettings &settings);
+
+class RoomPictures
+{
+  public:
+    // `tools` lists the tools from the innermost outwards. `scene` and `room` must live longer than this
+    // object. Throws std::runtime_error.
+    RoomPictures(const PictureSettings &settings, const std::vector<Instrument> &tools,
+                 const XrayScene &scene, const SceneAnatomy &anatomy, const Room &room);
+    ~RoomPictures();
+
+    // Takes the events of the room in order. `shot` is what a pulse sees, and null for every other event.
+    void take(const RoomEvent &event, const PulseShot *shot);
+    const RoomScreen &screen() const { return room_screen_; }
+    RoomScreen &screen() { return room_screen_; }
+    const XrayPicture &pulse() const { return pulse_; } // of the last pulse
+    int size() const { return settings_.size; }
+    // Writes the DICOM files of the runs, if the settings name a folder for them. Returns false if Ctrl-C
+    // came meanwhile, so that some files are missing. Adds the written files to `files`.
+    bool finish_export(const Patient &patient, std::vector<std::string> &files);
+
+  private:
+    void expose(const RoomEvent &pulse, const PulseShot &shot);
+    void tell_failure();
+    void export_pulse(const RoomEvent &pulse);
+
+    PictureSettings settings_;
+    std::vector<RadiopaqueInstrument> looks_;
+    std::unique_ptr<Xray> xray_;
+    std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is selected
+    RoomScreen room_screen_;
+    XrayMemory memory_;
+    XrayPicture pulse_;
+    bool told_failure_ = false;
+    std::unique_ptr<DicomExport> export_;
+    // The pedal press of each exported run: index into the dose meter's list.
+    std::vector<std::size_t> exported_presses_;
+};
+
+} // namespace crn

@@ -1,0 +1,94 @@
+#include "host/suite/case_card.hpp"
+#include "host/base/examples.hpp"
+#include "host/command/names.hpp"
+#include "host/suite/session_host.hpp"
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+
+namespace crn
+{
+namespace
+{
+
+namespace fs = std::filesystem;
+
+CaseCard card(const WindowOptions &options, const std::string &name, const std::string &story,
+              const std::string &goal, const std::vector<std::string> &tools)
+{
+    CaseCard made{name, story, goal, "", "", options};
+    try {
+        made.options.instrument.clear();
+        made.options.tools.clear();
+        for (const std::string &tool : tools)
+            made.options.tools.push_back(example_path(instrument_files, tool));
+    } catch (const std::exception &error) {
+        made.trouble = error.what();
+    }
+    return made;
+}
+
+std::string local_time(const fs::file_time_type &time)
+{
+    const auto system = std::chrono::file_clock::to_sys(time);
+    const std::time_t seconds = std::chrono::system_clock::to_time_t(
+        std::chrono::time_point_cast<std::chrono::system_clock::duration>(system));
+    std::tm local{};
+    localtime_r(&seconds, &local);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &local);
+    return text;
+}
+
+} // namespace
+
+std::vector<CaseCard> practice_cards(const WindowOptions &options)
+{
+    WindowOptions aorta = options;
+    std::string none;
+    try {
+        if (aorta.scene.empty()) aorta.scene = scene_path("aorta");
+    } catch (const std::exception &error) {
+        none = error.what();
+    }
+    std::vector<CaseCard> cards = {
+        card(aorta, "Wire in the aorta",
+             "Free practice in the shipped aorta, from the right groin, with a J wire of 0.035 in.",
+             "Bring the tip into the ascending aorta. Nothing is scored.", {"j_wire"}),
+        card(aorta, "Catheter over a wire",
+             "Free practice in the shipped aorta with a Bentson wire in a 5F Kumpe catheter.",
+             "Let the wire lead, and bring the catheter after it.", {"bentson", "beacon_5f"}),
+    };
+    for (CaseCard &made : cards)
+        if (!none.empty()) made.trouble = none;
+    WindowOptions space = options;
+    space.scene.clear();
+    cards.push_back(card(space, "Free space", "A catheter and a wire without a patient.",
+                         "Watch how force, torque and shape follow the hands.", {"rosen", "pigtail_5f"}));
+    return cards;
+}
+
+std::vector<KeptRecording> kept_recordings(std::size_t count_max)
+{
+    std::vector<KeptRecording> found;
+    std::vector<std::pair<fs::file_time_type, KeptRecording>> dated;
+    std::error_code error;
+    const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
+    const fs::path folder =
+        (state && *state ? fs::path(state) : fs::path(home ? home : ".") / ".local/state") / "cournand";
+    for (const fs::directory_entry &entry : fs::directory_iterator(folder, error)) {
+        if (entry.path().extension() != ".rec") continue;
+        const fs::file_time_type time = entry.last_write_time(error);
+        dated.push_back({time,
+                         {entry.path().string(), entry.path().stem().string(), local_time(time),
+                          entry.file_size(error)}});
+    }
+    std::sort(dated.begin(), dated.end(), [](const auto &a, const auto &b) { return a.first > b.first; });
+    for (const auto &[time, recording] : dated)
+        if (found.size() < count_max) found.push_back(recording);
+    return found;
+}
+
+} // namespace crn

@@ -1,0 +1,33 @@
+// Describes what the start screen offers: one card per case or practice, and the recordings that are kept.
+#pragma once
+#include "host/command/view_options.hpp"
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+// One card. Whoever has cases (files, a server, a test) makes cards of them; the window only shows cards and
+// begins sessions with their options.
+struct CaseCard {
+    std::string name;      // "Free practice: aorta"
+    std::string story;     // one or two sentences about the patient
+    std::string goal;      // what must be true at the end
+    std::string best;      // best score so far, as text; empty: none
+    std::string trouble;   // why it cannot begin, and the remedy; empty: it can
+    WindowOptions options; // scene, tools, stents and start lengths of the session
+    std::string picture{}; // PNG of the start screen; empty: none
+};
+
+// Returns the cards for free practice on the scene that ships, and in free space. `options` gives what the
+// user has named on the command line, such as the scene, the size of pictures and the device.
+std::vector<CaseCard> practice_cards(const WindowOptions &options);
+
+struct KeptRecording {
+    std::string path, name, when; // when: "2026-11-24 21:19"
+    std::uintmax_t bytes = 0;
+};
+// Returns the newest recordings of the user's folder, newest first; empty if there is no such folder.
+std::vector<KeptRecording> kept_recordings(std::size_t count_max);
+
+} // namespace crn

@@ -1,0 +1,139 @@
+// Lists every control of the suite in one table: its name, key, mouse and gamepad binding, and one sentence
+// about it. The keys, the tooltips, the help and the table in docs/suite.md come from this table.
+#pragma once
+#include "host/room/room_screen.hpp"
+#include "shared/wire/wire.h"
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace crn
+{
+
+enum class ControlId : std::uint8_t {
+    // hands
+    push,
+    pull,
+    turn_right,
+    turn_left,
+    tool_1,
+    tool_2,
+    tool_3,
+    tool_next,
+    tool_previous,
+    move_all,
+    // X-ray
+    fluoro,
+    acquire,
+    fluoro_latch,
+    fluoro_rate,
+    program,
+    acquire_rate,
+    roadmap,
+    acknowledge,
+    // syringe, inflator
+    inject,
+    inject_rate,
+    aspirate,
+    inflate,
+    deflate,
+    load_stent,
+    // C-arm
+    lao,
+    rao,
+    cranial,
+    caudal,
+    sid_more,
+    sid_less,
+    halt,
+    view_ap,
+    view_spider,
+    view_rao_caudal,
+    view_rao_caudal_steep,
+    view_rao_cranial,
+    view_lao_cranial,
+    view_lateral,
+    view_rca_lao,
+    view_rca_rao,
+    view_arch,
+    view_renal_left,
+    view_renal_right,
+    view_iliac_left,
+    view_iliac_right,
+    angles_zero,
+    // table
+    table_head,
+    table_feet,
+    table_right,
+    table_left,
+    table_up,
+    table_down,
+    follow,
+    // field
+    field_smaller,
+    field_larger,
+    blades_narrower,
+    blades_wider,
+    blades_lower,
+    blades_higher,
+    round,
+    // pictures
+    loop,
+    frame_back,
+    frame_on,
+    store,
+    mask,
+    mask_right,
+    mask_left,
+    mask_up,
+    mask_down,
+    to_reference,
+    reference_run,
+    reference_off,
+    pixels,
+    // patient
+    heart_slower,
+    heart_faster,
+    premature,
+    asystole,
+    breath_hold,
+    // program
+    help,
+    restart,
+    end
+};
+inline constexpr std::size_t control_count = static_cast<std::size_t>(ControlId::end) + 1;
+
+// `press` acts once, `repeat` acts again while its key is held, `hold` acts as long as it is held.
+enum class ControlKind : std::uint8_t { press, repeat, hold };
+
+struct Control {
+    ControlId id;
+    ControlKind kind;
+    std::string_view group, name; // the name is short, for buttons and for the layout file
+    int key = 0, modifiers = 0;   // GLFW_KEY_*, GLFW_MOD_*; key 0: none
+    std::string_view key_text;
+    std::string_view mouse; // what the mouse does for it, besides its button
+    int pad = -1;           // GLFW_GAMEPAD_BUTTON_*; -1: none
+    std::string_view pad_text;
+    std::string_view what; // one sentence: tooltip, help and document
+};
+
+// The table, in the order of the help.
+std::span<const Control> controls();
+const Control &control(ControlId id);
+// Returns the control of a key. A key with Shift or Control that has no control of its own is the control of
+// the key alone, except that Control with an arrow never moves a tool. Null: the key has no control.
+const Control *control_of_key(int key, int modifiers);
+const Control *control_of_pad(int button);
+
+// Returns the table of docs/suite.md, in Markdown.
+std::string controls_document();
+
+// Returns the commands to the X-ray room that a control stands for, if its effect depends on the present
+// state of the room. `screen` is the state of the live monitor. Controls that are no such command give none.
+std::vector<RoomCommand> commands_of(ControlId id, const Room &room, const RoomStatus &screen);
+
+} // namespace crn

@@ -1,0 +1,164 @@
+// Draws the live and the reference monitor. The texts stand beside the pictures, never over the anatomy.
+#include "host/base/format.hpp"
+#include "host/picture/room_text.hpp"
+#include "host/suite/suite_screen.hpp"
+#include "host/suite/ui_text.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace crn
+{
+namespace
+{
+
+constexpr std::size_t live_slot = 0, reference_slot = 1;
+constexpr float gutter = 148.0f; // beside the live picture
+constexpr double wheel_um = 2000.0;
+
+ImVec2 centred(const UiRect &place, const ImVec2 &size)
+{
+    return {place.x + 0.5f * (place.width - size.x), place.y + 0.5f * (place.height - size.y)};
+}
+
+} // namespace
+
+// Draws a picture in the middle of a place: as large as fits, or with one pixel of the picture on one pixel
+// of the screen. `shown` is where it is then.
+void SuiteScreen::draw_picture(std::size_t slot, const MonitorPicture &picture, const UiRect &place,
+                               bool is_sharp, UiRect &shown)
+{
+    ImDrawList *draw = ImGui::GetWindowDrawList();
+    const float edge = std::min(place.width, place.height);
+    const float size = is_sharp ? static_cast<float>(picture.size) : edge;
+    const ImVec2 at = centred(place, {size, size});
+    shown = {std::floor(at.x), std::floor(at.y), size, size};
+    draw->AddRectFilled({place.x, place.y}, {place.x + place.width, place.y + place.height},
+                        IM_COL32(8, 10, 12, 255));
+    if (picture.grey.empty()) {
+        const char *none = slot == live_slot ? "No picture yet. Hold Space: fluoroscopy."
+                                             : "Enter copies the live picture here.";
+        const ImVec2 text = ImGui::CalcTextSize(none);
+        draw->AddText(centred(place, text), tint::dim, none);
+        return;
+    }
+    void *texture = ui_.window().texture(slot, picture.size, picture.grey, picture.number, is_sharp);
+    draw->PushClipRect({place.x, place.y}, {place.x + place.width, place.y + place.height}, true);
+    draw->AddImage(texture, {shown.x, shown.y}, {shown.x + shown.width, shown.y + shown.height});
+    draw->PopClipRect();
+}
+
+void SuiteScreen::draw_live(const UiRect &place)
+{
+    ui_.begin_panel("live", place, "");
+    UiRect shown{};
+    const float side = std::min(ui_.px(gutter), 0.2f * place.width);
+    const UiRect middle{place.x + side, place.y + ui_.px(18.0f), place.width - 2.0f * side,
+                        place.height - ui_.px(36.0f)};
+    const MonitorPicture none;
+    const MonitorPicture &picture = view_->live ? *view_->live : none;
+    draw_picture(live_slot, picture, middle, view_->is_pixel_by_pixel, shown);
+    if (!picture.grey.empty()) draw_orientation(middle);
+    if (picture.status.is_beam_on) {
+        ImDrawList *draw = ImGui::GetWindowDrawList();
+        draw->AddRect({middle.x - 2.0f, middle.y - 2.0f},
+                      {middle.x + middle.width + 2.0f, middle.y + middle.height + 2.0f}, tint::yellow, 0.0f,
+                      0, ui_.px(2.0f));
+    }
+    draw_live_texts({place.x, place.y, side, place.height},
+                    {place.x + place.width - side, place.y, side, place.height});
+    ImGui::SetCursorScreenPos({middle.x, middle.y});
+    ImGui::InvisibleButton("live picture", {middle.width, middle.height});
+    ui_.note_last_item("live picture");
+    if (ImGui::IsItemHovered() && ImGui::GetIO().MouseWheel != 0.0f) {
+        const bool turns = ImGui::GetIO().KeyShift;
+        const double notches = ImGui::GetIO().MouseWheel;
+        actions_.drags.push_back({ui_.input().chosen_tool(),
+                                  turns ? 0 : static_cast<std::int32_t>(notches * wheel_um),
+                                  turns ? static_cast<std::int32_t>(notches * counts_per_turn / 24) : 0});
+    }
+    ui_.end_panel();
+}
+
+void SuiteScreen::draw_orientation(const UiRect &shown)
+{
+    const View view = make_view(clamp_carm(view_->live->status.carm), 16);
+    ImDrawList *draw = ImGui::GetWindowDrawList();
+    const auto letter = [&](float x, float y, const std::string &text) {
+        const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+        draw->AddText({x - 0.5f * size.x, y - 0.5f * size.y}, tint::dim, text.c_str());
+    };
+    const float edge = std::min(shown.width, shown.height);
+    const float x = shown.x + 0.5f * shown.width, y = shown.y + 0.5f * shown.height, out = ui_.px(12.0f);
+    const float half_x = 0.5f * (view_->is_pixel_by_pixel ? shown.width : edge), half_y = 0.5f * shown.height;
+    letter(x, y - half_y - ui_.px(9.0f), patient_side(view.up));
+    letter(x, y + half_y + ui_.px(9.0f), patient_side(-view.up));
+    letter(x - half_x - out, y, patient_side(-view.right));
+    letter(x + half_x + out, y, patient_side(view.right));
+}
+
+void SuiteScreen::draw_live_texts(const UiRect &left, const UiRect &right)
+{
+    const MonitorPicture none;
+    const RoomStatus &status = view_->live ? view_->live->status : none.status;
+    const RoomState room = view_->state->room.state();
+    const auto begin = [&](const char *name, const UiRect &place) {
+        ImGui::SetCursorScreenPos({place.x + ui_.px(8.0f), place.y + ui_.px(8.0f)});
+        ImGui::BeginChild(name, {place.width - ui_.px(10.0f), place.height - ui_.px(16.0f)}, false,
+                          ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoScrollbar);
+        ImGui::PushTextWrapPos(0.0f);
+    };
+    const auto finish = [] {
+        ImGui::PopTextWrapPos();
+        ImGui::EndChild();
+    };
+    begin("live left", left);
+    ui_.text(room.is_beam_on ? tint::yellow : tint::dim, "%s", state_text(status).c_str());
+    for (const std::string &line : processing_texts(status)) ui_.text(tint::sky, "%s", line.c_str());
+    if (status.source != ScreenSource::nothing) {
+        ui_.small_text(tint::text, "%s  %g/s", name_of(status.kind), status.pulses_per_s);
+        const XrayTechnique &with = room.technique;
+        if (with.tube_voltage_kV > 0.0)
+            ui_.small_text(room.is_underexposed ? tint::orange : tint::text, "%.0f kV\n%.0f mA\n%.1f ms",
+                           with.tube_voltage_kV, with.tube_current_mA, with.pulse_ms);
+    }
+    if (view_->is_measured && view_->live && view_->live->pulses_left_out > 0)
+        ui_.small_text(tint::orange, "%llu pulses not drawn",
+                       static_cast<unsigned long long>(view_->live->pulses_left_out));
+    finish();
+    begin("live right", right);
+    ui_.text(room.is_blocked  ? tint::red
+             : room.is_moving ? tint::orange
+                              : tint::text,
+             "%s", with_degrees(angles_text(room.carm)).c_str());
+    ui_.small_text(tint::text, "SID %.0f cm\nfield %.0f cm", room.carm.source_detector_m * 100.0,
+                   room.carm.field_m * 100.0);
+    if (room.is_blocked) ui_.text(tint::red, "TABLE IN THE WAY");
+    if (room.follows_tip) ui_.small_text(tint::dim, "table follows the tip");
+    finish();
+}
+
+void SuiteScreen::draw_reference(const UiRect &place)
+{
+    ui_.begin_panel("reference", place, "REFERENCE");
+    const MonitorPicture none;
+    const MonitorPicture &picture = view_->reference ? *view_->reference : none;
+    if (!picture.grey.empty()) {
+        ImGui::SameLine();
+        ui_.small_text(tint::text, "  %s",
+                       picture.status.run > 0 ? state_text(picture.status).c_str()
+                                              : "copy of the live picture");
+    }
+    UiRect shown{};
+    const float head = ui_.px(26.0f), foot = ui_.px(36.0f);
+    draw_picture(reference_slot, picture, {place.x, place.y + head, place.width, place.height - head - foot},
+                 false, shown);
+    ImGui::SetCursorScreenPos({place.x + ui_.px(8.0f), place.y + place.height - ui_.px(31.0f)});
+    ui_.button(ControlId::to_reference, "Copy live");
+    ImGui::SameLine();
+    ui_.button(ControlId::reference_run, "Next run");
+    ImGui::SameLine();
+    ui_.button(ControlId::reference_off, "Clear");
+    ui_.end_panel();
+}
+
+} // namespace crn

@@ -1,0 +1,168 @@
+// Draws the bar at the top, the notices that appear for some seconds, and the help.
+#include "host/base/format.hpp"
+#include "host/picture/room_text.hpp"
+#include "host/suite/suite_screen.hpp"
+#include <algorithm>
+#include <imgui_internal.h>
+
+namespace crn
+{
+namespace
+{
+
+constexpr double toast_s = 6.0;
+constexpr std::size_t toasts_max = 4;
+constexpr double slow_factor = 0.97; // below this, the session is announced as slow
+
+} // namespace
+
+void SuiteScreen::draw_bar(const UiRect &place)
+{
+    ui_.begin_panel("bar", place, "");
+    const SuiteState &state = *view_->state;
+    ImGui::SetCursorScreenPos({ui_.px(10.0f), ui_.px(8.0f)});
+    ui_.text(tint::dim, "Cournand");
+    ImGui::SameLine();
+    ui_.text(tint::text, "%s", view_->title.c_str());
+    ImGui::SameLine(place.width * 0.34f);
+    ui_.text(tint::text, "%s", session_clock(state.tick * 1e-3).c_str());
+    ImGui::SameLine();
+    const double factor = view_->is_measured ? state.pace.real_time_factor : 1.0;
+    if (factor < slow_factor)
+        ui_.text(tint::orange, "   SLOW MOTION: %.2f x real time", factor);
+    else
+        ui_.text(tint::dim, "   %.2f x real time", factor);
+    const float buttons = ui_.px(330.0f);
+    ImGui::SetCursorScreenPos({place.width - buttons, ui_.px(5.0f)});
+    ui_.button(ControlId::pixels, view_->is_pixel_by_pixel ? "Fit" : "1:1", 52.0f, view_->is_pixel_by_pixel);
+    ImGui::SameLine();
+    ui_.button(ControlId::help, "Help (H)", 78.0f, view_->shows_help);
+    ImGui::SameLine();
+    ui_.button(ControlId::restart, "Start again", 94.0f);
+    ImGui::SameLine();
+    ui_.button(ControlId::end, "End (Esc)", 80.0f);
+    ui_.end_panel();
+}
+
+// A notice of the room, the syringe or the inflator becomes a toast once, when it appears.
+void SuiteScreen::toast(const RoomNotice &notice)
+{
+    if (notice.from < 0 || notice.text.empty()) return;
+    const bool is_told = std::any_of(told_.begin(), told_.end(), [&](const RoomNotice &old) {
+        return old.text == notice.text && old.from == notice.from;
+    });
+    if (is_told) return;
+    told_.push_back(notice);
+    if (told_.size() > 32) told_.erase(told_.begin());
+    toasts_.push_back({notice.text, ImGui::GetTime() + toast_s, notice.from});
+    if (toasts_.size() > toasts_max) toasts_.pop_front();
+}
+
+void SuiteScreen::collect_toasts()
+{
+    const SuiteState &state = *view_->state;
+    toast(state.room.notice());
+    toast(state.notice);
+    toast(state.refused);
+    if (view_->live && !view_->live->status.notice.empty()) {
+        const std::string &text = view_->live->status.notice;
+        const bool is_room = text == state.room.notice().text;
+        if (!is_room && (told_.empty() || told_.back().text != text || state.tick > told_.back().from + 4000))
+            toast({text, state.tick});
+    }
+    while (!toasts_.empty() && toasts_.front().until_s < ImGui::GetTime()) toasts_.pop_front();
+}
+
+void SuiteScreen::forget_toasts()
+{
+    toasts_.clear();
+    told_.clear();
+}
+
+// Toasts stand in the line below the picture, and grow upwards; alerts that need an answer stay until it is
+// given.
+void SuiteScreen::draw_toasts(const UiRect &live)
+{
+    struct Line {
+        std::string text;
+        ImU32 colour;
+        bool needs_answer;
+    };
+    std::vector<Line> lines;
+    const SuiteState &state = *view_->state;
+    const DoseMeter &dose = state.room.dose();
+    if (!state.fault.empty()) lines.push_back({state.fault + " - R starts again", tint::red, false});
+    if (dose.unseen_alert()) {
+        lines.push_back(
+            {formatted("DOSE ABOVE %g Gy", dose_alert_levels_Gy[*dose.unseen_alert()]), tint::red, true});
+    }
+    if (dose.has_unseen_reminder()) {
+        lines.push_back(
+            {formatted("FLUOROSCOPY %u MIN",
+                       static_cast<unsigned>(dose.fluoro_reminders() * fluoro_reminder_ticks / 60'000)),
+             tint::orange, true});
+    }
+    for (const Toast &toast : toasts_) lines.push_back({toast.text, tint::orange, false});
+    if (lines.empty()) return;
+    ImGui::SetNextWindowPos({live.x + 0.5f * live.width, live.y + live.height}, ImGuiCond_Always,
+                            {0.5f, 1.0f});
+    ImGui::Begin("notices", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
+    ImGui::BringWindowToDisplayFront(ImGui::GetCurrentWindow());
+    ImGui::PushTextWrapPos(std::min(0.8f * live.width, ui_.px(760.0f)));
+    for (const Line &line : lines) {
+        ui_.text(line.colour, "%s", line.text.c_str());
+        if (!line.needs_answer) continue;
+        ImGui::SameLine();
+        ui_.button(ControlId::acknowledge, "Seen");
+    }
+    ImGui::PopTextWrapPos();
+    ImGui::End();
+}
+
+void SuiteScreen::draw_help()
+{
+    const float w = std::min(ui_.window().width() - ui_.px(40.0f), ui_.px(1240.0f));
+    const float h = std::min(ui_.window().height() - ui_.px(60.0f), ui_.px(830.0f));
+    ImGui::SetNextWindowPos({0.5f * ui_.window().width(), 0.5f * ui_.window().height() + ui_.px(14.0f)},
+                            ImGuiCond_Always, {0.5f, 0.5f});
+    ImGui::SetNextWindowSize({w, h});
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(16, 20, 24, 248));
+    ImGui::Begin("help", nullptr,
+                 ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
+    ImGui::BringWindowToDisplayFront(ImGui::GetCurrentWindow());
+    ui_.text(tint::orange, "Controls: H or F1 hides this list");
+    if (ImGui::BeginTable("controls", 2, ImGuiTableFlags_SizingStretchSame)) {
+        const auto rows = controls();
+        constexpr std::size_t groups = 9;
+        const std::size_t half = (rows.size() + groups + 1) / 2;
+        std::size_t lines = 0;
+        bool is_second = false;
+        ImGui::TableNextColumn();
+        std::string_view group;
+        ImGui::PushFont(ui_.fonts().small_text);
+        for (const Control &row : rows) {
+            if (lines >= half && !is_second) {
+                ImGui::TableNextColumn();
+                is_second = true;
+            }
+            ++lines;
+            if (row.group != group) {
+                group = row.group;
+                ui_.text(tint::sky, "%s", std::string(group).c_str());
+                ++lines;
+            }
+            ui_.text(tint::text, "%-11s", std::string(row.key_text).c_str());
+            ImGui::SameLine(ui_.px(92.0f));
+            ui_.text(tint::dim, "%s", std::string(row.what).c_str());
+        }
+        ImGui::PopFont();
+        ImGui::EndTable();
+    }
+    ImGui::End();
+    ImGui::PopStyleColor();
+}
+
+} // namespace crn

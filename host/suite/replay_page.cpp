@@ -1,0 +1,219 @@
+#include "host/suite/replay_page.hpp"
+#include "host/base/format.hpp"
+#include "host/picture/room_text.hpp"
+#include "host/suite/ui_text.hpp"
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace crn
+{
+namespace
+{
+
+constexpr std::size_t replay_slot = 2;
+constexpr float side_width = 330.0f, scrub_height = 92.0f;
+
+bool is_same(const CArm &a, const CArm &b)
+{
+    return a.primary_deg == b.primary_deg && a.secondary_deg == b.secondary_deg &&
+           a.isocentre_m == b.isocentre_m && a.source_detector_m == b.source_detector_m &&
+           a.field_m == b.field_m;
+}
+
+// A room whose C-arm and table are where this view has them: commands before its first tick take effect at
+// once.
+Room room_at(const CArm &carm)
+{
+    const auto milli = [](double value) { return static_cast<std::int32_t>(std::lround(value * 1e3)); };
+    const auto micro = [](double value) { return static_cast<std::int32_t>(std::lround(value * 1e6)); };
+    Room room;
+    room.give(0, {RoomAction::distance, {micro(carm.source_detector_m), micro(carm.source_isocentre_m), 0}});
+    room.give(0, {RoomAction::angles, {milli(carm.primary_deg), milli(carm.secondary_deg), 0}});
+    room.give(0, {RoomAction::table,
+                  {micro(carm.isocentre_m.x()), micro(carm.isocentre_m.y()), micro(carm.isocentre_m.z())}});
+    room.give(0, {RoomAction::field, {micro(carm.field_m), 0, 0}});
+    room.advance(0, nullptr);
+    return room;
+}
+
+ImU32 colour_of(ReplayMark::Kind kind)
+{
+    return kind == ReplayMark::Kind::fluoro    ? tint::yellow
+           : kind == ReplayMark::Kind::acquire ? tint::orange
+                                               : tint::sky;
+}
+
+} // namespace
+
+ReplayPage::ReplayPage(Ui &ui, const std::string &recording, const PictureSettings &settings)
+    : ui_(ui), name_(std::filesystem::path(recording).filename().string()),
+      thread_(std::make_unique<ReplayRoom>(recording, "", settings)), marks_(thread_.room().marks())
+{
+}
+
+bool ReplayPage::act(ControlId id)
+{
+    if (id < ControlId::lao || id > ControlId::field_larger || id == ControlId::follow) return false;
+    const std::shared_ptr<const ReplayShown> shown = thread_.latest();
+    CArm carm = carm_ ? *carm_ : shown ? shown->picture.carm : CArm{};
+    for (const RoomCommand &command : commands_of(id, room_at(carm), {})) {
+        const std::int32_t *values = command.values;
+        if (command.action == RoomAction::angles) {
+            carm.primary_deg = values[0] * 1e-3;
+            carm.secondary_deg = values[1] * 1e-3;
+        } else if (command.action == RoomAction::distance) {
+            carm.source_detector_m = values[0] * 1e-6;
+            carm.source_isocentre_m = values[1] * 1e-6;
+        } else if (command.action == RoomAction::field) {
+            carm.field_m = values[0] * 1e-6;
+        } else if (command.action == RoomAction::table) {
+            carm.isocentre_m = Eigen::Vector3d(values[0], values[1], values[2]) * 1e-6;
+        }
+    }
+    carm_ = carm;
+    return true;
+}
+
+void ReplayPage::jump(double seconds)
+{
+    tick_ = std::clamp(tick_ + seconds * 1e3, 0.0, static_cast<double>(thread_.room().ticks()));
+}
+
+// Asks for the picture of the present view, if that view has changed.
+void ReplayPage::ask()
+{
+    const ReplayAsk now{tick(), carm_};
+    const bool is_new_track = thread_.room().prepared() != asked_prepared_ &&
+                              asked_prepared_ < now.tick; // medium and stents may come now
+    const bool is_same_view = has_asked_ && now.tick == asked_.tick &&
+                              now.carm.has_value() == asked_.carm.has_value() &&
+                              (!now.carm || is_same(*now.carm, *asked_.carm));
+    if (is_same_view && !is_new_track) return;
+    has_asked_ = true;
+    asked_ = now;
+    asked_prepared_ = thread_.room().prepared();
+    thread_.ask(now);
+}
+
+void ReplayPage::draw()
+{
+    if (is_playing_) {
+        jump(static_cast<double>(ImGui::GetIO().DeltaTime));
+        if (tick() >= thread_.room().ticks()) is_playing_ = false;
+    }
+    ask();
+    const float w = ui_.window().width(), h = ui_.window().height();
+    const float side = ui_.px(side_width), scrub = ui_.px(scrub_height), gap = ui_.px(4.0f);
+    draw_picture({0.0f, 0.0f, w - side - gap, h - scrub - gap});
+    draw_side({w - side, 0.0f, side, h - scrub - gap});
+    draw_scrub({0.0f, h - scrub, w, scrub});
+}
+
+void ReplayPage::draw_picture(const UiRect &place)
+{
+    ui_.begin_panel("replay picture", place, "");
+    const std::shared_ptr<const ReplayShown> shown = thread_.latest();
+    const float edge = std::min(place.width, place.height) - ui_.px(12.0f);
+    const ImVec2 at{place.x + 0.5f * (place.width - edge), place.y + 0.5f * (place.height - edge)};
+    ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + edge, at.y + edge}, IM_COL32(8, 10, 12, 255));
+    if (shown && !shown->picture.grey.empty()) {
+        void *texture =
+            ui_.window().texture(replay_slot, shown->picture.size, shown->picture.grey, shown->number, false);
+        ImGui::GetWindowDrawList()->AddImage(texture, at, {at.x + edge, at.y + edge});
+    }
+    if (shown && !shown->trouble.empty()) {
+        ImGui::SetCursorScreenPos({place.x + ui_.px(20.0f), place.y + ui_.px(20.0f)});
+        ui_.text(tint::red, "%s", shown->trouble.c_str());
+    }
+    ui_.end_panel();
+}
+
+void ReplayPage::draw_side(const UiRect &place)
+{
+    ui_.begin_panel("replay side", place, "REPLAY");
+    const std::shared_ptr<const ReplayShown> shown = thread_.latest();
+    ui_.text(tint::text, "%s", name_.c_str());
+    const CArm carm = carm_ ? *carm_ : shown ? shown->picture.carm : CArm{};
+    ui_.text(carm_ ? tint::orange : tint::text, "%s", with_degrees(angles_text(carm)).c_str());
+    ui_.small_text(tint::dim, carm_ ? "an angle of your own" : "as in the session");
+    const float width = place.width / ui_.px(1.0f) - 18.0f, quarter = (width - 18.0f) / 4.0f,
+                third = (width - 12.0f) / 3.0f;
+    const auto row = [&](std::initializer_list<ControlId> ids, float each) {
+        bool is_first = true;
+        for (ControlId id : ids) {
+            if (!is_first) ImGui::SameLine();
+            is_first = false;
+            ui_.button(id, nullptr, each);
+        }
+    };
+    using enum ControlId;
+    row({rao, lao, cranial, caudal}, quarter);
+    row({view_ap, view_lateral, view_spider}, third);
+    row({view_arch, view_rca_lao, view_lao_cranial}, third);
+    row({table_head, table_feet}, (width - 6.0f) / 2.0f);
+    row({table_right, table_left}, (width - 6.0f) / 2.0f);
+    row({field_smaller, field_larger}, (width - 6.0f) / 2.0f);
+    if (ui_.plain_button("as recorded", "Angle of the session", -1.0f)) carm_.reset();
+    ImGui::Dummy({1.0f, ui_.px(8.0f)});
+    if (shown) {
+        const std::vector<Instrument> &tools = thread_.room().tools();
+        for (std::size_t k = 0; k < tools.size() && k < shown->picture.frame.tools.size(); ++k) {
+            const ToolReading &reading = shown->picture.frame.tools[k];
+            ui_.text(tint::text, "%zu  %s", k + 1, tools[k].name.c_str());
+            ui_.small_text(tint::dim, "%.0f mm  %+.0f\u00b0  %.2f N  %.1f mNm",
+                           rounded_to(reading.inserted_m * 1e3, 1.0), rounded_to(reading.turned_deg, 1.0),
+                           rounded_to(reading.axial_N, 100.0), rounded_to(reading.torque_N_m * 1e3, 10.0));
+        }
+        if (!shown->picture.is_prepared)
+            ui_.small_text(tint::orange, "Medium and stents are being prepared: %.0f %%",
+                           100.0 * thread_.room().prepared() / std::max(thread_.room().ticks(), 1u));
+    }
+    ImGui::SetCursorScreenPos({place.x + ui_.px(9.0f), place.y + place.height - ui_.px(36.0f)});
+    ui_.button(end, "Back (Esc)", -1.0f);
+    ui_.end_panel();
+}
+
+void ReplayPage::draw_scrub(const UiRect &place)
+{
+    ui_.begin_panel("scrub panel", place, "");
+    const double ticks = std::max(thread_.room().ticks(), 1u);
+    ImGui::SetCursorScreenPos({place.x + ui_.px(12.0f), place.y + ui_.px(10.0f)});
+    if (ui_.plain_button("play", is_playing_ ? "Pause" : "Play", 90.0f, "Key: Space")) toggle_play();
+    ImGui::SameLine();
+    if (ui_.plain_button("back 1 s", "- 1 s", 64.0f, "Key: Left")) jump(-1.0);
+    ImGui::SameLine();
+    if (ui_.plain_button("on 1 s", "+ 1 s", 64.0f, "Key: Right")) jump(1.0);
+    ImGui::SameLine();
+    ui_.text(tint::text, "   %s of %s", session_clock(tick_ * 1e-3).c_str(),
+             session_clock(ticks * 1e-3).c_str());
+    ImGui::SameLine();
+    ui_.small_text(tint::yellow, "     fluoroscopy");
+    ImGui::SameLine();
+    ui_.small_text(tint::orange, "runs");
+    ImGui::SameLine();
+    ui_.small_text(tint::sky, "injections");
+    const float x = place.x + ui_.px(14.0f), y = place.y + ui_.px(52.0f), width = place.width - ui_.px(28.0f),
+                height = ui_.px(28.0f);
+    ImDrawList *draw = ImGui::GetWindowDrawList();
+    const auto x_of = [&](double tick) { return x + width * static_cast<float>(tick / ticks); };
+    draw->AddRectFilled({x, y}, {x + width, y + height}, tint::background, ui_.px(4.0f));
+    for (const ReplayMark &mark : marks_) {
+        const float lane = static_cast<float>(mark.kind) * height / 3.0f;
+        draw->AddRectFilled(
+            {x_of(mark.begin), y + lane + 1.0f},
+            {std::max(x_of(mark.end), x_of(mark.begin) + 2.0f), y + lane + height / 3.0f - 1.0f},
+            colour_of(mark.kind));
+    }
+    draw->AddLine({x_of(tick_), y - ui_.px(5.0f)}, {x_of(tick_), y + height + ui_.px(5.0f)}, tint::text,
+                  ui_.px(3.0f));
+    ImGui::SetCursorScreenPos({x, y});
+    ImGui::InvisibleButton("scrub", {width, height});
+    ui_.note_last_item("scrub");
+    if (ImGui::IsItemActive())
+        tick_ = std::clamp<double>((ImGui::GetIO().MousePos.x - x) / width, 0.0, 1.0) * ticks;
+    ui_.tooltip("Click or drag: shows this moment.");
+    ui_.end_panel();
+}
+
+} // namespace crn

@@ -1,0 +1,108 @@
+#include "host/suite/session_host.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/terminal.hpp"
+#include "host/report/session_summary.hpp"
+#include <cstdio>
+#include <filesystem>
+
+namespace crn
+{
+namespace
+{
+
+// "live.rec", "live.2.rec", ...
+std::string numbered(const std::string &wanted, int number)
+{
+    if (wanted.empty() || number == 1) return wanted;
+    std::filesystem::path path(wanted);
+    const std::string extension = path.extension().string();
+    path.replace_extension(std::to_string(number) + extension);
+    return path.string();
+}
+
+// Returns the folder for the DICOM files of a session. The first session uses "runs"; a later session uses
+// the first folder of "runs.2", "runs.3", ... that holds no files yet.
+std::string export_folder(DicomSettings settings, int number)
+{
+    const std::string wanted = settings.folder;
+    if (wanted.empty() || number == 1) return wanted;
+    for (;; ++number) {
+        settings.folder = wanted.substr(0, wanted.find_last_not_of('/') + 1) + "." + std::to_string(number);
+        try {
+            check_dicom_settings(settings);
+            return settings.folder;
+        } catch (const UsageError &) { // in use: try the next
+        }
+    }
+}
+
+} // namespace
+
+SessionHost::SessionHost(WindowOptions options, GlOpener window_context)
+    : options_(std::move(options)), window_context_(std::move(window_context)),
+      scene_(read_scene(options_.scene)), tools_(read_tools(options_.instrument, options_.tools)),
+      entry_(entry_with(scene_, tools_.size(), options_.inserted_mm))
+{
+    choice_ = options_.free_run ? free_run_device(options_.device, options_.motors, options_.yes)
+                                : parse_device(options_.device);
+}
+
+void SessionHost::begin()
+{
+    PictureSettings pictures = options_.pictures;
+    pictures.window_context = window_context_;
+    ++number_;
+    take_stents(pictures, options_.stents, tools_);
+    std::vector<RoomCommand> commands = entry_commands(scene_);
+    if (!pictures.stents.empty()) commands.push_back(first_stent);
+    pictures.dicom.folder = export_folder(pictures.dicom, number_);
+    recording_ = numbered(options_.record, number_);
+    // Files and tests must contain the picture of every pulse.
+    const bool is_counted = options_.frames > 0;
+    const bool keeps_all = is_counted || !pictures.dicom.folder.empty();
+    physics_ =
+        std::make_unique<PhysicsThread>(std::make_unique<LiveSession>(scene_, tools_, entry_, recording_,
+                                                                      pictures, commands, choice_, keeps_all),
+                                        is_counted ? PhysicsPace::counted : PhysicsPace::real_time);
+    is_fault_told_ = false;
+}
+
+void SessionHost::tell_fault()
+{
+    const std::shared_ptr<const SuiteState> state = physics_->state();
+    if (is_fault_told_ || state->fault.empty()) return;
+    is_fault_told_ = true;
+    if (state->has_left_range) return; // end() tells it with its place
+    say(stderr, "cournand: the session ended by a fault: %s\n", state->fault.c_str());
+}
+
+int SessionHost::end()
+{
+    const std::unique_ptr<PhysicsThread> physics = std::move(physics_);
+    const std::unique_ptr<LiveSession> session = physics->stop();
+    session->finish();
+    const SceneAnatomy &anatomy = session->anatomy();
+    RunResult result = session->result(TipPlaces(anatomy.bodies.vessels, anatomy.motion));
+    name_range_branch(result.figures.range, options_.pictures.bodies_path);
+    print_session(result, tools_, session->patient());
+    write_session_files({numbered(options_.json, number_), numbered(options_.score, number_), ""}, result,
+                        options_.scene, tools_, "live", session->patient(),
+                        &session->pictures().pictures().screen());
+    print_files(session->files());
+    if (!recording_.empty()) print_files({recording_});
+    debrief_ = {report_of(result, options_.scene, tools_, "live", session->patient()),
+                {},
+                recording_,
+                "",
+                session->fault(),
+                session->files()};
+    debrief_.score = score_of(debrief_.report);
+    if (!recording_.empty()) debrief_.files.push_back(recording_);
+    was_interrupted_ = is_interrupted() || session->was_stopped();
+    if (session->range().is_left()) return exit_of_range(session->range());
+    if (!is_fault_told_ && !session->fault().empty())
+        say(stderr, "cournand: the session ended by a fault: %s\n", session->fault().c_str());
+    return session->fault().empty() ? 0 : 1;
+}
+
+} // namespace crn

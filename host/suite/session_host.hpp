@@ -1,0 +1,52 @@
+// Begins and ends the live sessions of the window: reads the files that the options name, numbers the files
+// of later sessions, and writes the report of each session.
+#pragma once
+#include "host/command/cli.hpp"
+#include "host/live/physics_thread.hpp"
+#include "host/suite/pages.hpp"
+#include <memory>
+#include <string>
+
+namespace crn
+{
+
+class SessionHost
+{
+  public:
+    // `window_context` opens the OpenGL context of the X-ray (--xray opengl). Throws what the readers of the
+    // files throw.
+    SessionHost(WindowOptions options, GlOpener window_context);
+
+    // Begins a session; the one before must have ended. Throws what LiveSession throws.
+    void begin();
+    // Ends the session, prints its figures and writes its files. Returns the program's exit code for it: 0, 1
+    // or 3 (physics out of range).
+    int end();
+    PhysicsThread &physics() const { return *physics_; }
+    bool is_running() const { return physics_ != nullptr; }
+    // Prints the fault of the session once, when there is one.
+    void tell_fault();
+
+    const std::vector<Instrument> &tools() const { return tools_; }
+    const SceneFile &scene() const { return scene_; }
+    const WindowOptions &options() const { return options_; }
+    // Returns the report, the score and the files of the session that ended last.
+    const Debrief &debrief() const { return debrief_; }
+    const std::string &recording() const { return recording_; } // of the last session; empty: none
+    bool was_interrupted() const { return was_interrupted_; }
+
+  private:
+    WindowOptions options_;
+    GlOpener window_context_;
+    SceneFile scene_;
+    std::vector<Instrument> tools_;
+    crn_wire_entry entry_;
+    DeviceChoice choice_;
+    std::unique_ptr<PhysicsThread> physics_;
+    std::string recording_;
+    int number_ = 0;
+    bool is_fault_told_ = false, was_interrupted_ = false;
+    Debrief debrief_;
+};
+
+} // namespace crn

@@ -1,0 +1,407 @@
+#include "host/suite/suite_app.hpp"
+#include "host/base/format.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/pending_file.hpp"
+#include "host/command/names.hpp"
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+namespace crn
+{
+namespace
+{
+
+constexpr double screens_per_s = 60.0;
+// The window draws at most 60 times a second, and leaves the processors to physics and X-ray: a screen that
+// takes d to draw is followed by a pause of at least 1.5 d.
+constexpr double pause_share = 1.5, pause_max_s = 0.12;
+constexpr double look_s = 5e-3; // between looks for a new picture during that pause
+constexpr auto step_memory = std::chrono::milliseconds(400);
+
+std::string title_of(const WindowOptions &options)
+{
+    return options.scene.empty() ? "free space" : std::filesystem::path(options.scene).stem().string();
+}
+
+} // namespace
+
+SuiteApp::SuiteApp(const WindowOptions &options)
+    : options_(options), window_("Cournand", {options.window_width, options.window_height}, options.font),
+      ui_(window_), begins_at_start_(options.opens_start), shows_help_(options.shows_help)
+{
+    window_.on_key([this](int key, int action, int modifiers) {
+        last_input_ = SuiteClock::now();
+        if (is_in_session() || page_ == Page::replay) input_->key(key, action, modifiers);
+        if (!is_in_session() && action != GLFW_RELEASE) take_page_key(key);
+    });
+    window_.on_focus_lost([this] {
+        if (input_) input_->release_all();
+    });
+    // The X-ray's context is made here, because only this thread may make windows.
+    if (options.pictures.xray == "opengl") window_.context();
+    if (!options.replays.empty())
+        open_replay(options.replays);
+    else if (options.opens_start)
+        go_on(Page::start);
+    else
+        open_session(options_);
+}
+
+void SuiteApp::go_on(Page page)
+{
+    page_ = page;
+    if (page != Page::replay) replay_.reset();
+    if (page == Page::start) {
+        cards_ = practice_cards(options_);
+        kept_ = kept_recordings(9);
+    }
+    if (page == Page::rig) rigs_ = rig_rows();
+}
+
+void SuiteApp::open_session(const WindowOptions &options)
+{
+    WindowOptions chosen = options;
+    chosen.pictures.scene_path = chosen.scene;
+    if (chosen.pictures.bodies_path.empty()) chosen.pictures.bodies_path = bodies_beside(chosen.scene);
+    if (begins_at_start_ && chosen.keeps_recording) chosen.record = kept_recording();
+    host_.emplace(chosen, [this] { return window_.context(); });
+    input_.emplace(host_->tools().size());
+    if (chosen.starts_with_fluoro) input_->latch_pedal();
+    ui_.serve(*input_);
+    screen_.emplace(ui_);
+    begin_session();
+    page_ = Page::suite;
+}
+
+void SuiteApp::begin_session()
+{
+    host_->begin();
+    input_->begin_session();
+    screen_->forget_toasts();
+    reference_run_ = 0;
+    wants_end_ = wants_restart_ = false;
+}
+
+void SuiteApp::end_session()
+{
+    code_ = std::max(code_, host_->end());
+}
+
+void SuiteApp::open_replay(const std::string &recording)
+{
+    before_replay_ = page_;
+    input_.emplace(1);
+    ui_.serve(*input_);
+    replay_ = std::make_unique<ReplayPage>(ui_, recording, options_.pictures);
+    page_ = Page::replay;
+}
+
+int SuiteApp::run()
+{
+    for (int frame = 0; options_.frames == 0 || frame < options_.frames; ++frame) {
+        const auto begin = SuiteClock::now();
+        window_.poll(0.0);
+        GamepadState pad;
+        if (is_in_session()) gamepad_.take(read_gamepad(pad) ? &pad : nullptr, *input_);
+        pass_input();
+        if (!show_screen(frame)) break;
+        if (options_.frames == 0) keep_rate(begin);
+    }
+    return finish();
+}
+
+// Shows one screen. Returns false if the program must end.
+bool SuiteApp::show_screen(int frame)
+{
+    if (window_.wants_close() || is_interrupted() || wants_quit_) return false;
+    if (is_in_session() && wants_end_) {
+        if (!begins_at_start_) return false;
+        end_session();
+        go_on(Page::debrief);
+    }
+    if (is_in_session() && wants_restart_) {
+        end_session();
+        begin_session();
+    }
+    if (!is_in_session()) {
+        show_page();
+        return true;
+    }
+    if (options_.frames > 0) {
+        const auto due = static_cast<std::uint32_t>((frame + 1) / screens_per_s * 1e3);
+        host_->physics().run_ticks(due - counted_ticks_);
+        counted_ticks_ = due;
+    }
+    host_->physics().check();
+    host_->tell_fault();
+    show_suite();
+    return true;
+}
+
+int SuiteApp::finish()
+{
+    std::string error;
+    if (!options_.screenshot.empty() && !write_png(options_.screenshot, window_.read_back(), error))
+        throw std::runtime_error(error);
+    if (!options_.timing.empty()) timing_.write(options_.timing);
+    if (host_ && host_->is_running()) end_session();
+    if (!is_interrupted() && !(host_ && host_->was_interrupted())) return code_;
+    std::fprintf(stderr, "cournand: interrupted; what was written up to here is complete\n");
+    return std::max(code_, 1);
+}
+
+void SuiteApp::show_suite()
+{
+    PhysicsThread &physics = host_->physics();
+    SuiteView view;
+    view.state = physics.state();
+    view.live = physics.live();
+    view.reference = physics.reference();
+    view.tools = &host_->tools();
+    view.title = title_of(host_->options());
+    view.shows_help = shows_help_;
+    view.is_pixel_by_pixel = is_pixel_by_pixel_;
+    view.is_measured = options_.frames == 0;
+    window_.begin_frame();
+    ui_.begin_screen();
+    const SuiteActions actions = screen_->draw(view);
+    window_.end_frame();
+    shown_number_ = view.live ? view.live->number : 0;
+    timing_.take(*view.state, view.live.get());
+    for (const DeviceDrag &drag : actions.drags)
+        physics.ask([drag, when = SuiteClock::now()](LiveSession &live) {
+            live.drag(drag.tool, drag.push_um, drag.turn_counts);
+            live.note_input(when);
+        });
+    for (const RoomCommand &command : actions.commands)
+        physics.ask([command](LiveSession &live) { live.command(command); });
+    write_layout();
+}
+
+// Shows a screen without a session.
+void SuiteApp::show_page()
+{
+    PageChoice choice;
+    window_.begin_frame();
+    ui_.begin_screen();
+    if (page_ == Page::start)
+        choice = draw_start(ui_, cards_, kept_, trouble_);
+    else if (page_ == Page::debrief)
+        choice = draw_debrief(ui_, host_->debrief());
+    else if (page_ == Page::rig)
+        choice = draw_rig(ui_, rigs_, options_.device);
+    else
+        replay_->draw();
+    window_.end_frame();
+    write_layout();
+    follow(choice);
+}
+
+// A card or a recording that cannot be opened leaves the screen where it is, and says why.
+void SuiteApp::follow(const PageChoice &choice)
+{
+    try {
+        switch (choice.kind) {
+        case PageChoice::Kind::begin:
+            if (choice.card < cards_.size() && cards_[choice.card].trouble.empty())
+                open_session(cards_[choice.card].options);
+            break;
+        case PageChoice::Kind::again:
+            open_session(host_->options());
+            break;
+        case PageChoice::Kind::replay:
+            if (!choice.recording.empty()) open_replay(choice.recording);
+            break;
+        case PageChoice::Kind::start:
+            go_on(Page::start);
+            break;
+        case PageChoice::Kind::rig:
+            go_on(Page::rig);
+            break;
+        case PageChoice::Kind::quit:
+            wants_quit_ = true;
+            break;
+        case PageChoice::Kind::none:
+            return;
+        }
+        trouble_.clear();
+    } catch (const std::exception &error) {
+        trouble_ = error.what();
+        if (page_ != Page::start && begins_at_start_) go_on(Page::start);
+    }
+}
+
+// Keys of the screens without a session: numbers choose, Esc goes back.
+void SuiteApp::take_page_key(int key)
+{
+    PageChoice choice;
+    if (page_ == Page::replay) {
+        if (key == GLFW_KEY_SPACE) replay_->toggle_play();
+        if (key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT) replay_->jump(key == GLFW_KEY_LEFT ? -1.0 : 1.0);
+        return;
+    }
+    const bool is_number = key >= GLFW_KEY_1 && key <= GLFW_KEY_9;
+    const auto number = static_cast<std::size_t>(key - GLFW_KEY_1);
+    if (key == GLFW_KEY_ESCAPE)
+        choice.kind = page_ == Page::start ? PageChoice::Kind::quit : PageChoice::Kind::start;
+    else if (is_number && page_ == Page::start)
+        choice = {PageChoice::Kind::begin, number, ""};
+    else if (is_number && page_ == Page::debrief && number == 0)
+        choice = {PageChoice::Kind::replay, 0, host_->debrief().recording};
+    else if (is_number && page_ == Page::debrief && number == 1)
+        choice.kind = PageChoice::Kind::again;
+    follow(choice);
+}
+
+// Returns true if the live monitor has a picture that no screen has shown.
+bool SuiteApp::is_picture_new() const
+{
+    if (!is_in_session()) return false;
+    const std::shared_ptr<const MonitorPicture> live = host_->physics().live();
+    return live && live->number != shown_number_;
+}
+
+// Waits until the next screen is due: a new picture is shown at once. Input is passed on at once, so its
+// delay does not depend on the rate of the screens.
+void SuiteApp::keep_rate(SuiteClock::time_point begin)
+{
+    using Seconds = std::chrono::duration<double>;
+    const double drawn_s = Seconds(SuiteClock::now() - begin).count();
+    const double pause_s =
+        std::min(std::max(1.0 / screens_per_s - drawn_s, pause_share * drawn_s), pause_max_s);
+    const auto due = SuiteClock::now() + std::chrono::duration_cast<SuiteClock::duration>(Seconds(pause_s));
+    for (;;) {
+        const double left_s = Seconds(due - SuiteClock::now()).count();
+        if (left_s <= 0.0 || is_picture_new()) return;
+        window_.poll(std::clamp(left_s, 1e-3, look_s));
+        pass_input();
+    }
+}
+
+void SuiteApp::pass_input()
+{
+    if (!input_) return;
+    const UserWishes wishes = input_->take();
+    if (page_ == Page::replay)
+        for (ControlId id : wishes.actions) replay_->act(id);
+    else if (is_in_session() && wishes.is_any())
+        pass(wishes);
+    act_own();
+}
+
+void SuiteApp::pass(const UserWishes &wishes)
+{
+    PhysicsThread &physics = host_->physics();
+    for (ControlId id : wishes.actions) act(id);
+    physics.ask([wishes, when = last_input_](LiveSession &live) {
+        for (const RoomCommand &command : wishes.commands) live.command(command);
+        for (const crn_wire_order &order : wishes.orders) live.order(order);
+        if (wishes.inflation_kPa_per_s) live.inflate(*wishes.inflation_kPa_per_s);
+        if (wishes.hands.empty()) return;
+        live.lead(wishes.hands);
+        live.note_input(when);
+    });
+}
+
+// A step of a frame or of the mask starts from what the screen shows. The screen may not yet show the step
+// before, so the steps of the last moments are remembered here.
+RoomStatus SuiteApp::predicted(ControlId id)
+{
+    const std::shared_ptr<const MonitorPicture> live = host_->physics().live();
+    RoomStatus status = live ? live->status : RoomStatus{};
+    const bool is_frame = id == ControlId::frame_back || id == ControlId::frame_on;
+    const bool is_shift = id >= ControlId::mask_right && id <= ControlId::mask_down;
+    if (!is_frame && !is_shift) return status;
+    if (SuiteClock::now() - stepped_at_ < step_memory && stepped_.run == status.run) {
+        status.frame = stepped_.frame;
+        status.shift_right_px = stepped_.shift_right_px;
+        status.shift_up_px = stepped_.shift_up_px;
+    }
+    stepped_ = status;
+    stepped_at_ = SuiteClock::now();
+    for (const RoomCommand &command : commands_of(id, host_->physics().state()->room, status)) {
+        if (command.action == RoomAction::review) stepped_.frame = command.values[2];
+        if (command.action != RoomAction::shift) continue;
+        stepped_.shift_right_px = command.values[0] * 0.01;
+        stepped_.shift_up_px = command.values[1] * 0.01;
+    }
+    return status;
+}
+
+void SuiteApp::act(ControlId id)
+{
+    host_->physics().ask([id, status = predicted(id)](LiveSession &live) {
+        for (const RoomCommand &command : commands_of(id, live.patient().room(), status))
+            live.command(command);
+    });
+}
+
+void SuiteApp::act_own()
+{
+    for (ControlId id : input_->take_own()) {
+        if (page_ == Page::replay && id == ControlId::end) {
+            if (!options_.replays.empty())
+                wants_quit_ = true;
+            else
+                go_on(before_replay_);
+            return;
+        }
+        if (!is_in_session()) continue;
+        switch (id) {
+        case ControlId::help:
+            shows_help_ = !shows_help_;
+            break;
+        case ControlId::pixels:
+            is_pixel_by_pixel_ = !is_pixel_by_pixel_;
+            break;
+        case ControlId::to_reference:
+            host_->physics().show_reference({ReferenceChoice::Kind::copy});
+            break;
+        case ControlId::reference_run:
+            next_reference();
+            break;
+        case ControlId::reference_off:
+            host_->physics().show_reference({});
+            break;
+        case ControlId::restart:
+            wants_restart_ = true;
+            break;
+        case ControlId::end:
+            wants_end_ = true;
+            break;
+        default:
+            break;
+        }
+    }
+}
+
+// Shows the stored run after the one that is shown; after the last comes the first.
+void SuiteApp::next_reference()
+{
+    const std::vector<RoomRun> &runs = host_->physics().state()->room.runs();
+    if (runs.empty()) return;
+    const auto next = std::find_if(runs.begin(), runs.end(),
+                                   [&](const RoomRun &run) { return run.number > reference_run_; });
+    reference_run_ = (next == runs.end() ? runs.front() : *next).number;
+    host_->physics().show_reference({ReferenceChoice::Kind::loop, reference_run_});
+}
+
+// Writes where the controls are, for tests that press them, whenever that has changed.
+void SuiteApp::write_layout()
+{
+    if (options_.layout.empty()) return;
+    std::string text;
+    for (const PlacedControl &control : ui_.placed()) {
+        text += formatted("%s\t%.0f\t%.0f\t%.0f\t%.0f\n", control.name.c_str(), control.place.x,
+                          control.place.y, control.place.width, control.place.height);
+    }
+    if (text == layout_) return;
+    layout_ = text;
+    write_whole_file(options_.layout, text);
+}
+
+} // namespace crn

@@ -1,0 +1,75 @@
+// Runs the window: shows its screens, hands the user's actions to the session, and keeps the window's rate.
+#pragma once
+#include "host/suite/gamepad.hpp"
+#include "host/suite/pages.hpp"
+#include "host/suite/replay_page.hpp"
+#include "host/suite/session_host.hpp"
+#include "host/suite/suite_screen.hpp"
+#include "host/suite/suite_timing.hpp"
+#include "host/suite/suite_window.hpp"
+#include "host/suite/ui.hpp"
+#include <memory>
+#include <optional>
+
+namespace crn
+{
+
+class SuiteApp
+{
+  public:
+    explicit SuiteApp(const WindowOptions &options);
+    // Shows the window until the user ends it. Returns the program's exit code.
+    int run();
+
+  private:
+    enum class Page { start, suite, debrief, replay, rig };
+
+    void go_on(Page page);
+    void open_session(const WindowOptions &options);
+    void begin_session();
+    void end_session();
+    void open_replay(const std::string &recording);
+    bool show_screen(int frame);
+    void show_suite();
+    void show_page();
+    void follow(const PageChoice &choice);
+    void take_page_key(int key);
+    void pass_input();
+    void pass(const UserWishes &wishes);
+    void act(ControlId id);
+    void act_own();
+    void next_reference();
+    RoomStatus predicted(ControlId id);
+    bool is_picture_new() const;
+    void keep_rate(SuiteClock::time_point begin);
+    void write_layout();
+    int finish();
+    bool is_in_session() const { return page_ == Page::suite; }
+
+    const WindowOptions options_;
+    SuiteWindow window_;
+    Ui ui_;
+    Page page_ = Page::start;
+    bool begins_at_start_;
+    std::vector<CaseCard> cards_;
+    std::vector<KeptRecording> kept_;
+    std::vector<RigRow> rigs_;
+    std::string trouble_;
+    std::optional<SessionHost> host_;
+    std::optional<UserInput> input_;
+    std::optional<SuiteScreen> screen_;
+    std::unique_ptr<ReplayPage> replay_;
+    Page before_replay_ = Page::start;
+    Gamepad gamepad_;
+    SuiteTiming timing_;
+    bool shows_help_, is_pixel_by_pixel_ = false, wants_end_ = false, wants_restart_ = false,
+                      wants_quit_ = false;
+    int reference_run_ = 0, code_ = 0;
+    std::uint32_t counted_ticks_ = 0;
+    std::uint64_t shown_number_ = 0; // of the live picture on the screen
+    SuiteClock::time_point last_input_{}, stepped_at_{};
+    RoomStatus stepped_; // expected on the screen after the last step of a frame or of the mask
+    std::string layout_;
+};
+
+} // namespace crn

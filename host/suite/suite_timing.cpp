@@ -1,0 +1,65 @@
+#include "host/suite/suite_timing.hpp"
+#include "host/base/pending_file.hpp"
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace crn
+{
+namespace
+{
+
+// Returns the value below which this share of the values lies; null if there are none.
+nlohmann::ordered_json quantile(std::vector<double> values, double share)
+{
+    if (values.empty()) return nullptr;
+    std::sort(values.begin(), values.end());
+    return values[std::min(values.size() - 1,
+                           static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+}
+
+} // namespace
+
+// The delay of an input ends with the first screen that shows a pulse which came after the input.
+void SuiteTiming::take(const SuiteState &state, const MonitorPicture *live)
+{
+    const auto now = SuiteClock::now();
+    ++screens_;
+    last_ = now;
+    pace_ = state.pace;
+    if (!live || live->pulses == pulses_) return;
+    if (!has_pulses_) {
+        has_pulses_ = true;
+        first_pulse_ = now;
+        first_pulses_ = live->pulses;
+    }
+    pulses_ = live->pulses;
+    left_out_ = live->pulses_left_out;
+    last_pulse_ = now;
+    if (live->asked == SuiteClock::time_point{} || live->asked == asked_) return;
+    asked_ = live->asked;
+    delays_ms_.push_back(std::chrono::duration<double, std::milli>(now - asked_).count());
+}
+
+void SuiteTiming::write(const std::string &path) const
+{
+    using Seconds = std::chrono::duration<double>;
+    const double pulse_s = Seconds(last_pulse_ - first_pulse_).count();
+    nlohmann::ordered_json json;
+    json["seconds"] = Seconds(last_ - begin_).count();
+    json["ticks"] = pace_.ticks;
+    json["late_ticks"] = pace_.late_ticks;
+    json["tick_late_pct"] =
+        pace_.ticks > 0 ? 100.0 * static_cast<double>(pace_.late_ticks) / static_cast<double>(pace_.ticks)
+                        : 0.0;
+    json["lost_s"] = pace_.lost_s;
+    json["pictures"] = pulses_;
+    json["pictures_left_out"] = left_out_;
+    json["pictures_per_s"] = pulse_s > 0.0 ? static_cast<double>(pulses_ - first_pulses_) / pulse_s : 0.0;
+    json["screens_per_s"] = static_cast<double>(screens_) / std::max(Seconds(last_ - begin_).count(), 1e-3);
+    json["hand_to_picture"] = {{"inputs", delays_ms_.size()},
+                               {"p50_ms", quantile(delays_ms_, 0.5)},
+                               {"p95_ms", quantile(delays_ms_, 0.95)}};
+    write_whole_file(path, json.dump(2) + "\n");
+}
+
+} // namespace crn

@@ -1,0 +1,316 @@
+#include "host/suite/suite_window.hpp"
+#include <imgui.h>
+#include <imgui_freetype.h>
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+namespace crn
+{
+namespace
+{
+
+constexpr float layout_width = 1600.0f, layout_height = 900.0f, scale_min = 0.8f;
+constexpr float text_units = 15.0f, small_units = 12.5f, bold_units = 17.0f, large_units = 27.0f;
+
+std::string glfw_reason()
+{
+    const char *text = nullptr;
+    glfwGetError(&text);
+    return text ? text : "no reason given";
+}
+
+// The X-ray's own context, in a window that is never shown.
+class HiddenContext final : public GlContext
+{
+  public:
+    explicit HiddenContext(GLFWwindow *window) : window_(window) {}
+    void enter() override { glfwMakeContextCurrent(window_); }
+    void leave() override { glfwMakeContextCurrent(nullptr); }
+    GlFunction function(const char *name) const override { return glfwGetProcAddress(name); }
+    std::string origin() const override { return "the window (GLFW)"; }
+
+  private:
+    GLFWwindow *window_;
+};
+
+// The window's own context, which is current in its thread all the time.
+class ShownContext final : public GlContext
+{
+  public:
+    void enter() override {}
+    void leave() override {}
+    GlFunction function(const char *name) const override { return glfwGetProcAddress(name); }
+    std::string origin() const override { return "the window (GLFW)"; }
+};
+
+struct FontFiles {
+    const char *text, *bold;
+};
+// DejaVu has every sign that the suite writes, and nearly every Debian desktop has it already.
+constexpr FontFiles font_files[] = {
+    {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+     "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf"},
+    {"/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans-Bold.ttf"},
+    {"/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+     "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans-Bold.ttf"},
+    {"/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+     "/usr/share/fonts/truetype/liberation/LiberationSans-Bold.ttf"}};
+
+FontFiles installed_font()
+{
+    std::error_code ignored;
+    for (const FontFiles &files : font_files)
+        if (std::filesystem::exists(files.text, ignored) && std::filesystem::exists(files.bold, ignored))
+            return files;
+    throw std::runtime_error(
+        "window: no font; install fonts-dejavu-core (Debian), or name a file with --font");
+}
+
+void set_style(float scale)
+{
+    ImGuiStyle style;
+    ImGui::StyleColorsDark(&style);
+    style.WindowRounding = 0.0f;
+    style.FrameRounding = 4.0f;
+    style.GrabRounding = 4.0f;
+    style.PopupRounding = 4.0f;
+    style.ScrollbarSize = 12.0f;
+    style.WindowPadding = {9.0f, 7.0f};
+    style.FramePadding = {7.0f, 4.0f};
+    style.ItemSpacing = {6.0f, 5.0f};
+    style.WindowBorderSize = 0.0f;
+    const ImVec4 panel(0.118f, 0.141f, 0.169f, 1.0f), raised(0.175f, 0.208f, 0.247f, 1.0f),
+        bright(0.235f, 0.286f, 0.345f, 1.0f);
+    style.Colors[ImGuiCol_WindowBg] = panel;
+    style.Colors[ImGuiCol_ChildBg] = panel;
+    style.Colors[ImGuiCol_PopupBg] = ImVec4(0.078f, 0.094f, 0.114f, 0.98f);
+    style.Colors[ImGuiCol_Text] = ImVec4(0.91f, 0.93f, 0.94f, 1.0f);
+    style.Colors[ImGuiCol_TextDisabled] = ImVec4(0.604f, 0.643f, 0.682f, 1.0f);
+    style.Colors[ImGuiCol_Button] = raised;
+    style.Colors[ImGuiCol_ButtonHovered] = bright;
+    style.Colors[ImGuiCol_ButtonActive] = ImVec4(0.30f, 0.42f, 0.53f, 1.0f);
+    style.Colors[ImGuiCol_FrameBg] = raised;
+    style.Colors[ImGuiCol_FrameBgHovered] = bright;
+    style.Colors[ImGuiCol_SliderGrab] = ImVec4(0.337f, 0.706f, 0.914f, 1.0f);
+    style.Colors[ImGuiCol_SliderGrabActive] = ImVec4(0.902f, 0.624f, 0.0f, 1.0f);
+    style.Colors[ImGuiCol_Separator] = bright;
+    style.Colors[ImGuiCol_PlotHistogram] = ImVec4(0.337f, 0.706f, 0.914f, 1.0f);
+    style.ScaleAllSizes(scale);
+    ImGui::GetStyle() = style;
+}
+
+} // namespace
+
+SuiteWindow::SuiteWindow(const std::string &title, WindowSize size, const std::string &font)
+{
+    font_file_ = font;
+    bold_file_ = font;
+    if (font.empty()) {
+        const FontFiles files = installed_font();
+        font_file_ = files.text;
+        bold_file_ = files.bold;
+    } else if (std::error_code ignored; !std::filesystem::is_regular_file(font, ignored)) {
+        throw std::runtime_error("window: there is no font '" + font + "'; name a TrueType file with --font");
+    }
+    open(title, size);
+    try {
+        gl_ = load_functions(ShownContext());
+        set_up_imgui();
+    } catch (...) {
+        glfwTerminate();
+        throw;
+    }
+}
+
+SuiteWindow::~SuiteWindow()
+{
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    glfwTerminate(); // destroys both windows
+}
+
+void SuiteWindow::open(const std::string &title, WindowSize size)
+{
+    if (!glfwInit())
+        throw std::runtime_error("window: no display (" + glfw_reason() +
+                                 "); set DISPLAY, or make a film with `cournand run --mp4 FILE`");
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+    if (!window_) {
+        const std::string reason = glfw_reason();
+        glfwTerminate();
+        throw std::runtime_error(
+            "window: no OpenGL 3.3 window (" + reason +
+            "); install a graphics driver (Debian: libgl1-mesa-dri), or make a film with "
+            "`cournand run --mp4 FILE`");
+    }
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    glfwSetWindowSizeLimits(window_, 800, 450, GLFW_DONT_CARE, GLFW_DONT_CARE);
+    glfwSetWindowUserPointer(window_, this);
+    glfwSetKeyCallback(window_, [](GLFWwindow *window, int key, int, int action, int modifiers) {
+        auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
+        const bool is_typing = ImGui::GetIO().WantTextInput && action != GLFW_RELEASE;
+        if (self->key_handler_ && !is_typing) self->key_handler_(key, action, modifiers);
+    });
+    glfwSetWindowFocusCallback(window_, [](GLFWwindow *window, int has_focus) {
+        auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
+        if (self->focus_handler_ && !has_focus) self->focus_handler_();
+    });
+}
+
+// ImGui's callbacks call those above. The program keeps its own callback for keys, because this version of
+// ImGui loses a key that is pressed and released between two frames.
+void SuiteWindow::set_up_imgui()
+{
+    ImGui::CreateContext();
+    ImGuiIO &io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.ConfigFlags = ImGuiConfigFlags_None; // keys are controls; they do not walk through buttons
+    io.Fonts->FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
+    if (!ImGui_ImplGlfw_InitForOpenGL(window_, true) || !ImGui_ImplOpenGL3_Init("#version 330 core"))
+        throw std::runtime_error("window: Dear ImGui cannot draw with this OpenGL; install libgl1-mesa-dri");
+    fit();
+}
+
+// Sets the size of everything from the size of the window. Text grows with the window, and stays legible on
+// a dense screen.
+void SuiteWindow::fit()
+{
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    float dense = 1.0f, ignored = 1.0f;
+    glfwGetWindowContentScale(window_, &dense, &ignored);
+    width_ = static_cast<float>(width);
+    height_ = static_cast<float>(height);
+    const float wanted = std::min(width_ / layout_width, height_ / layout_height);
+    const float scale = std::max(wanted, scale_min * std::min(dense, std::max(wanted, 1.0f)));
+    if (width <= 0 || height <= 0 || std::fabs(scale - scale_) < 0.01f) return;
+    scale_ = scale;
+    set_style(scale);
+    build_fonts();
+}
+
+void SuiteWindow::build_fonts()
+{
+    ImGuiIO &io = ImGui::GetIO();
+    io.Fonts->Clear();
+    static constexpr ImWchar ranges[] = {0x20,   0xff,   0x2010, 0x2026, 0x2080, 0x2089,
+                                         0x2190, 0x21ff, 0x25a0, 0x25ff, 0};
+    const auto add = [&](const std::string &file, float units) {
+        ImFont *font =
+            io.Fonts->AddFontFromFileTTF(file.c_str(), std::round(units * scale_), nullptr, ranges);
+        if (!font) throw std::runtime_error("window: '" + file + "' is no font; name another with --font");
+        return font;
+    };
+    fonts_ = {add(font_file_, text_units), add(font_file_, small_units), add(bold_file_, bold_units),
+              add(bold_file_, large_units)};
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    if (!io.Fonts->Build()) throw std::runtime_error("window: '" + font_file_ + "' cannot be drawn");
+}
+
+void SuiteWindow::poll(double seconds)
+{
+    if (seconds > 0.0)
+        glfwWaitEventsTimeout(seconds);
+    else
+        glfwPollEvents();
+}
+
+bool SuiteWindow::wants_close() const
+{
+    return glfwWindowShouldClose(window_) != 0;
+}
+
+void SuiteWindow::begin_frame()
+{
+    fit();
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+}
+
+void SuiteWindow::end_frame()
+{
+    ImGui::Render();
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    gl_.Viewport(0, 0, width, height);
+    gl_.ClearColor(0.063f, 0.078f, 0.094f, 1.0f);
+    gl_.Clear(gl::colour_buffer_bit);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    glfwSwapBuffers(window_);
+}
+
+// Draws the last frame once more, and reads OpenGL's back buffer before it is shown; OpenGL returns the
+// lowest row first.
+Image SuiteWindow::read_back()
+{
+    gl_.Clear(gl::colour_buffer_bit);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    Image image{0, 0, 3, {}};
+    glfwGetFramebufferSize(window_, &image.width, &image.height);
+    const std::size_t row = static_cast<std::size_t>(image.width) * 3;
+    std::vector<std::uint8_t> upward(row * static_cast<std::size_t>(image.height));
+    gl_.PixelStorei(gl::pack_alignment, 1);
+    gl_.ReadBuffer(gl::back);
+    gl_.ReadPixels(0, 0, image.width, image.height, gl::rgb, gl::type_unsigned_byte, upward.data());
+    for (int y = image.height - 1; y >= 0; --y)
+        image.bytes.insert(image.bytes.end(), upward.begin() + static_cast<std::ptrdiff_t>(row) * y,
+                           upward.begin() + static_cast<std::ptrdiff_t>(row) * (y + 1));
+    return image;
+}
+
+void *SuiteWindow::texture(std::size_t slot, int size, const std::vector<std::uint8_t> &grey,
+                           std::uint64_t version, bool is_sharp)
+{
+    if (textures_.size() <= slot) textures_.resize(slot + 1);
+    Texture &texture = textures_[slot];
+    const bool is_new = texture.name == 0;
+    if (is_new) gl_.GenTextures(1, &texture.name);
+    gl_.BindTexture(gl::texture_2d, texture.name);
+    if (is_new || texture.is_sharp != is_sharp) {
+        texture.is_sharp = is_sharp;
+        for (unsigned filter : {gl::min_filter, gl::mag_filter})
+            gl_.TexParameteri(gl::texture_2d, filter, is_sharp ? gl::nearest : gl::linear);
+        for (unsigned wrap : {gl::wrap_s, gl::wrap_t})
+            gl_.TexParameteri(gl::texture_2d, wrap, gl::clamp_to_edge);
+    }
+    if (is_new || texture.version != version || texture.size != size) {
+        rgb_.resize(grey.size() * 3);
+        for (std::size_t i = 0; i < grey.size(); ++i)
+            std::fill_n(rgb_.begin() + 3 * static_cast<std::ptrdiff_t>(i), 3, grey[i]);
+        gl_.PixelStorei(gl::unpack_alignment, 1);
+        gl_.TexImage2D(gl::texture_2d, 0, gl::rgb8, size, size, 0, gl::rgb, gl::type_unsigned_byte,
+                       rgb_.data());
+        texture.version = version;
+        texture.size = size;
+    }
+    return reinterpret_cast<void *>(static_cast<std::uintptr_t>(texture.name));
+}
+
+std::unique_ptr<GlContext> SuiteWindow::context()
+{
+    if (!hidden_) {
+        glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+        hidden_ = glfwCreateWindow(16, 16, "Cournand X-ray", nullptr, nullptr);
+        glfwMakeContextCurrent(window_);
+        if (!hidden_) throw std::runtime_error("window: no second OpenGL context (" + glfw_reason() + ")");
+    }
+    return std::make_unique<HiddenContext>(hidden_);
+}
+
+} // namespace crn

@@ -1,0 +1,83 @@
+// Opens the suite's window with GLFW and draws it with Dear ImGui: fonts, textures for the monitors, and the
+// size of everything. One thread uses the window, the one that made it.
+#pragma once
+#include "host/picture/picture.hpp"
+#include "host/xray/gl/gl_context.hpp"
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+struct GLFWwindow;
+struct ImFont;
+
+namespace crn
+{
+
+struct UiFonts {
+    ImFont *text = nullptr, *small_text = nullptr, *bold = nullptr, *large = nullptr;
+};
+
+struct WindowSize {
+    int width = 1600, height = 900; // pixels of the screen's coordinates
+};
+
+class SuiteWindow
+{
+  public:
+    using KeyHandler = std::function<void(int key, int action, int modifiers)>;
+
+    // `font` names a TrueType file; empty: the installed DejaVu Sans or Liberation Sans. Throws
+    // std::runtime_error if there is no display, no OpenGL 3.3 or no font; the message names the remedy.
+    SuiteWindow(const std::string &title, WindowSize size, const std::string &font);
+    ~SuiteWindow();
+    SuiteWindow(const SuiteWindow &) = delete;
+    SuiteWindow &operator=(const SuiteWindow &) = delete;
+
+    // Keys do not reach the handler while the user types into a text field.
+    void on_key(KeyHandler handler) { key_handler_ = std::move(handler); }
+    void on_focus_lost(std::function<void()> handler) { focus_handler_ = std::move(handler); }
+    // Handles events; waits for the first one up to `seconds`.
+    void poll(double seconds);
+    bool wants_close() const;
+    void begin_frame();
+    void end_frame();  // draws and shows
+    Image read_back(); // the window as last shown
+
+    float scale() const { return scale_; } // pixels per unit of the layout, which is about 1600 x 900 units
+    float width() const { return width_; } // of the window, in pixels
+    float height() const { return height_; }
+    const UiFonts &fonts() const { return fonts_; }
+
+    // Puts a grey picture into texture number `slot`, unless this `version` is already there, and returns the
+    // texture for ImGui. `is_sharp` shows single pixels.
+    void *texture(std::size_t slot, int size, const std::vector<std::uint8_t> &grey, std::uint64_t version,
+                  bool is_sharp);
+    // Returns an OpenGL context for the X-ray code, which another thread may use. The window must outlive it.
+    std::unique_ptr<GlContext> context();
+
+  private:
+    struct Texture {
+        unsigned name = 0;
+        int size = 0;
+        std::uint64_t version = 0;
+        bool is_sharp = false;
+    };
+    void open(const std::string &title, WindowSize size);
+    void set_up_imgui();
+    void fit();
+    void build_fonts();
+
+    GLFWwindow *window_ = nullptr, *hidden_ = nullptr;
+    GlFunctions gl_;
+    KeyHandler key_handler_;
+    std::function<void()> focus_handler_;
+    std::string font_file_, bold_file_;
+    UiFonts fonts_;
+    float scale_ = 0.0f, width_ = 0.0f, height_ = 0.0f;
+    std::vector<Texture> textures_;
+    std::vector<std::uint8_t> rgb_;
+    Image last_;
+};
+
+} // namespace crn

@@ -1,0 +1,129 @@
+#!/usr/bin/env bash
+# Tests the suite as a person uses it, with real events of keys and mouse under a virtual display, and with a gamepad
+# that umockdev plays: from the start screen to a session, its debrief and its replay; drags, buttons and pedals.
+set -u
+. "$(dirname "$0")/../../app/tests/program.sh"
+. "$(dirname "$0")/../../app/tests/display.sh"
+export XDG_STATE_HOME="$work/state" program work
+wire=shared/examples/instruments/amplatz_super_stiff.toml
+size="--width 1280 --height 720 --size 128"
+export wire size
+
+# Where a control is: "x y" of its middle, in the window's pixels.
+place() { awk -F'\t' -v name="$1" '$1 == name {printf "%d %d", $2 + $4 / 2, $3 + $5 / 2}' "$work/layout"; }
+# Waits until the screen has a control.
+shows() {
+    for _ in $(seq 1200); do # 60 s
+        [ -n "$(place "$1" 2>/dev/null)" ] && return 0
+        sleep 0.05
+    done
+    return 1
+}
+window_id() { timeout 10 xdotool search --onlyvisible --name Cournand 2>/dev/null | tail -n 1; }
+move_to() { keys mousemove --window "$(window_id)" $(place "$1"); }
+click() { move_to "$1" && keys click 1; }
+export -f place shows window_id move_to click
+
+# --- start, session, debrief, replay: by keys alone ---
+cat >"$work/start.sh" <<'SH'
+"$program" view --start $size --layout "$work/layout" >"$work/said" 2>&1 &
+window=$!
+shows "card 3" && focus || { stuck; exit 1; }
+keys key 3 # free space
+shows "row 1" || exit 1
+until part=$(ls "$work"/state/cournand/*.rec.part* 2>/dev/null); do
+    kill -0 $window 2>/dev/null || exit 1
+    sleep 0.05
+done
+recording=${part%.part*}
+keys keydown space keydown Up; ticks_pass "$recording" 3 || stuck; keys keyup space keyup Up
+keys key Escape
+shows replay || exit 1     # the debrief's button
+keys key 1
+shows scrub || exit 1
+keys key Right key d
+click scrub
+keys key Escape
+shows again || exit 1      # back in the debrief
+keys key Escape
+shows "card 1" || exit 1
+keys key Escape
+wait $window
+SH
+timeout 300 bash "$work/start.sh" >"$log" 2>&1
+code=$?
+cat "$work/said" >>"$log"
+result $code "two keys lead from the start screen to pictures, and Esc back through debrief, replay and start"
+"$program" replay "$work"/state/cournand/*.rec --verify >"$log" 2>&1 && "$program" info "$work"/state/cournand/*.rec |
+    grep -Eq "commands to the room [1-9]"
+result $? "the session of a card is kept and replays bit for bit"
+
+# --- the mouse ---
+cat >"$work/mouse.sh" <<'SH'
+"$program" view --instrument "$wire" $size --no-help-panel --record "$work/mouse.rec" --json "$work/mouse.json" \
+    --layout "$work/layout" >"$work/said" 2>&1 &
+window=$!
+shows "row 1" && focus && ticks_pass "$work/mouse.rec" 1 || { stuck; exit 1; }
+move_to "row 1"
+keys mousedown 1
+for _ in 1 2 3 4 5 6 7 8 9 10; do keys mousemove_relative 10 0; sleep 0.05; done
+ticks_pass "$work/mouse.rec" 1
+keys mouseup 1
+click LAO; ticks_pass "$work/mouse.rec" 1
+move_to fluoro; keys mousedown 1; ticks_pass "$work/mouse.rec" 3; keys mouseup 1
+move_to "live picture"; keys click 4; ticks_pass "$work/mouse.rec" 2
+keys key Escape
+wait $window
+SH
+timeout 300 bash "$work/mouse.sh" >"$log" 2>&1
+code=$?
+cat "$work/said" >>"$log"
+result $code "a session by mouse ends with exit code 0"
+python3 - "$work/mouse.json" >"$log" 2>&1 <<'PY'
+import json, sys
+report = json.load(open(sys.argv[1]))
+moved_mm = report["tools"][0]["inserted_mm"] - 20
+print(moved_mm, report["room"]["total"])
+# The row was dragged by 100 pixels, which are 125 units of 0.5 mm at this size; the wheel adds 2 mm.
+assert 45 < moved_mm < 75, moved_mm
+assert report["room"]["total"]["pulses"] > 5
+PY
+result $? "a drag of a device's row and the wheel push the device, and a held button is a pedal"
+"$program" replay "$work/mouse.rec" --verify >"$log" 2>&1
+result $? "what the mouse did replays bit for bit"
+
+# --- a gamepad ---
+cat >"$work/pad.sh" <<'SH'
+pad=$work/pad
+host/suite/tests/gamepad.py "$pad"
+umockdev-run --device $pad.umockdev --ioctl /dev/input/event5=$pad.ioctl \
+    --evemu-events /dev/input/event5=$pad.evemu -- \
+    "$program" view --instrument "$wire" $size --no-help-panel --record "$work/pad.rec" --json "$work/pad.json" \
+    >"$work/said" 2>&1 &
+window=$!
+ticks_pass "$work/pad.rec" 4 || { stuck; exit 1; }
+focus && keys key Escape
+wait $window
+SH
+timeout 300 bash "$work/pad.sh" >"$log" 2>&1
+code=$?
+cat "$work/said" >>"$log"
+python3 - "$work/pad.json" >>"$log" 2>&1 <<'PY' && [ $code = 0 ]
+import json, sys
+report = json.load(open(sys.argv[1]))
+print(report["tools"][0]["inserted_mm"], report["room"]["total"])
+assert report["tools"][0]["inserted_mm"] > 30 and report["room"]["total"]["pulses"] > 5
+PY
+result $? "a gamepad's stick pushes the device, and its trigger is the pedal of fluoroscopy"
+"$program" replay "$work/pad.rec" --verify >"$log" 2>&1
+result $? "what the gamepad did replays bit for bit"
+
+# --- what cannot be opened ---
+"$program" view --replay "$work/none.rec" >"$log" 2>&1
+[ $? = 1 ] && grep -q "none.rec" "$log"
+result $? "a replay of a file that does not exist names the file"
+"$program" view --instrument "$wire" --font "$work/none.ttf" --frames 2 --no-record >"$log" 2>&1
+[ $? = 1 ] && grep -q "none.ttf.*--font" "$log"
+result $? "a font that does not exist is named with the remedy"
+echo "1..$number"
+exit $failed

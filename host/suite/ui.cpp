@@ -1,0 +1,116 @@
+#include "host/suite/ui.hpp"
+#include <algorithm>
+#include <cstdarg>
+
+namespace crn
+{
+
+void Ui::begin_panel(const char *name, const UiRect &place, const char *title)
+{
+    ImGui::SetNextWindowPos({place.x, place.y});
+    ImGui::SetNextWindowSize({place.width, place.height});
+    ImGui::Begin(name, nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                     ImGuiWindowFlags_NoScrollWithMouse);
+    if (!title || !*title) return;
+    ImGui::PushFont(fonts().small_text);
+    ImGui::TextDisabled("%s", title);
+    ImGui::PopFont();
+}
+
+void Ui::end_panel()
+{
+    ImGui::End();
+}
+
+void Ui::note_last_item(const std::string &name)
+{
+    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+    note(name, {low.x, low.y, high.x - low.x, high.y - low.y});
+}
+
+std::string Ui::tooltip_of(const Control &control)
+{
+    std::string text(control.what);
+    text.append("\nKey: ").append(control.key_text);
+    if (!control.pad_text.empty()) text.append("    Gamepad: ").append(control.pad_text);
+    return text;
+}
+
+void Ui::tooltip(const std::string &text)
+{
+    if (!ImGui::IsItemHovered()) return;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(px(380.0f));
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
+
+void Ui::button(ControlId id, const char *label, float width, bool is_lit)
+{
+    const Control &found = control(id);
+    const std::string text =
+        std::string(label ? std::string_view(label) : found.name) + "##" + std::string(found.name);
+    if (is_lit) {
+        ImGui::PushStyleColor(ImGuiCol_Button, tint::orange);
+        ImGui::PushStyleColor(ImGuiCol_ButtonHovered, tint::orange);
+        ImGui::PushStyleColor(ImGuiCol_Text, tint::background);
+    }
+    ImGui::Button(text.c_str(), {width > 0.0f ? px(width) : width, px(26.0f)});
+    if (is_lit) ImGui::PopStyleColor(3);
+    if (ImGui::IsItemActivated()) input_->press(id);
+    if (ImGui::IsItemDeactivated()) input_->release(id);
+    note_last_item(std::string(found.name));
+    tooltip(tooltip_of(found));
+}
+
+bool Ui::plain_button(const char *name, const char *label, float width, const char *hint)
+{
+    const bool is_pressed = ImGui::Button((std::string(label) + "##" + name).c_str(),
+                                          {width > 0.0f ? px(width) : width, px(28.0f)});
+    note_last_item(name);
+    if (hint) tooltip(hint);
+    return is_pressed;
+}
+
+void Ui::text(ImU32 colour, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextV(format, arguments);
+    ImGui::PopStyleColor();
+    va_end(arguments);
+}
+
+void Ui::small_text(ImU32 colour, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::PushFont(fonts().small_text);
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextV(format, arguments);
+    ImGui::PopStyleColor();
+    ImGui::PopFont();
+    va_end(arguments);
+}
+
+void Ui::bar(float share, ImU32 colour, const char *label, float width)
+{
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float high = px(14.0f), half = 0.5f * width;
+    ImDrawList *draw = ImGui::GetWindowDrawList();
+    draw->AddRectFilled(at, {at.x + width, at.y + high}, tint::background, px(3.0f));
+    const float end = at.x + half + std::clamp(share, -1.0f, 1.0f) * half;
+    draw->AddRectFilled({std::min(at.x + half, end), at.y + px(2.0f)},
+                        {std::max(at.x + half, end), at.y + high - px(2.0f)}, colour);
+    draw->AddLine({at.x + half, at.y}, {at.x + half, at.y + high}, tint::dim);
+    ImGui::Dummy({width, high});
+    if (!label) return;
+    ImGui::SameLine();
+    small_text(tint::text, "%s", label);
+}
+
+} // namespace crn

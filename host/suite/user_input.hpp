@@ -1,0 +1,84 @@
+// Collects what the user does with keys, mouse, gamepad and foot pedals, and turns it into what the session
+// must do. A control that is pressed and released between two calls of take() still acts once. A control may
+// be held by several inputs at once, such as a key and a button on the screen.
+#pragma once
+#include "host/live/hand_speed.hpp"
+#include "host/suite/controls.hpp"
+#include <array>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace crn
+{
+
+// What has changed since the last call of UserInput::take().
+struct UserWishes {
+    std::vector<ControlId> actions; // whose commands depend on the room: commands_of()
+    std::vector<RoomCommand> commands;
+    std::vector<crn_wire_order> orders;
+    std::vector<HandSpeed> hands; // one per tool; empty: unchanged
+    std::optional<std::int32_t> inflation_kPa_per_s;
+    bool is_any() const
+    {
+        return !actions.empty() || !commands.empty() || !orders.empty() || !hands.empty() ||
+               inflation_kPa_per_s;
+    }
+};
+
+class UserInput
+{
+  public:
+    explicit UserInput(std::size_t tool_count) : tool_count_(tool_count) {}
+
+    // Receives an event of GLFW's key callback: GLFW_KEY_*, GLFW_PRESS, GLFW_REPEAT or GLFW_RELEASE, and
+    // GLFW_MOD_*.
+    void key(int key, int action, int modifiers);
+    void press(ControlId id);
+    void repeat(ControlId id);
+    void release(ControlId id);
+    // Releases everything. A window that loses the keyboard calls this, because it hears no later release.
+    void release_all();
+    // Sets the sticks of a gamepad, -1 .. 1: a full stick moves as fast as a key.
+    void analog(double push, double turn);
+    void choose(std::size_t tool);
+    void latch_pedal() { is_latched_ = true; }
+
+    UserWishes take();
+    // A new session begins, in which all pedals are up, the heart beats at its own rate, and so on. Pedals
+    // that are still held are pressed again.
+    void begin_session();
+
+    std::size_t chosen_tool() const { return chosen_tool_; }
+    bool moves_all() const { return moves_all_; }
+    bool is_latched() const { return is_latched_; }
+    double injection_ml_s() const;
+    bool is_held(ControlId id) const { return held_[static_cast<std::size_t>(id)] > 0; }
+    // Controls of the window itself, since the last call of take_own(), such as help and end.
+    std::vector<ControlId> take_own() { return std::exchange(own_, {}); }
+
+  private:
+    void act(ControlId id);
+    bool act_on_tools(ControlId id);
+    bool act_on_heart(ControlId id);
+    void add_pedals(UserWishes &wishes);
+    std::vector<HandSpeed> hand_speeds() const;
+
+    std::size_t tool_count_, chosen_tool_ = 0;
+    bool moves_all_ = false, is_latched_ = false, is_slow_ = false;
+    double push_stick_ = 0.0, turn_stick_ = 0.0;
+    std::array<int, control_count> held_{}, to_release_{};
+    std::array<bool, control_count> is_fresh_{}; // pressed since the last take()
+    std::map<int, ControlId> keys_;              // that are down, and what they began
+    std::vector<ControlId> actions_, own_;
+    std::vector<RoomCommand> commands_;
+    std::vector<crn_wire_order> orders_;
+    std::vector<HandSpeed> last_hands_;
+    std::int32_t last_inflation_ = 0;
+    bool was_fluoro_ = false, was_acquire_ = false, was_injecting_ = false;
+    std::size_t injection_rate_ = 2; // index
+    int heart_rate_per_min_ = 70;    // as at the core's start
+    bool is_asystole_ = false, holds_breath_ = false;
+};
+
+} // namespace crn

@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""Measures the window on two processors of this machine, without a graphics card, under a virtual display. Keys are
+real events. The lines that it writes are suite.tick_late_pct, suite.pictures_per_s and suite.hand_to_picture_ms of
+docs/bench.md."""
+
+import argparse
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+WIRE = "shared/examples/instruments/j_wire.toml"
+
+
+def display():
+    """Starts a virtual display that chooses its own number; returns the server and the number."""
+    reader, writer = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(writer), "-screen", "0", "1600x900x24", "-nolisten", "tcp", "-noreset"],
+        pass_fds=[writer],
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(writer)
+    with os.fdopen(reader) as number:
+        return server, ":" + number.readline().strip()
+
+
+def processors():
+    """Returns two of the processors that this process may use."""
+    return sorted(os.sched_getaffinity(0))[:2]
+
+
+def press(seconds, environment):
+    """Gives the window the keyboard, and taps a key every 0.4 s, as a hand that steers."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        found = subprocess.run(
+            ["xdotool", "search", "--onlyvisible", "--name", "^Cournand$"],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        ).stdout.split()
+        if found:
+            subprocess.run(["xdotool", "windowfocus", found[-1]], env=environment, check=False)
+            break
+        time.sleep(0.2)
+    keys = ["Up", "Right", "Down", "Left"]
+    taps = 0
+    while time.monotonic() < end:
+        subprocess.run(["xdotool", "key", "--delay", "120", keys[taps % 4]], env=environment, check=False)
+        taps += 1
+        time.sleep(0.4)
+
+
+def measure(options, size, pulses, taps):
+    """Runs the window for a while; returns its figures."""
+    with tempfile.TemporaryDirectory() as folder:
+        server, number = display()
+        environment = dict(os.environ, DISPLAY=number, XDG_STATE_HOME=folder)
+        timing = os.path.join(folder, "timing.json")
+        command = [os.path.join(options.build, "bin", "cournand"), "view", "--scene", options.scene, "--tool", WIRE]
+        command += ["--size", str(size), "--fluoro", "--no-help-panel", "--no-record", "--timing", timing]
+        window = subprocess.Popen(
+            command,
+            env=environment,
+            stdout=subprocess.DEVNULL,
+            preexec_fn=lambda: os.sched_setaffinity(0, processors()),
+        )
+        try:
+            if pulses == 30:
+                time.sleep(3)
+                press(1.5, environment)
+                subprocess.run(["xdotool", "key", "f", "p", "f"], env=environment, check=False)
+            if taps:
+                press(options.seconds, environment)
+            else:
+                time.sleep(options.seconds)
+            window.send_signal(signal.SIGINT)
+            window.wait(timeout=120)
+        finally:
+            window.kill()
+            server.kill()
+            server.wait()
+        with open(timing, encoding="utf-8") as file:
+            return json.load(file)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--build", default="build")
+    parser.add_argument("--scene", default="out/aorta.scene")
+    parser.add_argument("--seconds", type=int, default=60)
+    parser.add_argument("--output", default="out/suite.tsv")
+    options = parser.parse_args()
+    rows = []
+    quiet = measure(options, 512, 15, False)
+    load = "load=%.1f" % os.getloadavg()[0]
+    context = "size=512 pulses=15 processors=2 %s" % load
+    rows.append(("suite.tick_late_pct", "%.3f" % quiet["tick_late_pct"], "%", context))
+    large = measure(options, 1024, 30, False)
+    rows.append(
+        ("suite.pictures_per_s", "%.1f" % large["pictures_per_s"], "1/s", "size=1024 pulses=30 processors=2 " + load)
+    )
+    for pulses in (15, 30):
+        steered = measure(options, 512, pulses, True)["hand_to_picture"]
+        if steered["p95_ms"] is None:
+            sys.exit("suite.py: the window received no key; is another window in front of it?")
+        for share in ("p50", "p95"):
+            rows.append(
+                (
+                    "suite.hand_to_picture_ms",
+                    "%.1f" % steered[share + "_ms"],
+                    "ms",
+                    "size=512 pulses=%d share=%s inputs=%d processors=2 %s" % (pulses, share, steered["inputs"], load),
+                )
+            )
+    text = "".join("\t".join(row) + "\n" for row in rows)
+    with open(options.output, "w", encoding="utf-8") as file:
+        file.write(text)
+    print(text, end="")
+
+
+if __name__ == "__main__":
+    main()
