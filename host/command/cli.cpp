@@ -440,6 +440,23 @@ void choose_defaults(WindowOptions &options)
     if (options.scene.empty()) options.scene = scene_path("aorta");
 }
 
+struct InfoOptions {
+    std::string file;
+    bool shows_opengl = false;
+};
+
+static void add_info(CLI::App &app, InfoOptions &info)
+{
+    CLI::App *info_command =
+        app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
+    CLI::Option *info_file =
+        info_command->add_option("file", info.file, "Name or file")->type_name("NAME")->transform(any_name());
+    info_command->add_flag("--opengl", info.shows_opengl, "Instead: the OpenGL that --xray opengl finds here")
+        ->excludes(info_file);
+    info_command->footer("Examples:\n  cournand info demo\n  cournand info j_wire\n  cournand info last\n  "
+                         "cournand info --opengl");
+}
+
 // `cournand` alone.
 static int start(const std::string &program, const OpenStart &open_start)
 {
@@ -458,7 +475,6 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
     SurfaceOptions surface;
     WindowOptions window;
     ScoreOptions score;
-    std::string info;
     add_run(app, run);
     add_replay(app, replay);
     add_score(app, score);
@@ -474,15 +490,8 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
     add_dicom_check(app, dicom_check);
     CaseOptions lesson;
     add_case(app, lesson);
-    CLI::App *info_command =
-        app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
-    CLI::Option *info_file =
-        info_command->add_option("file", info, "Name or file")->type_name("NAME")->transform(any_name());
-    bool shows_opengl = false;
-    info_command->add_flag("--opengl", shows_opengl, "Instead: the OpenGL that --xray opengl finds here")
-        ->excludes(info_file);
-    info_command->footer("Examples:\n  cournand info demo\n  cournand info j_wire\n  cournand info last\n  "
-                         "cournand info --opengl");
+    InfoOptions info;
+    add_info(app, info);
     app.footer(
         "Examples:\n  cournand\n  cournand run demo\n  cournand run --help\n  cournand replay last --verify");
     app.set_version_flag("--version", version_of("cournand") + ", core " +
@@ -510,9 +519,9 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
         if (app.got_subcommand("records")) return command_records(records);
         if (app.got_subcommand("case")) return command_case(app, lesson, run_window);
         if (app.got_subcommand("dicom-check")) return command_dicom_check(dicom_check);
-        if (shows_opengl) return command_info_opengl();
-        if (!*info_file) throw UsageError("info: name a file, or --opengl");
-        return command_info(info);
+        if (info.shows_opengl) return command_info_opengl();
+        if (info.file.empty()) throw UsageError("info: name a file, or --opengl");
+        return command_info(info.file);
     } catch (const UsageError &error) {
         say(stderr, "cournand: %s\n", error.what());
         return 2;

@@ -179,16 +179,22 @@ static RunOptions with_needs(const RunOptions &given, const SessionNeeds &needs)
     return options;
 }
 
+// Returns the script of the session; a session on a rig has an empty one.
+static Session session_of(const RunOptions &given)
+{
+    if (given.free_run_s) return {"rig", {}, {}, {}};
+    const Session session =
+        given.lesson ? case_session(*given.lesson, given.session) : read_session(given.session);
+    return given.hands.empty() ? session : with_hands(session, read_hands(given.hands));
+}
+
 int command_run(const RunOptions &given)
 {
     if (given.free_run_s.has_value() != given.session.empty())
         throw UsageError("name a session, or give --free-run (docs/session.md)");
     const bool is_led = given.free_run_s.has_value(); // in FREE_RUN
     check_files(given, given.pictures);
-    Session session = is_led         ? Session{"rig", {}, {}, {}}
-                      : given.lesson ? case_session(*given.lesson, given.session)
-                                     : read_session(given.session);
-    if (!given.hands.empty()) session = with_hands(session, read_hands(given.hands));
+    const Session session = session_of(given);
     const RunOptions options = with_needs(given, session.needs);
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
