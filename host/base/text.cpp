@@ -21,18 +21,21 @@ std::string place(const std::string &file, int line, int column, const std::stri
     return printable_lines(result + ": " + text);
 }
 
+// Returns the number of letters that were left out, added, replaced or exchanged with their neighbour.
 std::size_t edit_distance(std::string_view a, std::string_view b)
 {
-    std::vector<std::size_t> row(b.size() + 1);
+    std::vector<std::size_t> above, row(b.size() + 1), below(b.size() + 1);
     std::iota(row.begin(), row.end(), 0);
     for (std::size_t i = 0; i < a.size(); i++) {
-        std::size_t diagonal = row[0];
-        row[0] = i + 1;
+        below[0] = i + 1;
         for (std::size_t j = 0; j < b.size(); j++) {
-            const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, replaced});
+            const std::size_t replaced = row[j] + (a[i] == b[j] ? 0 : 1);
+            below[j + 1] = std::min({below[j] + 1, row[j + 1] + 1, replaced});
+            if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j])
+                below[j + 1] = std::min(below[j + 1], above[j - 1] + 1);
         }
+        above = row;
+        row.swap(below);
     }
     return row.back();
 }
@@ -47,12 +50,13 @@ FileError::FileError(const std::string &file, int line, int column, const std::s
 std::string suggestion(std::string_view word, const std::vector<std::string> &candidates)
 {
     const std::string *best = nullptr;
-    std::size_t best_distance = 3;
+    std::size_t best_cost = 6; // twice the distance, and 1 more for a word of another length
     std::string known;
     for (const std::string &candidate : candidates) {
         const std::size_t distance = edit_distance(word.substr(0, 40), candidate);
-        if (distance < best_distance && distance < candidate.size()) {
-            best_distance = distance;
+        const std::size_t cost = 2 * distance + (word.size() == candidate.size() ? 0 : 1);
+        if (cost < best_cost && distance < candidate.size()) {
+            best_cost = cost;
             best = &candidate;
         }
         known += (known.empty() ? "" : ", ") + candidate;

@@ -391,6 +391,7 @@ void add_case(CLI::App &app, CaseOptions &options)
     list->add_option("--cards", options.cards,
                      "Instead: play the expert of every case, and write a "
                      "picture of each into this folder");
+    list->footer("Examples:\n  cournand case list\n  cournand case list --json");
     add_play(*command, options);
     CLI::App *scored = command->add_subcommand("score", "Give the marks of a case to a recorded session");
     add_name(*scored, options.name);
@@ -398,9 +399,11 @@ void add_case(CLI::App &app, CaseOptions &options)
         ->required();
     scored->add_option("--json", options.json,
                        "Write the figures of the session, with the marks of the case");
+    scored->footer("Examples:\n  cournand case score first_push out/mine.rec");
     CLI::App *made = command->add_subcommand("new", "Write a commented case for you to change");
     add_name(*made, options.name);
     made->add_option("--folder", options.folder, "Where; without: your own folder of cases");
+    made->footer("Examples:\n  cournand case new my_case");
     CLI::App *checked = command->add_subcommand("check", "Find every mistake in a case");
     checked->add_option("case", options.names, "Names or files of cases");
     checked->add_flag("--all", options.checks_all, "All cases");
@@ -409,6 +412,7 @@ void add_case(CLI::App &app, CaseOptions &options)
         "Also play both scripts: the expert must get 90 of 100 marks, the clumsy one at most 60");
     checked->add_option("--table", options.table,
                         "With --play: renew the table in a document (docs/cases.md)");
+    checked->footer("Examples:\n  cournand case check my_case\n  cournand case check --all");
     command->footer("Examples:\n  cournand case list\n  cournand case play first_push\n"
                     "  cournand case new my_case\n  cournand case check my_case --play");
 }

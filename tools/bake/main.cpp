@@ -19,7 +19,8 @@ constexpr const char *examples =
     "  bake shared/examples/steve_iliac_arch.toml --data ../shared/anatomy -o out/steve.scene\n"
     "  bake shared/examples/real_patient.toml -o out/real.scene      real bones, heart and vessels, where "
     "they are\n"
-    "  bake aorta/scene.toml -o aorta.scene --surface aorta.ply      also keep the lumen's surface\n";
+    "  bake aorta/scene.toml -o aorta.scene --surface aorta.ply      also keep the lumen's surface\n"
+    "Exit codes: 0 done, 1 the input is unusable (the message says why), 2 usage.\n";
 
 std::string data_folder()
 {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds and runs tests: run_tests.sh product|lab|build. A program that does not build is reported as failed, and all
+# Builds and runs tests: run_tests.sh product|lab|hours|build. A program that does not build is reported as failed, and all
 # other tests still run. BUILD and JOBS are as in the Makefile. `build` only builds the programs that the product's
 # tests need.
 set -uo pipefail
@@ -14,6 +14,8 @@ if [ "$what" = lab ]; then
     tools/build.sh release run,tools,tests,lab crn_tests_lab || status=1
     tools/build.sh m7 run all || status=1
     tools/build.sh sanitize run,tests crn_tests_lab cournand hil_programs || status=1
+elif [ "$what" = hours ]; then
+    tools/build.sh release run,tools,tests cournand anatomy bake || status=1
 else
     tools/build.sh release run,tools,tests crn_tests || status=1
     tools/build.sh m7 run all || status=1
@@ -22,6 +24,6 @@ fi
 note "built"
 [ "$what" = build ] && exit $status
 tools/check/run_tests.py --build "$build" --jobs "$JOBS" --label "$what" || status=1
-note "make test$([ "$what" = lab ] && echo -lab)"
+note "make test$([ "$what" = product ] || echo "-$what")"
 [ $status = 0 ] || echo "something did not build or failed, see above" >&2
 exit $status

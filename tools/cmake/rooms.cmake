@@ -173,7 +173,7 @@ function(crn_needed_by_tests labels)
     endif()
 endfunction()
 
-# Sets labels: `lab` for evidence, `product` for all other tests, and `sanitized` in the sanitizers' build. `make test`
+# Sets labels: `lab` for evidence, `hours` for tests that take long, `product` for all other tests, and `sanitized` in the sanitizers' build. `make test`
 # sanitizes the C code, parsers and state machines. What computes has the label `sanitized_in_lab`: `make test` runs it
 # plain, and `make test-lab` runs it under the sanitizers.
 function(crn_register name command labels)
@@ -183,7 +183,7 @@ function(crn_register name command labels)
             list(APPEND labels lab)
         endif()
     endif()
-    if(NOT "lab" IN_LIST labels)
+    if(NOT "lab" IN_LIST labels AND NOT "hours" IN_LIST labels)
         list(APPEND labels product)
     endif()
     add_test(NAME ${name} COMMAND ${command} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})

@@ -1,6 +1,6 @@
 # The evidence: the thesis, references, calibration, other projects (tools/lab).
 ##@ For makers of evidence
-.PHONY: lab test-lab thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
+.PHONY: lab test-lab test-hours thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
 LAB = run$(comma)tools$(comma)lab
 
 lab: packages-build+tools+lab ## build every program of tools/lab
@@ -9,6 +9,10 @@ lab: packages-build+tools+lab ## build every program of tools/lab
 test-lab: ## test the evidence: the thesis, calibration, CT, peers, bars, malformed files
 test-lab: packages-build+tools+lab+test+matrix+usb+bench
 	@JOBS=$(JOBS) tools/check/run_tests.sh lab
+
+test-hours: ## play every case, 20 experts and 20 novices, and run the window under the thread sanitizer (hours)
+test-hours: packages-build+window+tools+test
+	@JOBS=$(JOBS) tools/check/run_tests.sh hours
 
 validate: ## compare the rod with closed forms; write out/validation.html and .tsv and docs/validation.md
 validate: packages-build+tools+lab

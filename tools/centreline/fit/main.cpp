@@ -25,7 +25,8 @@ constexpr const char *examples =
     "  centreline convert a.mrk.json b.mrk.json -o tree.vtp            curves become a tree\n"
     "  centreline show lca.csv --mesh coronaries.obj -o lca.png        a picture, manual points red\n"
     "Trees: .csv, .mrk.json (3D Slicer), .vtp (VMTK), .obj.\n"
-    "Meshes: .stl, .obj, .ply, .gltf, .glb, or a scene's .toml.\n";
+    "Meshes: .stl, .obj, .ply, .gltf, .glb, or a scene's .toml.\n"
+    "Exit codes: 0 done, 1 the input is unusable (the message says why), 2 usage.\n";
 
 void add_mesh_options(CLI::App &command, Options &options)
 {

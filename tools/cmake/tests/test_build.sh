@@ -9,7 +9,9 @@ programs="" # it builds none
 export BUILD="$work/build"
 for compiler in clang clang++; do
     mkdir -p "$work/other"
-    printf '#!/bin/sh\nexec "%s" "$@"\n' "$(command -v $compiler)" >"$work/other/$compiler"
+    # A link of ccache would look for the compiler in PATH again, and find this one.
+    real=$(type -ap $compiler | grep -v /ccache/ | head -n 1)
+    printf '#!/bin/sh\nexec "%s" "$@"\n' "$real" >"$work/other/$compiler"
     chmod +x "$work/other/$compiler"
 done
 configured() { # PARTS: configures the folder for sanitizers, and checks the sanitizers and the parts
