@@ -1,6 +1,7 @@
 # The evidence: the thesis, references, calibration, other projects (tools/lab).
 ##@ For makers of evidence
-.PHONY: lab test-lab test-hours thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
+.PHONY: test-hours
+.PHONY: lab test-lab thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
 LAB = run$(comma)tools$(comma)lab
 
 lab: packages-build+tools+lab ## build every program of tools/lab
