@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds and runs tests: run_tests.sh product|lab|hours|build. A program that does not build is reported as failed,
-# and all other tests still run. BUILD and JOBS are as in the Makefile. `build` only builds the programs that the product's
-# tests need.
+# and all other tests still run. BUILD and JOBS are as in the Makefile. `build` only builds the programs that the
+# product's tests need.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 what=$1

@@ -173,10 +173,9 @@ function(crn_needed_by_tests labels)
     endif()
 endfunction()
 
-# Sets labels: `lab` for evidence, `hours` for tests that take long, `product` for all other tests, and
-# `sanitized` in the sanitizers' build. `make test`
-# sanitizes the C code, parsers and state machines. What computes has the label `sanitized_in_lab`: `make test` runs it
-# plain, and `make test-lab` runs it under the sanitizers.
+# Sets labels: `lab` for evidence, `hours` for tests that take long, `product` for all other tests, and `sanitized` in
+# the sanitizers' build. `make test` sanitizes the C code, parsers and state machines. What computes has the label
+# `sanitized_in_lab`: `make test` runs it plain, and `make test-lab` runs it under the sanitizers.
 function(crn_register name command labels)
     if(CRN_SANITIZE)
         list(APPEND labels sanitized)
