@@ -169,7 +169,6 @@ def listed(build, label):
 
 def find_tests(options):
     """Stores in `options` the lists of scripts, programs, sanitized programs and fuzz targets that have the label."""
-    options.limit_s = TIME_LIMIT_S * (10 if options.label == "hours" else 1)
     plain = list(listed(options.build, options.label))
     options.scripts = [name for name, labels in plain if "script" in labels]
     options.programs = [name for name, labels in plain if "script" not in labels]
@@ -216,7 +215,8 @@ def make_jobs(options):
         CRN_SANITIZED="1",
         CRN_IMAGE=os.path.join(options.build, "firmware", "cournand-mps2_an500.elf"),
     )
-    jobs = [(run_program, (path, [os.path.join(".", path)], environment, options.limit_s)) for path in options.scripts]
+    limit_s = TIME_LIMIT_S * (10 if options.label == "hours" else 1)
+    jobs = [(run_program, (path, [os.path.join(".", path)], environment, limit_s)) for path in options.scripts]
     for name in options.programs:
         jobs.append((run_program, (name, [os.path.join(options.build, "test", name)], environment)))
     for name in options.sanitized:
