@@ -41,16 +41,7 @@ std::string make_recording()
     const crn_wire_entry entry = entry_of(scene, tools.size(), {});
     Device device(scene, tools, entry, host_rig());
     const std::string path = "/tmp/cournand_bench_replay_" + std::to_string(getpid()) + ".rec";
-    Recorder recorder(path, {device.identity().core_version,
-                             device.identity().schema_hash,
-                             static_cast<std::uint32_t>(scene.bytes.size()),
-                             scene.crc32,
-                             scene.path,
-                             "bench",
-                             tools,
-                             entry,
-                             host_rig(),
-                             {}});
+    Recorder recorder(path, device.recording_header("bench"));
     const std::unique_ptr<Patient> patient = make_patient(settings, anatomy, tools);
     RunSettings run;
     run.begin = entry_commands(scene);

@@ -224,19 +224,9 @@ int command_run(const RunOptions &given)
     std::optional<SessionAssessor> assessor;
     if (!options.plan.plan.empty()) assessor.emplace(options.plan, *patient, tools, tips, pictures.get());
     std::unique_ptr<Recorder> recorder;
-    if (!options.record.empty()) {
-        const RecordingHeader header = {device.identity().core_version,
-                                        device.identity().schema_hash,
-                                        static_cast<std::uint32_t>(scene.bytes.size()),
-                                        scene.crc32,
-                                        scene.path,
-                                        session.file,
-                                        tools,
-                                        entry,
-                                        device.rig(),
-                                        picture_settings.stents};
-        recorder = std::make_unique<Recorder>(options.record, header);
-    }
+    if (!options.record.empty())
+        recorder = std::make_unique<Recorder>(options.record,
+                                              device.recording_header(session.file, picture_settings.stents));
     const EffectsWitness witness(tips.map(), *patient);
     CasePlay play(options.lesson, tips, &witness, assessor ? assessor->sink() : pictures.get());
     RunResult result =

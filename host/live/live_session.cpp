@@ -20,21 +20,6 @@ constexpr std::uint32_t look_every_ticks = 20;  // the window is told the shape 
 constexpr std::int32_t drag_um_per_tick = 200, drag_turn_per_tick = counts_per_turn / 400;
 constexpr std::int32_t drag_max_counts = 100'000; // 10 cm, or one and a half turns, may wait
 
-RecordingHeader header_of(const Device &device, const SceneFile &scene, const std::vector<Instrument> &tools,
-                          const crn_wire_entry &entry, const std::vector<StentDesign> &stents)
-{
-    return {device.identity().core_version,
-            device.identity().schema_hash,
-            static_cast<std::uint32_t>(scene.bytes.size()),
-            scene.crc32,
-            scene.path,
-            "live",
-            tools,
-            entry,
-            device.rig(),
-            stents};
-}
-
 } // namespace
 
 LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools,
@@ -47,8 +32,7 @@ LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &
       dragged_(tools.size()), to_drag_(tools.size()), has_balloon_(balloon_tool(tools).has_value())
 {
     if (!record.empty()) {
-        recorder_ =
-            std::make_unique<Recorder>(record, header_of(device_, scene, tools, entry, pictures.stents));
+        recorder_ = std::make_unique<Recorder>(record, device_.recording_header("live", pictures.stents));
     }
     for (const RoomCommand &command : begin) pass(0, command);
     device_.link().read_nodes();

@@ -49,6 +49,21 @@ std::string tool_at_fault(const std::vector<Instrument> &tools, const crn_wire_r
 
 } // namespace
 
+RecordingHeader Device::recording_header(const std::string &session,
+                                         const std::vector<StentDesign> &stents) const
+{
+    return {identity_.core_version,
+            identity_.schema_hash,
+            static_cast<std::uint32_t>(scene_.bytes.size()),
+            scene_.crc32,
+            scene_.path,
+            session,
+            tools_,
+            entry_,
+            rig_,
+            stents};
+}
+
 Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
                const crn_wire_rig &rig, const DeviceChoice &choice)
     : scene_(scene), tools_(std::move(tools)), entry_(entry), rig_(rig), choice_(choice)

@@ -51,6 +51,10 @@ class Device
     const std::vector<Instrument> &tools() const { return tools_; }
     const crn_wire_hello_reply &identity() const { return identity_; }
     const crn_wire_rig &rig() const { return rig_; } // active; no limit above the device's own
+    // Returns what a recording of this device's session begins with. `session` names the script, or says who
+    // leads the session.
+    RecordingHeader recording_header(const std::string &session,
+                                     const std::vector<StentDesign> &stents = {}) const;
     // Sets the device to the state of a snapshot of this session.
     void restore(std::span<const std::uint8_t> snapshot);
 

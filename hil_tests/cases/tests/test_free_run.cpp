@@ -84,15 +84,7 @@ struct Trial {
         const crn_wire_entry entry = crn::entry_of(scene, 1, {});
         crn::Device device(scene, tools, entry, crn::host_rig(), choice);
         if (before) before(device);
-        const crn::RecordingHeader header = {device.identity().core_version,
-                                             device.identity().schema_hash,
-                                             0,
-                                             0,
-                                             "",
-                                             "rig",
-                                             tools,
-                                             entry,
-                                             device.rig()};
+        const crn::RecordingHeader header = device.recording_header("rig");
         crn::Recorder recorder(path, header);
         crn::Patient patient({}, tools);
         return crn::run_free_session(device, patient, {}, seconds, &recorder, nullptr, {});

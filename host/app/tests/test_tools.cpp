@@ -80,15 +80,7 @@ Recorded record(const std::string &script)
     const crn::Session session = crn::parse_session(script, "test");
     const crn_wire_entry entry = crn::entry_of(scene, tools.size(), session.inserted_um);
     crn::Device device(scene, tools, entry, crn::host_rig());
-    const crn::RecordingHeader header = {device.identity().core_version,
-                                         device.identity().schema_hash,
-                                         0,
-                                         0,
-                                         "",
-                                         "test",
-                                         tools,
-                                         entry,
-                                         crn::host_rig()};
+    const crn::RecordingHeader header = device.recording_header("test");
     const std::string path = folder + ".rec";
     Recorded recorded;
     {
