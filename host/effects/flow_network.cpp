@@ -128,7 +128,12 @@ void FlowNetwork::set_throat_flows(std::span<const double> flows_ml_s)
 
 void FlowNetwork::settle(const FlowDrive &drive)
 {
-    for (int round = 0; round < settle_rounds; ++round) solve(drive, {});
+    std::vector<double> before;
+    for (int round = 0; round < settle_rounds; ++round) {
+        before = throat_flows_;
+        solve(drive, {});
+        if (throat_flows_ == before) return; // every further round would give the same flows
+    }
 }
 
 // Divides the cells into runs, which are rows of consecutive cells: a run ends where the flow divides or
