@@ -1,5 +1,6 @@
 // Shows the program's window with the library GLFW and OpenGL 3.3 core.
 #include "host/screen/screen.hpp"
+#include "host/screen/glfw_window.hpp"
 #define GLFW_INCLUDE_NONE
 #include "host/xray/gl/gl_program.hpp"
 #include <GLFW/glfw3.h>
@@ -25,13 +26,6 @@ out vec4 colour;
 uniform sampler2D picture;
 void main() { colour = vec4(texture(picture, place).rgb, 1.0); })";
 
-std::string glfw_reason()
-{
-    const char *text = nullptr;
-    glfwGetError(&text);
-    return text ? text : "no reason given";
-}
-
 // The OpenGL context stays current all the time, because the window's thread uses no other context.
 class WindowContext final : public GlContext
 {
@@ -50,23 +44,7 @@ class WindowContext final : public GlContext
 
 Screen::Screen(const std::string &title, int edge)
 {
-    if (!glfwInit())
-        throw std::runtime_error("window: no display (" + glfw_reason() +
-                                 "); set DISPLAY, or make a film with `cournand run --mp4 FILE`");
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-    window_ = glfwCreateWindow(edge, edge, title.c_str(), nullptr, nullptr);
-    if (!window_) {
-        const std::string reason = glfw_reason();
-        glfwTerminate();
-        throw std::runtime_error(
-            "window: no OpenGL 3.3 window (" + reason +
-            "); install a graphics driver (Debian: libgl1-mesa-dri), or make a film with "
-            "`cournand run --mp4 FILE`");
-    }
+    window_ = open_glfw_window(title, edge, edge);
     try {
         glfwMakeContextCurrent(window_);
         glfwSwapInterval(1);

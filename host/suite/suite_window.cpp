@@ -1,4 +1,5 @@
 #include "host/suite/suite_window.hpp"
+#include "host/screen/glfw_window.hpp"
 #include <imgui.h>
 #include <imgui_freetype.h>
 
@@ -19,13 +20,6 @@ namespace
 
 constexpr float layout_width = 1600.0f, layout_height = 900.0f, scale_min = 0.8f;
 constexpr float text_units = 15.0f, small_units = 12.5f, bold_units = 17.0f, large_units = 27.0f;
-
-std::string glfw_reason()
-{
-    const char *text = nullptr;
-    glfwGetError(&text);
-    return text ? text : "no reason given";
-}
 
 // The X-ray's own context, in a window that is never shown.
 class HiddenContext final : public GlContext
@@ -140,23 +134,7 @@ SuiteWindow::~SuiteWindow()
 
 void SuiteWindow::open(const std::string &title, WindowSize size)
 {
-    if (!glfwInit())
-        throw std::runtime_error("window: no display (" + glfw_reason() +
-                                 "); set DISPLAY, or make a film with `cournand run --mp4 FILE`");
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-    window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
-    if (!window_) {
-        const std::string reason = glfw_reason();
-        glfwTerminate();
-        throw std::runtime_error(
-            "window: no OpenGL 3.3 window (" + reason +
-            "); install a graphics driver (Debian: libgl1-mesa-dri), or make a film with "
-            "`cournand run --mp4 FILE`");
-    }
+    window_ = open_glfw_window(title, size.width, size.height);
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
     glfwSetWindowSizeLimits(window_, 800, 450, GLFW_DONT_CARE, GLFW_DONT_CARE);
