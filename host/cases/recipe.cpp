@@ -5,14 +5,15 @@
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"
 #include "host/base/toml_reader.hpp"
+#include "host/base/user_folders.hpp"
 #include "host/base/version.hpp"
 #include "host/cases/programs.hpp"
+#include "host/cases/unpack.hpp"
 #include "shared/scene/scene.h"
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
-#include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/file.h>
@@ -72,12 +73,11 @@ void add_bakers(Digest &digest)
     digest.add(std::to_string(int{CRN_SCENE_MAJOR}) + "." + std::to_string(int{CRN_SCENE_MINOR}));
 }
 
-fs::path cache_folder()
+fs::path scenes_folder()
 {
-    const char *cache = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
-    if (cache && fs::path(cache).is_absolute()) return fs::path(cache) / "cournand" / "scenes";
-    if (home && *home) return fs::path(home) / ".cache" / "cournand" / "scenes";
-    throw std::runtime_error("there is no folder for scenes: set HOME or XDG_CACHE_HOME");
+    const fs::path cache = cache_folder();
+    if (cache.empty()) throw std::runtime_error("there is no folder for scenes: set HOME or XDG_CACHE_HOME");
+    return cache / "scenes";
 }
 
 PreparedScene scene_in(const fs::path &folder)
@@ -170,20 +170,25 @@ class SceneMaker
     }
 
   private:
-    // Returns false if the machine has no tar or no xz, or the archive is damaged: then the scene is made
-    // anew.
+    // Returns false if the archive is absent or damaged: then the scene is made anew.
     bool unpack(const fs::path &work, const fs::path &out)
     {
         const std::string archive = shipped_archive();
         if (archive.empty()) return false;
         steps_ = step_ = 1;
-        const ProgramResult done =
-            run_program({"tar", "-xJf", archive, "-C", work.string(), "aorta.scene", "aorta.bodies"},
-                        [&] { return tell("the shipped scene is unpacked"); });
-        if (done.was_stopped) throw SceneStopped("interrupted");
-        if (done.code != 0) return false;
-        fs::rename(work / "aorta.scene", out / "case.scene");
-        fs::rename(work / "aorta.bodies", out / "case.bodies");
+        const fs::path unpacked = work / "unpacked";
+        bool was_stopped = false;
+        try {
+            unpack_scene(archive, unpacked, [&](std::size_t, std::size_t) {
+                was_stopped = !tell("the shipped scene is unpacked");
+                return !was_stopped;
+            });
+        } catch (const std::runtime_error &) {
+            if (was_stopped) throw SceneStopped("interrupted");
+            return false;
+        }
+        fs::rename(unpacked / "aorta.scene", out / "case.scene");
+        fs::rename(unpacked / "aorta.bodies", out / "case.bodies");
         return true;
     }
 
@@ -277,13 +282,13 @@ bool is_scene_ready(const Recipe &recipe)
 {
     std::error_code failure;
     if (is_baked(recipe)) return fs::exists(recipe.scene, failure);
-    return fs::exists(cache_folder() / recipe_key(recipe), failure);
+    return fs::exists(scenes_folder() / recipe_key(recipe), failure);
 }
 
 PreparedScene prepare_scene(const Recipe &recipe, const SceneWatch &watch)
 {
     if (is_baked(recipe)) return baked_scene(recipe);
-    const fs::path folder = cache_folder();
+    const fs::path folder = scenes_folder();
     const std::string key = recipe_key(recipe);
     std::error_code failure;
     if (fs::exists(folder / key, failure)) return scene_in(folder / key);

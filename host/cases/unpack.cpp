@@ -1,7 +1,5 @@
-#include "host/command/unpack.hpp"
-#include "host/base/interrupt.hpp"
+#include "host/cases/unpack.hpp"
 #include "host/base/pending_file.hpp"
-#include "host/base/progress_line.hpp"
 #include <archive.h>
 #include <archive_entry.h>
 #include <memory>
@@ -67,7 +65,7 @@ class PendingFolder
     std::string path_;
 };
 
-std::string contents(archive *packed, archive_entry *entry, const fs::path &path, ProgressLine &line,
+std::string contents(archive *packed, archive_entry *entry, const fs::path &path, const UnpackWatch &goes_on,
                      std::size_t total)
 {
     const std::string name = archive_entry_pathname(entry);
@@ -80,18 +78,17 @@ std::string contents(archive *packed, archive_entry *entry, const fs::path &path
         const auto count = archive_read_data(packed, block.data(), block.size());
         if (count < 0) refuse(path, archive_error_string(packed));
         if (count == 0) return bytes;
-        if (is_interrupted()) throw std::runtime_error("interrupted: nothing was unpacked");
+        if (!goes_on(static_cast<std::size_t>(archive_filter_bytes(packed, -1)), total))
+            throw std::runtime_error("interrupted: nothing was unpacked");
         bytes.append(block.data(), static_cast<std::size_t>(count));
         if (bytes.size() > static_cast<std::size_t>(file_bytes_max))
             refuse(path, "'" + name + "' is too large");
-        line.show("unpacking " + path.filename().string(),
-                  static_cast<std::size_t>(archive_filter_bytes(packed, -1)), total);
     }
 }
 
 } // namespace
 
-void unpack_scene(const fs::path &path, const fs::path &folder)
+void unpack_scene(const fs::path &path, const fs::path &folder, const UnpackWatch &goes_on)
 {
     const std::unique_ptr<archive, Close> packed(archive_read_new());
     archive_read_support_format_tar(packed.get());
@@ -99,7 +96,6 @@ void unpack_scene(const fs::path &path, const fs::path &folder)
     if (archive_read_open_filename(packed.get(), path.c_str(), block_bytes) != ARCHIVE_OK)
         refuse(path, archive_error_string(packed.get()));
     const PendingFolder pending(folder);
-    ProgressLine line(true);
     std::size_t count = 0;
     for (archive_entry *entry = nullptr;; ++count) {
         const int status = archive_read_next_header(packed.get(), &entry);
@@ -107,7 +103,7 @@ void unpack_scene(const fs::path &path, const fs::path &folder)
         if (status != ARCHIVE_OK) refuse(path, archive_error_string(packed.get()));
         const std::string name = archive_entry_pathname(entry);
         write_whole_file(pending.path() + "/" + name,
-                         contents(packed.get(), entry, path, line, fs::file_size(path)));
+                         contents(packed.get(), entry, path, goes_on, fs::file_size(path)));
     }
     if (count == 0) refuse(path, "it holds no file");
     pending.commit();

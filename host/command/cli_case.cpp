@@ -8,9 +8,11 @@
 #include "host/base/pending_file.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
+#include "host/base/user_folders.hpp"
 #include "host/cases/check.hpp"
 #include "host/cases/programs.hpp"
 #include "host/command/cli.hpp"
+#include "host/command/start.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -137,9 +139,7 @@ void print_briefing(const Case &lesson)
 
 int play_in_window(const Case &lesson, const CaseOptions &options, const RunWindow &run_window)
 {
-    const char *display = std::getenv("DISPLAY"), *wayland = std::getenv("WAYLAND_DISPLAY");
-    const bool has_display = (display && *display) || (wayland && *wayland);
-    if (!run_window || !has_display)
+    if (!run_window || !has_display())
         throw UsageError("case play: there is no display for a window: `cournand case play " + lesson.name +
                          " --script expert` plays without one");
     print_briefing(lesson);
@@ -211,9 +211,7 @@ int call_play(const Case &lesson, const std::string &script, std::vector<std::st
 
 fs::path own_cases()
 {
-    const char *data = std::getenv("XDG_DATA_HOME"), *home = std::getenv("HOME");
-    if (data && fs::path(data).is_absolute()) return fs::path(data) / "cournand" / case_files.folder;
-    if (home && *home) return fs::path(home) / ".local/share/cournand" / case_files.folder;
+    if (!data_folder().empty()) return data_folder() / case_files.folder;
     throw UsageError("there is no folder for your cases: set HOME or XDG_DATA_HOME, or give --folder");
 }
 

@@ -2,10 +2,12 @@
 #include "host/base/command_values.hpp"
 #include "host/base/examples.hpp"
 #include "host/base/format.hpp"
+#include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
+#include "host/base/progress_line.hpp"
 #include "host/base/text.hpp"
 #include "host/base/user_folders.hpp"
-#include "host/command/unpack.hpp"
+#include "host/cases/unpack.hpp"
 #include "shared/wire/wire_frame.h"
 #include <algorithm>
 #include <ctime>
@@ -80,7 +82,11 @@ std::string unpacked(const fs::path &archive, const std::string &name)
     std::error_code failure;
     if (!fs::is_regular_file(file, failure)) {
         fs::remove_all(folder, failure); // somebody has removed a part of it
-        unpack_scene(archive, folder);
+        ProgressLine line(true);
+        unpack_scene(archive, folder, [&](std::size_t done, std::size_t total) {
+            line.show("unpacking " + archive.filename().string(), done, total);
+            return !is_interrupted();
+        });
     }
     return file.string();
 }
@@ -99,24 +105,10 @@ std::string unpacked(const fs::path &archive, const std::string &name)
     throw std::runtime_error("there is no scene '" + name + "'" + suggestion(name, known));
 }
 
-std::vector<fs::path> recordings()
-{
-    std::vector<fs::path> files;
-    std::error_code failure;
-    for (const fs::directory_entry &entry : fs::directory_iterator(state_folder(), failure))
-        if (entry.path().extension() == ".rec" && entry.is_regular_file(failure))
-            files.push_back(entry.path());
-    std::sort(files.begin(), files.end(), [](const fs::path &a, const fs::path &b) {
-        std::error_code ignored;
-        return std::pair(fs::last_write_time(a, ignored), a) < std::pair(fs::last_write_time(b, ignored), b);
-    });
-    return files;
-}
-
 std::vector<std::string> recording_names()
 {
     std::vector<std::string> names;
-    for (const fs::path &file : recordings()) names.push_back(file.stem().string());
+    for (const fs::path &file : kept_recording_files()) names.push_back(file.stem().string());
     if (!names.empty()) names.emplace_back(last_word);
     return names;
 }
@@ -145,7 +137,7 @@ std::string recording_path(const std::string &word)
 {
     std::error_code failure;
     if (word.empty() || fs::exists(word, failure)) return word;
-    const std::vector<fs::path> kept = recordings();
+    const std::vector<fs::path> kept = kept_recording_files();
     for (const fs::path &file : kept)
         if (file.stem() == word) return file.string(); // its name may have a dot
     if (is_path(word)) return word;
@@ -182,6 +174,20 @@ std::vector<std::string> names_of_type(const std::string &type)
     for (const char *each : {"INSTRUMENT", "STENT", "SESSION", "SCENE", "RECORDING"})
         for (const std::string &name : names_of_type(each)) all.insert(name);
     return {all.begin(), all.end()};
+}
+
+std::vector<fs::path> kept_recording_files()
+{
+    std::vector<fs::path> files;
+    std::error_code failure;
+    for (const fs::directory_entry &entry : fs::directory_iterator(state_folder(), failure))
+        if (entry.path().extension() == ".rec" && entry.is_regular_file(failure))
+            files.push_back(entry.path());
+    std::sort(files.begin(), files.end(), [](const fs::path &a, const fs::path &b) {
+        std::error_code ignored;
+        return std::pair(fs::last_write_time(a, ignored), a) < std::pair(fs::last_write_time(b, ignored), b);
+    });
+    return files;
 }
 
 std::string kept_recording()

@@ -1,6 +1,7 @@
 // Finds scenes and recordings by their names, as examples.hpp finds the other files.
 #pragma once
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ std::string any_path(const std::string &word);
 // Returns the names that may stand for values of this type: INSTRUMENT, STENT, SESSION, SCENE, RECORDING,
 // or NAME for any of them.
 std::vector<std::string> names_of_type(const std::string &type);
+
+// Returns the recordings in the user's state folder, from the oldest to the newest.
+std::vector<std::filesystem::path> kept_recording_files();
 
 // Returns a new path for a recording in the user's state folder, whose name is made of date and time. Throws
 // UsageError if the folder cannot be made.

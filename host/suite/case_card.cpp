@@ -4,7 +4,6 @@
 #include "host/suite/session_host.hpp"
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 
@@ -73,21 +72,12 @@ std::vector<CaseCard> practice_cards(const WindowOptions &options)
 std::vector<KeptRecording> kept_recordings(std::size_t count_max)
 {
     std::vector<KeptRecording> found;
-    std::vector<std::pair<fs::file_time_type, KeptRecording>> dated;
-    std::error_code error;
-    const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
-    const fs::path folder =
-        (state && *state ? fs::path(state) : fs::path(home ? home : ".") / ".local/state") / "cournand";
-    for (const fs::directory_entry &entry : fs::directory_iterator(folder, error)) {
-        if (entry.path().extension() != ".rec") continue;
-        const fs::file_time_type time = entry.last_write_time(error);
-        dated.push_back({time,
-                         {entry.path().string(), entry.path().stem().string(), local_time(time),
-                          entry.file_size(error)}});
+    const std::vector<fs::path> files = kept_recording_files();
+    for (auto file = files.rbegin(); file != files.rend() && found.size() < count_max; ++file) {
+        std::error_code ignored;
+        found.push_back({file->string(), file->stem().string(),
+                         local_time(fs::last_write_time(*file, ignored)), fs::file_size(*file, ignored)});
     }
-    std::sort(dated.begin(), dated.end(), [](const auto &a, const auto &b) { return a.first > b.first; });
-    for (const auto &[time, recording] : dated)
-        if (found.size() < count_max) found.push_back(recording);
     return found;
 }
 

@@ -59,7 +59,7 @@ foreach(program cournand anatomy bake centreline)
     endif()
 endforeach()
 
-set(CRN_HOST_SYSTEM_LIBRARIES "-lpng -lopenh264 -lusb-1.0 -ldcmdata -lofstd -lccd -ldl -lm -pthread")
+set(CRN_HOST_SYSTEM_LIBRARIES "-larchive -lpng -lopenh264 -lusb-1.0 -ldcmdata -lofstd -lccd -ldl -lm -pthread")
 foreach(library ${core_archives})
     string(APPEND CRN_CORE_LIBRARIES " -l${library}")
 endforeach()

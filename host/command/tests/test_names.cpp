@@ -3,9 +3,9 @@
 #include "host/base/pending_file.hpp"
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
+#include "host/cases/unpack.hpp"
 #include "host/command/names.hpp"
 #include "host/command/start.hpp"
-#include "host/command/unpack.hpp"
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -24,6 +24,7 @@ namespace
 {
 
 const char archive[] = "shared/examples/scenes/aorta.tar.xz";
+const UnpackWatch goes_on = [](std::size_t, std::size_t) { return true; };
 
 template <typename Call> std::string error_of(Call call)
 {
@@ -66,12 +67,12 @@ static void the_scene_that_ships_is_unpacked_with_its_bodies(void **)
 {
     const User user;
     const fs::path folder = fs::path(user.home.path) / "a" / "b";
-    unpack_scene(archive, folder);
+    unpack_scene(archive, folder, goes_on);
     assert_true(fs::file_size(folder / "aorta.scene") > 1000000);
     assert_true(fs::file_size(folder / "aorta.bodies") > 1000000);
     assert_int_equal(std::distance(fs::directory_iterator(folder.parent_path()), fs::directory_iterator()),
                      1);
-    unpack_scene(archive, folder); // as a second program would at the same time
+    unpack_scene(archive, folder, goes_on); // as a second program would at the same time
 }
 
 static void a_damaged_archive_leaves_nothing(void **)
@@ -84,7 +85,7 @@ static void a_damaged_archive_leaves_nothing(void **)
     const std::string empty = user.write("empty.tar.xz", "");
     for (const std::string &path : {cut, flipped, empty, user.home.path + "/gone.tar.xz"}) {
         const fs::path folder = fs::path(user.home.path) / "out" / "x";
-        expect_text(error_of([&] { return unpack_scene(path, folder), ""; }), "cannot be unpacked");
+        expect_text(error_of([&] { return unpack_scene(path, folder, goes_on), ""; }), "cannot be unpacked");
         assert_false(fs::exists(folder));
         std::error_code ignored;
         assert_true(fs::is_empty(folder.parent_path(), ignored) || ignored);
@@ -95,7 +96,8 @@ static void a_cache_that_cannot_be_written_is_named(void **)
 {
     const User user;
     const std::string file = user.write("file");
-    expect_text(error_of([&] { return unpack_scene(archive, fs::path(file) / "x"), ""; }), "XDG_CACHE_HOME");
+    expect_text(error_of([&] { return unpack_scene(archive, fs::path(file) / "x", goes_on), ""; }),
+                "XDG_CACHE_HOME");
 }
 
 static void a_users_own_scene_comes_first(void **)
