@@ -144,14 +144,25 @@ void SuiteWindow::open(const std::string &title, WindowSize size)
         const bool is_typing = ImGui::GetIO().WantTextInput && action != GLFW_RELEASE;
         if (self->key_handler_ && !is_typing) self->key_handler_(key, action, modifiers);
     });
+    glfwSetCursorPosCallback(window_, [](GLFWwindow *window, double x, double y) {
+        auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
+        self->pointer_x_ = static_cast<float>(x);
+        self->pointer_y_ = static_cast<float>(y);
+    });
+    glfwSetMouseButtonCallback(window_, [](GLFWwindow *window, int button, int action, int) {
+        auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
+        if (button == GLFW_MOUSE_BUTTON_LEFT)
+            self->button_events_.push_back({action == GLFW_PRESS, self->pointer_x_, self->pointer_y_});
+    });
     glfwSetWindowFocusCallback(window_, [](GLFWwindow *window, int has_focus) {
         auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
         if (self->focus_handler_ && !has_focus) self->focus_handler_();
     });
 }
 
-// ImGui's callbacks call those above. The program keeps its own callback for keys, because this version of
-// ImGui loses a key that is pressed and released between two frames.
+// ImGui's callbacks call those above. The program keeps its own callbacks for keys and for the mouse's left
+// button. This version of ImGui loses a key that is pressed and released between two frames. If the button is
+// released and pressed again between two frames, ImGui sees no release, and a drag goes on.
 void SuiteWindow::set_up_imgui()
 {
     ImGui::CreateContext();
@@ -213,11 +224,25 @@ bool SuiteWindow::wants_close() const
     return glfwWindowShouldClose(window_) != 0;
 }
 
+// Shows ImGui at most one press or release of the left button per frame, at the place where it happened.
+void SuiteWindow::show_button()
+{
+    ImGuiIO &io = ImGui::GetIO();
+    if (!button_events_.empty()) {
+        const ButtonEvent event = button_events_.front();
+        button_events_.pop_front();
+        is_button_down_ = event.is_down;
+        io.MousePos = {event.x, event.y};
+    }
+    io.MouseDown[ImGuiMouseButton_Left] = is_button_down_;
+}
+
 void SuiteWindow::begin_frame()
 {
     fit();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
+    show_button();
     ImGui::NewFrame();
 }
 

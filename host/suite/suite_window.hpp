@@ -3,6 +3,7 @@
 #pragma once
 #include "host/picture/picture.hpp"
 #include "host/xray/gl/gl_context.hpp"
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -66,9 +67,19 @@ class SuiteWindow
     void open(const std::string &title, WindowSize size);
     void set_up_imgui();
     void fit();
+    void show_button();
     void build_fonts();
 
+    // A press or a release of the mouse's left button, and where the pointer was then.
+    struct ButtonEvent {
+        bool is_down = false;
+        float x = 0.0f, y = 0.0f;
+    };
+
     GLFWwindow *window_ = nullptr, *hidden_ = nullptr;
+    std::deque<ButtonEvent> button_events_; // that no frame has shown to ImGui yet
+    bool is_button_down_ = false;           // as ImGui has seen it
+    float pointer_x_ = 0.0f, pointer_y_ = 0.0f;
     GlFunctions gl_;
     KeyHandler key_handler_;
     std::function<void()> focus_handler_;
