@@ -141,7 +141,7 @@ class WorkFolder
     fs::path path_;
 };
 
-// Makes one scene, and tells its watch how far it is.
+// Makes one scene, and reports the progress to the watch.
 class SceneMaker
 {
   public:

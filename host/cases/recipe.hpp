@@ -23,7 +23,7 @@ struct Recipe {
 // The kinds of anatomy that a recipe may name.
 const std::vector<std::string> &recipe_kinds();
 
-// Tells how far the making of a scene is.
+// Reports the progress of a scene that is being made.
 struct SceneProgress {
     std::string stage; // "the anatomy is made"
     int step = 0, steps = 0;

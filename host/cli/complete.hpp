@@ -9,7 +9,7 @@ namespace crn
 struct Candidate {
     std::string word, text;
 };
-// Tells what a shell may offer besides the candidates.
+// Names what a shell may offer besides the candidates.
 enum class PathKind { none, files, folders };
 struct Completion {
     std::vector<Candidate> candidates;

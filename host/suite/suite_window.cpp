@@ -21,7 +21,7 @@ namespace
 constexpr float layout_width = 1600.0f, layout_height = 900.0f, scale_min = 0.8f;
 constexpr float text_units = 15.0f, small_units = 12.5f, bold_units = 17.0f, large_units = 27.0f;
 
-// The X-ray's own context, in a window that is never shown.
+// Holds the OpenGL context of the X-ray, in a window that is never shown.
 class HiddenContext final : public GlContext
 {
   public:
