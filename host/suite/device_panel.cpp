@@ -58,8 +58,8 @@ void SuiteScreen::draw_device(std::size_t tool, float width)
     const ImGuiIO &io = ImGui::GetIO();
     const double slow = io.KeyShift ? slow_share : 1.0;
     const double units = 1.0 / static_cast<double>(ui_.px(1.0f));
-    // The drag is measured from the place where the button was pressed, because the pointer may have moved there
-    // in the same frame.
+    // The drag is measured from the place where the button was pressed, because the pointer may have moved
+    // there in the same frame.
     const ImVec2 way = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0.0f);
     if (ImGui::IsItemActive() && (way.x != 0.0f || way.y != 0.0f)) {
         actions_.drags.push_back(
