@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <regex>
 #include <zlib.h>
 
 namespace crn::centreline
@@ -116,6 +117,25 @@ struct TwiceNamed : pugi::xml_tree_walker {
     }
 };
 
+// Returns true if a file begins with a correct XML declaration, or has none (W3C, "Extensible Markup Language
+// 1.0", sections 2.8 and 4.3.3). pugixml accepts any text in its place. Only encodings whose digits are those
+// of ASCII are correct here.
+bool has_correct_declaration(const pugi::xml_document &document, const std::string &text)
+{
+    constexpr std::size_t letters_max = 256; // a declaration of VTK has about 20
+    static const std::regex correct(
+        R"re(<\?xml\s+version\s*=\s*("1\.\d+"|'1\.\d+'))re"
+        R"re((\s+encoding\s*=\s*("(UTF-8|utf-8|US-ASCII|ISO-8859-1)"|'(UTF-8|utf-8|US-ASCII|ISO-8859-1)'))?)re"
+        R"re((\s+standalone\s*=\s*("(yes|no)"|'(yes|no)'))?\s*\?>)re");
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    std::ptrdiff_t count = 0;
+    for (const pugi::xml_node &node : document) count += node.type() == pugi::node_declaration;
+    if (count == 0) return true;
+    const std::string head =
+        text.substr(text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0, letters_max);
+    return count == 1 && std::regex_search(head, correct, std::regex_constants::match_continuous);
+}
+
 } // namespace
 
 VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
@@ -123,7 +143,8 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
     if (text.find("encoding=\"raw\"") != text.npos)
         fail("holds raw appended data, which is no XML: save it as ASCII, or with base64 (EncodeAppendedData "
              "on)");
-    const pugi::xml_parse_result result = document_.load_buffer(text.data(), text.size());
+    const pugi::xml_parse_result result =
+        document_.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_declaration);
     if (!result) {
         const auto end =
             text.begin() +
@@ -132,6 +153,9 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
         throw Fault(name_ + ":" + std::to_string(std::count(text.begin(), end, '\n') + 1) +
                     ": is no XML text: " + result.description() + ": export the file again");
     }
+    if (!has_correct_declaration(document_, text))
+        fail("has an XML declaration that is not correct, such as <?xml version=\"1.0\"?> in the first line: "
+             "export the file again");
     // XML permits an attribute name only once in an element; of two attributes with the same name, pugixml
     // would silently use the first.
     TwiceNamed twice;

@@ -6,6 +6,7 @@
 #include "tools/centreline/tests/trees.hpp"
 
 #include <cstdlib>
+#include <cstring>
 #include <random>
 #include <zlib.h>
 
@@ -198,14 +199,37 @@ void damaged_files_are_trees_or_faults(void **)
     assert_true(trees > 100 && faults > 1000);
 }
 
+// The declaration is the first line of an XML file; pugixml accepts any text in its place.
+void a_vtk_file_begins_with_a_correct_xml_declaration_or_with_none(void **)
+{
+    const std::string whole = polydata_text(y_tree()), declaration = "<?xml version=\"1.0\"?>";
+    assert_int_equal(whole.find(declaration), 0);
+    const std::string rest = whole.substr(declaration.size());
+    for (const char *right : {"", "<?xml version='1.0' encoding=\"utf-8\" standalone='no' ?>",
+                              "\xEF\xBB\xBF<?xml version=\"1.0\"?>"})
+        assert_same_tree(read_polydata(right + rest, "t.vtp"), y_tree());
+    for (const char *wrong :
+         {"<?xml version\"1.0\"?>", "<?xml version=1.0?>", "<?xml version=\"#.0\"?>", "<?xml?>",
+          "<?xml version=\"1.0\" encoding=\"x\"?>", "<?Xml version=\"1.0\"?>", " <?xml version=\"1.0\"?>",
+          "<?xml version=\"1.0\"standalone=\"yes\"?>", "<?xml version=\"1.0\"?><?xml version=\"1.0\"?>"}) {
+        try {
+            read_polydata(wrong + rest, "t.vtp");
+            fail_msg("a file that begins with %s was accepted", wrong);
+        } catch (const crn::Fault &fault) {
+            assert_non_null(std::strstr(fault.what(), "t.vtp"));
+        }
+    }
+}
+
 } // namespace
 
 int main()
 {
-    const CMUnitTest tests[] = {cmocka_unit_test(every_format_gives_back_the_tree_it_was_given),
-                                cmocka_unit_test(base64_and_zlib_of_vtk_are_read),
-                                cmocka_unit_test(faults_name_place_and_remedy),
-                                cmocka_unit_test(damaged_files_are_trees_or_faults)};
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(every_format_gives_back_the_tree_it_was_given),
+        cmocka_unit_test(base64_and_zlib_of_vtk_are_read),
+        cmocka_unit_test(a_vtk_file_begins_with_a_correct_xml_declaration_or_with_none),
+        cmocka_unit_test(faults_name_place_and_remedy), cmocka_unit_test(damaged_files_are_trees_or_faults)};
     cmocka_set_message_output(CM_OUTPUT_TAP);
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
