@@ -35,6 +35,9 @@ std::string missing(const ConditionAtom &atom, const SessionLog &log)
         if (const std::string why = missing_tool(log, atom.tool); !why.empty()) return why;
         if (const std::string why = missing_tool(log, atom.other); !why.empty()) return why;
     }
+    const bool is_about_lumen =
+        atom.kind == Kind::pressure_damped || atom.kind == Kind::unaspirated_injection;
+    if (is_about_lumen && !log.has_transducer) return "no tool of the session has a lumen";
     if (names_a_balloon(atom.kind) && !log.has_balloon) return "the session has no balloon";
     if (atom.kind == Kind::balloon_above_rated && !log.rated_burst_bar)
         return "the balloon's label states no rated burst pressure";
@@ -134,6 +137,10 @@ bool session_holds(const ConditionAtom &atom, const SessionLog &log, std::size_t
         return now.is_gantry_moving;
     case Kind::injecting:
         return now.is_injecting;
+    case Kind::pressure_damped:
+        return now.is_pressure_damped;
+    case Kind::unaspirated_injection:
+        return i > 0 && now.unaspirated_injections > log.moments[i - 1].unaspirated_injections;
     case Kind::injected_ml:
         return atom.allows(now.injected_ml - then.injected_ml);
     case Kind::runs:

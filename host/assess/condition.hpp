@@ -21,6 +21,8 @@ struct ConditionAtom {
         acquiring,
         gantry_moves,
         injecting,
+        pressure_damped,
+        unaspirated_injection,
         injected_ml,
         runs,
         filled_runs,

@@ -19,9 +19,9 @@ const std::vector<Unit> shares = {{"%", 1.0}};
 const std::vector<std::string> hand_words = {"advances", "withdraws", "moves", "turns", "inserted", "force"};
 const std::vector<std::string> tip_words = {"in", "off", "ahead", "moves", "fixed"};
 const std::vector<std::string> first_words = {
-    "x-ray",    "acquiring", "c-arm",   "injecting", "injected", "runs", "filled", "empty",
-    "time",     "tip",       "balloon", "stent",     "lesion",   "wall", "line",   "wire",
-    "catheter", "guide",     "tool",    "damped",    "not",      "("};
+    "x-ray",    "acquiring", "c-arm",   "injecting", "injected", "runs",        "filled", "empty",
+    "time",     "tip",       "balloon", "stent",     "lesion",   "wall",        "line",   "wire",
+    "catheter", "guide",     "tool",    "damped",    "pressure", "unaspirated", "not",    "("};
 
 // Splits a condition into words and brackets. Quotation marks around the name of a vessel are left out.
 std::vector<Token> words_of(std::string text, int column)
@@ -112,6 +112,11 @@ class ConditionParser
         if (word == "c-arm") return state(Kind::gantry_moves, "moves");
         if (word == "acquiring") return of(Kind::acquiring);
         if (word == "injecting") return of(Kind::injecting);
+        if (word == "pressure") return state(Kind::pressure_damped, "damped");
+        if (word == "unaspirated") {
+            line_.expect("injection");
+            return state(Kind::unaspirated_injection, "begins");
+        }
         if (word == "injected") return bounded(Kind::injected_ml, "volume", volumes, 1e4);
         if (word == "time") return bounded(Kind::time_s, "time", time_units, 36000.0);
         if (word == "runs") return counted(Kind::runs);

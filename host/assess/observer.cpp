@@ -26,6 +26,7 @@ AssessObserver::AssessObserver(Patient &patient, const std::vector<Instrument> &
         log_.has_balloon = true;
         if (tool.balloon->rated_burst_kPa > 0.0) log_.rated_burst_bar = tool.balloon->rated_burst_kPa * 1e-2;
     }
+    log_.has_transducer = !patient.catheter_pressure().tool_name().empty();
     log_.has_stents = patient.stents() != nullptr;
     log_.has_lesions = !patient.contrast().vessels().lesions.empty();
 }
@@ -67,6 +68,8 @@ void AssessObserver::look_at_room(SessionMoment &moment)
     moment.injected_ml = patient_.contrast().injected_ml();
     const SessionMoment before = log_.moments.empty() ? SessionMoment() : log_.moments.back();
     moment.is_injecting = moment.injected_ml > before.injected_ml;
+    moment.is_pressure_damped = patient_.catheter_pressure().is_damped();
+    moment.unaspirated_injections = static_cast<int>(patient_.catheter_air().injections().size());
     moment.runs = before.runs;
     moment.filled_runs = before.filled_runs;
     moment.empty_runs = before.empty_runs;

@@ -38,6 +38,8 @@ struct SessionMoment {
     double fluoroscopy_s = 0.0, kap_Gy_cm2 = 0.0; // since the start
     double injected_ml = 0.0;                     // since the start
     bool is_injecting = false;
+    bool is_pressure_damped = false; // at the tip of the catheter (CatheterPressure)
+    int unaspirated_injections = 0;  // through a lumen that might hold air (CatheterAir), since the start
     int runs = 0, filled_runs = 0, empty_runs = 0; // that have ended; with and without contrast medium
     double balloon_bar = 0.0, balloon_mm = 0.0;    // pressure and largest diameter
     bool is_balloon_burst = false;
@@ -58,7 +60,8 @@ struct SessionLog {
     std::vector<bool> is_wire;             // for each tool
     std::optional<double> rated_burst_bar; // empty: no tool has a balloon, or its label does not state it
     bool has_balloon = false, has_stents = false, has_lesions = false;
-    bool has_contacts = false; // the forces of the walls are known
+    bool has_transducer = false; // a tool has a lumen in which the pressure is measured
+    bool has_contacts = false;   // the forces of the walls are known
     std::vector<SessionMoment> moments;
     std::uint32_t ticks = 0; // of the whole session
 };

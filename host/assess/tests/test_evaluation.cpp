@@ -125,6 +125,35 @@ void an_unknown_vessel_is_refused_with_a_suggestion(void **)
     }
 }
 
+// The transducer decides, not the geometry: the pressure is damped from 2 s to 4 s.
+void an_injection_while_the_pressure_is_damped_is_found(void **)
+{
+    crn::SessionLog log = session([](double s, crn::SessionMoment &moment) {
+        moment.is_pressure_damped = s >= 2.0 && s < 4.0;
+        moment.is_injecting = s >= 3.0 && s < 6.0;
+    });
+    const crn::AssessPlan plan = plan_with("injecting and pressure damped", 0.1, 3.0);
+    assert_string_equal(crn::evaluate(plan, log).why_not[0].c_str(), "no tool of the session has a lumen");
+    log.has_transducer = true;
+    const crn::Evaluation found = crn::evaluate(plan, log);
+    assert_int_equal(found.errors.size(), 1);
+    assert_in_range(found.errors[0].begin_tick, 3000, 3016);
+}
+
+// Two injections come while the lumen may hold air; the second lasts.
+void each_injection_without_aspiration_is_one_error(void **)
+{
+    crn::SessionLog log = session([](double s, crn::SessionMoment &moment) {
+        moment.unaspirated_injections = (s >= 2.0) + (s >= 5.0);
+        moment.is_injecting = s >= 5.0;
+    });
+    log.has_transducer = true;
+    const crn::Evaluation found = crn::evaluate(plan_with("unaspirated injection begins", 0.0, 1.0), log);
+    assert_int_equal(found.errors.size(), 2);
+    assert_in_range(found.errors[0].begin_tick, 2000, 2016);
+    assert_in_range(found.errors[1].begin_tick, 5000, 5016);
+}
+
 // The hand pushes 40 mm in 4 s; the tip stops after 20 mm. The rule notices it 15 mm later.
 void a_push_against_a_fixed_tip_is_found(void **)
 {
@@ -237,6 +266,8 @@ int main()
         cmocka_unit_test(errors_beyond_the_limit_are_listed_and_do_not_count),
         cmocka_unit_test(a_rule_for_a_tool_that_is_not_there_does_not_apply),
         cmocka_unit_test(an_unknown_vessel_is_refused_with_a_suggestion),
+        cmocka_unit_test(an_injection_while_the_pressure_is_damped_is_found),
+        cmocka_unit_test(each_injection_without_aspiration_is_one_error),
         cmocka_unit_test(a_push_against_a_fixed_tip_is_found),
         cmocka_unit_test(phases_follow_each_other_and_their_steps_lie_in_them),
         cmocka_unit_test(the_score_is_the_mean_of_its_parts_by_weight),

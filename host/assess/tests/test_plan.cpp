@@ -56,6 +56,8 @@ void every_condition_of_the_documentation_is_read(void **)
              "tip catheter ahead of wire at least 5 mm",
              "tip wire fixed at least 15 mm",
              "damped guide",
+             "pressure damped",
+             "unaspirated injection begins",
              "balloon above 2 bar",
              "balloon at least 200 kPa",
              "balloon above rated burst",
