@@ -62,7 +62,7 @@ double coverage(std::size_t sessions, double sigma, int trainees)
 
 void the_band_covers_the_truth_as_often_as_it_says(void **)
 {
-    const double ten = coverage(10, 4.0, 300), thirty = coverage(30, 4.0, 300);
+    const double ten = coverage(10, 4.0, 150), thirty = coverage(30, 4.0, 80);
     std::printf("# coverage: %.3f with 10 sessions, %.3f with 30\n", ten, thirty);
     assert_true(ten > 0.86 && ten < 0.99);
     assert_true(thirty > 0.90 && thirty < 0.99);
@@ -141,7 +141,7 @@ double share_of_signals(double rate, double Cusum::*limit, bool is_relapse, int 
     const Cusum settings = cusum_of({}, {});
     std::mt19937 random(static_cast<unsigned>(seed));
     int signals = 0;
-    constexpr int runs = 20000;
+    constexpr int runs = 10000;
     for (int run = 0; run < runs; run++) {
         double sum = 0.0;
         bool is_signalled = false;
