@@ -42,8 +42,8 @@ OPENED = {
 }
 # The sources of these folders become part of a program that is distributed; tests and benchmarks do not.
 SHIPPED = re.compile(r"^(host|tools|shared|firmware)/(?!.*(tests|bench)/)")
-INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>]+/[^>]+)>", re.M)
-INCLUDE_FOLDERS = ("/usr/include", "/usr/include/eigen3")
+INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>]+)>", re.M)
+INCLUDE_FOLDERS = ("/usr/include", "/usr/include/eigen3", "/usr/include/imgui")
 
 
 def programs_in(build, names):
@@ -91,8 +91,8 @@ def sources_of_tree():
 
 
 def header_packages():
-    """Returns a table that maps each package to the source files that include a header of this package from a folder
-    below /usr/include."""
+    """Returns a table that maps each package to the source files that include a header of this package, from
+    /usr/include."""
     found = collections.defaultdict(set)
     place = {}
     for source in sources_of_tree():

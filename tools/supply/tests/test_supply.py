@@ -25,8 +25,8 @@ ID = re.compile(r"^SPDXRef-[A-Za-z0-9.-]+$")
 # Identifiers of the SPDX licence list that are used here, and operators between them.
 LICENCE_IDS = set(
     """Apache-2.0 BSD-2-Clause BSD-3-Clause BSL-1.0 GPL-2.0-only GPL-3.0-only GPL-3.0-or-later ICU LGPL-2.1-or-later
-    LGPL-3.0-or-later MIT MPL-2.0 Zlib bzip2-1.0.6 libpng-2.0 LicenseRef-public-domain GCC-exception-3.1
-    OR AND WITH""".split()
+    LGPL-3.0-or-later FTL GPL-2.0-or-later MIT MPL-2.0 Zlib bzip2-1.0.6 libpng-2.0 LicenseRef-public-domain
+    GCC-exception-3.1 OR AND WITH""".split()
 )
 
 
