@@ -182,12 +182,17 @@ CasePlay::CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitne
     sink_ = &*goal_sink_;
 }
 
-Json CasePlay::end(const RunResult &result, const Json &report)
+Json CasePlay::judge_end(const RunResult &result, const Json &report)
 {
     std::vector<double> inserted_m;
     for (const ToolFigures &tool : result.figures.tools) inserted_m.push_back(tool.inserted_m);
     goal_sink_->end(inserted_m, result.tips);
-    const Json entry = case_result(*lesson_, goals_->results(), report);
+    return case_result(*lesson_, goals_->results(), report);
+}
+
+Json CasePlay::end(const RunResult &result, const Json &report)
+{
+    const Json entry = judge_end(result, report);
     print_case_result(entry);
     return entry;
 }

@@ -86,8 +86,9 @@ class CasePlay
     // GoalWatch.
     CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitness *witness, FrameSink *pictures);
     FrameSink *sink() { return sink_; }
-    // Judges and prints the goals at the end; only for a session with a case. Returns the entry "case" of the
-    // report.
+    // Judges the goals at the end; only for a session with a case. Returns the entry "case" of the report.
+    nlohmann::ordered_json judge_end(const RunResult &result, const nlohmann::ordered_json &report);
+    // Does the same, and prints the entry.
     nlohmann::ordered_json end(const RunResult &result, const nlohmann::ordered_json &report);
 
   private:

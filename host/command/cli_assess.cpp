@@ -3,8 +3,8 @@
 #include "host/base/interrupt.hpp"
 #include "host/base/terminal.hpp"
 #include "host/command/cli.hpp"
+#include "host/command/recorded_score.hpp"
 #include "host/report/session_summary.hpp"
-#include "host/session/replay.hpp"
 #include <nlohmann/json.hpp>
 
 namespace crn
@@ -28,10 +28,34 @@ AssessPlan plan_of(const PlanOptions &options, const SessionLog &log)
     return plan;
 }
 
+AssessPlan case_plan(const Case &lesson, const SessionLog &log)
+{
+    AssessPlan plan;
+    if (lesson.has_assessment) {
+        const TomlTable root = read_toml(lesson.file, {"a case file", "a case file (docs/cases.md)"});
+        root.read_sources();
+        plan = read_plan(root.table("assessment"));
+    } else {
+        plan = standard_plan(log.has_balloon);
+        const std::size_t last = lesson.start.tools.size() - 1;
+        for (const CaseGoal &goal : lesson.goals) {
+            const Expectation &expected = goal.expectation;
+            if (expected.kind != Expectation::Kind::tip) continue;
+            if (expected.tool == 0) plan.vessels.names["target"] = expected.vessel.text;
+            if (expected.tool == last && last > 0 && log.has_balloon)
+                plan.vessels.names["ostium"] = expected.vessel.text;
+        }
+    }
+    check_plan(plan, log);
+    return plan;
+}
+
 SessionAssessor::SessionAssessor(const PlanOptions &options, Patient &patient,
                                  const std::vector<Instrument> &tools, const TipPlaces &tips,
-                                 FrameSink *pictures)
-    : observer_(patient, tools, tips), plan_(plan_of(options, observer_.log()))
+                                 FrameSink *pictures, const Case *lesson)
+    : observer_(patient, tools, tips),
+      plan_(lesson && options.plan.empty() ? case_plan(*lesson, observer_.log())
+                                           : plan_of(options, observer_.log()))
 {
     sinks_.add(&observer_);
     sinks_.add(pictures);
@@ -68,35 +92,14 @@ int command_score(const ScoreOptions &options)
                    {"--bodies", options.bodies_path},
                    {"--plan", options.plan.plan}},
                   {{"--json", options.json}, {"--html", options.html}});
-    const Recording recording = read_recording(options.recording);
-    const RecordingHeader &header = recording.header;
-    const SceneFile scene = recorded_scene(header, options.scene);
-    Device device(scene, header.tools, header.entry, header.rig);
-    check_core(header, device.identity());
-    PictureSettings settings;
-    settings.bodies_path = options.bodies_path.empty() ? bodies_beside(scene.path) : options.bodies_path;
-    settings.scene_path = scene.path;
-    settings.stents = header.stents;
-    const SceneAnatomy anatomy = read_anatomy(settings);
-    const std::unique_ptr<Patient> patient = make_patient(settings, anatomy, header.tools);
-    const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
-    SessionAssessor assessor(options.plan, *patient, header.tools, tips, nullptr);
     watch_for_interrupt();
-    ReplaySettings replay;
-    replay.verifies = true; // a score of another course than the recorded one would be wrong
-    replay.measures_contacts = true;
-    const ReplayResult replayed = replay_recording(device, recording, patient.get(), assessor.sink(), replay);
-    if (replayed.first_difference_tick)
-        throw std::runtime_error(options.recording + ": cannot be scored: at tick " +
-                                 std::to_string(*replayed.first_difference_tick) +
-                                 " the replay differs from the recording: " + replayed.difference);
-    if (replayed.was_interrupted) {
+    const RecordedScore score =
+        score_recording({options.recording, options.scene, options.bodies_path, options.plan, nullptr, {}});
+    if (score.was_stopped) {
         std::fprintf(stderr, "cournand: interrupted; nothing was written\n");
         return 1;
     }
-    nlohmann::ordered_json report =
-        report_of(run_result(replayed), scene.path, header.tools, header.session_path, *patient);
-    assessor.assess(report);
+    const nlohmann::ordered_json &report = score.report;
     const nlohmann::ordered_json &assessment = report["assessment"];
     print_assessment(assessment);
     if (!options.json.empty()) write_report(options.json, assessment);
@@ -105,9 +108,8 @@ int command_score(const ScoreOptions &options)
     for (const std::string &file : {options.json, options.html})
         if (!file.empty()) files.push_back(file);
     print_files(files);
-    if (!recording.is_complete)
-        std::printf("the recording was cut off; the score is of its first %zu ticks\n",
-                    recording.ticks.size());
+    if (!score.is_complete)
+        std::printf("the recording was cut off; the score is of its first %u ticks\n", unsigned{score.ticks});
     return 0;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include "host/assess/assessment.hpp"
 #include "host/assess/observer.hpp"
+#include "host/cases/case.hpp"
 #include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -20,13 +21,19 @@ void add_plan(CLI::App &command, PlanOptions &options, const std::string &help);
 // Reads the plan, or the standard plan for these tools. Throws FileError and std::runtime_error.
 AssessPlan plan_of(const PlanOptions &options, const SessionLog &log);
 
+// Returns the plan of a case: its table [assessment], or the standard plan for these tools. In the standard
+// plan `target` is the vessel of the last goal about the tip of the innermost tool, and `ostium` that of the
+// last goal about the tip of the guiding catheter. Throws FileError.
+AssessPlan case_plan(const Case &lesson, const SessionLog &log);
+
 // Observes a session and assesses it.
 class SessionAssessor
 {
   public:
-    // Reads the plan and checks its vessels; throws FileError. `pictures` may be nullptr.
+    // Reads the plan and checks its vessels; throws FileError. `pictures` may be nullptr. Without a named
+    // plan the plan of `lesson` is used, if there is a case.
     SessionAssessor(const PlanOptions &options, Patient &patient, const std::vector<Instrument> &tools,
-                    const TipPlaces &tips, FrameSink *pictures);
+                    const TipPlaces &tips, FrameSink *pictures, const Case *lesson = nullptr);
     FrameSink *sink() { return &sinks_; } // of the observer and the pictures
     // Adds the entry "assessment" to the report, and gives the report's score the limits of the plan.
     void assess(nlohmann::ordered_json &report) const;

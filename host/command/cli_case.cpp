@@ -126,29 +126,14 @@ PreparedScene scene_of(const Case &lesson, bool is_quiet)
     });
 }
 
-void print_briefing(const Case &lesson)
-{
-    std::printf("%s\n\n%s, %s, %d years (an invented patient). %s\n%s\n\nAim: %s\n",
-                printable(lesson.title).c_str(), printable(lesson.patient.name).c_str(),
-                lesson.patient.sex.c_str(), lesson.patient.age_years,
-                printable(lesson.patient.indication).c_str(), printable_lines(lesson.story).c_str(),
-                printable(lesson.aim).c_str());
-    for (const CaseGoal &goal : lesson.goals) std::printf("  - %s\n", printable(goal.text).c_str());
-    std::fflush(stdout);
-}
-
 int play_in_window(const Case &lesson, const CaseOptions &options, const RunWindow &run_window)
 {
     if (!run_window || !has_display())
         throw UsageError("case play: there is no display for a window: `cournand case play " + lesson.name +
                          " --script expert` plays without one");
-    print_briefing(lesson);
-    const PreparedScene scene = scene_of(lesson, options.quiet);
     WindowOptions window;
-    window.scene = scene.scene;
-    window.tools = lesson.start.tools;
-    window.stents = lesson.stents;
-    for (const std::uint32_t um : lesson.start.inserted_um) window.inserted_mm.push_back(um * 1e-3);
+    window.lesson = std::make_shared<const Case>(lesson);
+    window.shows_help = false;
     window.record = options.record;
     window.json = options.json;
     window.score = options.score;

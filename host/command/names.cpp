@@ -190,6 +190,16 @@ std::vector<fs::path> kept_recording_files()
     return files;
 }
 
+// Deletes the oldest recordings of the user's folder, so that one more can be kept.
+static void tidy_recordings()
+{
+    const std::vector<fs::path> files = kept_recording_files();
+    for (std::size_t i = 0; i + kept_recordings_max - 1 < files.size(); ++i) {
+        std::error_code ignored;
+        fs::remove(files[i], ignored);
+    }
+}
+
 std::string kept_recording()
 {
     const fs::path folder = state_folder().empty() ? fs::path("cournand") : state_folder();
@@ -198,6 +208,7 @@ std::string kept_recording()
     if (error)
         throw UsageError("recordings are kept in '" + folder.string() + "', which cannot be made (" +
                          error.message() + "): name a file with --record, or give --no-record");
+    tidy_recordings();
     const std::time_t now = std::time(nullptr);
     std::tm local{};
     localtime_r(&now, &local);

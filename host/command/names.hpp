@@ -33,7 +33,9 @@ std::vector<std::string> names_of_type(const std::string &type);
 // Returns the recordings in the user's state folder, from the oldest to the newest.
 std::vector<std::filesystem::path> kept_recording_files();
 
-// Returns a new path for a recording in the user's state folder, whose name is made of date and time. Throws
+inline constexpr std::size_t kept_recordings_max = 20;
+// Returns a new path for a recording in the user's state folder, whose name is made of date and time. The
+// oldest recordings there are deleted, so that at most kept_recordings_max remain with the new one. Throws
 // UsageError if the folder cannot be made.
 std::string kept_recording();
 

@@ -1,8 +1,10 @@
 // Holds the options of `cournand view`. Only the main program with a display contains the window; it passes
 // the function that opens the window to command_line().
 #pragma once
+#include "host/cases/case.hpp"
 #include "host/picture/session_pictures.hpp"
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -37,9 +39,12 @@ struct WindowOptions {
     int window_width = 1600, window_height = 900; // at the start, in pixels of the desktop
     std::string font;                             // TrueType file; empty: the installed DejaVu Sans
     bool opens_start = false;                     // begin with the cards instead of a session
-    std::string replays;                          // begin with the replay of this recording; empty: no
-    std::string timing; // file of the figures of this machine: punctuality, pictures, delays; empty: none
-    std::string layout; // file with the names and places of the controls, for tests; empty: none
+    // The case that the session plays: its goals are shown, and its marks are given at the end. The window
+    // begins with the preparation of the case. Null: no case.
+    std::shared_ptr<const Case> lesson{};
+    std::string replays; // begin with the replay of this recording; empty: no
+    std::string timing;  // file of the figures of this machine: punctuality, pictures, delays; empty: none
+    std::string layout;  // file with the names and places of the controls, for tests; empty: none
 };
 
 // Opens the window and returns the exit code.

@@ -258,6 +258,7 @@ void LiveSession::look()
     frame_ = session_frame(device_, state_, input);
     const Presence presence(choice_.free_run && device_.has_its_own_clock() ? &device_.link() : nullptr);
     give_pictures();
+    if (observer_) observer_(frame_, *patient_);
 }
 
 void LiveSession::give_pictures()

@@ -14,6 +14,7 @@
 #include "host/session/range_watch.hpp"
 #include "host/session/run.hpp"
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -49,6 +50,10 @@ class LiveSession final : private FreeRunSink
     // false when the device stopped; fault() gives the reason.
     bool advance(std::uint32_t ticks);
     std::uint32_t tick() const { return choice_.free_run ? led_tick_ : done_tick_; }
+    // Calls `observer` in the thread of the session, each time that the session has looked at the tools and
+    // the patient, at least every 20 ms. The observer changes nothing.
+    using Observer = std::function<void(const SessionFrame &, Patient &)>;
+    void observe(Observer observer) { observer_ = std::move(observer); }
     bool has_own_clock() const { return choice_.free_run && choice_.is_usb; }
     const std::string &fault() const { return fault_; }
     // The session stops when the physics leaves its valid range: fault() then returns the notice, and range()
@@ -111,6 +116,7 @@ class LiveSession final : private FreeRunSink
     std::uint32_t done_tick_ = 0;
     std::uint32_t hash_tick_ = 0;
     std::uint32_t led_tick_ = 0; // FREE_RUN: the last received tick
+    Observer observer_;
     std::string fault_;
     std::vector<std::string> files_;
     bool was_stopped_ = false;

@@ -21,6 +21,8 @@ struct Image {
 // name never refers to an incomplete file. On failure the function returns false, and `error` names the file
 // and the cause.
 bool write_png(const std::string &path, const Image &image, std::string &error);
+// Reads a PNG file as a grey picture; colours become grey. Throws std::runtime_error with file and cause.
+Image read_grey_png(const std::string &path);
 // Encodes a PNG in memory. Throws std::runtime_error with the cause.
 std::vector<std::uint8_t> encode_png(const Image &image);
 // Writes a grey picture with 16 bits per pixel. `values` has width*height values, which are stored unchanged;

@@ -71,6 +71,24 @@ std::vector<std::uint8_t> encode_png(const Image &image)
     return bytes;
 }
 
+Image read_grey_png(const std::string &path)
+{
+    constexpr png_uint_32 edge_max = 8192;
+    png_image png = image_head(0, 0, PNG_FORMAT_GRAY);
+    const auto fail = [&](const std::string &why) {
+        png_image_free(&png);
+        throw std::runtime_error(path + ": the picture cannot be read: " + why);
+    };
+    if (!png_image_begin_read_from_file(&png, path.c_str())) fail(png.message);
+    if (png.width > edge_max || png.height > edge_max) fail("it has more than 8192 pixels along an edge");
+    png.format = PNG_FORMAT_GRAY;
+    Image image{static_cast<int>(png.width), static_cast<int>(png.height), 1, {}};
+    image.bytes.resize(PNG_IMAGE_SIZE(png));
+    const png_color black{0, 0, 0};
+    if (!png_image_finish_read(&png, &black, image.bytes.data(), 0, nullptr)) fail(png.message);
+    return image;
+}
+
 // The library libpng assumes that 16-bit values are linear in the intensity of light. The values are stored
 // unchanged, and the file states a gamma of 1.0.
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,

@@ -1,5 +1,6 @@
 #include "host/suite/case_card.hpp"
 #include "host/base/examples.hpp"
+#include "host/base/format.hpp"
 #include "host/command/names.hpp"
 #include "host/suite/session_host.hpp"
 #include <algorithm>
@@ -14,10 +15,10 @@ namespace
 
 namespace fs = std::filesystem;
 
-CaseCard card(const WindowOptions &options, const std::string &name, const std::string &story,
-              const std::string &goal, const std::vector<std::string> &tools)
+CaseCard practice_card(const WindowOptions &options, const std::string &name, const std::string &story,
+                       const std::string &goal, const std::vector<std::string> &tools)
 {
-    CaseCard made{name, story, goal, "", "", options};
+    CaseCard made{name, story, goal, "", "", options, {}};
     try {
         made.options.instrument.clear();
         made.options.tools.clear();
@@ -43,6 +44,51 @@ std::string local_time(const fs::file_time_type &time)
 
 } // namespace
 
+CaseCard case_card(const WindowOptions &options, const Case &lesson)
+{
+    CaseCard card{lesson.title, lesson.story, lesson.aim, "", "", options, {}};
+    card.options.scene.clear();
+    card.options.pictures.bodies_path.clear();
+    card.options.instrument.clear();
+    card.options.tools = lesson.start.tools;
+    card.options.stents = lesson.stents;
+    card.options.inserted_mm.clear();
+    for (const std::uint32_t um : lesson.start.inserted_um) card.options.inserted_mm.push_back(um * 1e-3);
+    card.options.lesson = std::make_shared<const Case>(lesson);
+    try {
+        if (!lesson.picture.empty()) card.picture = read_grey_png(lesson.picture);
+    } catch (const std::runtime_error &) {
+        // A card without its picture still serves; `cournand case check` names a bad picture.
+    }
+    if (card.picture.width != card.picture.height) card.picture = {};
+    return card;
+}
+
+std::vector<CaseCard> case_cards(const WindowOptions &options, const std::map<std::string, double> &best)
+{
+    struct Listed {
+        int order = 0;
+        CaseCard card;
+    };
+    std::vector<Listed> listed;
+    for (const std::string &path : case_paths()) {
+        try {
+            const Case lesson = read_case(path);
+            listed.push_back({lesson.order, case_card(options, lesson)});
+            if (const auto found = best.find(lesson.name); found != best.end())
+                listed.back().card.best = formatted("%.0f of 100", found->second);
+        } catch (const std::runtime_error &error) {
+            CaseCard card{fs::path(path).stem().string(), "", "", "", error.what(), options, {}};
+            listed.push_back({1000, card});
+        }
+    }
+    std::stable_sort(listed.begin(), listed.end(),
+                     [](const Listed &a, const Listed &b) { return a.order < b.order; });
+    std::vector<CaseCard> cards;
+    for (Listed &each : listed) cards.push_back(std::move(each.card));
+    return cards;
+}
+
 std::vector<CaseCard> practice_cards(const WindowOptions &options)
 {
     WindowOptions aorta = options;
@@ -53,19 +99,20 @@ std::vector<CaseCard> practice_cards(const WindowOptions &options)
         none = error.what();
     }
     std::vector<CaseCard> cards = {
-        card(aorta, "Wire in the aorta",
-             "Free practice in the shipped aorta, from the right groin, with a J wire of 0.035 in.",
-             "Bring the tip into the ascending aorta. Nothing is scored.", {"j_wire"}),
-        card(aorta, "Catheter over a wire",
-             "Free practice in the shipped aorta with a Bentson wire in a 5F Kumpe catheter.",
-             "Let the wire lead, and bring the catheter after it.", {"bentson", "beacon_5f"}),
+        practice_card(aorta, "Wire in the aorta",
+                      "Free practice in the shipped aorta, from the right groin, with a J wire of 0.035 in.",
+                      "Bring the tip into the ascending aorta. Nothing is scored.", {"j_wire"}),
+        practice_card(aorta, "Catheter over a wire",
+                      "Free practice in the shipped aorta with a Bentson wire in a 5F Kumpe catheter.",
+                      "Let the wire lead, and bring the catheter after it.", {"bentson", "beacon_5f"}),
     };
     for (CaseCard &made : cards)
         if (!none.empty()) made.trouble = none;
     WindowOptions space = options;
     space.scene.clear();
-    cards.push_back(card(space, "Free space", "A catheter and a wire without a patient.",
-                         "Watch how force, torque and shape follow the hands.", {"rosen", "pigtail_5f"}));
+    cards.push_back(practice_card(space, "Free space", "A catheter and a wire without a patient.",
+                                  "Watch how force, torque and shape follow the hands.",
+                                  {"rosen", "pigtail_5f"}));
     return cards;
 }
 

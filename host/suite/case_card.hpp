@@ -1,6 +1,8 @@
 // Describes what the start screen offers: one card per case or practice, and the recordings that are kept.
 #pragma once
 #include "host/command/view_options.hpp"
+#include "host/picture/picture.hpp"
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,9 +17,15 @@ struct CaseCard {
     std::string goal;      // what must be true at the end
     std::string best;      // best score so far, as text; empty: none
     std::string trouble;   // why it cannot begin, and the remedy; empty: it can
-    WindowOptions options; // scene, tools, stents and start lengths of the session
-    std::string picture{}; // PNG of the start screen; empty: none
+    WindowOptions options; // scene, tools, stents and start lengths of the session; the case, if it is one
+    Image picture{};       // grey and square; without pixels: none
 };
+
+// Returns the cards of all cases: those of the user's own folder and those that come with the program. The
+// scene of a case is made later, so the options name none. A file that cannot be read gives a card that says
+// why. `best` holds the best score of each case, by its name.
+std::vector<CaseCard> case_cards(const WindowOptions &options, const std::map<std::string, double> &best);
+CaseCard case_card(const WindowOptions &options, const Case &lesson);
 
 // Returns the cards for free practice on the scene that ships, and in free space. `options` gives what the
 // user has named on the command line, such as the scene, the size of pictures and the device.

@@ -101,6 +101,7 @@ enum class ControlId : std::uint8_t {
     breath_hold,
     // program
     help,
+    hint,
     restart,
     end
 };

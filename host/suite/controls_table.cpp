@@ -179,6 +179,8 @@ constexpr std::array<Control, control_count> rows = {{
      "Lets the patient hold the breath, or breathe again."},
     {help, press, program_group, "help", GLFW_KEY_H, 0, "H or F1", button, GLFW_GAMEPAD_BUTTON_START, "Start",
      "Shows this list, or hides it."},
+    {hint, press, program_group, "hint", GLFW_KEY_H, ctrl, "Ctrl H", button, -1, "",
+     "Shows the next hint of the case."},
     {restart, press, program_group, "start again", GLFW_KEY_R, 0, "R", button, -1, "",
      "Ends the session with its report, and starts it again."},
     {end, press, program_group, "end", GLFW_KEY_ESCAPE, 0, "Esc", button, -1, "",

@@ -4,6 +4,7 @@
 #include "host/suite/suite_screen.hpp"
 #include "host/suite/ui_text.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace crn
@@ -12,7 +13,8 @@ namespace
 {
 
 constexpr std::size_t live_slot = 0, reference_slot = 1;
-constexpr float gutter = 148.0f; // beside the live picture
+constexpr float gutter = 148.0f, case_gutter = 262.0f; // beside the live picture; with a case
+constexpr double window_min = 0.05, window_max = 4.0;
 constexpr double wheel_um = 2000.0;
 
 ImVec2 centred(const UiRect &place, const ImVec2 &size)
@@ -21,6 +23,25 @@ ImVec2 centred(const UiRect &place, const ImVec2 &size)
 }
 
 } // namespace
+
+std::vector<std::uint8_t> GreyRange::shown(const std::vector<std::uint8_t> &grey) const
+{
+    std::array<std::uint8_t, 256> table{};
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const double share = (static_cast<double>(i) / 255.0 - level) / window + 0.5;
+        table[i] = static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(share, 0.0, 1.0)));
+    }
+    std::vector<std::uint8_t> result(grey.size());
+    std::transform(grey.begin(), grey.end(), result.begin(),
+                   [&](std::uint8_t value) { return table[value]; });
+    return result;
+}
+
+void GreyRange::drag(double right, double up)
+{
+    window = std::clamp(window * std::exp(2.0 * right), window_min, window_max);
+    level = std::clamp(level + up, 0.0, 1.0);
+}
 
 // Draws a picture in the middle of a place: as large as fits, or with one pixel of the picture on one pixel
 // of the screen. `shown` is where it is then.
@@ -41,7 +62,15 @@ void SuiteScreen::draw_picture(std::size_t slot, const MonitorPicture &picture, 
         draw->AddText(centred(place, text), tint::dim, none);
         return;
     }
-    void *texture = ui_.window().texture(slot, picture.size, picture.grey, picture.number, is_sharp);
+    const bool is_changed = slot == live_slot && !range_.is_whole();
+    // The version tells the texture that the picture or its range of greys has changed.
+    const std::uint64_t version =
+        picture.number * 0x10000 + (is_changed
+                                        ? static_cast<std::uint64_t>(range_.window * 1e3) * 257 % 0xffff +
+                                              static_cast<std::uint64_t>(range_.level * 1e3) % 0xff + 1
+                                        : 0);
+    void *texture = ui_.window().texture(
+        slot, picture.size, is_changed ? range_.shown(picture.grey) : picture.grey, version, is_sharp);
     draw->PushClipRect({place.x, place.y}, {place.x + place.width, place.y + place.height}, true);
     draw->AddImage(texture, {shown.x, shown.y}, {shown.x + shown.width, shown.y + shown.height});
     draw->PopClipRect();
@@ -52,7 +81,8 @@ void SuiteScreen::draw_live(const UiRect &place)
     ui_.begin_panel("live", place, "");
     UiRect shown{};
     const float side = std::min(ui_.px(gutter), 0.2f * place.width);
-    const UiRect middle{place.x + side, place.y + ui_.px(18.0f), place.width - 2.0f * side,
+    const float right = view_->lesson ? std::min(ui_.px(case_gutter), 0.3f * place.width) : side;
+    const UiRect middle{place.x + side, place.y + ui_.px(18.0f), place.width - side - right,
                         place.height - ui_.px(36.0f)};
     const MonitorPicture none;
     const MonitorPicture &picture = view_->live ? *view_->live : none;
@@ -64,11 +94,15 @@ void SuiteScreen::draw_live(const UiRect &place)
                       {middle.x + middle.width + 2.0f, middle.y + middle.height + 2.0f}, tint::yellow, 0.0f,
                       0, ui_.px(2.0f));
     }
-    draw_live_texts({place.x, place.y, side, place.height},
-                    {place.x + place.width - side, place.y, side, place.height});
+    draw_live_texts({place.x, place.y, side, place.height}, {place.x + place.width - right, place.y, right,
+                                                             view_->lesson ? ui_.px(96.0f) : place.height});
+    if (view_->lesson)
+        draw_case(
+            {place.x + place.width - right, place.y + ui_.px(100.0f), right, place.height - ui_.px(104.0f)});
     ImGui::SetCursorScreenPos({middle.x, middle.y});
     ImGui::InvisibleButton("live picture", {middle.width, middle.height});
     ui_.note_last_item("live picture");
+    draw_grey_range(middle);
     if (ImGui::IsItemHovered() && ImGui::GetIO().MouseWheel != 0.0f) {
         const bool turns = ImGui::GetIO().KeyShift;
         const double notches = ImGui::GetIO().MouseWheel;
@@ -77,6 +111,26 @@ void SuiteScreen::draw_live(const UiRect &place)
                                   turns ? static_cast<std::int32_t>(notches * counts_per_turn / 24) : 0});
     }
     ui_.end_panel();
+}
+
+// A drag over the live picture changes its range of greys, and a double click resets it.
+void SuiteScreen::draw_grey_range(const UiRect &place)
+{
+    const ImVec2 way = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0.0f);
+    if (ImGui::IsItemActive() && (way.x != 0.0f || way.y != 0.0f)) {
+        const double edge = static_cast<double>(std::min(place.width, place.height));
+        range_.drag(static_cast<double>(way.x) / edge, -static_cast<double>(way.y) / edge);
+        ImGui::ResetMouseDragDelta(ImGuiMouseButton_Left);
+    }
+    if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) range_ = {};
+    if (range_.is_whole()) return;
+    const std::string text =
+        formatted("W %.0f  L %.0f  (double click: reset)", rounded_to(range_.window * 100.0, 1.0),
+                  rounded_to(range_.level * 100.0, 1.0));
+    ImFont *font = ui_.fonts().small_text;
+    ImGui::GetWindowDrawList()->AddText(font, font->FontSize,
+                                        {place.x + ui_.px(4.0f), place.y + place.height + ui_.px(2.0f)},
+                                        tint::sky, text.c_str());
 }
 
 void SuiteScreen::draw_orientation(const UiRect &shown)

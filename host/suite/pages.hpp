@@ -1,5 +1,8 @@
-// Draws the screens of the window besides the suite: start, debrief and rig.
+// Draws the screens of the window besides the suite: start, debrief and rig; prep_page.hpp has the
+// preparation.
 #pragma once
+#include "host/live/background_task.hpp"
+#include "host/live/trainee_records.hpp"
 #include "host/report/score.hpp"
 #include "host/suite/case_card.hpp"
 #include "host/suite/ui.hpp"
@@ -11,22 +14,55 @@
 namespace crn
 {
 
+inline constexpr float page_margin = 60.0f; // units, at the left of the screens
+// Slots of the window's textures that these screens use; the monitors have those below.
+inline constexpr std::size_t prep_slot = 4, card_slot = 8;
+
 struct PageChoice {
-    enum class Kind { none, begin, again, replay, start, rig, quit } kind = Kind::none;
-    std::size_t card = 0;  // of begin
-    std::string recording; // of replay
+    enum class Kind {
+        none,
+        prepare,    // the case of card number `card`
+        practise,   // free practice number `card`
+        start_case, // that is prepared
+        again,
+        replay,
+        start,
+        rig,
+        save, // page and figures of the debrief
+        quit
+    } kind = Kind::none;
+    std::size_t card = 0;
+    std::string recording;  // of replay
+    std::uint32_t tick = 0; // of replay: the moment that it begins with
 };
 
-PageChoice draw_start(Ui &ui, const std::vector<CaseCard> &cards, const std::vector<KeptRecording> &kept,
-                      const std::string &trouble);
+// Begins a screen with its title and the line below it. Call Ui::end_panel() afterwards.
+void begin_page(Ui &ui, const char *name, const char *title, const char *below);
+
+struct StartView {
+    const std::vector<CaseCard> *cases = nullptr, *practice = nullptr;
+    const std::vector<KeptRecording> *kept = nullptr;
+    std::string trouble;
+};
+// `trainee` is the pseudonym, which the user may change here.
+PageChoice draw_start(Ui &ui, const StartView &view, std::string &trainee);
+
+// The score of a session, and where it was stored if it was that of a case.
+struct ScoredSession {
+    RecordedScore score;
+    std::optional<StoredSession> stored;
+};
 
 // What the debrief shows of a session that has ended.
 struct Debrief {
-    nlohmann::ordered_json report, score;
+    nlohmann::ordered_json report;
     std::string recording, title, fault;
     std::vector<std::string> files;
+    std::shared_ptr<const Case> lesson;                  // null: no case
+    std::unique_ptr<BackgroundTask<ScoredSession>> task; // null: no recording, so no score
 };
-PageChoice draw_debrief(Ui &ui, const Debrief &debrief);
+// `said` is the last message, such as the names of saved files.
+PageChoice draw_debrief(Ui &ui, const Debrief &debrief, const std::string &said);
 
 struct RigRow {
     std::string name, state;

@@ -1,5 +1,6 @@
 #include "host/suite/replay_page.hpp"
 #include "host/base/format.hpp"
+#include "host/command/expert_run.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/suite/ui_text.hpp"
 #include <algorithm>
@@ -11,7 +12,8 @@ namespace crn
 namespace
 {
 
-constexpr std::size_t replay_slot = 2;
+constexpr std::size_t replay_slot = 2, expert_slot = 3;
+constexpr std::uint32_t before_error_ticks = 1000; // that an error is shown with
 constexpr float side_width = 330.0f, scrub_height = 92.0f;
 
 bool is_same(const CArm &a, const CArm &b)
@@ -46,10 +48,62 @@ ImU32 colour_of(ReplayMark::Kind kind)
 
 } // namespace
 
-ReplayPage::ReplayPage(Ui &ui, const std::string &recording, const PictureSettings &settings)
+ReplayPage::ReplayPage(Ui &ui, const std::string &recording, const PictureSettings &settings,
+                       std::shared_ptr<const Case> lesson, std::vector<ReplayError> errors)
     : ui_(ui), name_(std::filesystem::path(recording).filename().string()),
-      thread_(std::make_unique<ReplayRoom>(recording, "", settings)), marks_(thread_.room().marks())
+      thread_(std::make_unique<ReplayRoom>(recording, "", settings)), marks_(thread_.room().marks()),
+      settings_(settings), lesson_(std::move(lesson)), errors_(std::move(errors))
 {
+    std::sort(errors_.begin(), errors_.end(),
+              [](const ReplayError &a, const ReplayError &b) { return a.tick < b.tick; });
+}
+
+void ReplayPage::go_to_error(bool is_next)
+{
+    const auto shown_at = [](const ReplayError &error) {
+        return error.tick > before_error_ticks ? error.tick - before_error_ticks : 0;
+    };
+    const ReplayError *found = nullptr;
+    for (const ReplayError &error : errors_) {
+        if (is_next && !found && shown_at(error) > tick()) found = &error;
+        if (!is_next && shown_at(error) < tick()) found = &error;
+    }
+    if (found) go_to(shown_at(*found));
+}
+
+// The first time, the expert's run is looked for or made in the background.
+void ReplayPage::toggle_expert()
+{
+    shows_expert_ = lesson_ && !shows_expert_;
+    if (!shows_expert_ || expert_) return;
+    expert_ = std::make_unique<ExpertTask>([lesson = lesson_, settings = settings_](TaskProgress &progress) {
+        const std::string recording = expert_recording(
+            *lesson, [&] { return progress.tell("the expert's run is recorded, once for each case", -1.0); });
+        return std::make_shared<ReplayThread>(std::make_unique<ReplayRoom>(recording, "", settings));
+    });
+}
+
+ReplayThread *ReplayPage::expert() const
+{
+    const std::shared_ptr<ReplayThread> *made = expert_ ? expert_->result() : nullptr;
+    return made ? made->get() : nullptr;
+}
+
+// The expert is shown at the same time of the session, and from the same angle if the user has chosen one.
+void ReplayPage::ask_expert()
+{
+    ReplayThread *thread = expert();
+    if (!shows_expert_ || !thread) return;
+    const ReplayAsk now{std::min(tick(), thread->room().ticks()), carm_};
+    const std::uint32_t prepared = thread->room().prepared();
+    const bool is_same_view = has_asked_expert_ && now.tick == asked_expert_.tick &&
+                              now.carm.has_value() == asked_expert_.carm.has_value() &&
+                              (!now.carm || is_same(*now.carm, *asked_expert_.carm));
+    if (is_same_view && (prepared == asked_expert_prepared_ || asked_expert_prepared_ >= now.tick)) return;
+    has_asked_expert_ = true;
+    asked_expert_ = now;
+    asked_expert_prepared_ = prepared;
+    thread->ask(now);
 }
 
 bool ReplayPage::act(ControlId id)
@@ -80,6 +134,11 @@ void ReplayPage::jump(double seconds)
     tick_ = std::clamp(tick_ + seconds * 1e3, 0.0, static_cast<double>(thread_.room().ticks()));
 }
 
+void ReplayPage::go_to(std::uint32_t tick)
+{
+    tick_ = std::min(tick, thread_.room().ticks());
+}
+
 // Asks for the picture of the present view, if that view has changed.
 void ReplayPage::ask()
 {
@@ -103,29 +162,58 @@ void ReplayPage::draw()
         if (tick() >= thread_.room().ticks()) is_playing_ = false;
     }
     ask();
+    ask_expert();
     const float w = ui_.window().width(), h = ui_.window().height();
     const float side = ui_.px(side_width), scrub = ui_.px(scrub_height), gap = ui_.px(4.0f);
-    draw_picture({0.0f, 0.0f, w - side - gap, h - scrub - gap});
+    draw_pictures({0.0f, 0.0f, w - side - gap, h - scrub - gap});
     draw_side({w - side, 0.0f, side, h - scrub - gap});
     draw_scrub({0.0f, h - scrub, w, scrub});
 }
 
-void ReplayPage::draw_picture(const UiRect &place)
+void ReplayPage::draw_pictures(const UiRect &place)
 {
-    ui_.begin_panel("replay picture", place, "");
     const std::shared_ptr<const ReplayShown> shown = thread_.latest();
+    if (!shows_expert_) return draw_picture("replay picture", replay_slot, shown.get(), place);
+    const float gap = ui_.px(4.0f), half = 0.5f * (place.width - gap);
+    draw_picture("replay picture", replay_slot, shown.get(), {place.x, place.y, half, place.height});
+    draw_expert({place.x + half + gap, place.y, half, place.height});
+}
+
+void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplayShown *shown,
+                              const UiRect &place)
+{
+    ui_.begin_panel(name, place, "");
     const float edge = std::min(place.width, place.height) - ui_.px(12.0f);
     const ImVec2 at{place.x + 0.5f * (place.width - edge), place.y + 0.5f * (place.height - edge)};
     ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + edge, at.y + edge}, IM_COL32(8, 10, 12, 255));
     if (shown && !shown->picture.grey.empty()) {
         void *texture =
-            ui_.window().texture(replay_slot, shown->picture.size, shown->picture.grey, shown->number, false);
+            ui_.window().texture(slot, shown->picture.size, shown->picture.grey, shown->number, false);
         ImGui::GetWindowDrawList()->AddImage(texture, at, {at.x + edge, at.y + edge});
+        ui_.note(name, {at.x, at.y, edge, edge});
     }
     if (shown && !shown->trouble.empty()) {
         ImGui::SetCursorScreenPos({place.x + ui_.px(20.0f), place.y + ui_.px(20.0f)});
         ui_.text(tint::red, "%s", shown->trouble.c_str());
     }
+    ui_.end_panel();
+}
+
+void ReplayPage::draw_expert(const UiRect &place)
+{
+    const ReplayThread *thread = expert();
+    const std::shared_ptr<const ReplayShown> shown = thread ? thread->latest() : nullptr;
+    draw_picture("expert picture", expert_slot, shown.get(), place);
+    ui_.begin_panel("expert text", {place.x, place.y, place.width, ui_.px(thread ? 28.0f : 64.0f)}, "EXPERT");
+    if (thread && tick() > thread->room().ticks()) {
+        ImGui::SameLine();
+        ui_.small_text(tint::green, "finished after %s",
+                       session_clock(thread->room().ticks() * 1e-3).c_str());
+    }
+    if (!thread && expert_->trouble().empty())
+        ui_.small_text(tint::yellow, "Please wait: %s.", expert_->progress().stage().c_str());
+    else if (!thread)
+        ui_.small_text(tint::red, "%s", expert_->trouble().c_str());
     ui_.end_panel();
 }
 
@@ -155,6 +243,9 @@ void ReplayPage::draw_side(const UiRect &place)
     row({table_right, table_left}, (width - 6.0f) / 2.0f);
     row({field_smaller, field_larger}, (width - 6.0f) / 2.0f);
     if (ui_.plain_button("as recorded", "Angle of the session", -1.0f)) carm_.reset();
+    if (lesson_ && ui_.plain_button("expert", shows_expert_ ? "Hide the expert (X)" : "Expert beside it (X)",
+                                    -1.0f, "Shows the expert's run at the same time of the session."))
+        toggle_expert();
     ImGui::Dummy({1.0f, ui_.px(8.0f)});
     if (shown) {
         const std::vector<Instrument> &tools = thread_.room().tools();
@@ -174,17 +265,20 @@ void ReplayPage::draw_side(const UiRect &place)
     ui_.end_panel();
 }
 
-void ReplayPage::draw_scrub(const UiRect &place)
+void ReplayPage::draw_scrub_buttons(double ticks)
 {
-    ui_.begin_panel("scrub panel", place, "");
-    const double ticks = std::max(thread_.room().ticks(), 1u);
-    ImGui::SetCursorScreenPos({place.x + ui_.px(12.0f), place.y + ui_.px(10.0f)});
     if (ui_.plain_button("play", is_playing_ ? "Pause" : "Play", 90.0f, "Key: Space")) toggle_play();
     ImGui::SameLine();
     if (ui_.plain_button("back 1 s", "- 1 s", 64.0f, "Key: Left")) jump(-1.0);
     ImGui::SameLine();
     if (ui_.plain_button("on 1 s", "+ 1 s", 64.0f, "Key: Right")) jump(1.0);
     ImGui::SameLine();
+    if (!errors_.empty()) {
+        if (ui_.plain_button("error before", "< error", 76.0f, "Key: P")) go_to_error(false);
+        ImGui::SameLine();
+        if (ui_.plain_button("next error", "error >", 76.0f, "Key: N")) go_to_error(true);
+        ImGui::SameLine();
+    }
     ui_.text(tint::text, "   %s of %s", session_clock(tick_ * 1e-3).c_str(),
              session_clock(ticks * 1e-3).c_str());
     ImGui::SameLine();
@@ -193,6 +287,32 @@ void ReplayPage::draw_scrub(const UiRect &place)
     ui_.small_text(tint::orange, "runs");
     ImGui::SameLine();
     ui_.small_text(tint::sky, "injections");
+    const auto near = std::find_if(errors_.begin(), errors_.end(), [&](const ReplayError &error) {
+        return tick() + before_error_ticks >= error.tick && tick() <= error.tick + before_error_ticks;
+    });
+    if (near == errors_.end()) return;
+    ImGui::SameLine();
+    ui_.text(tint::red, "    \u25b2 %s", near->title.c_str());
+}
+
+// Errors are triangles above the bar.
+void ReplayPage::draw_errors(const UiRect &place, double ticks)
+{
+    ImDrawList *draw = ImGui::GetWindowDrawList();
+    for (const ReplayError &error : errors_) {
+        const float x = place.x + place.width * static_cast<float>(error.tick / ticks), half = ui_.px(6.0f);
+        const ImU32 colour = error.weight >= 5 ? tint::red : error.weight == 4 ? tint::orange : tint::yellow;
+        draw->AddTriangleFilled({x - half, place.y - ui_.px(12.0f)}, {x + half, place.y - ui_.px(12.0f)},
+                                {x, place.y - ui_.px(1.0f)}, colour);
+    }
+}
+
+void ReplayPage::draw_scrub(const UiRect &place)
+{
+    ui_.begin_panel("scrub panel", place, "");
+    const double ticks = std::max(thread_.room().ticks(), 1u);
+    ImGui::SetCursorScreenPos({place.x + ui_.px(12.0f), place.y + ui_.px(8.0f)});
+    draw_scrub_buttons(ticks);
     const float x = place.x + ui_.px(14.0f), y = place.y + ui_.px(52.0f), width = place.width - ui_.px(28.0f),
                 height = ui_.px(28.0f);
     ImDrawList *draw = ImGui::GetWindowDrawList();
@@ -205,6 +325,7 @@ void ReplayPage::draw_scrub(const UiRect &place)
             {std::max(x_of(mark.end), x_of(mark.begin) + 2.0f), y + lane + height / 3.0f - 1.0f},
             colour_of(mark.kind));
     }
+    draw_errors({x, y, width, height}, ticks);
     draw->AddLine({x_of(tick_), y - ui_.px(5.0f)}, {x_of(tick_), y + height + ui_.px(5.0f)}, tint::text,
                   ui_.px(3.0f));
     ImGui::SetCursorScreenPos({x, y});

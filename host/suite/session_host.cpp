@@ -1,6 +1,7 @@
 #include "host/suite/session_host.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/terminal.hpp"
+#include "host/records/identity.hpp"
 #include "host/report/session_summary.hpp"
 #include <cstdio>
 #include <filesystem>
@@ -54,16 +55,26 @@ void SessionHost::begin()
     ++number_;
     take_stents(pictures, options_.stents, tools_);
     std::vector<RoomCommand> commands = entry_commands(scene_);
-    if (!pictures.stents.empty()) commands.push_back(first_stent);
+    // The trainee of a case loads the stent, as its expert does: a bare balloon may have to come first.
+    if (!pictures.stents.empty() && !options_.lesson) commands.push_back(first_stent);
+    if (options_.lesson)
+        for (const Statement &statement : options_.lesson->start.room)
+            commands.insert(commands.end(), statement.room.begin(), statement.room.end());
     pictures.dicom.folder = export_folder(pictures.dicom, number_);
     recording_ = numbered(options_.record, number_);
     // Files and tests must contain the picture of every pulse.
     const bool is_counted = options_.frames > 0;
     const bool keeps_all = is_counted || !pictures.dicom.folder.empty();
-    physics_ =
-        std::make_unique<PhysicsThread>(std::make_unique<LiveSession>(scene_, tools_, entry_, recording_,
-                                                                      pictures, commands, choice_, keeps_all),
-                                        is_counted ? PhysicsPace::counted : PhysicsPace::real_time);
+    auto session = std::make_unique<LiveSession>(scene_, tools_, entry_, recording_, pictures, commands,
+                                                 choice_, keeps_all);
+    goals_.reset();
+    if (options_.lesson) {
+        goals_ = std::make_shared<LiveGoals>(options_.lesson, *session);
+        session->observe([goals = goals_](const SessionFrame &frame, Patient &) { goals->look(frame); });
+    }
+    started_at_ = utc_now();
+    physics_ = std::make_unique<PhysicsThread>(std::move(session),
+                                               is_counted ? PhysicsPace::counted : PhysicsPace::real_time);
     is_fault_told_ = false;
 }
 
@@ -74,6 +85,21 @@ void SessionHost::tell_fault()
     is_fault_told_ = true;
     if (state->has_left_range) return; // end() tells it with its place
     say(stderr, "cournand: the session ended by a fault: %s\n", state->fault.c_str());
+}
+
+void SessionHost::assess(const std::string &trainee)
+{
+    if (recording_.empty()) return;
+    debrief_.task = std::make_unique<BackgroundTask<ScoredSession>>(
+        [lesson = options_.lesson, recording = recording_, bodies = options_.pictures.bodies_path, trainee,
+         began = started_at_](TaskProgress &progress) {
+            ScoreRequest request{recording, "", bodies, {}, lesson.get(), {}};
+            request.goes_on = [&](double share) { return progress.tell("", share); };
+            ScoredSession scored{score_recording(request), {}};
+            if (lesson && !scored.score.was_stopped)
+                scored.stored = store_session({lesson.get(), trainee, began, recording}, scored.score);
+            return scored;
+        });
 }
 
 int SessionHost::end()
@@ -90,13 +116,13 @@ int SessionHost::end()
                         &session->pictures().pictures().screen());
     print_files(session->files());
     if (!recording_.empty()) print_files({recording_});
-    debrief_ = {report_of(result, options_.scene, tools_, "live", session->patient()),
-                {},
-                recording_,
-                "",
-                session->fault(),
-                session->files()};
-    debrief_.score = score_of(debrief_.report);
+    debrief_ = {};
+    debrief_.report = report_of(result, options_.scene, tools_, "live", session->patient());
+    debrief_.recording = recording_;
+    debrief_.fault = session->fault();
+    debrief_.files = session->files();
+    debrief_.lesson = options_.lesson;
+    if (options_.lesson) debrief_.title = options_.lesson->title;
     if (!recording_.empty()) debrief_.files.push_back(recording_);
     was_interrupted_ = is_interrupted() || session->was_stopped();
     if (session->range().is_left()) return exit_of_range(session->range());

@@ -2,6 +2,7 @@
 // of later sessions, and writes the report of each session.
 #pragma once
 #include "host/command/cli.hpp"
+#include "host/live/live_goals.hpp"
 #include "host/live/physics_thread.hpp"
 #include "host/suite/pages.hpp"
 #include <memory>
@@ -30,8 +31,16 @@ class SessionHost
     const std::vector<Instrument> &tools() const { return tools_; }
     const SceneFile &scene() const { return scene_; }
     const WindowOptions &options() const { return options_; }
-    // Returns the report, the score and the files of the session that ended last.
+    // Returns the report and the files of the session that ended last.
     const Debrief &debrief() const { return debrief_; }
+    // Begins to score the recording of that session in the background; the session of a case is stored for
+    // the trainee (trainee_records.hpp).
+    void assess(const std::string &trainee);
+    // Returns the goals of the case that are reached now; null: no case, or no look yet.
+    std::shared_ptr<const std::vector<GoalResult>> goals() const
+    {
+        return goals_ ? goals_->latest() : nullptr;
+    }
     const std::string &recording() const { return recording_; } // of the last session; empty: none
     bool was_interrupted() const { return was_interrupted_; }
 
@@ -42,7 +51,9 @@ class SessionHost
     std::vector<Instrument> tools_;
     crn_wire_entry entry_;
     DeviceChoice choice_;
-    std::unique_ptr<PhysicsThread> physics_;
+    std::shared_ptr<LiveGoals> goals_;
+    std::unique_ptr<PhysicsThread> physics_; // uses goals_
+    std::string started_at_;
     std::string recording_;
     int number_ = 0;
     bool is_fault_told_ = false, was_interrupted_ = false;

@@ -24,6 +24,7 @@ constexpr auto step_memory = std::chrono::milliseconds(400);
 
 std::string title_of(const WindowOptions &options)
 {
+    if (options.lesson) return options.lesson->title;
     return options.scene.empty() ? "free space" : std::filesystem::path(options.scene).stem().string();
 }
 
@@ -31,7 +32,8 @@ std::string title_of(const WindowOptions &options)
 
 SuiteApp::SuiteApp(const WindowOptions &options)
     : options_(options), window_("Cournand", {options.window_width, options.window_height}, options.font),
-      ui_(window_), begins_at_start_(options.opens_start), shows_help_(options.shows_help)
+      ui_(window_), begins_at_start_(options.opens_start || options.lesson), trainee_(remembered_trainee()),
+      shows_help_(options.shows_help)
 {
     window_.on_key([this](int key, int action, int modifiers) {
         last_input_ = SuiteClock::now();
@@ -45,21 +47,12 @@ SuiteApp::SuiteApp(const WindowOptions &options)
     if (options.pictures.xray == "opengl") window_.context();
     if (!options.replays.empty())
         open_replay(options.replays);
+    else if (options.lesson)
+        open_prep(case_card(options_, *options_.lesson));
     else if (options.opens_start)
         go_on(Page::start);
     else
         open_session(options_);
-}
-
-void SuiteApp::go_on(Page page)
-{
-    page_ = page;
-    if (page != Page::replay) replay_.reset();
-    if (page == Page::start) {
-        cards_ = practice_cards(options_);
-        kept_ = kept_recordings(9);
-    }
-    if (page == Page::rig) rigs_ = rig_rows();
 }
 
 void SuiteApp::open_session(const WindowOptions &options)
@@ -74,6 +67,7 @@ void SuiteApp::open_session(const WindowOptions &options)
     ui_.serve(*input_);
     screen_.emplace(ui_);
     begin_session();
+    prep_.reset();
     page_ = Page::suite;
 }
 
@@ -83,21 +77,13 @@ void SuiteApp::begin_session()
     input_->begin_session();
     screen_->forget_toasts();
     reference_run_ = 0;
+    hints_shown_ = 0;
     wants_end_ = wants_restart_ = false;
 }
 
 void SuiteApp::end_session()
 {
     code_ = std::max(code_, host_->end());
-}
-
-void SuiteApp::open_replay(const std::string &recording)
-{
-    before_replay_ = page_;
-    input_.emplace(1);
-    ui_.serve(*input_);
-    replay_ = std::make_unique<ReplayPage>(ui_, recording, options_.pictures);
-    page_ = Page::replay;
 }
 
 int SuiteApp::run()
@@ -121,6 +107,7 @@ bool SuiteApp::show_screen(int frame)
     if (is_in_session() && wants_end_) {
         if (!begins_at_start_) return false;
         end_session();
+        host_->assess(trainee_);
         go_on(Page::debrief);
     }
     if (is_in_session() && wants_restart_) {
@@ -163,6 +150,9 @@ void SuiteApp::show_suite()
     view.reference = physics.reference();
     view.tools = &host_->tools();
     view.title = title_of(host_->options());
+    view.lesson = host_->options().lesson.get();
+    view.goals = host_->goals();
+    view.hints_shown = hints_shown_;
     view.shows_help = shows_help_;
     view.is_pixel_by_pixel = is_pixel_by_pixel_;
     view.is_measured = options_.frames == 0;
@@ -180,81 +170,6 @@ void SuiteApp::show_suite()
     for (const RoomCommand &command : actions.commands)
         physics.ask([command](LiveSession &live) { live.command(command); });
     write_layout();
-}
-
-// Shows a screen without a session.
-void SuiteApp::show_page()
-{
-    PageChoice choice;
-    window_.begin_frame();
-    ui_.begin_screen();
-    if (page_ == Page::start)
-        choice = draw_start(ui_, cards_, kept_, trouble_);
-    else if (page_ == Page::debrief)
-        choice = draw_debrief(ui_, host_->debrief());
-    else if (page_ == Page::rig)
-        choice = draw_rig(ui_, rigs_, options_.device);
-    else
-        replay_->draw();
-    window_.end_frame();
-    write_layout();
-    follow(choice);
-}
-
-// A card or a recording that cannot be opened leaves the screen where it is, and says why.
-void SuiteApp::follow(const PageChoice &choice)
-{
-    try {
-        switch (choice.kind) {
-        case PageChoice::Kind::begin:
-            if (choice.card < cards_.size() && cards_[choice.card].trouble.empty())
-                open_session(cards_[choice.card].options);
-            break;
-        case PageChoice::Kind::again:
-            open_session(host_->options());
-            break;
-        case PageChoice::Kind::replay:
-            if (!choice.recording.empty()) open_replay(choice.recording);
-            break;
-        case PageChoice::Kind::start:
-            go_on(Page::start);
-            break;
-        case PageChoice::Kind::rig:
-            go_on(Page::rig);
-            break;
-        case PageChoice::Kind::quit:
-            wants_quit_ = true;
-            break;
-        case PageChoice::Kind::none:
-            return;
-        }
-        trouble_.clear();
-    } catch (const std::exception &error) {
-        trouble_ = error.what();
-        if (page_ != Page::start && begins_at_start_) go_on(Page::start);
-    }
-}
-
-// Keys of the screens without a session: numbers choose, Esc goes back.
-void SuiteApp::take_page_key(int key)
-{
-    PageChoice choice;
-    if (page_ == Page::replay) {
-        if (key == GLFW_KEY_SPACE) replay_->toggle_play();
-        if (key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT) replay_->jump(key == GLFW_KEY_LEFT ? -1.0 : 1.0);
-        return;
-    }
-    const bool is_number = key >= GLFW_KEY_1 && key <= GLFW_KEY_9;
-    const auto number = static_cast<std::size_t>(key - GLFW_KEY_1);
-    if (key == GLFW_KEY_ESCAPE)
-        choice.kind = page_ == Page::start ? PageChoice::Kind::quit : PageChoice::Kind::start;
-    else if (is_number && page_ == Page::start)
-        choice = {PageChoice::Kind::begin, number, ""};
-    else if (is_number && page_ == Page::debrief && number == 0)
-        choice = {PageChoice::Kind::replay, 0, host_->debrief().recording};
-    else if (is_number && page_ == Page::debrief && number == 1)
-        choice.kind = PageChoice::Kind::again;
-    follow(choice);
 }
 
 // Returns true if the live monitor has a picture that no screen has shown.
@@ -366,6 +281,9 @@ void SuiteApp::act_own()
             break;
         case ControlId::reference_off:
             host_->physics().show_reference({});
+            break;
+        case ControlId::hint:
+            ++hints_shown_;
             break;
         case ControlId::restart:
             wants_restart_ = true;

@@ -2,6 +2,7 @@
 #pragma once
 #include "host/suite/gamepad.hpp"
 #include "host/suite/pages.hpp"
+#include "host/suite/prep_page.hpp"
 #include "host/suite/replay_page.hpp"
 #include "host/suite/session_host.hpp"
 #include "host/suite/suite_screen.hpp"
@@ -22,17 +23,21 @@ class SuiteApp
     int run();
 
   private:
-    enum class Page { start, suite, debrief, replay, rig };
+    enum class Page { start, prep, suite, debrief, replay, rig };
 
     void go_on(Page page);
+    void open_prep(const CaseCard &card);
     void open_session(const WindowOptions &options);
     void begin_session();
     void end_session();
-    void open_replay(const std::string &recording);
+    void open_replay(const std::string &recording, std::uint32_t tick = 0);
     bool show_screen(int frame);
     void show_suite();
     void show_page();
     void follow(const PageChoice &choice);
+    void carry_out(const PageChoice &choice);
+    void save_debrief();
+    PageChoice choice_of_key(int key) const;
     void take_page_key(int key);
     void pass_input();
     void pass(const UserWishes &wishes);
@@ -51,7 +56,10 @@ class SuiteApp
     Ui ui_;
     Page page_ = Page::start;
     bool begins_at_start_;
-    std::vector<CaseCard> cards_;
+    std::vector<CaseCard> cards_, practice_;
+    std::string trainee_, said_;
+    std::unique_ptr<PrepPage> prep_;
+    std::size_t hints_shown_ = 0;
     std::vector<KeptRecording> kept_;
     std::vector<RigRow> rigs_;
     std::string trouble_;

@@ -1,6 +1,7 @@
 // Draws the suite: the monitors, the panels around them, and what lies over them for a while. Each part reads
 // a copy of the session's state, and gives the user's actions to UserInput.
 #pragma once
+#include "host/cases/goals.hpp"
 #include "host/live/physics_thread.hpp"
 #include "host/model/instrument.hpp"
 #include "host/suite/ui.hpp"
@@ -16,8 +17,11 @@ namespace crn
 struct SuiteView {
     std::shared_ptr<const SuiteState> state;
     std::shared_ptr<const MonitorPicture> live, reference;
-    const std::vector<Instrument> *tools = nullptr; // from the innermost
-    std::string title;                              // of the scene
+    const std::vector<Instrument> *tools = nullptr;       // from the innermost
+    std::string title;                                    // of the scene or the case
+    const Case *lesson = nullptr;                         // null: no case
+    std::shared_ptr<const std::vector<GoalResult>> goals; // of the case; null: not known yet
+    std::size_t hints_shown = 0;                          // of the case
     bool shows_help = false, is_pixel_by_pixel = false;
     bool is_measured = true; // false: figures that depend on the clock are left out, for tests
 };
@@ -39,6 +43,18 @@ struct Toast {
     std::int64_t from_tick = -1;
 };
 
+// The greys of a picture that a monitor shows from black to white, as a share of all greys: the window is how
+// many, and the level is their middle.
+struct GreyRange {
+    double window = 1.0, level = 0.5;
+    bool is_whole() const { return window == 1.0 && level == 0.5; }
+    // Returns the picture with this range stretched from black to white.
+    std::vector<std::uint8_t> shown(const std::vector<std::uint8_t> &grey) const;
+    // A drag to the right widens the window, and a drag upwards raises the level, so that the picture gets
+    // darker; `right` and `up` are shares of the picture's edge.
+    void drag(double right, double up);
+};
+
 class SuiteScreen
 {
   public:
@@ -55,7 +71,10 @@ class SuiteScreen
     void draw_picture(std::size_t slot, const MonitorPicture &picture, const UiRect &place, bool is_sharp,
                       UiRect &shown);
     void draw_live_texts(const UiRect &left, const UiRect &right);
+    void draw_grey_range(const UiRect &place);
     void draw_orientation(const UiRect &shown);
+    // case_panel.cpp
+    void draw_case(const UiRect &place);
     // strip_panel.cpp
     void draw_strip(const UiRect &place);
     void draw_pressure_numbers(const UiRect &place);
@@ -84,6 +103,7 @@ class SuiteScreen
     SuiteActions actions_;
     std::deque<Toast> toasts_;
     std::vector<RoomNotice> told_;
+    GreyRange range_; // of the live monitor
 };
 
 } // namespace crn

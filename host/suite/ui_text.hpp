@@ -19,4 +19,10 @@ inline std::string with_degrees(std::string_view text)
     return result;
 }
 
+// Leaves out the remedy of a condition that does not hold: it is written for the author of a script.
+inline std::string without_remedy(const std::string &found)
+{
+    return found.substr(0, found.find("; remedy:"));
+}
+
 } // namespace crn

@@ -9,7 +9,7 @@ namespace crn
 
 int run_window(WindowOptions options)
 {
-    const bool is_session = !options.opens_start && options.replays.empty();
+    const bool is_session = !options.opens_start && options.replays.empty() && !options.lesson;
     if (is_session && options.pictures.bodies_path.empty())
         options.pictures.bodies_path = bodies_beside(options.scene);
     options.pictures.scene_path = is_session ? options.scene : "";

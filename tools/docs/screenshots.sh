@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Writes screenshots of the window in three sizes into a folder, on a virtual display: the suite with and without
-# help, start, and replay.
+# help, replay, and the screens of a case.
 # usage: screenshots.sh PROGRAM SCENE FOLDER
 set -euo pipefail
 program=$(realpath "$1") scene=$2 folder=$3
@@ -26,7 +26,8 @@ for size in 1280x720 1920x1080 3840x2160; do
     shot suite --scene "$scene" --tool $instruments/j_wire.toml --fluoro --no-help-panel --record "$work/one.rec"
     shot devices "${line[@]}" --fluoro --no-help-panel --no-record
     shot help --scene "$scene" --tool $instruments/j_wire.toml --fluoro --no-record
-    shot start --start
     shot replay --replay "$work/one.rec"
     mv "$work/one.rec" "$work/old.rec"
+    tools/docs/case_screens.sh "$program" "$width" "$height" "$work"
+    for screen in start prep case debrief expert; do mv "$work/$screen.png" "$folder/${screen}_$width.png"; done
 done

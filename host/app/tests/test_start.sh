@@ -29,12 +29,12 @@ result $? "their files are in the current folder"
 result $? "without a kept recording, 'last' is refused"
 "$program" >"$log" 2>&1 &
 window=$!
-focus && keys key 1 # the first card
+focus && keys key a # free practice in the aorta
 until kept=$(ls "$work"/state/cournand/*.rec.part* 2>>"$log") || ! kill -0 $window 2>>"$log"; do sleep 0.05; done
 ticks_pass "${kept%.part*}" 2
 while kill -0 $window 2>>"$log"; do keys key Escape; sleep 0.2; done # back through the debrief and the start screen
 wait $window
-result $? "with a display it opens the start screen, whose first card begins a session; Esc leads back and ends it"
+result $? "with a display it opens the start screen, whose free practice begins with a key; Esc leads back and ends it"
 "$program" replay last --verify >"$log" 2>&1 && grep -q "^verified" "$log" &&
     "$program" info last >"$log" 2>&1 && grep -q "^scene .*aorta.scene" "$log" && grep -q "^tool 1 .*Cook J" "$log"
 result $? "the window had the aorta and a J wire, and its recording is the last one"

@@ -135,6 +135,19 @@ static void recordings_have_names_and_the_newest_is_last(void **)
     assert_true(fs::path(kept).parent_path() == fs::path(old).parent_path() && !fs::exists(kept));
 }
 
+static void the_newest_twenty_recordings_are_kept(void **)
+{
+    const User user;
+    const auto now = fs::file_time_type::clock::now();
+    for (int i = 0; i < 25; ++i) // number 0 is the oldest
+        fs::last_write_time(user.write("old_" + std::to_string(i) + ".rec"),
+                            now - std::chrono::hours(25 - i));
+    const fs::path folder = fs::path(kept_recording()).parent_path();
+    assert_int_equal(kept_recording_files().size(), kept_recordings_max - 1); // one more comes
+    assert_false(fs::exists(folder / "old_5.rec"));
+    assert_true(fs::exists(folder / "old_6.rec") && fs::exists(folder / "old_24.rec"));
+}
+
 static void info_takes_a_name_of_any_kind(void **)
 {
     const User user;
@@ -179,6 +192,7 @@ int main()
         cmocka_unit_test(a_users_own_scene_comes_first),
         cmocka_unit_test(a_scene_that_is_not_there_has_a_suggestion_or_a_remedy),
         cmocka_unit_test(recordings_have_names_and_the_newest_is_last),
+        cmocka_unit_test(the_newest_twenty_recordings_are_kept),
         cmocka_unit_test(info_takes_a_name_of_any_kind),
         cmocka_unit_test(every_type_lists_its_names),
         cmocka_unit_test(the_text_without_a_display_fits_a_screen),

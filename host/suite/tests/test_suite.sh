@@ -4,32 +4,18 @@
 set -u
 . "$(dirname "$0")/../../app/tests/program.sh"
 . "$(dirname "$0")/../../app/tests/display.sh"
+. "$(dirname "$0")/controls.sh"
 export XDG_STATE_HOME="$work/state" program work
 wire=shared/examples/instruments/amplatz_super_stiff.toml
 size="--width 1280 --height 720 --size 128"
 export wire size
 
-# Where a control is: "x y" of its middle, in the window's pixels.
-place() { awk -F'\t' -v name="$1" '$1 == name {printf "%d %d", $2 + $4 / 2, $3 + $5 / 2}' "$work/layout"; }
-# Waits until the screen has a control.
-shows() {
-    for _ in $(seq 1200); do # 60 s
-        [ -n "$(place "$1" 2>/dev/null)" ] && return 0
-        sleep 0.05
-    done
-    return 1
-}
-window_id() { timeout 10 xdotool search --onlyvisible --name Cournand 2>/dev/null | tail -n 1; }
-move_to() { keys mousemove --window "$(window_id)" $(place "$1"); }
-click() { move_to "$1" && keys click 1; }
-export -f place shows window_id move_to click
-
 # --- start, session, debrief, replay: by keys alone ---
 cat >"$work/start.sh" <<'SH'
 "$program" view --start $size --layout "$work/layout" >"$work/said" 2>&1 &
 window=$!
-shows "card 3" && focus || { stuck; exit 1; }
-keys key 3 # free space
+shows "practice 3" && focus || { stuck; exit 1; }
+keys key c # free space
 shows "row 1" || exit 1
 until part=$(ls "$work"/state/cournand/*.rec.part* 2>/dev/null); do
     kill -0 $window 2>/dev/null || exit 1

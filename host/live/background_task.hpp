@@ -1,0 +1,88 @@
+// Runs a long piece of work in a thread of its own, so that the window never waits for it.
+//
+//   BackgroundTask<Scene> task([](TaskProgress &progress) { return make_scene(progress); });
+//   if (const Scene *made = task.result()) ...      in every frame of the window
+//
+// The destructor asks the work to end, and waits for it.
+#pragma once
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+namespace crn
+{
+
+// What the work tells about itself, and whether it may go on.
+class TaskProgress
+{
+  public:
+    // `share` is 0 .. 1, or below 0 if it is not known. Returns false if the work must end.
+    bool tell(const std::string &stage, double share)
+    {
+        const std::lock_guard lock(mutex_);
+        stage_ = stage;
+        share_ = share;
+        return !is_cancelled_;
+    }
+    std::string stage() const
+    {
+        const std::lock_guard lock(mutex_);
+        return stage_;
+    }
+    double share() const { return share_; }
+    bool goes_on() const { return !is_cancelled_; }
+    void cancel() { is_cancelled_ = true; }
+
+  private:
+    mutable std::mutex mutex_;
+    std::string stage_;
+    std::atomic<double> share_ = -1.0;
+    std::atomic<bool> is_cancelled_ = false;
+};
+
+template <class Result> class BackgroundTask
+{
+  public:
+    using Work = std::function<Result(TaskProgress &)>;
+
+    explicit BackgroundTask(Work work) : work_(std::move(work)), thread_([this] { run(); }) {}
+    ~BackgroundTask()
+    {
+        progress_.cancel();
+        thread_.join();
+    }
+    BackgroundTask(const BackgroundTask &) = delete;
+    BackgroundTask &operator=(const BackgroundTask &) = delete;
+
+    bool is_done() const { return is_done_; }
+    // Returns the result, or null before the end and after a failure.
+    const Result *result() const { return is_done_ && result_ ? &*result_ : nullptr; }
+    // Says why there is no result; empty before the end.
+    std::string trouble() const { return is_done_ ? trouble_ : std::string(); }
+    const TaskProgress &progress() const { return progress_; }
+    void cancel() { progress_.cancel(); }
+
+  private:
+    void run()
+    {
+        try {
+            result_.emplace(work_(progress_));
+        } catch (const std::exception &error) {
+            trouble_ = error.what();
+        }
+        is_done_ = true;
+    }
+
+    Work work_;
+    TaskProgress progress_;
+    std::optional<Result> result_;
+    std::string trouble_;
+    std::atomic<bool> is_done_ = false;
+    std::thread thread_; // the last member, because it uses the others
+};
+
+} // namespace crn

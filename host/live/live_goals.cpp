@@ -1,0 +1,27 @@
+#include "host/live/live_goals.hpp"
+
+namespace crn
+{
+
+LiveGoals::LiveGoals(std::shared_ptr<const Case> lesson, LiveSession &session)
+    : lesson_(std::move(lesson)), tips_(session.anatomy().bodies.vessels, session.anatomy().motion),
+      witness_(tips_.map(), session.patient()), goals_(*lesson_, tips_.map())
+{
+}
+
+void LiveGoals::look(const SessionFrame &frame)
+{
+    const std::uint32_t tick = frame.wire.tick;
+    if (tick < next_) return;
+    next_ = tick + GoalWatch::look_every_ticks - tick % GoalWatch::look_every_ticks;
+    std::vector<double> inserted_m, turned_deg;
+    for (const ToolReading &tool : frame.tools) {
+        inserted_m.push_back(tool.inserted_m);
+        turned_deg.push_back(tool.turned_deg);
+    }
+    const std::vector<TipPlace> places = tips_.at(frame.wire);
+    goals_.look({inserted_m, places, &witness_, tick}, turned_deg);
+    results_.put(std::make_shared<const std::vector<GoalResult>>(goals_.results()));
+}
+
+} // namespace crn

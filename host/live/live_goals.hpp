@@ -1,0 +1,33 @@
+// Shows during a session which goals of its case are reached. The session's thread looks, and the window
+// takes the results from a mailbox. The marks are given afterwards, from the recording.
+#pragma once
+#include "host/cases/goals.hpp"
+#include "host/live/live_session.hpp"
+#include "host/live/mailbox.hpp"
+#include <memory>
+#include <vector>
+
+namespace crn
+{
+
+class LiveGoals
+{
+  public:
+    // `session` plays the case and must live longer than this object. Throws FileError if a goal names a
+    // vessel or a tool that the session does not have.
+    LiveGoals(std::shared_ptr<const Case> lesson, LiveSession &session);
+
+    void look(const SessionFrame &frame); // in the session's thread
+    // Returns one result per goal; null before the first look.
+    std::shared_ptr<const std::vector<GoalResult>> latest() const { return results_.latest(); }
+
+  private:
+    std::shared_ptr<const Case> lesson_;
+    TipPlaces tips_;
+    EffectsWitness witness_;
+    GoalWatch goals_;
+    std::uint32_t next_ = 0;
+    Mailbox<std::vector<GoalResult>> results_;
+};
+
+} // namespace crn

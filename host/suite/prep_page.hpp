@@ -1,0 +1,86 @@
+// Draws the preparation of a case: the patient, the goals, the cabinet of devices with what fits into what, a
+// picture, and the scene that is being made meanwhile. The trainee chooses the devices on the line here.
+#pragma once
+#include "host/cases/recipe.hpp"
+#include "host/live/background_task.hpp"
+#include "host/stent/design.hpp"
+#include "host/suite/case_card.hpp"
+#include "host/suite/pages.hpp"
+#include "host/suite/ui.hpp"
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+// One device on the table.
+struct CabinetDevice {
+    std::string path;
+    Instrument instrument;
+    bool is_on_line = false;
+};
+
+// The devices that a case offers, and those of them that the trainee has put on the line.
+class DeviceCabinet
+{
+  public:
+    static constexpr std::size_t line_max = 3;
+
+    // Throws FileError if an instrument cannot be read.
+    explicit DeviceCabinet(const Case &lesson);
+    const std::vector<CabinetDevice> &devices() const { return devices_; }
+    void toggle(std::size_t device);
+    // Returns the devices on the line from the innermost, which is the thinnest.
+    std::vector<std::size_t> line() const;
+    std::vector<std::string> paths() const;  // of the line
+    std::vector<double> inserted_mm() const; // where each begins
+
+    struct Finding {
+        bool is_good = true;
+        std::string text;
+    };
+    // Says for each pair of neighbours whether the inner one passes through the outer one, and why.
+    std::vector<Finding> findings() const;
+    // Says why this line cannot begin the case; empty: it can.
+    std::string refusal() const;
+
+  private:
+    const Case &lesson_;
+    std::vector<CabinetDevice> devices_;
+    std::vector<StentDesign> stents_;
+};
+
+// Returns "largest hand force: 4 N for all 5 marks, 10 N for none".
+std::string limit_text(const CaseLimit &limit);
+
+class PrepPage
+{
+  public:
+    // `card` is that of a case. Begins to make the scene at once. Throws FileError.
+    PrepPage(Ui &ui, CaseCard card);
+
+    PageChoice draw();
+    // Returns true if a session can begin.
+    bool is_ready() const { return scene_.result() && cabinet_.refusal().empty(); }
+    // Returns the session with the chosen devices, as soon as is_ready().
+    WindowOptions options() const;
+    const Case &lesson() const { return *card_.options.lesson; }
+    const CaseCard &card() const { return card_; }
+
+  private:
+    void draw_patient(const UiRect &place);
+    void draw_goals(const UiRect &place);
+    void draw_cabinet(const UiRect &place);
+    void draw_device(std::size_t device, const std::vector<std::size_t> &line);
+    void draw_side(const UiRect &place, PageChoice &choice);
+    void draw_scene_state();
+
+    Ui &ui_;
+    std::uint64_t version_; // of the picture's texture
+    CaseCard card_;
+    DeviceCabinet cabinet_;
+    BackgroundTask<PreparedScene> scene_; // the last member, because it uses the others
+};
+
+} // namespace crn

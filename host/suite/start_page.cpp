@@ -1,0 +1,165 @@
+// Draws the start screen: cards of the cases, free practice, kept recordings, the trainee, and the rig.
+#include "host/base/format.hpp"
+#include "host/suite/pages.hpp"
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+
+namespace crn
+{
+namespace
+{
+
+constexpr float side_units = 320.0f, card_width = 356.0f, card_height = 196.0f, card_gap = 14.0f;
+constexpr float picture_units = 112.0f;
+constexpr std::size_t keyed_cards = 9; // the number keys
+
+// Draws text in a rectangle, wrapped at its width; what does not fit is cut off at the lower edge. Returns
+// the height of the text.
+float wrapped(ImDrawList *draw, ImFont *font, const UiRect &place, ImU32 colour, const std::string &text)
+{
+    if (place.height <= 0.0f) return 0.0f;
+    const ImVec2 size =
+        font->CalcTextSizeA(font->FontSize, FLT_MAX, place.width, text.data(), text.data() + text.size());
+    const ImVec4 clip{place.x, place.y, place.x + place.width, place.y + place.height};
+    draw->AddText(font, font->FontSize, {place.x, place.y}, colour, text.data(), text.data() + text.size(),
+                  place.width, &clip);
+    return size.y;
+}
+
+// Draws one card. The whole card is a button; returns true when it was pressed.
+bool draw_card(Ui &ui, const CaseCard &card, std::size_t index, float width)
+{
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float height = ui.px(card_height), pad = ui.px(12.0f);
+    const std::string name = "card " + std::to_string(index + 1);
+    const bool is_pressed = ImGui::InvisibleButton(name.c_str(), {width, height});
+    const bool is_hovered = ImGui::IsItemHovered() && card.trouble.empty();
+    if (ImGui::IsItemVisible()) ui.note_last_item(name);
+    ImDrawList *draw = ImGui::GetWindowDrawList();
+    draw->AddRectFilled(at, {at.x + width, at.y + height}, is_hovered ? tint::raised : tint::background,
+                        ui.px(6.0f));
+    float x = at.x + pad;
+    if (!card.picture.bytes.empty()) {
+        const float edge = ui.px(picture_units);
+        void *texture =
+            ui.window().texture(card_slot + index, card.picture.width, card.picture.bytes, 1, false);
+        draw->AddImage(texture, {x, at.y + pad}, {x + edge, at.y + pad + edge});
+        x += edge + pad;
+    }
+    const float right = at.x + width - pad, bottom = at.y + height - pad;
+    const float foot = ui.px(18.0f);
+    float y = at.y + pad;
+    y += wrapped(draw, ui.fonts().bold, {x, y, right - x, bottom - y}, tint::text, card.name) + ui.px(4.0f);
+    y += wrapped(draw, ui.fonts().small_text, {x, y, right - x, bottom - foot - y}, tint::sky, card.goal);
+    if (!card.trouble.empty())
+        wrapped(draw, ui.fonts().small_text, {x, y, right - x, bottom - y}, tint::orange, card.trouble);
+    // The story goes below the picture, over the whole width.
+    const float story_y = std::max(
+        y + ui.px(4.0f), at.y + pad + (card.picture.bytes.empty() ? 0.0f : ui.px(picture_units + 6.0f)));
+    const float line = ui.fonts().small_text->FontSize;
+    const float story_h = std::floor((bottom - foot - story_y) / line) * line;
+    wrapped(draw, ui.fonts().small_text, {at.x + pad, story_y, right - at.x - pad, story_h}, tint::dim,
+            card.story);
+    ImFont *small_font = ui.fonts().small_text;
+    const std::string key = index < keyed_cards ? formatted("key %zu", index + 1) : std::string();
+    draw->AddText(small_font, small_font->FontSize, {at.x + pad, bottom - small_font->FontSize}, tint::dim,
+                  key.c_str());
+    if (!card.best.empty()) {
+        const std::string best = "best " + card.best;
+        const ImVec2 size = small_font->CalcTextSizeA(small_font->FontSize, FLT_MAX, 0.0f, best.c_str());
+        draw->AddText(small_font, small_font->FontSize, {right - size.x, bottom - size.y}, tint::green,
+                      best.c_str());
+    }
+    if (is_hovered) ui.tooltip(card.story);
+    return is_pressed && card.trouble.empty();
+}
+
+// Draws the cards of the cases as a grid that scrolls. Returns the card that was pressed, if any.
+std::optional<std::size_t> draw_cards(Ui &ui, const std::vector<CaseCard> &cards, const UiRect &place)
+{
+    std::optional<std::size_t> pressed;
+    ImGui::SetCursorScreenPos({place.x, place.y});
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {ui.px(card_gap), ui.px(card_gap)});
+    ImGui::BeginChild("cards", {place.width, place.height});
+    const float available = ImGui::GetContentRegionAvail().x;
+    const int columns =
+        std::max(1, static_cast<int>((available + ui.px(card_gap)) / ui.px(card_width + card_gap)));
+    const float width =
+        (available - ui.px(card_gap) * static_cast<float>(columns - 1)) / static_cast<float>(columns);
+    for (std::size_t i = 0; i < cards.size(); ++i) {
+        if (i % static_cast<std::size_t>(columns) != 0) ImGui::SameLine();
+        if (draw_card(ui, cards[i], i, width)) pressed = i;
+    }
+    ImGui::EndChild();
+    ImGui::PopStyleVar();
+    return pressed;
+}
+
+void draw_side(Ui &ui, const StartView &view, std::string &trainee, PageChoice &choice)
+{
+    const float width = side_units - 20.0f;
+    ui.text(tint::text, "Trainee");
+    ImGui::PushItemWidth(ui.px(width));
+    char text[65] = {};
+    trainee.copy(text, sizeof text - 1);
+    if (ImGui::InputTextWithHint("##trainee", "a pseudonym; without one: guest", text, sizeof text))
+        trainee = text;
+    ui.note_last_item("trainee");
+    ui.tooltip("Marks are stored under this pseudonym on this machine (docs/records.md).");
+    ImGui::PopItemWidth();
+    ImGui::Dummy({1.0f, ui.px(8.0f)});
+    ui.text(tint::text, "Free practice");
+    for (std::size_t i = 0; i < view.practice->size(); ++i) {
+        const CaseCard &card = (*view.practice)[i];
+        const std::string name = "practice " + std::to_string(i + 1);
+        const std::string label = card.name + "  (" + static_cast<char>('A' + i) + ")";
+        const std::string hint = card.trouble.empty() ? card.story + " " + card.goal : card.trouble;
+        if (ui.plain_button(name.c_str(), label.c_str(), width, hint.c_str()))
+            choice = {PageChoice::Kind::practise, i, "", 0};
+    }
+    ImGui::Dummy({1.0f, ui.px(8.0f)});
+    ui.text(tint::text, "Replay");
+    if (view.kept->empty()) ui.small_text(tint::dim, "No recording is kept yet.");
+    for (std::size_t i = 0; i < view.kept->size(); ++i) {
+        const KeptRecording &kept = (*view.kept)[i];
+        const std::string name = "replay " + std::to_string(i + 1);
+        const std::string label = kept.when + formatted("   %.1f MB", static_cast<double>(kept.bytes) * 1e-6);
+        if (ui.plain_button(name.c_str(), label.c_str(), width, kept.path.c_str()))
+            choice = {PageChoice::Kind::replay, 0, kept.path, 0};
+    }
+    ImGui::Dummy({1.0f, ui.px(8.0f)});
+    if (ui.plain_button("rig", "Rig", width, "Shows which rigs are plugged in."))
+        choice.kind = PageChoice::Kind::rig;
+    if (ui.plain_button("quit", "End (Esc)", width)) choice.kind = PageChoice::Kind::quit;
+}
+
+} // namespace
+
+PageChoice draw_start(Ui &ui, const StartView &view, std::string &trainee)
+{
+    begin_page(ui, "start", "Cournand",
+               "Choose a case: click its card, or press its number. Esc ends the program.");
+    PageChoice choice;
+    const float margin = ui.px(page_margin), top = ui.px(112.0f),
+                bottom = ui.window().height() - ui.px(24.0f);
+    const float side_x = ui.window().width() - ui.px(side_units + 20.0f);
+    const float trouble_h = view.trouble.empty() ? 0.0f : ui.px(60.0f);
+    if (const auto pressed = draw_cards(
+            ui, *view.cases, {margin, top, side_x - margin - ui.px(24.0f), bottom - trouble_h - top}))
+        choice = {PageChoice::Kind::prepare, *pressed, "", 0};
+    if (!view.trouble.empty()) {
+        ImGui::SetCursorScreenPos({margin, bottom - trouble_h + ui.px(8.0f)});
+        ImGui::PushTextWrapPos(side_x - ui.px(24.0f));
+        ui.text(tint::red, "%s", view.trouble.c_str());
+        ImGui::PopTextWrapPos();
+    }
+    ImGui::SetCursorScreenPos({side_x, ui.px(40.0f)});
+    ImGui::BeginChild("side", {ui.px(side_units), bottom - ui.px(40.0f)});
+    draw_side(ui, view, trainee, choice);
+    ImGui::EndChild();
+    ui.end_panel();
+    return choice;
+}
+
+} // namespace crn

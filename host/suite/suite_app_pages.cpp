@@ -1,0 +1,181 @@
+// The screens of the window without a session: which one is shown, and what its keys and buttons do.
+#include "host/base/pending_file.hpp"
+#include "host/report/session_summary.hpp"
+#include "host/suite/suite_app.hpp"
+#include <filesystem>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+namespace crn
+{
+
+namespace
+{
+
+std::vector<ReplayError> errors_of(const Debrief &debrief)
+{
+    std::vector<ReplayError> errors;
+    const ScoredSession *scored = debrief.task ? debrief.task->result() : nullptr;
+    if (!scored || scored->score.was_stopped) return errors;
+    for (const auto &error : scored->score.report["assessment"]["errors"])
+        errors.push_back(
+            {error["tick"].get<std::uint32_t>(), error.value("weight", 3), error.value("title", "")});
+    return errors;
+}
+
+} // namespace
+
+void SuiteApp::go_on(Page page)
+{
+    page_ = page;
+    said_.clear();
+    if (page != Page::replay) replay_.reset();
+    if (page != Page::prep) prep_.reset();
+    if (page == Page::start) {
+        cards_ = case_cards(options_, best_scores(trainee_));
+        practice_ = practice_cards(options_);
+        kept_ = kept_recordings(7);
+    }
+    if (page == Page::rig) rigs_ = rig_rows();
+}
+
+void SuiteApp::open_prep(const CaseCard &card)
+{
+    auto prep = std::make_unique<PrepPage>(ui_, card);
+    go_on(Page::prep);
+    prep_ = std::move(prep);
+    if (!trainee_.empty()) remember_trainee(trainee_);
+}
+
+void SuiteApp::open_replay(const std::string &recording, std::uint32_t tick)
+{
+    before_replay_ = page_;
+    input_.emplace(1);
+    ui_.serve(*input_);
+    const bool is_debriefed = page_ == Page::debrief && host_->debrief().recording == recording;
+    replay_ = std::make_unique<ReplayPage>(
+        ui_, recording, options_.pictures, is_debriefed ? host_->debrief().lesson : nullptr,
+        is_debriefed ? errors_of(host_->debrief()) : std::vector<ReplayError>());
+    replay_->go_to(tick);
+    page_ = Page::replay;
+}
+
+void SuiteApp::show_page()
+{
+    PageChoice choice;
+    window_.begin_frame();
+    ui_.begin_screen();
+    if (page_ == Page::start)
+        choice = draw_start(ui_, {&cards_, &practice_, &kept_, trouble_}, trainee_);
+    else if (page_ == Page::prep)
+        choice = prep_->draw();
+    else if (page_ == Page::debrief)
+        choice = draw_debrief(ui_, host_->debrief(), said_);
+    else if (page_ == Page::rig)
+        choice = draw_rig(ui_, rigs_, options_.device);
+    else
+        replay_->draw();
+    window_.end_frame();
+    write_layout();
+    follow(choice);
+}
+
+// A card or a recording that cannot be opened leaves the screen where it is, and says why.
+void SuiteApp::follow(const PageChoice &choice)
+{
+    if (choice.kind == PageChoice::Kind::none) return;
+    try {
+        carry_out(choice);
+        trouble_.clear();
+    } catch (const std::exception &error) {
+        trouble_ = said_ = error.what();
+        if (page_ != Page::start && page_ != Page::debrief && begins_at_start_) go_on(Page::start);
+    }
+}
+
+void SuiteApp::carry_out(const PageChoice &choice)
+{
+    switch (choice.kind) {
+    case PageChoice::Kind::prepare:
+        if (choice.card < cards_.size() && cards_[choice.card].trouble.empty())
+            open_prep(cards_[choice.card]);
+        break;
+    case PageChoice::Kind::practise:
+        if (choice.card < practice_.size() && practice_[choice.card].trouble.empty())
+            open_session(practice_[choice.card].options);
+        break;
+    case PageChoice::Kind::start_case:
+        if (prep_->is_ready()) open_session(prep_->options());
+        break;
+    case PageChoice::Kind::again:
+        open_session(host_->options());
+        break;
+    case PageChoice::Kind::replay:
+        if (!choice.recording.empty()) open_replay(choice.recording, choice.tick);
+        break;
+    case PageChoice::Kind::save:
+        save_debrief();
+        break;
+    case PageChoice::Kind::start:
+        go_on(Page::start);
+        break;
+    case PageChoice::Kind::rig:
+        go_on(Page::rig);
+        break;
+    case PageChoice::Kind::quit:
+        wants_quit_ = true;
+        break;
+    case PageChoice::Kind::none:
+        break;
+    }
+}
+
+// Writes the page and the figures of the debrief beside the recording.
+void SuiteApp::save_debrief()
+{
+    const Debrief &debrief = host_->debrief();
+    const ScoredSession *scored = debrief.task ? debrief.task->result() : nullptr;
+    if (!scored || scored->score.was_stopped) return;
+    std::filesystem::path path(debrief.recording);
+    const std::string page = path.replace_extension(".html").string();
+    const std::string figures = path.replace_extension(".json").string();
+    write_debrief(page, scored->score.report["assessment"]);
+    write_report(figures, scored->score.report);
+    said_ = "written " + page + "\nwritten " + figures;
+}
+
+// Keys of the screens without a session: numbers and letters choose, Enter begins, Esc goes back.
+PageChoice SuiteApp::choice_of_key(int key) const
+{
+    using Kind = PageChoice::Kind;
+    PageChoice choice;
+    const bool is_number = key >= GLFW_KEY_1 && key <= GLFW_KEY_9;
+    const auto number = static_cast<std::size_t>(key - GLFW_KEY_1);
+    const bool is_letter = key >= GLFW_KEY_A && key < GLFW_KEY_A + static_cast<int>(practice_.size());
+    if (key == GLFW_KEY_ESCAPE)
+        choice.kind = page_ == Page::start ? Kind::quit : Kind::start;
+    else if (page_ == Page::start && is_number)
+        choice = {Kind::prepare, number, "", 0};
+    else if (page_ == Page::start && is_letter)
+        choice = {Kind::practise, static_cast<std::size_t>(key - GLFW_KEY_A), "", 0};
+    else if (page_ == Page::prep && (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER))
+        choice.kind = Kind::start_case;
+    else if (page_ == Page::debrief && key == GLFW_KEY_1)
+        choice = {Kind::replay, 0, host_->debrief().recording, 0};
+    else if (page_ == Page::debrief && key == GLFW_KEY_2)
+        choice.kind = Kind::again;
+    else if (page_ == Page::debrief && key == GLFW_KEY_S)
+        choice.kind = Kind::save;
+    return choice;
+}
+
+void SuiteApp::take_page_key(int key)
+{
+    if (page_ != Page::replay) return follow(choice_of_key(key));
+    if (key == GLFW_KEY_SPACE) replay_->toggle_play();
+    if (key == GLFW_KEY_X) replay_->toggle_expert();
+    if (key == GLFW_KEY_N || key == GLFW_KEY_P) replay_->go_to_error(key == GLFW_KEY_N);
+    if (key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT) replay_->jump(key == GLFW_KEY_LEFT ? -1.0 : 1.0);
+}
+
+} // namespace crn
