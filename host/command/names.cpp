@@ -5,8 +5,10 @@
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/progress_line.hpp"
+#include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
 #include "host/base/user_folders.hpp"
+#include "host/cases/recipe.hpp"
 #include "host/cases/unpack.hpp"
 #include "shared/wire/wire_frame.h"
 #include <algorithm>
@@ -26,14 +28,18 @@ constexpr char archive_ending[] = ".tar.xz";
 constexpr char last_word[] = "last";
 const ExampleKind archive_files{scene_files.folder, scene_files.singular, archive_ending};
 
-// Scenes that take minutes to make are not made without being asked.
+// Scenes that are made from a recipe, as those of cases are, when they are first needed.
+struct RecipeScene {
+    const char *name, *kind, *lesion; // an empty lesion: none
+};
+constexpr RecipeScene recipe_scenes[] = {
+    {"heart", "heart", ""}, {"lad_pci", "heart", "lad_middle"}, {"renal_pci", "aorta", "renal_ostium"}};
+
+// Scenes that need data from elsewhere are not made without being asked.
 struct MadeScene {
     const char *name, *target, *minutes;
 };
-constexpr MadeScene made_scenes[] = {{"heart", "coronary", "5"},
-                                     {"lad_pci", "demo-pci", "10"},
-                                     {"renal_pci", "demo-pci", "10"},
-                                     {"real_coronaries", "coronary-real", "10"}};
+constexpr MadeScene made_scenes[] = {{"real_coronaries", "coronary-real", "10"}};
 
 // Returns the folders with scenes that are not compressed.
 std::vector<fs::path> scene_folders()
@@ -64,7 +70,32 @@ std::vector<std::string> scene_names()
     for (const std::string &other : search_file(shipped_folders(scene_files), "").others)
         if (other.ends_with(archive_ending))
             names.insert(other.substr(0, other.size() - (sizeof archive_ending - 1)));
+    for (const RecipeScene &each : recipe_scenes) names.insert(each.name);
     return {names.begin(), names.end()};
+}
+
+// Returns the scene of a recipe from the cache, and makes it first if it is not there. Returns an empty path
+// for another name.
+std::string scene_of_recipe(const std::string &name)
+{
+    const auto *found = std::find_if(std::begin(recipe_scenes), std::end(recipe_scenes),
+                                     [&](const RecipeScene &each) { return name == each.name; });
+    if (found == std::end(recipe_scenes)) return "";
+    watch_for_interrupt();
+    Recipe recipe;
+    recipe.kind = found->kind;
+    if (*found->lesion) recipe.lesions.push_back(example_path(lesion_files, found->lesion));
+    std::string told;
+    return prepare_scene(recipe,
+                         [&](const SceneProgress &progress) {
+                             const std::string text = "scene " + name + ": " + progress.stage;
+                             if (text != told)
+                                 say(stderr, "%s (step %d of %d, minutes)\n", text.c_str(), progress.step,
+                                     progress.steps);
+                             told = text;
+                             return !is_interrupted();
+                         })
+        .scene;
 }
 
 // The folder's name contains the checksum of the archive, so a new version of the program does not use the
@@ -129,8 +160,10 @@ std::string scene_path(const std::string &word)
     const FileSearch search = search_file(scene_folders(), word + scene_files.ending);
     if (!search.path.empty()) return search.path;
     const fs::path archive = shipped_archive(word);
-    if (archive.empty()) refuse_scene(word);
-    return unpacked(archive, word);
+    if (!archive.empty()) return unpacked(archive, word);
+    const std::string made = scene_of_recipe(word);
+    if (made.empty()) refuse_scene(word);
+    return made;
 }
 
 std::string recording_path(const std::string &word)

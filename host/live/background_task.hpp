@@ -61,6 +61,8 @@ template <class Result> class BackgroundTask
     bool is_done() const { return is_done_; }
     // Returns the result, or null before the end and after a failure.
     const Result *result() const { return is_done_ && result_ ? &*result_ : nullptr; }
+    // Moves the result out; only after result() was not null.
+    Result take() { return std::move(*result_); }
     // Says why there is no result; empty before the end.
     std::string trouble() const { return is_done_ ? trouble_ : std::string(); }
     const TaskProgress &progress() const { return progress_; }

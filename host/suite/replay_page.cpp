@@ -176,7 +176,10 @@ void ReplayPage::draw_pictures(const UiRect &place)
     if (!shows_expert_) return draw_picture("replay picture", replay_slot, shown.get(), place);
     const float gap = ui_.px(4.0f), half = 0.5f * (place.width - gap);
     draw_picture("replay picture", replay_slot, shown.get(), {place.x, place.y, half, place.height});
-    draw_expert({place.x + half + gap, place.y, half, place.height});
+    const ReplayThread *thread = expert();
+    const std::shared_ptr<const ReplayShown> of_expert = thread ? thread->latest() : nullptr;
+    draw_picture("expert picture", expert_slot, of_expert.get(),
+                 {place.x + half + gap, place.y, half, place.height});
 }
 
 void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplayShown *shown,
@@ -192,29 +195,26 @@ void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplaySh
         ImGui::GetWindowDrawList()->AddImage(texture, at, {at.x + edge, at.y + edge});
         ui_.note(name, {at.x, at.y, edge, edge});
     }
+    ImGui::SetCursorScreenPos({place.x + ui_.px(12.0f), place.y + ui_.px(8.0f)});
+    if (slot == expert_slot) draw_expert_text();
     if (shown && !shown->trouble.empty()) {
-        ImGui::SetCursorScreenPos({place.x + ui_.px(20.0f), place.y + ui_.px(20.0f)});
+        ImGui::SetCursorScreenPos({place.x + ui_.px(20.0f), place.y + ui_.px(40.0f)});
         ui_.text(tint::red, "%s", shown->trouble.c_str());
     }
     ui_.end_panel();
 }
 
-void ReplayPage::draw_expert(const UiRect &place)
+// Says beside the expert's picture how far its making is, or when the expert was finished.
+void ReplayPage::draw_expert_text()
 {
     const ReplayThread *thread = expert();
-    const std::shared_ptr<const ReplayShown> shown = thread ? thread->latest() : nullptr;
-    draw_picture("expert picture", expert_slot, shown.get(), place);
-    ui_.begin_panel("expert text", {place.x, place.y, place.width, ui_.px(thread ? 28.0f : 64.0f)}, "EXPERT");
-    if (thread && tick() > thread->room().ticks()) {
-        ImGui::SameLine();
-        ui_.small_text(tint::green, "finished after %s",
-                       session_clock(thread->room().ticks() * 1e-3).c_str());
-    }
-    if (!thread && expert_->trouble().empty())
-        ui_.small_text(tint::yellow, "Please wait: %s.", expert_->progress().stage().c_str());
+    ui_.text(tint::text, "EXPERT");
+    if (thread && tick() > thread->room().ticks())
+        ui_.text(tint::green, "finished after %s", session_clock(thread->room().ticks() * 1e-3).c_str());
+    else if (!thread && expert_->trouble().empty())
+        ui_.text(tint::yellow, "Please wait: %s.", expert_->progress().stage().c_str());
     else if (!thread)
-        ui_.small_text(tint::red, "%s", expert_->trouble().c_str());
-    ui_.end_panel();
+        ui_.text(tint::red, "%s", expert_->trouble().c_str());
 }
 
 void ReplayPage::draw_side(const UiRect &place)

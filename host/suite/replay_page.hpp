@@ -44,7 +44,7 @@ class ReplayPage
 
     void draw_pictures(const UiRect &place);
     void draw_picture(const char *name, std::size_t slot, const ReplayShown *shown, const UiRect &place);
-    void draw_expert(const UiRect &place);
+    void draw_expert_text();
     void draw_side(const UiRect &place);
     void draw_scrub(const UiRect &place);
     void draw_scrub_buttons(double ticks);

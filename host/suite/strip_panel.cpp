@@ -1,5 +1,5 @@
 // Draws the haemodynamics strip: the electrocardiogram in green, the arterial pressure in red, the rate, the
-// pressure S/D (mean), and alarms.
+// pressure S/D (mean), the oxygen saturation in cyan, and alarms.
 #include "host/base/format.hpp"
 #include "host/suite/suite_screen.hpp"
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace
 
 // Limits of the alarms: assumptions, usual in adults at rest.
 constexpr double rate_low = 40.0, rate_high = 130.0, systolic_low = 80.0, systolic_high = 180.0;
-constexpr float numbers_width = 230.0f;
+constexpr float numbers_width = 300.0f, saturation_width = 84.0f;
 constexpr std::size_t gap_samples = 24; // between the newest and the oldest sample
 constexpr double pressure_low_mmHg = 0.0, pressure_high_mmHg = 200.0;
 
@@ -86,7 +86,28 @@ void SuiteScreen::draw_strip(const UiRect &place)
     }
     draw_pressure_numbers(
         {place.x + place.width - ui_.px(numbers_width), place.y, ui_.px(numbers_width), place.height});
+    draw_saturation(
+        {place.x + place.width - ui_.px(saturation_width), place.y, ui_.px(saturation_width), place.height});
     ui_.end_panel();
+}
+
+// The finger sensor finds no saturation without a pulse.
+void SuiteScreen::draw_saturation(const UiRect &place)
+{
+    const PulseMonitor &pulse = view_->state->pulse;
+    oximeter_.look(view_->state->tick, pulse.holds_breath());
+    const double saturation = oximeter_.saturation_pct();
+    ImGui::SetCursorScreenPos({place.x, place.y + ui_.px(7.0f)});
+    ImGui::BeginGroup();
+    ImGui::PushFont(ui_.fonts().large);
+    if (pulse.rate_per_min() > 0.0)
+        ui_.text(tint::cyan, "%.0f %%", saturation);
+    else
+        ui_.text(tint::cyan, "-- %%");
+    ImGui::PopFont();
+    ui_.small_text(tint::cyan, "SpO\u2082");
+    if (saturation < Oximeter::low_pct) ui_.text(tint::yellow, "** LOW");
+    ImGui::EndGroup();
 }
 
 // An alarm shows a sign besides its colour: *** needs help at once, ** needs attention.

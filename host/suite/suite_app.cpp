@@ -55,15 +55,30 @@ SuiteApp::SuiteApp(const WindowOptions &options)
         open_session(options_);
 }
 
-void SuiteApp::open_session(const WindowOptions &options)
+// A session that begins from a screen keeps a recording of its own; only the first one uses the file that the
+// command line named.
+WindowOptions SuiteApp::session_options(const WindowOptions &options) const
 {
     WindowOptions chosen = options;
     chosen.pictures.scene_path = chosen.scene;
     if (chosen.pictures.bodies_path.empty()) chosen.pictures.bodies_path = bodies_beside(chosen.scene);
-    if (begins_at_start_ && chosen.keeps_recording) chosen.record = kept_recording();
-    host_.emplace(chosen, [this] { return window_.context(); });
+    const bool is_named = !host_ && !chosen.record.empty();
+    if (begins_at_start_ && chosen.keeps_recording && !is_named) chosen.record = kept_recording();
+    return chosen;
+}
+
+void SuiteApp::open_session(const WindowOptions &options)
+{
+    host_ = std::make_unique<SessionHost>(session_options(options), [this] { return window_.context(); });
+    host_->begin();
+    enter_session();
+}
+
+// Shows the session that host_ has begun.
+void SuiteApp::enter_session()
+{
     input_.emplace(host_->tools().size());
-    if (chosen.starts_with_fluoro) input_->latch_pedal();
+    if (host_->options().starts_with_fluoro) input_->latch_pedal();
     ui_.serve(*input_);
     screen_.emplace(ui_);
     begin_session();
@@ -73,7 +88,6 @@ void SuiteApp::open_session(const WindowOptions &options)
 
 void SuiteApp::begin_session()
 {
-    host_->begin();
     input_->begin_session();
     screen_->forget_toasts();
     reference_run_ = 0;
@@ -112,6 +126,7 @@ bool SuiteApp::show_screen(int frame)
     }
     if (is_in_session() && wants_restart_) {
         end_session();
+        host_->begin();
         begin_session();
     }
     if (!is_in_session()) {

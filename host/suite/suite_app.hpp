@@ -27,7 +27,12 @@ class SuiteApp
 
     void go_on(Page page);
     void open_prep(const CaseCard &card);
+    WindowOptions session_options(const WindowOptions &options) const;
     void open_session(const WindowOptions &options);
+    void begin_opening(const WindowOptions &options);
+    void look_at_opening();
+    void show_opening();
+    void enter_session();
     void begin_session();
     void end_session();
     void open_replay(const std::string &recording, std::uint32_t tick = 0);
@@ -63,7 +68,8 @@ class SuiteApp
     std::vector<KeptRecording> kept_;
     std::vector<RigRow> rigs_;
     std::string trouble_;
-    std::optional<SessionHost> host_;
+    std::unique_ptr<SessionHost> host_;
+    std::unique_ptr<BackgroundTask<std::unique_ptr<SessionHost>>> opening_; // a session that is being opened
     std::optional<UserInput> input_;
     std::optional<SuiteScreen> screen_;
     std::unique_ptr<ReplayPage> replay_;

@@ -2,6 +2,7 @@
 #include "host/base/pending_file.hpp"
 #include "host/report/session_summary.hpp"
 #include "host/suite/suite_app.hpp"
+#include <cfloat>
 #include <filesystem>
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -60,6 +61,44 @@ void SuiteApp::open_replay(const std::string &recording, std::uint32_t tick)
     page_ = Page::replay;
 }
 
+// Opens a session in the background: a beating heart takes seconds to read.
+void SuiteApp::begin_opening(const WindowOptions &options)
+{
+    opening_ = std::make_unique<BackgroundTask<std::unique_ptr<SessionHost>>>(
+        [this, chosen = session_options(options)](TaskProgress &) {
+            auto host = std::make_unique<SessionHost>(chosen, [this] { return window_.context(); });
+            host->begin();
+            return host;
+        });
+}
+
+// Shows the session that was opened, or says why it was not.
+void SuiteApp::look_at_opening()
+{
+    if (!opening_ || !opening_->is_done()) return;
+    const auto opened = std::move(opening_);
+    if (!opened->result()) {
+        trouble_ = said_ = opened->trouble();
+        if (page_ == Page::prep) go_on(Page::start);
+        return;
+    }
+    host_ = opened->take();
+    enter_session();
+}
+
+void SuiteApp::show_opening()
+{
+    const char *text = "The session is being prepared.";
+    ImFont *font = ui_.fonts().bold;
+    const ImVec2 size = font->CalcTextSizeA(font->FontSize, FLT_MAX, 0.0f, text);
+    const ImVec2 at{0.5f * (window_.width() - size.x), window_.height() - ui_.px(44.0f)};
+    const float pad = ui_.px(12.0f);
+    ImDrawList *draw = ImGui::GetForegroundDrawList();
+    draw->AddRectFilled({at.x - pad, at.y - pad}, {at.x + size.x + pad, at.y + size.y + pad}, tint::raised,
+                        pad);
+    draw->AddText(font, font->FontSize, at, tint::yellow, text);
+}
+
 void SuiteApp::show_page()
 {
     PageChoice choice;
@@ -75,9 +114,11 @@ void SuiteApp::show_page()
         choice = draw_rig(ui_, rigs_, options_.device);
     else
         replay_->draw();
+    if (opening_) show_opening();
     window_.end_frame();
     write_layout();
-    follow(choice);
+    if (!opening_) follow(choice);
+    look_at_opening();
 }
 
 // A card or a recording that cannot be opened leaves the screen where it is, and says why.
@@ -102,13 +143,13 @@ void SuiteApp::carry_out(const PageChoice &choice)
         break;
     case PageChoice::Kind::practise:
         if (choice.card < practice_.size() && practice_[choice.card].trouble.empty())
-            open_session(practice_[choice.card].options);
+            begin_opening(practice_[choice.card].options);
         break;
     case PageChoice::Kind::start_case:
-        if (prep_->is_ready()) open_session(prep_->options());
+        if (prep_->is_ready()) begin_opening(prep_->options());
         break;
     case PageChoice::Kind::again:
-        open_session(host_->options());
+        begin_opening(host_->options());
         break;
     case PageChoice::Kind::replay:
         if (!choice.recording.empty()) open_replay(choice.recording, choice.tick);
@@ -171,6 +212,7 @@ PageChoice SuiteApp::choice_of_key(int key) const
 
 void SuiteApp::take_page_key(int key)
 {
+    if (opening_) return; // the screen is about to change
     if (page_ != Page::replay) return follow(choice_of_key(key));
     if (key == GLFW_KEY_SPACE) replay_->toggle_play();
     if (key == GLFW_KEY_X) replay_->toggle_expert();

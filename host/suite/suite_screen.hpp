@@ -2,6 +2,7 @@
 // a copy of the session's state, and gives the user's actions to UserInput.
 #pragma once
 #include "host/cases/goals.hpp"
+#include "host/live/oximeter.hpp"
 #include "host/live/physics_thread.hpp"
 #include "host/model/instrument.hpp"
 #include "host/suite/ui.hpp"
@@ -78,6 +79,7 @@ class SuiteScreen
     // strip_panel.cpp
     void draw_strip(const UiRect &place);
     void draw_pressure_numbers(const UiRect &place);
+    void draw_saturation(const UiRect &place);
     // carm_panel.cpp
     void draw_carm(const UiRect &place);
     void draw_dial(const UiRect &place);
@@ -104,6 +106,7 @@ class SuiteScreen
     std::deque<Toast> toasts_;
     std::vector<RoomNotice> told_;
     GreyRange range_; // of the live monitor
+    Oximeter oximeter_;
 };
 
 } // namespace crn

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures the window on two processors of this machine, without a graphics card, under a virtual display. Keys are
-real events. The lines that it writes are suite.tick_late_pct, suite.pictures_per_s and suite.hand_to_picture_ms of
-docs/bench.md."""
+real events. The lines that it writes are suite.keys_to_case, suite.tick_late_pct, suite.pictures_per_s and
+suite.hand_to_picture_ms of docs/bench.md."""
 
 import argparse
 import json
@@ -33,8 +33,8 @@ def processors():
     return sorted(os.sched_getaffinity(0))[:2]
 
 
-def press(seconds, environment):
-    """Gives the window the keyboard, and taps a key every 0.4 s, as a hand that steers."""
+def focus(environment, seconds=30.0):
+    """Gives the window the keyboard."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         found = subprocess.run(
@@ -46,8 +46,14 @@ def press(seconds, environment):
         ).stdout.split()
         if found:
             subprocess.run(["xdotool", "windowfocus", found[-1]], env=environment, check=False)
-            break
+            return
         time.sleep(0.2)
+
+
+def press(seconds, environment):
+    """Gives the window the keyboard, and taps a key every 0.4 s, as a hand that steers."""
+    end = time.monotonic() + seconds
+    focus(environment, seconds)
     keys = ["Up", "Right", "Down", "Left"]
     taps = 0
     while time.monotonic() < end:
@@ -89,6 +95,52 @@ def measure(options, size, pulses, taps):
             return json.load(file)
 
 
+def shows(layout, control, window):
+    """Waits until the window shows a control."""
+    for _ in range(6000):
+        if os.path.exists(layout):
+            with open(layout, encoding="utf-8") as file:
+                if any(line.split("\t")[0] == control for line in file):
+                    return
+        if window.poll() is not None:
+            sys.exit("suite.py: the window ended before it showed '%s'" % control)
+        time.sleep(0.05)
+    sys.exit("suite.py: the window does not show '%s'" % control)
+
+
+def keys_to_case(options):
+    """Presses keys from the start screen until the first picture of a case; returns their number."""
+    with tempfile.TemporaryDirectory() as folder:
+        server, number = display()
+        environment = dict(os.environ, DISPLAY=number, XDG_STATE_HOME=folder, XDG_DATA_HOME=folder)
+        layout, timing = os.path.join(folder, "layout"), os.path.join(folder, "timing.json")
+        command = [os.path.join(options.build, "bin", "cournand"), "view", "--start", "--no-help-panel"]
+        window = subprocess.Popen(
+            command + ["--layout", layout, "--timing", timing], env=environment, stdout=subprocess.DEVNULL
+        )
+        keys = 0
+        try:
+            for control, key in (("card 2", "2"), ("ready", "Return"), ("row 1", "space")):
+                shows(layout, control, window)
+                if keys == 0:
+                    focus(environment)
+                    time.sleep(0.5)
+                action = "keydown" if key == "space" else "key"
+                subprocess.run(["xdotool", action, key], env=environment, check=False)
+                keys += 1
+            time.sleep(5)
+            window.send_signal(signal.SIGINT)
+            window.wait(timeout=120)
+        finally:
+            window.kill()
+            server.kill()
+            server.wait()
+        with open(timing, encoding="utf-8") as file:
+            if json.load(file)["pictures"] == 0:
+                sys.exit("suite.py: %d keys led to no picture" % keys)
+        return keys
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", default="build")
@@ -96,7 +148,7 @@ def main():
     parser.add_argument("--seconds", type=int, default=60)
     parser.add_argument("--output", default="out/suite.tsv")
     options = parser.parse_args()
-    rows = []
+    rows = [("suite.keys_to_case", str(keys_to_case(options)), "keys", "case=first_push")]
     quiet = measure(options, 512, 15, False)
     load = "load=%.1f" % os.getloadavg()[0]
     context = "size=512 pulses=15 processors=2 %s" % load

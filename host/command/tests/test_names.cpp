@@ -164,8 +164,9 @@ static void every_type_lists_its_names(void **)
 {
     const User user;
     for (const auto &[type, name] :
-         {std::pair{"INSTRUMENT", "j_wire"}, std::pair{"STENT", "renal_6_0x18"}, std::pair{"SESSION", "demo"},
-          std::pair{"SCENE", "aorta"}, std::pair{"NAME", "aorta"}}) {
+         {std::pair{"SCENE", "heart"}, std::pair{"SCENE", "lad_pci"}, std::pair{"INSTRUMENT", "j_wire"},
+          std::pair{"STENT", "renal_6_0x18"}, std::pair{"SESSION", "demo"}, std::pair{"SCENE", "aorta"},
+          std::pair{"NAME", "aorta"}}) {
         const std::vector<std::string> names = names_of_type(type);
         if (std::find(names.begin(), names.end(), name) == names.end()) fail_msg("%s lacks %s", type, name);
     }

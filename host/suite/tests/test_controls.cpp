@@ -15,6 +15,7 @@
 #include <GLFW/glfw3.h>
 
 #include "host/base/text.hpp"
+#include "host/live/oximeter.hpp"
 #include "host/room/presets.hpp"
 #include "host/suite/user_input.hpp"
 
@@ -273,9 +274,23 @@ void frames_are_stepped_from_the_one_on_the_screen(void **)
 
 } // namespace
 
+static void saturation_falls_while_the_breath_is_held(void **)
+{
+    crn::Oximeter oximeter;
+    oximeter.look(1000, false);
+    assert_float_equal(oximeter.saturation_pct(), 98.0, 0.0);
+    oximeter.look(21'000, true); // 20 s: the store of the lungs
+    assert_float_equal(oximeter.saturation_pct(), 98.0, 1e-9);
+    oximeter.look(71'000, true);
+    assert_float_equal(oximeter.saturation_pct(), 90.0, 1e-9);
+    oximeter.look(81'000, false); // 10 s of breathing make good for 50 s
+    assert_float_equal(oximeter.saturation_pct(), 98.0, 1e-9);
+}
+
 int main()
 {
     const CMUnitTest tests[] = {
+        cmocka_unit_test(saturation_falls_while_the_breath_is_held),
         cmocka_unit_test(every_control_has_a_key_of_its_own_and_says_what_it_does),
         cmocka_unit_test(a_gamepad_button_has_one_control),
         cmocka_unit_test(the_document_has_the_table_of_controls),
