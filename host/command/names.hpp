@@ -12,7 +12,8 @@ namespace crn
 // path, otherwise the first of these files that exists:
 //  - NAME.scene in the user's own folder of scenes ($XDG_DATA_HOME/cournand/scenes),
 //  - out/NAME.scene below the current folder or below the repository, where `make` writes scenes,
-//  - the scene `heart`, `lad_pci` or `renal_pci`, which the programs `anatomy` and `bake` make in one to three
+//  - the scene `heart`, `lad_pci` or `renal_pci`, which the programs `anatomy` and `bake` make in one to
+//  three
 //    minutes when it is first needed. It is kept in the user's cache, like the scenes of cases,
 //  - the scene of this name that comes with the program. It is compressed; the first use unpacks it into
 //    the user's cache ($XDG_CACHE_HOME/cournand/scenes), with its bodies.

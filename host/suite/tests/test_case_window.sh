@@ -63,7 +63,7 @@ assert figures["assessment"]["errors"] is not None and "<html" in page
 assert 0 < marks["score"] < 100, marks["score"]
 PY
 result $? "the marks of the debrief are those of the command line, and its page and figures are saved"
-ls "$work"/cache/cournand/experts/*.rec >"$log" 2>&1 && "$program" replay "$work"/cache/cournand/experts/*.rec --verify >"$log" 2>&1
+"$program" replay "$work"/cache/cournand/experts/*.rec --verify >"$log" 2>&1
 result $? "the run of the expert beside the replay is kept in the cache, and replays bit for bit"
 "$program" records check >"$log" 2>&1
 result $? "the stored session has its recording"
