@@ -2,6 +2,13 @@
 
 namespace crn
 {
+namespace
+{
+
+// Rarer than for marks, because the residual stenosis takes milliseconds, in which the physics waits.
+constexpr std::uint32_t look_ticks = 4 * GoalWatch::look_every_ticks;
+
+} // namespace
 
 LiveGoals::LiveGoals(std::shared_ptr<const Case> lesson, LiveSession &session)
     : lesson_(std::move(lesson)), tips_(session.anatomy().bodies.vessels, session.anatomy().motion),
@@ -13,7 +20,7 @@ void LiveGoals::look(const SessionFrame &frame)
 {
     const std::uint32_t tick = frame.wire.tick;
     if (tick < next_) return;
-    next_ = tick + GoalWatch::look_every_ticks - tick % GoalWatch::look_every_ticks;
+    next_ = tick + look_ticks - tick % look_ticks;
     std::vector<double> inserted_m, turned_deg;
     for (const ToolReading &tool : frame.tools) {
         inserted_m.push_back(tool.inserted_m);

@@ -320,9 +320,10 @@ void PrepPage::draw_side(const UiRect &place, PageChoice &choice)
 std::string limit_text(const CaseLimit &limit)
 {
     const Measure &measure = measure_named(limit.measure);
-    return formatted("%s: %s for all %.0f marks, %s for none", measure.title,
-                     (number_text(limit.full_at, 3) + " " + measure.unit).c_str(), limit.marks,
-                     (number_text(limit.none_at, 3) + " " + measure.unit).c_str());
+    const std::string unit = *measure.unit ? std::string(" ") + measure.unit : std::string();
+    return formatted("%s: %s%s for all %.0f marks, %s%s for none", measure.title,
+                     number_text(limit.full_at, 3).c_str(), unit.c_str(), limit.marks,
+                     number_text(limit.none_at, 3).c_str(), unit.c_str());
 }
 
 } // namespace crn
