@@ -402,12 +402,20 @@ static void build_base_axes(crn_model *model)
     model->base_axis2_q30 = crn_vec3_cross(tangent, model->base_axis1_q30, 30);
 }
 
-/* Derives the constants of every tool of the table, and chooses the number format so that any tools of the
- * table can be on the line. */
+/* Derives the constants of every tool of the table. If the table is larger than the line, and its longest
+ * tool has too many of its finest tool's elements, the elements of the shaft get longer. The function also
+ * chooses the number format so that any tools of the table can be on the line. */
 static crn_build_status build_table(crn_model *model, const crn_instrument *table, crn_build_place *place)
 {
+    enum { STEPS = 16 }; /* from 4 mm to more than 8 mm */
+    const int32_t shaft_max = micrometres_to_q30(CRN_ELEMENT_MAX_um);
     mesh_plan plan = plan_mesh(table, model->table_count);
     crn_build_status status = build_mesh(model, &plan);
+    for (int i = 0; i < STEPS && status == CRN_BUILD_LENGTH && model->table_count > model->tool_count; i++) {
+        const int32_t longer = plan.shaft + plan.shaft / 16;
+        plan.shaft = longer < shaft_max ? longer : shaft_max;
+        status = build_mesh(model, &plan);
+    }
     if (status != CRN_BUILD_OK) {
         return status;
     }

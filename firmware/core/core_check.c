@@ -55,8 +55,8 @@ static crn_build_status check_tool(const crn_instrument *tool, crn_build_place *
     if (tool->whole_um > CRN_WHOLE_MAX_um || tool->rail_um > CRN_WHOLE_MAX_um) {
         return CRN_BUILD_RANGE;
     }
-    if (!in_range(tool->element_tip_um, 200, 8000) ||
-        !in_range(tool->element_shaft_um, tool->element_tip_um, 8000) ||
+    if (!in_range(tool->element_tip_um, 200, CRN_ELEMENT_MAX_um) ||
+        !in_range(tool->element_shaft_um, tool->element_tip_um, CRN_ELEMENT_MAX_um) ||
         tool->element_fine_um > CRN_TOOL_MAX_um) {
         return CRN_BUILD_ELEMENTS;
     }

@@ -171,6 +171,7 @@ enum {
     CRN_TOOL_MIN_um = 20000,
     CRN_TOOL_MAX_um = 1600000,
     CRN_WHOLE_MAX_um = 4000000,
+    CRN_ELEMENT_MAX_um = 8000,
 };
 
 /* The functions of this header check the tools of the table (number and ranges of their values), the tools

@@ -134,13 +134,14 @@ int command_replay(const ReplayOptions &options)
                                  " is beyond its end at " + std::to_string(length_s) + " s");
     }
     const SceneFile scene = recorded_scene(header, options.scene);
-    Device device(scene, header.tools, header.entry, header.rig);
+    Device device(scene, header.tools, header.entry, header.rig, {}, header.line);
     check_core(header, device.identity());
 
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
     picture_settings.scene_path = scene.path;
     picture_settings.stents = header.stents;
+    picture_settings.line = header.line;
     const bool has_pictures = writes_pictures(picture_settings) || !options.score.empty();
     SceneAnatomy anatomy;
     std::unique_ptr<Patient> patient;
