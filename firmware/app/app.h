@@ -154,8 +154,8 @@ typedef struct crn_app_faults {
     crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
 } crn_app_faults;
 
-/* Messages being read and written. Only the buffers `ticks` and `snapshot` are still needed after a request
- * or a timer edge has been handled. */
+/* Messages being read and written. Only the buffer `ticks` is still needed after a request or a timer
+ * edge has been handled. */
 typedef struct crn_app_buffers {
     union {
         crn_wire_scene_chunk scene_chunk;
@@ -175,7 +175,6 @@ typedef struct crn_app_buffers {
     crn_wire_ticks ticks; /* filled tick by tick while other replies go out */
     uint8_t payload[CRN_WIRE_PAYLOAD_MAX];
     uint8_t frame[CRN_WIRE_FRAME_MAX];
-    uint8_t snapshot[CRN_APP_SNAPSHOT_BYTES];
 } crn_app_buffers;
 
 typedef struct crn_app {

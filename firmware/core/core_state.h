@@ -206,10 +206,16 @@ enum {
     CRN_SECOND_MAX = 48 /* nodes between two surfaces; any beyond this number meet only the deeper one */
 };
 
+enum { CRN_SCRATCH_SPARE = 1024 }; /* beside the saved state */
+
 typedef struct crn_scratch {
     union {
         crn_work nodes[CRN_ARRAY_NODES];
-        crn_state_words incoming; /* a state being restored, until it has passed its checks */
+        struct {
+            crn_state_words incoming; /* a state being restored, until it has passed its checks */
+            /* memory for the owner of the state, who may use it between ticks: room for a saved state */
+            uint8_t spare[sizeof(crn_state_words) + CRN_SCRATCH_SPARE];
+        };
     };
     crn_motion_pose pose;      /* pose of a vessel that moves */
     crn_joint mouth[2];        /* joints na-1 and na with their cells clipped at the inserter's distal end */

@@ -254,7 +254,7 @@ static void take_snapshot(uint8_t *snapshot)
     const uint8_t what = CRN_WIRE_GET_SNAPSHOT;
     heard_begin = heard_end = 0;
     send(CRN_WIRE_TYPE_get, &what, 1);
-    memcpy(snapshot, app.buffers.snapshot, CRN_APP_SNAPSHOT_BYTES);
+    memcpy(snapshot, app.core.scratch.spare, CRN_APP_SNAPSHOT_BYTES);
 }
 
 static void build_devices(void)
@@ -365,14 +365,14 @@ static void restore_damaged(input *in, uint8_t count)
 {
     command(CRN_WIRE_ACTION_STOP, 0);
     if (app.state != CRN_WIRE_STATE_ARMED || app.setup.tool_count == 0) return;
-    memcpy(app.buffers.snapshot, snapshots[app.setup.tool_count - 1], sizeof app.buffers.snapshot);
+    memcpy(app.core.scratch.spare, snapshots[app.setup.tool_count - 1], CRN_APP_SNAPSHOT_BYTES);
     for (uint8_t i = 0; i < count % 4; i++) {
         const uint8_t mask = take(in);
-        app.buffers.snapshot[take16(in) % CRN_APP_SNAPSHOT_BYTES] ^= mask;
+        app.core.scratch.spare[take16(in) % CRN_APP_SNAPSHOT_BYTES] ^= mask;
     }
     const uint32_t bytes = CRN_APP_SNAPSHOT_BYTES;
     app.session.snapshot_upload =
-        (crn_upload){bytes, bytes, crn_wire_crc32(0, app.buffers.snapshot, bytes), true};
+        (crn_upload){bytes, bytes, crn_wire_crc32(0, app.core.scratch.spare, bytes), true};
     const uint8_t end[] = {bytes & 0xff, bytes >> 8 & 0xff, bytes >> 16 & 0xff, 0};
     send(CRN_WIRE_TYPE_snapshot_end, end, sizeof end);
     command(CRN_WIRE_ACTION_START, 0);

@@ -112,7 +112,8 @@ void add_tools(CLI::App &command, std::string &instrument, std::vector<std::stri
         .add_option("--tool", tools,
                     "Name or file of an instrument, maybe with :preset (docs/instruments.md); once per tool, "
                     "from the "
-                    "innermost to the outermost, at most three")
+                    "innermost to the outermost, at most three; up to eight, in any order, if a "
+                    "script says 'begin with'")
         ->allow_extra_args(false)
         ->type_name("INSTRUMENT")
         ->transform(name_or_path(instrument_files));
