@@ -168,13 +168,14 @@ int command_replay(const ReplayOptions &options)
     if (is_reported) {
         device.link().read_nodes();
         result.tips = tips.at(session_frame(device, {}, {}).wire);
+        const std::vector<Instrument> reported = reported_tools(*patient);
         SessionFiles files{options.json, options.score, "", nullptr};
         if (options.lesson)
             files.case_entry =
-                play.end(run_result(result), report_of(run_result(result), scene.path, header.tools,
-                                                       header.session_path, *patient));
-        write_session_files(files, run_result(result), scene.path, header.tools, header.session_path,
-                            *patient, pictures ? &pictures->screen() : nullptr);
+                play.end(run_result(result),
+                         report_of(run_result(result), scene.path, reported, header.session_path, *patient));
+        write_session_files(files, run_result(result), scene.path, reported, header.session_path, *patient,
+                            pictures ? &pictures->screen() : nullptr);
     }
     if (pictures) print_files(pictures->files());
     const int code = print_result(recording, options, result);

@@ -249,14 +249,15 @@ int command_run(const RunOptions &given)
     RunResult result =
         carry_out(device, *patient, scene, options, session, recorder.get(), play.sink(), tips, witness);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
-    print_session(result, tools, *patient);
+    const std::vector<Instrument> reported = reported_tools(*patient);
+    print_session(result, reported, *patient);
     SessionFiles files{options.json, options.score, options.timing, nullptr};
     if (options.lesson)
-        files.case_entry = play.end(result, report_of(result, scene.path, tools, session.file, *patient));
+        files.case_entry = play.end(result, report_of(result, scene.path, reported, session.file, *patient));
     if (assessor)
-        write_assessed(options, result, scene.path, session.file, tools, *patient, *assessor);
+        write_assessed(options, result, scene.path, session.file, reported, *patient, *assessor);
     else
-        write_session_files(files, result, scene.path, tools, session.file, *patient,
+        write_session_files(files, result, scene.path, reported, session.file, *patient,
                             pictures ? &pictures->screen() : nullptr);
     if (pictures) print_files(pictures->files());
     if (!options.card.empty()) write_card(options.card, *pictures);
