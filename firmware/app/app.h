@@ -34,7 +34,7 @@ enum {
     CRN_APP_ORDER_QUEUE = 8, /* FREE_RUN: ticks to come whose orders have arrived */
     CRN_APP_HASH64_EVERY_ticks = 100,
     CRN_APP_FAULT_MAX = 32,
-    CRN_APP_SNAPSHOT_TOOL_BYTES = 108,
+    CRN_APP_SNAPSHOT_TOOL_BYTES = 120,
     CRN_APP_SNAPSHOT_HEAD_BYTES = 12 + CRN_APP_SNAPSHOT_TOOL_BYTES * CRN_TOOL_MAX,
     CRN_APP_SNAPSHOT_BYTES = CRN_APP_SNAPSHOT_HEAD_BYTES + (int)sizeof(crn_state_words),
 };
@@ -86,6 +86,8 @@ typedef struct crn_app_order_set {
     crn_rhythm_order rhythm;
     crn_scaffold scaffold;
     crn_strut_order strut;
+    bool has_exchange;
+    crn_exchange_order exchange;
 } crn_app_order_set;
 
 /* Holds the commands for one tick of FREE_RUN, together with the form in which the tick's `live` message
@@ -107,7 +109,9 @@ typedef struct crn_app_link {
 
 /* The set-up that the host has sent before ARM. */
 typedef struct crn_app_setup {
-    uint32_t tool_count; /* 0: none yet */
+    uint32_t tool_count; /* positions of the line; 0: none yet */
+    uint32_t table_count;
+    uint32_t line[CRN_TOOL_MAX]; /* at the start: number in the table of the tool at each position; 0: free */
     bool has_scene, has_entry;
     uint8_t scene_slot; /* the slot in use; the other one receives an upload */
     crn_upload scene_upload;
@@ -117,9 +121,9 @@ typedef struct crn_app_setup {
     uint32_t inserted_um[CRN_TOOL_MAX];
     uint32_t inserted_count; /* lengths that came with the entry */
     crn_lumen lumen;
-    crn_motion motion;                  /* of the lumen, when it moves */
-    crn_lesion lesions[CRN_LESION_MAX]; /* of the lumen, that can yield */
-    crn_instrument tools[CRN_TOOL_MAX]; /* from the innermost */
+    crn_motion motion;                   /* of the lumen, when it moves */
+    crn_lesion lesions[CRN_LESION_MAX];  /* of the lumen, that can yield */
+    crn_instrument tools[CRN_TABLE_MAX]; /* the table */
 } crn_app_setup;
 
 /* Holds the state of one session, except the states of the core, the hands and the haptics. */
@@ -131,6 +135,7 @@ typedef struct crn_app_session {
     crn_app_encoders mailbox;
     crn_app_tick_orders orders[CRN_APP_ORDER_QUEUE]; /* FREE_RUN: ring, of the ticks to come */
     uint32_t order_first, order_count;
+    uint8_t exchange;     /* CRN_WIRE_EXCHANGE_* of the last tick */
     int32_t inflator_raw; /* of the last tick; the pressure stays while none is reported */
     crn_upload snapshot_upload;
 } crn_app_session;
@@ -149,8 +154,8 @@ typedef struct crn_app_faults {
     crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
 } crn_app_faults;
 
-/* Messages being read and written. Only the buffers `ticks` and `snapshot` are still needed after a request
- * or a timer edge has been handled. */
+/* Messages being read and written. Only the buffer `ticks` is still needed after a request or a timer
+ * edge has been handled. */
 typedef struct crn_app_buffers {
     union {
         crn_wire_scene_chunk scene_chunk;
@@ -164,13 +169,12 @@ typedef struct crn_app_buffers {
         crn_wire_contacts contacts;
         crn_wire_fault_log fault_log;
         crn_wire_snapshot_chunk snapshot_chunk;
-        crn_instrument tools[CRN_TOOL_MAX];                 /* being checked, before anything is answered */
+        crn_instrument tools[CRN_TABLE_MAX];                /* being checked, before anything is answered */
         crn_app_order_set orders[CRN_WIRE_MAX_step_inputs]; /* of a step's inputs, until its ticks are done */
     } reply;
     crn_wire_ticks ticks; /* filled tick by tick while other replies go out */
     uint8_t payload[CRN_WIRE_PAYLOAD_MAX];
     uint8_t frame[CRN_WIRE_FRAME_MAX];
-    uint8_t snapshot[CRN_APP_SNAPSHOT_BYTES];
 } crn_app_buffers;
 
 typedef struct crn_app {

@@ -19,9 +19,12 @@ void crn_app_set_state(crn_app *app, uint8_t state)
 static bool lengths_fit(crn_app *app)
 {
     for (uint32_t k = 0; k < app->setup.tool_count; k++) {
-        uint32_t length_um = app->setup.tools[k].knots[app->setup.tools[k].knot_count - 1].arc_um;
+        if (app->setup.line[k] == 0) continue;
+        const uint32_t number = app->setup.line[k] - 1;
+        const crn_instrument *tool = &app->setup.tools[number];
+        uint32_t length_um = tool->knots[tool->knot_count - 1].arc_um;
         if (app->setup.inserted_um[k] <= length_um) continue;
-        crn_app_reject(app, CRN_WIRE_TYPE_command, CRN_REJECT_LENGTH_INSERTED, k, length_um);
+        crn_app_reject(app, CRN_WIRE_TYPE_command, CRN_REJECT_LENGTH_INSERTED, number, length_um);
         return false;
     }
     return true;
@@ -31,7 +34,8 @@ static uint32_t longest_um(const crn_app *app)
 {
     uint32_t longest = 0;
     for (uint32_t k = 0; k < app->setup.tool_count; k++) {
-        if (app->setup.inserted_um[k] > longest) longest = app->setup.inserted_um[k];
+        if (app->setup.line[k] != 0 && app->setup.inserted_um[k] > longest)
+            longest = app->setup.inserted_um[k];
     }
     return longest;
 }
@@ -43,9 +47,8 @@ static void arm(crn_app *app)
     CRN_REJECT_IF(app, type, app->setup.tool_count == 0 || !app->setup.has_entry, CRN_REJECT_SET_UP_MISSING,
                   app->setup.tool_count, app->setup.has_entry);
     crn_build_place place = {0, 0};
-    crn_build_status status =
-        crn_model_build(&app->model, app->setup.tools, app->setup.tool_count,
-                        app->setup.has_scene ? &app->setup.lumen : NULL, &app->setup.entry, &place);
+    const crn_lumen *lumen = app->setup.has_scene ? &app->setup.lumen : NULL;
+    crn_build_status status = crn_app_build(app, lumen, &app->setup.entry, &place);
     if (status != CRN_BUILD_OK) {
         crn_app_reject_build(app, type, status, &place);
         return;

@@ -45,6 +45,9 @@ void crn_app_scene_end(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place);
+/* Builds the model from the table, the line and this entry. */
+crn_build_status crn_app_build(crn_app *app, const crn_lumen *lumen, const crn_entry *entry,
+                               crn_build_place *place);
 
 /* Converts the bytes of a scene to the form in which the core reads the lumen (app_lumen.c). After the call,
  * `lumen` points to `motion` if the vessel moves, and to `lesions` if the vessel has lesions that a balloon
@@ -77,6 +80,9 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
                              uint32_t *place);
 /* Returns the commands for this tick of FREE_RUN; they are valid until the next message. */
 const crn_app_tick_orders *crn_app_orders_next(crn_app *app);
+/* Carries out the exchange of this tick, if it has one, before the tick, and keeps the answer for the host.
+ */
+void crn_app_exchange(crn_app *app, const crn_app_order_set *orders);
 
 /* app_stream.c: what the device sends unasked, with back-pressure */
 void crn_app_stream(crn_app *app, const uint8_t *payload, size_t length);

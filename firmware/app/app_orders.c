@@ -36,6 +36,14 @@ static bool take_strut(const crn_app *app, const crn_wire_order *order, crn_app_
     return wire->number != 0 && crn_strut_order_is_valid(&taken->strut);
 }
 
+/* Whether an exchange is possible depends on the state of its tick. Here only the numbers are checked. */
+static bool take_exchange(const crn_app *app, const crn_wire_order *order, crn_app_order_set *taken)
+{
+    taken->has_exchange = true;
+    taken->exchange = (crn_exchange_order){order->exchange.position, order->exchange.tool};
+    return order->exchange.position < app->setup.tool_count && order->exchange.tool <= app->setup.table_count;
+}
+
 /* The program does not compile when a kind of command has no handler. */
 static bool (*const handlers[])(const crn_app *, const crn_wire_order *, crn_app_order_set *) = {
 #define ORDER(name, kind, text) [CRN_WIRE_KIND_##name] = take_##name,
@@ -48,7 +56,7 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
                              uint32_t *place)
 {
     uint32_t kinds = 0;
-    *taken = (crn_app_order_set){.rhythm = {0, 0}};
+    *taken = (crn_app_order_set){.has_exchange = false};
     for (*place = 0; *place < list->items_count; ++*place) {
         const crn_wire_order *order = &list->items[*place]; /* its kind is known: the codec refuses others */
         if ((kinds >> order->kind & 1u) != 0) return CRN_REJECT_ORDER_TWICE;
@@ -56,6 +64,22 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
         if (!handlers[order->kind](app, order, taken)) return CRN_REJECT_ORDER_RANGE;
     }
     return CRN_REJECT_NONE;
+}
+
+/* --- an exchange, between two ticks --- */
+
+/* The core and the wire have the same answers. The program does not compile when they differ. */
+#define EXCHANGE(NAME, number, text, remedy)                                                                 \
+    _Static_assert((int)CRN_EXCHANGE_##NAME + 1 == (int)(number), "core and wire agree about " #NAME);
+#include "shared/wire/wire_exchanges.def"
+
+void crn_app_exchange(crn_app *app, const crn_app_order_set *orders)
+{
+    app->session.exchange = CRN_WIRE_EXCHANGE_NONE;
+    if (!orders->has_exchange) return;
+    const crn_exchange_status status = crn_exchange(&app->model, &app->core, &orders->exchange);
+    app->session.exchange = (uint8_t)(status + 1);
+    if (status == CRN_EXCHANGE_DONE) crn_haptics_let_go(&app->haptics, orders->exchange.position);
 }
 
 /* --- FREE_RUN --- */

@@ -94,6 +94,7 @@ static void see_tools(const crn_app *app, crn_haptics_input *input)
         tool->inserted_m_q30 = state->inserted_m_q30;
         tool->hand_offset_m_q30 = state->hand_offset_m_q30;
         tool->base_turn32 = state->base_turn32;
+        tool->is_free = crn_state_tool_at(&app->core, k) == 0;
     }
 }
 

@@ -121,6 +121,9 @@ void crn_app_send_nodes(crn_app *app)
     nodes->inserted_m_q30_count = (uint16_t)app->setup.tool_count;
     for (uint32_t k = 0; k < app->setup.tool_count; k++)
         nodes->inserted_m_q30[k] = crn_state_inserted(&app->core, k);
+    nodes->line_count = (uint16_t)app->setup.tool_count;
+    for (uint32_t k = 0; k < app->setup.tool_count; k++)
+        nodes->line[k] = (uint8_t)crn_state_tool_at(&app->core, k);
     put_treatment(app, nodes);
     nodes->positions_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++) {

@@ -65,7 +65,10 @@ static void note_tick(const crn_app *app, const crn_output *output, crn_wire_tic
         .balloon_diameter_min_um = um_from_q30(2 * output->balloon_radius_min_m_q30),
         .balloon_wall_mN = (uint32_t)(((int64_t)output->balloon_wall_N_q22 * 1000) >> 22),
     };
+    state->exchange = app->session.exchange;
+    state->line_count = (uint16_t)app->setup.tool_count;
     for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        state->line[k] = (uint8_t)crn_state_tool_at(&app->core, k);
         state->tools[k] = tool_state(&output->tools[k], &app->haptics.motors[k]);
     }
 }
@@ -84,6 +87,7 @@ static bool tick(crn_app *app, const crn_app_encoders *encoders, const crn_app_o
     crn_haptics_input felt;
     crn_input input = {0};
     if (encoders != NULL && !crn_app_hands_update(app, encoders)) return false;
+    crn_app_exchange(app, orders);
     if (encoders != NULL) app->session.inflator_raw = encoders->inflator_raw;
     input.inflator_Pa = kPa_of(app->session.inflator_raw) * 1000;
     input.rhythm = orders->rhythm;

@@ -100,6 +100,8 @@ static void tool_from_wire(const crn_wire_instrument *wire, crn_instrument *tool
         .element_tip_um = wire->element_tip_um,
         .element_shaft_um = wire->element_shaft_um,
         .element_fine_um = wire->element_fine_um,
+        .whole_um = wire->whole_um,
+        .rail_um = wire->rail_um,
     };
     for (uint16_t i = 0; i < wire->knots_count; i++) tool->knots[i] = knot_from_wire(&wire->knots[i]);
     tool->balloon = (crn_balloon){
@@ -123,6 +125,7 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
         [CRN_BUILD_LENGTH] = CRN_REJECT_TOOL_LENGTH,   [CRN_BUILD_ELEMENTS] = CRN_REJECT_TOOL_ELEMENTS,
         [CRN_BUILD_ENTRY] = CRN_REJECT_ENTRY_INVALID,  [CRN_BUILD_OVERFLOW] = CRN_REJECT_TOOL_OVERFLOW,
         [CRN_BUILD_NESTING] = CRN_REJECT_TOOL_NESTING, [CRN_BUILD_BALLOON] = CRN_REJECT_TOOL_BALLOON,
+        [CRN_BUILD_TOOLS] = CRN_REJECT_TOOL_LINE,
     };
     bool is_listed = status < sizeof codes / sizeof codes[0] && codes[status] != 0;
     CRN_REQUIRE(app, is_listed, status);
@@ -131,31 +134,58 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
 
 static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}};
 
-/* In the state READY no model is in use, so the model's memory is free. The app checks the table of tools as
- * a whole by building a model that has these tools but no vessel. */
+/* The line of a message without a line has the tools of the table, in their order. Returns the number of
+ * positions, or 0 if there are too many tools for that. */
+static uint32_t line_from_wire(const crn_wire_tools *wire, uint32_t line[CRN_TOOL_MAX])
+{
+    const uint16_t count = wire->line_count > 0 ? wire->line_count : wire->tools_count;
+    if (count > CRN_TOOL_MAX) return 0;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        const uint32_t number = wire->line_count > 0 ? wire->line[k] : k + 1;
+        line[k] = k < count ? number : 0;
+    }
+    return count;
+}
+
+/* In the state READY no model is in use, so the model's memory is free. The app checks the table of tools and
+ * the line as a whole by building a model that has these tools but no vessel. */
 void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_tools;
     crn_wire_tools *wire = &app->buffers.request.tools;
+    uint32_t line[CRN_TOOL_MAX];
     CRN_REJECT_IF(app, type, !crn_wire_decode_tools(payload, length, wire), CRN_REJECT_MALFORMED, length,
                   CRN_WIRE_BYTES_tools);
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
-    CRN_REJECT_IF(app, type, wire->tools_count == 0, CRN_REJECT_TOOL_COUNT, 0, CRN_TOOL_MAX);
+    const uint32_t line_count = line_from_wire(wire, line);
+    CRN_REJECT_IF(app, type, wire->tools_count == 0 || line_count == 0, CRN_REJECT_TOOL_COUNT,
+                  wire->tools_count, CRN_TOOL_MAX);
     crn_instrument *candidates = app->buffers.reply.tools;
     for (uint16_t k = 0; k < wire->tools_count; k++) tool_from_wire(&wire->tools[k], &candidates[k]);
     crn_build_place place = {0, 0};
-    crn_build_status status =
-        crn_model_build(&app->model, candidates, wire->tools_count, NULL, &neutral_entry, &place);
+    crn_build_status status = crn_model_build_table(&app->model, candidates, wire->tools_count, line,
+                                                    line_count, NULL, &neutral_entry, &place);
+    if (status == CRN_BUILD_TOOLS) place = (crn_build_place){wire->tools_count, line_count};
     if (status != CRN_BUILD_OK) {
         crn_app_reject_build(app, type, status, &place);
         return;
     }
     for (uint16_t k = 0; k < wire->tools_count; k++) app->setup.tools[k] = candidates[k];
-    app->setup.tool_count = wire->tools_count;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->setup.line[k] = line[k];
+    app->setup.table_count = wire->tools_count;
+    app->setup.tool_count = line_count;
     app->setup.tools_crc32 = crn_wire_crc32(0, payload, length);
     if (app->setup.inserted_count != app->setup.tool_count)
         app->setup.has_entry = false; /* its lengths were for other tools */
     crn_app_send_status(app, type);
+}
+
+crn_build_status crn_app_build(crn_app *app, const crn_lumen *lumen, const crn_entry *entry,
+                               crn_build_place *place)
+{
+    const crn_app_setup *setup = &app->setup;
+    return crn_model_build_table(&app->model, setup->tools, setup->table_count, setup->line,
+                                 setup->tool_count, lumen, entry, place);
 }
 
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length)
@@ -173,8 +203,7 @@ void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length)
         crn_vec3_make(wire.direction_x_q30, wire.direction_y_q30, wire.direction_z_q30),
     };
     crn_build_place place = {0, 0};
-    crn_build_status status =
-        crn_model_build(&app->model, app->setup.tools, app->setup.tool_count, NULL, &candidate, &place);
+    crn_build_status status = crn_app_build(app, NULL, &candidate, &place);
     if (status != CRN_BUILD_OK) {
         crn_app_reject_build(app, type, status, &place);
         return;

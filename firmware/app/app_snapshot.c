@@ -6,10 +6,15 @@
  *       summed translation, rotation i64 | motor axial mN, torque uN m i32                       = 36 bytes
  *       coupling along, then about: set u32 | reference, lead, force i32 | stiffness shown i64    = 24 bytes each
  *       energy: set u32 | taken pJ i64 | hand Q30 m i32, turn u32 | scale u32                     = 24 bytes
+ *       release: left ticks u32 | axial mN, torque uN m i32                                       = 12 bytes
  */
 #include "firmware/app/app_internal.h"
 
-enum { SNAPSHOT_VERSION = 3 };
+enum { SNAPSHOT_VERSION = 4 };
+
+/* A snapshot being sent or received lies in the core's scratch memory, which no tick needs. If a tick runs
+ * while a snapshot is received, the snapshot's CRC no longer matches. */
+_Static_assert((int)CRN_APP_SNAPSHOT_BYTES <= (int)sizeof(((crn_scratch *)0)->spare), "a snapshot fits");
 
 /* --- to bytes --- */
 static void save_tool(crn_wire_writer *writer, const crn_hand_counts *hand, const crn_port_motor *motor)
@@ -24,7 +29,7 @@ static void save_tool(crn_wire_writer *writer, const crn_hand_counts *hand, cons
 }
 
 static void save_coupling(crn_wire_writer *writer, const crn_haptics_spring springs[2],
-                          const crn_haptics_energy *energy)
+                          const crn_haptics_energy *energy, const crn_haptics_release *release)
 {
     for (int i = 0; i < 2; i++) {
         crn_wire_write(writer, springs[i].is_set, 4);
@@ -38,21 +43,23 @@ static void save_coupling(crn_wire_writer *writer, const crn_haptics_spring spri
     crn_wire_write(writer, (uint32_t)energy->hand_m_q30, 4);
     crn_wire_write(writer, energy->hand_turn32, 4);
     crn_wire_write(writer, energy->scale_q16, 4);
+    crn_wire_write(writer, release->left_ticks, 4);
+    for (int i = 0; i < 2; i++) crn_wire_write(writer, (uint32_t)release->from[i], 4);
 }
 
 static void save(crn_app *app)
 {
-    crn_wire_writer writer = crn_wire_writer_make(app->buffers.snapshot, CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_wire_writer writer = crn_wire_writer_make(app->core.scratch.spare, CRN_APP_SNAPSHOT_HEAD_BYTES);
     crn_wire_write(&writer, SNAPSHOT_VERSION, 4);
     crn_wire_write(&writer, crn_state_tick(&app->core), 4);
     crn_wire_write(&writer, app->setup.tool_count, 4);
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         save_tool(&writer, &app->hands.counts[k], &app->haptics.motors[k]);
-        save_coupling(&writer, app->haptics.springs[k], &app->haptics.energies[k]);
+        save_coupling(&writer, app->haptics.springs[k], &app->haptics.energies[k], &app->haptics.releases[k]);
     }
     CRN_REQUIRE(app, !writer.overflowed && writer.length == CRN_APP_SNAPSHOT_HEAD_BYTES, writer.length);
     CRN_REQUIRE(app, crn_state_bytes() == sizeof(crn_state_words), crn_state_bytes());
-    crn_state_save(&app->core, app->buffers.snapshot + CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_state_save(&app->core, app->core.scratch.spare + CRN_APP_SNAPSHOT_HEAD_BYTES);
 }
 
 static void send_chunk(crn_app *app, uint32_t offset)
@@ -62,7 +69,7 @@ static void send_chunk(crn_app *app, uint32_t offset)
     uint32_t count = left < CRN_WIRE_MAX_snapshot_chunk_data ? left : CRN_WIRE_MAX_snapshot_chunk_data;
     chunk->offset = offset;
     chunk->data_count = (uint16_t)count;
-    for (uint32_t i = 0; i < count; i++) chunk->data[i] = app->buffers.snapshot[offset + i];
+    for (uint32_t i = 0; i < count; i++) chunk->data[i] = app->core.scratch.spare[offset + i];
     crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
     crn_wire_put_snapshot_chunk(&writer, chunk);
     crn_app_send(app, CRN_WIRE_TYPE_snapshot_chunk, writer.length);
@@ -72,8 +79,9 @@ void crn_app_snapshot_send(crn_app *app)
 {
     app->session.snapshot_upload.open = false; /* an upload in progress uses the same buffer */
     save(app);
-    const crn_wire_snapshot_begin begin = {crn_state_tick(&app->core), CRN_APP_SNAPSHOT_BYTES,
-                                           crn_wire_crc32(0, app->buffers.snapshot, CRN_APP_SNAPSHOT_BYTES)};
+    const crn_wire_snapshot_begin begin = {
+        crn_state_tick(&app->core), CRN_APP_SNAPSHOT_BYTES,
+        crn_wire_crc32(0, app->core.scratch.spare, CRN_APP_SNAPSHOT_BYTES)};
     crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
     crn_wire_put_snapshot_begin(&writer, &begin);
     crn_app_send(app, CRN_WIRE_TYPE_snapshot_begin, writer.length);
@@ -117,7 +125,7 @@ void crn_app_snapshot_chunk(crn_app *app, const uint8_t *payload, size_t length)
                       chunk->data_count > upload->expected_bytes - upload->received_bytes,
                   CRN_REJECT_SNAPSHOT_ORDER, upload->received_bytes, chunk->offset);
     for (uint16_t i = 0; i < chunk->data_count; i++)
-        app->buffers.snapshot[upload->received_bytes++] = chunk->data[i];
+        app->core.scratch.spare[upload->received_bytes++] = chunk->data[i];
 }
 
 /* Returns the signed value of a 64-bit number in two's complement, without a cast whose result the C standard
@@ -139,6 +147,7 @@ typedef struct snapshot_head {
     crn_port_motor motors[CRN_TOOL_MAX];
     crn_haptics_spring springs[CRN_TOOL_MAX][2];
     crn_haptics_energy energies[CRN_TOOL_MAX];
+    crn_haptics_release releases[CRN_TOOL_MAX];
 } snapshot_head;
 
 static bool is_within(int64_t value, int64_t limit)
@@ -191,9 +200,19 @@ static bool read_energy(crn_wire_reader *reader, crn_haptics_energy *energy)
     return is_set <= 1 && is_within(energy->taken_pJ, (int64_t)1 << 40) && energy->scale_q16 <= 1 << 16;
 }
 
+static bool read_release(crn_wire_reader *reader, const crn_haptics_track *track,
+                         crn_haptics_release *release)
+{
+    release->left_ticks = (uint32_t)crn_wire_read(reader, 4);
+    for (int i = 0; i < 2; i++) release->from[i] = read_i32(reader);
+    return release->left_ticks <= CRN_HAPTICS_RELEASE_ticks &&
+           is_within(release->from[0], track->force_limit_mN) &&
+           is_within(release->from[1], track->torque_limit_uN_m);
+}
+
 static bool read_head(const crn_app *app, snapshot_head *head)
 {
-    crn_wire_reader reader = crn_wire_reader_make(app->buffers.snapshot, CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_wire_reader reader = crn_wire_reader_make(app->core.scratch.spare, CRN_APP_SNAPSHOT_HEAD_BYTES);
     bool ok = crn_wire_read(&reader, 4) == SNAPSHOT_VERSION;
     head->tick = (uint32_t)crn_wire_read(&reader, 4);
     ok = ok && crn_wire_read(&reader, 4) == app->setup.tool_count;
@@ -202,6 +221,7 @@ static bool read_head(const crn_app *app, snapshot_head *head)
         ok = read_tool(&reader, track, &head->hands[k], &head->motors[k]) && ok;
         for (int i = 0; i < 2; i++) ok = read_spring(&reader, &track->axes[i], &head->springs[k][i]) && ok;
         ok = read_energy(&reader, &head->energies[k]) && ok;
+        ok = read_release(&reader, track, &head->releases[k]) && ok;
     }
     return ok;
 }
@@ -217,10 +237,11 @@ void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length)
     app->session.snapshot_upload.open = false;
     CRN_REJECT_IF(app, type, !upload.open || upload.received_bytes != upload.expected_bytes,
                   CRN_REJECT_SNAPSHOT_ORDER, upload.received_bytes, upload.expected_bytes);
-    CRN_REJECT_IF(app, type, crn_wire_crc32(0, app->buffers.snapshot, CRN_APP_SNAPSHOT_BYTES) != upload.crc32,
+    CRN_REJECT_IF(app, type,
+                  crn_wire_crc32(0, app->core.scratch.spare, CRN_APP_SNAPSHOT_BYTES) != upload.crc32,
                   CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
     snapshot_head head;
-    const uint8_t *words = app->buffers.snapshot + CRN_APP_SNAPSHOT_HEAD_BYTES;
+    const uint8_t *words = app->core.scratch.spare + CRN_APP_SNAPSHOT_HEAD_BYTES;
     crn_wire_reader core_tick = crn_wire_reader_make(words, 4); /* the state's first word */
     CRN_REJECT_IF(app, type,
                   !read_head(app, &head) || crn_wire_read(&core_tick, 4) != head.tick ||
@@ -232,6 +253,7 @@ void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length)
         app->haptics.springs[k][0] = head.springs[k][0];
         app->haptics.springs[k][1] = head.springs[k][1];
         app->haptics.energies[k] = head.energies[k];
+        app->haptics.releases[k] = head.releases[k];
     }
     app->faults.core_bits_seen = app->core.words.fault_bits;
     crn_app_send_status(app, type);

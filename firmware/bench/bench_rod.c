@@ -238,6 +238,37 @@ static double run_coronary(const bench_case *self)
     return beating_mm;
 }
 
+/* Returns the longest time, in ms, of an exchange and the tick behind it, in which the core combines the
+ * tools of the line anew: no tick is done meanwhile. A wire and a guide are inserted by 256 elements, and two
+ * catheters take turns between them. */
+static double run_exchange(const bench_case *self)
+{
+    enum { TABLE = 8, EXCHANGES = 200 };
+    static const uint32_t line[] = {1, 0, 2}, inserted_um[] = {760000, 0, 760000};
+    crn_instrument table[TABLE];
+    const crn_entry entry = reference_entry();
+    crn_build_place place;
+    double longest_us = 0;
+    (void)self;
+    for (int k = 0; k < TABLE; k++) {
+        table[k] = reference_wire(1e-4, 900000, ELEMENT_um, 0.2);
+        if (k > 0) make_coaxial(&table[k], k == 1 ? 900 : 600, k == 1 ? 700 : 500);
+    }
+    if (crn_model_build_table(&model, table, TABLE, line, 3, NULL, &entry, &place) != CRN_BUILD_OK)
+        bench_fail("no model");
+    crn_state_init(&model, &state, inserted_um);
+    input = (crn_input){0};
+    for (int ms = 0; ms < 100; ms++) crn_step(&model, &state, &input, &output);
+    for (uint32_t i = 0; i < EXCHANGES; i++) {
+        const crn_exchange_order order = {1, 3 + i % 2};
+        const double begin_us = bench_now_us();
+        if (crn_exchange(&model, &state, &order) != CRN_EXCHANGE_DONE) bench_fail("an exchange was refused");
+        crn_step(&model, &state, &input, &output);
+        longest_us = fmax(longest_us, bench_now_us() - begin_us);
+    }
+    return longest_us / 1000;
+}
+
 static void slide_tools(const scene *s)
 {
     for (int k = 1; k < s->tools; k++) {
@@ -320,6 +351,7 @@ static const bench_case cases[] = {
     STEP(256, "50+ beating=last_200_mm balloon=inflated lesion=open", 2, 12),
     STEP(256, "50+ beating=last_200_mm balloon=folded", 2, 9),
     STEP(256, "50+ beating=last_200_mm balloon=inflated", 2, 10),
+    {"core.exchange_ms", "ms", "table=8 tools=3", NULL, 0, run_exchange, 0},
     CORONARY("at=rest pushed_in_m_s=0.05", 0),
     CORONARY("at=90/min for_s=60", 1),
     ELASTICA(256, 0, "2e-6", "0.1"),

@@ -76,25 +76,17 @@ static uint32_t folded_um(const crn_instrument *tool)
     return widest;
 }
 
-crn_build_status crn_balloon_check(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place)
+bool crn_balloon_check(const crn_instrument *tool)
 {
-    uint32_t found = 0;
-    for (uint32_t k = 0; k < tool_count; k++) {
-        const crn_balloon *balloon = &tools[k].balloon;
-        if (balloon->point_count == 0) {
-            continue;
-        }
-        *place = (crn_build_place){k, 0};
-        uint32_t end_um = tools[k].knots[tools[k].knot_count - 1].arc_um, folded = folded_um(&tools[k]);
-        bool lies_on_it = balloon->distal_um < balloon->proximal_um && balloon->proximal_um <= end_um &&
-                          balloon->proximal_um - balloon->distal_um >= 2000 &&
-                          balloon->proximal_um - balloon->distal_um <= 60000;
-        if (++found > 1 || !lies_on_it || folded == 0 || !table_is_one(balloon, folded)) {
-            return CRN_BUILD_BALLOON;
-        }
+    const crn_balloon *balloon = &tool->balloon;
+    if (balloon->point_count == 0) {
+        return true;
     }
-    *place = (crn_build_place){0, 0};
-    return CRN_BUILD_OK;
+    uint32_t end_um = tool->knots[tool->knot_count - 1].arc_um, folded = folded_um(tool);
+    bool lies_on_it = balloon->distal_um < balloon->proximal_um && balloon->proximal_um <= end_um &&
+                      balloon->proximal_um - balloon->distal_um >= 2000 &&
+                      balloon->proximal_um - balloon->distal_um <= 60000;
+    return lies_on_it && folded != 0 && table_is_one(balloon, folded);
 }
 
 static int32_t um_to_q30(uint32_t um)
@@ -102,31 +94,28 @@ static int32_t um_to_q30(uint32_t um)
     return (int32_t)crn_divide_u64(((uint64_t)um << 30) + 500000u, 1000000u);
 }
 
-void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tools, uint32_t tool_count)
+void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tool)
 {
-    for (uint32_t k = 0; k < tool_count; k++) {
-        const crn_balloon *balloon = &tools[k].balloon;
-        if (balloon->point_count == 0) {
-            continue;
-        }
-        model->tool = k;
-        model->distal_m_q30 = um_to_q30(balloon->distal_um);
-        int32_t length = um_to_q30(balloon->proximal_um) - model->distal_m_q30;
-        uint32_t gaps = (uint32_t)(length + LENGTH_OF_BALL_M_Q30 / 2) / LENGTH_OF_BALL_M_Q30;
-        gaps = gaps > CRN_BALLOON_BALL_MAX - 1 ? CRN_BALLOON_BALL_MAX - 1 : gaps;
-        model->ball_count = gaps + 1;
-        model->spacing_m_q30 = (int32_t)crn_divide_u64((uint64_t)(uint32_t)length, gaps);
-        model->burst_Pa = (int32_t)balloon->burst_kPa * 1000;
-        model->point_count = balloon->point_count + 2;
-        model->pressure_Pa[0] = 0;
-        model->radius_m_q30[0] = um_to_q30(folded_um(&tools[k]));
-        int32_t first = um_to_q30(balloon->diameter_um[0]) / 2;
-        model->pressure_Pa[1] = CRN_BALLOON_UNFOLD_Pa;
-        model->radius_m_q30[1] = crn_scale_q30(first, UNFOLDED_Q30);
-        for (uint32_t i = 0; i < balloon->point_count; i++) {
-            model->pressure_Pa[i + 2] = (int32_t)balloon->pressure_kPa[i] * 1000;
-            model->radius_m_q30[i + 2] = um_to_q30(balloon->diameter_um[i]) / 2;
-        }
+    const crn_balloon *balloon = &tool->balloon;
+    if (balloon->point_count == 0) {
+        return;
+    }
+    model->distal_m_q30 = um_to_q30(balloon->distal_um);
+    int32_t length = um_to_q30(balloon->proximal_um) - model->distal_m_q30;
+    uint32_t gaps = (uint32_t)(length + LENGTH_OF_BALL_M_Q30 / 2) / LENGTH_OF_BALL_M_Q30;
+    gaps = gaps > CRN_BALLOON_BALL_MAX - 1 ? CRN_BALLOON_BALL_MAX - 1 : gaps;
+    model->ball_count = gaps + 1;
+    model->spacing_m_q30 = (int32_t)crn_divide_u64((uint64_t)(uint32_t)length, gaps);
+    model->burst_Pa = (int32_t)balloon->burst_kPa * 1000;
+    model->point_count = balloon->point_count + 2;
+    model->pressure_Pa[0] = 0;
+    model->radius_m_q30[0] = um_to_q30(folded_um(tool));
+    int32_t first = um_to_q30(balloon->diameter_um[0]) / 2;
+    model->pressure_Pa[1] = CRN_BALLOON_UNFOLD_Pa;
+    model->radius_m_q30[1] = crn_scale_q30(first, UNFOLDED_Q30);
+    for (uint32_t i = 0; i < balloon->point_count; i++) {
+        model->pressure_Pa[i + 2] = (int32_t)balloon->pressure_kPa[i] * 1000;
+        model->radius_m_q30[i + 2] = um_to_q30(balloon->diameter_um[i]) / 2;
     }
 }
 
@@ -555,23 +544,22 @@ uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
 
 /* --- a restored state ----------------------------------------------------------------------------------- */
 
-bool crn_balloon_is_valid(const crn_model *model, const crn_balloon_state *balloon)
+bool crn_balloon_is_valid(uint32_t ball_count, const crn_balloon_state *balloon)
 {
     const int32_t radius_max_m_q30 = 1 << 24;
     if (balloon->bits > CRN_BALLOON_BURST || balloon->pressure_Pa < 0 ||
         balloon->pressure_Pa > CRN_PRESSURE_MAX_Pa) {
         return false;
     }
-    bool has_one = model->balloon.ball_count > 0;
-    if (((balloon->confined_bits[0] | balloon->confined_bits[1]) >> model->balloon.ball_count) != 0) {
+    if (((balloon->confined_bits[0] | balloon->confined_bits[1]) >> ball_count) != 0) {
         return false;
     }
-    if (!has_one && (balloon->bits != 0 || balloon->pressure_Pa != 0)) {
+    if (ball_count == 0 && (balloon->bits != 0 || balloon->pressure_Pa != 0)) {
         return false;
     }
     for (uint32_t j = 0; j < CRN_BALLOON_BALL_MAX; j++) {
         const crn_balloon_ball *ball = &balloon->balls[j];
-        int32_t most = j < model->balloon.ball_count ? INT32_MAX : 0;
+        int32_t most = j < ball_count ? INT32_MAX : 0;
         bool fits = ball->radius_m_q30 >= 0 &&
                     ball->radius_m_q30 <= (most > radius_max_m_q30 ? radius_max_m_q30 : most) &&
                     ball->wall_N_q22 >= 0 &&

@@ -18,10 +18,9 @@
 
 #include "firmware/core/rod.h"
 
-/* Set-up. The function crn_balloon_check returns CRN_BUILD_BALLOON for an invalid balloon table, or when more
- * than one tool has a balloon. */
-crn_build_status crn_balloon_check(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place);
-void crn_balloon_build(crn_balloon_model *balloon, const crn_instrument *tools, uint32_t tool_count);
+/* Set-up. The function crn_balloon_check returns whether a tool has no balloon, or a valid one. */
+bool crn_balloon_check(const crn_instrument *tool);
+void crn_balloon_build(crn_balloon_model *balloon, const crn_instrument *tool);
 
 /* Returns the radius of a balloon that no wall confines. Format: Pa -> Q30 m. Overflow is impossible, because
  * pressures are limited to CRN_PRESSURE_MAX_Pa. */
@@ -39,6 +38,7 @@ void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator
 void crn_balloon_forces(const crn_model *model, crn_state *state);
 void crn_balloon_finish(const crn_model *model, crn_state *state, crn_output *output);
 
-bool crn_balloon_is_valid(const crn_model *model, const crn_balloon_state *balloon);
+/* Checks the restored state of a balloon with this number of balls; 0: no tool of the line has a balloon. */
+bool crn_balloon_is_valid(uint32_t ball_count, const crn_balloon_state *balloon);
 
 #endif

@@ -1,5 +1,6 @@
 /* This is the core's public header. The core simulates one set of up to three nested (coaxial) tools in one
- * lumen, and advances the simulation in ticks of 1 ms.
+ * lumen, and advances the simulation in ticks of 1 ms. The tools on the line come from a table of up to
+ * eight; between two ticks, crn_exchange() takes a tool off the line, or puts another one on.
  *
  *   crn_model_build()  tools + lumen + entry -> constants                 (set-up, once)
  *   crn_state_init()   rest state with the tools in the inserter
@@ -24,7 +25,8 @@
 
 enum {
     CRN_CORE_VERSION = 15,      /* changes whenever the same inputs may give another hash */
-    CRN_TOOL_MAX = 3,           /* coaxial tools of one line */
+    CRN_TOOL_MAX = 3,           /* positions of one line, each with one coaxial tool or none */
+    CRN_TABLE_MAX = 8,          /* tools that one session can use, on the line and beside it */
     CRN_KNOT_MAX = 32,          /* knots of one instrument */
     CRN_BALLOON_POINT_MAX = 12, /* points of a balloon's table */
     CRN_BALLOON_BALL_MAX = 24,
@@ -71,6 +73,9 @@ typedef struct crn_instrument {
     uint32_t element_tip_um;        /* shortest element, 200 .. 8 000 (1 000 usual) */
     uint32_t element_shaft_um;      /* longest element, >= element_tip_um, <= 8 000 (4 000 usual) */
     uint32_t element_fine_um;       /* arc length from the tip meshed with element_tip_um */
+    /* Only crn_exchange() reads these two lengths; 0 means that a length is not known and not checked. */
+    uint32_t whole_um; /* length of the real tool from tip to end, at most 4 m; the knots may describe less */
+    uint32_t rail_um;  /* part, from the tip, that runs over a wire; 0: all of it (over the wire) */
     crn_balloon balloon;
 } crn_instrument; /* a line takes the finest tip and shaft and the longest fine part of its tools */
 
@@ -93,9 +98,10 @@ typedef enum crn_build_status {
                            rad in one element */
     CRN_BUILD_ENTRY,    /* direction is not a unit vector, or position is outside +-1.9 m */
     CRN_BUILD_OVERFLOW, /* stiffness or mass and element length together exceed the number format */
-    CRN_BUILD_TOOLS,    /* the number of tools is not 1 .. CRN_TOOL_MAX */
-    CRN_BUILD_NESTING,  /* a tool does not fit into the lumen of the next one */
-    CRN_BUILD_BALLOON,  /* invalid position or table of a balloon, or a second balloon */
+    CRN_BUILD_TOOLS,   /* the number of tools or positions is out of range, or the line names a tool that does
+                          not exist, one tool twice, or no tool at all */
+    CRN_BUILD_NESTING, /* a tool does not fit into the lumen of the next one */
+    CRN_BUILD_BALLOON, /* invalid position or table of a balloon, or a second balloon */
 } crn_build_status;
 
 /* Names the cause when crn_model_build refuses a model: the tool, and the number of the faulty knot in the
@@ -195,6 +201,14 @@ crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, 
  * patient who lies on the back. */
 void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2);
 
+/* Does the same for a session that exchanges tools. The table has `table_count` tools in any order, and the
+ * line has `line_count` positions from the innermost to the outermost. line[k] is the number of the tool at
+ * position k, counted from 1; 0 means that the position is free. All tools of the table share one mesh, so an
+ * exchange moves no node. In crn_build_place, `tool` counts the tools of the table from 0. */
+crn_build_status crn_model_build_table(crn_model *model, const crn_instrument *table, uint32_t table_count,
+                                       const uint32_t *line, uint32_t line_count, const crn_lumen *lumen,
+                                       const crn_entry *entry, crn_build_place *place);
+
 /* Makes a state in which nothing moves. The length inserted_um[k] of each tool k lies beyond the introducer
  * sheath, straight along the sheath's axis. The inserted length of the tool that reaches farthest is limited
  * to the range that the tools allow; the lower limit is the length of a few elements. */
@@ -204,12 +218,50 @@ void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *in
  * hold saturates, and a fault bit is set. */
 void crn_step(const crn_model *model, crn_state *state, const crn_input *input, crn_output *output);
 
+/* An exchange takes the tool at a position off the line, puts a tool of the table on a free position, or does
+ * both at once. A tool is put on the line with its tip in the introducer sheath, CRN_WITHDRAWN behind the
+ * sheath's end. A tool leaves the line only after its tip was withdrawn into the sheath; the tool that leads
+ * alone can only be replaced, at the shortest length that the line can have. */
+typedef struct crn_exchange_order {
+    uint32_t position; /* 0: innermost */
+    uint32_t tool;     /* number in the table, from 1; 0: the tool at this position leaves the line */
+} crn_exchange_order;
+
+/* The reasons for a refusal, in the order in which they are checked. The wire gives each reason its text
+ * (shared/wire/wire_exchanges.def). */
+typedef enum crn_exchange_status {
+    CRN_EXCHANGE_DONE = 0,
+    CRN_EXCHANGE_NO_POSITION, /* the line does not have this position */
+    CRN_EXCHANGE_NO_TOOL,     /* the table does not have this tool */
+    CRN_EXCHANGE_FREE,        /* no tool is at the position that is to become free */
+    CRN_EXCHANGE_ON_LINE,     /* the tool is on the line already */
+    CRN_EXCHANGE_INSIDE,      /* the tool at the position is still in the patient */
+    CRN_EXCHANGE_LEADS,       /* no other tool is in the patient, so the line would be empty */
+    CRN_EXCHANGE_INFLATED,    /* the balloon of the tool at the position is under pressure */
+    CRN_EXCHANGE_TOO_WIDE,    /* the new tool does not fit into the tool around it */
+    CRN_EXCHANGE_TOO_NARROW,  /* the tool inside does not fit into the new tool */
+    CRN_EXCHANGE_HUB,         /* a tool inside has a lumen, thus a hub, over which nothing passes */
+    CRN_EXCHANGE_SHORT,       /* the wire inside is too short outside of the patient to hold it meanwhile */
+    CRN_EXCHANGE_BALLOON,     /* another tool of the line has a balloon already */
+    CRN_EXCHANGE_BURST,       /* the balloon of the new tool has burst */
+} crn_exchange_status;
+
+/* The function crn_exchange_check changes nothing. The function crn_exchange carries an order out between two
+ * ticks, or changes nothing when it does not return CRN_EXCHANGE_DONE. It changes nothing of the other tools,
+ * and its duration has a bound: it copies one tool, and the next tick combines the tools of the line anew. */
+crn_exchange_status crn_exchange_check(const crn_model *model, const crn_state *state,
+                                       const crn_exchange_order *order);
+crn_exchange_status crn_exchange(crn_model *model, crn_state *state, const crn_exchange_order *order);
+/* Returns the number in the table of the tool at a position, from 1; 0: the position is free. */
+uint32_t crn_state_tool_at(const crn_state *state, uint32_t position);
+
 /* These functions save the state as 32-bit words, stored as little-endian bytes, and restore the state from
  * such bytes. The function crn_state_restore checks the ranges and the structure of the bytes, which may come
- * from an attacker, and leaves the state unchanged when it returns false. */
+ * from an attacker, and leaves the state unchanged when it returns false. The model then has the same tools
+ * on the line as the state. */
 size_t crn_state_bytes(void);
 void crn_state_save(const crn_state *state, uint8_t *bytes);
-bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *bytes);
+bool crn_state_restore(crn_model *model, crn_state *state, const uint8_t *bytes);
 
 /* Returns the full 64-bit hash, which is FNV-1a over the state's words. */
 uint64_t crn_state_hash64(const crn_state *state);

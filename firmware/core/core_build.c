@@ -1,7 +1,6 @@
 /* During set-up, this file derives the constants of the model from the tools. The constants are derived once
  * for each set of nested tools, so slow operations such as bit-by-bit division are acceptable. */
 #include "firmware/core/balloon.h"
-#include "firmware/core/core_check.h"
 
 enum {
     FOLD_MAX_N = 8192,         /* W / l: bounds the products of joint_forces() in rod_force.c */
@@ -31,8 +30,8 @@ typedef struct mesh_plan {
     int32_t total, tip, shaft, fine; /* Q30 m */
 } mesh_plan;
 
-/* The mesh, which all tools share, gets the length of the longest tool, the shortest elements of any tool,
- * and the longest finely meshed part of any tool. */
+/* The mesh, which all tools of the table share, gets the length of the longest tool, the shortest elements of
+ * any tool, and the longest finely meshed part of any tool. */
 static mesh_plan plan_mesh(const crn_instrument *tools, uint32_t tool_count)
 {
     uint32_t total = 0, tip = UINT32_MAX, shaft = UINT32_MAX, fine = 0;
@@ -140,9 +139,23 @@ static void build_span(crn_span *span, const crn_knot *a, const crn_knot *b)
     }
 }
 
-static void build_tool(crn_model *model, uint32_t k, const crn_instrument *instrument)
+/* Keeps what an exchange has to know of a tool. */
+static void build_table_tool(crn_table_tool *kept, const crn_instrument *instrument)
 {
-    crn_tool *tool = &model->tools[k];
+    kept->whole_um = instrument->whole_um;
+    kept->rail_um = instrument->rail_um;
+    kept->bore_um = instrument->knots[0].radius_inner_um;
+    for (uint32_t i = 0; i < instrument->knot_count; i++) {
+        const crn_knot *knot = &instrument->knots[i];
+        kept->outer_um = knot->radius_outer_um > kept->outer_um ? knot->radius_outer_um : kept->outer_um;
+        kept->bore_um = knot->radius_inner_um < kept->bore_um ? knot->radius_inner_um : kept->bore_um;
+    }
+    crn_balloon_build(&kept->balloon, instrument);
+}
+
+static void build_tool(crn_model *model, uint32_t number, const crn_instrument *instrument)
+{
+    crn_tool *tool = &model->table[number].tool;
     for (uint32_t i = 0; i + 1 < instrument->knot_count; i++) {
         if (instrument->knots[i + 1].arc_um > instrument->knots[i].arc_um) {
             build_span(&tool->spans[tool->span_count++], &instrument->knots[i], &instrument->knots[i + 1]);
@@ -159,13 +172,14 @@ static void build_tool(crn_model *model, uint32_t k, const crn_instrument *instr
     int32_t held = last->arc_m_q30 - model->mesh[model->node_count - 3].arc_m_q30;
     int32_t end = tool->length_m_q30 < last->arc_m_q30 ? tool->length_m_q30 : last->arc_m_q30;
     tool->inserted_max_m_q30 = end - held;
+    build_table_tool(&model->table[number], instrument);
 }
 
 /* --- number format -------------------------------------------------------------------------------------- */
 
 typedef struct stiffness_range {
     int32_t softest_q35,
-        stiffest_q35; /* EI that a node can get: the softest single tool, and all tools together; N m^2 */
+        stiffest_q35; /* EI that a node can get: the softest single tool, and the stiffest line; N m^2 */
 } stiffness_range;
 
 static int32_t bend_at(const crn_tool *tool, uint32_t span, int32_t arc_m_q30)
@@ -198,16 +212,44 @@ static int32_t own_stiffness(const crn_tool *tool, int32_t arc_m_q30)
     return bend_at(tool, i, arc_m_q30);
 }
 
+/* Holds the largest values among all tools of the table, as many as can be on the line at once; descending.
+ */
+typedef struct largest_values {
+    int32_t values[CRN_TOOL_MAX];
+} largest_values;
+
+static void keep_largest(largest_values *largest, int32_t value)
+{
+    for (int i = 0; i < CRN_TOOL_MAX; i++) {
+        if (value > largest->values[i]) {
+            int32_t smaller = largest->values[i];
+            largest->values[i] = value;
+            value = smaller;
+        }
+    }
+}
+
+/* Overflow: saturates. */
+static int32_t sum_of_largest(const largest_values *largest)
+{
+    int32_t sum = 0;
+    for (int i = 0; i < CRN_TOOL_MAX; i++) {
+        sum = crn_add_sat(sum, largest->values[i]);
+    }
+    return sum;
+}
+
 static stiffness_range range_at(const crn_model *model, uint32_t node)
 {
     stiffness_range range = {INT32_MAX, 0};
-    for (uint32_t k = 0; k < model->tool_count; k++) {
-        const crn_tool *tool = &model->tools[k];
+    largest_values stiffest = {{0}};
+    for (uint32_t k = 0; k < model->table_count; k++) {
+        const crn_tool *tool = &model->table[k].tool;
         int32_t own = own_stiffness(tool, model->mesh[node].arc_m_q30);
         range.softest_q35 = own < range.softest_q35 ? own : range.softest_q35;
-        range.stiffest_q35 =
-            crn_add_sat(range.stiffest_q35, stiffest_until(tool, model->mesh[node].cell_end_m_q30));
+        keep_largest(&stiffest, stiffest_until(tool, model->mesh[node].cell_end_m_q30));
     }
+    range.stiffest_q35 = sum_of_largest(&stiffest);
     return range;
 }
 
@@ -293,7 +335,7 @@ static uint32_t knot_before(const crn_instrument *tool, int32_t arc_m_q30)
 static crn_build_status check_reach(const crn_model *model, uint32_t k, const crn_instrument *instrument,
                                     crn_build_place *place)
 {
-    const crn_tool *tool = &model->tools[k];
+    const crn_tool *tool = &model->table[k].tool;
     *place = (crn_build_place){k, 0};
     if (tool->inserted_max_m_q30 < crn_least_inserted(model)) {
         return CRN_BUILD_LENGTH;
@@ -314,14 +356,14 @@ static crn_build_status check_reach(const crn_model *model, uint32_t k, const cr
     return CRN_BUILD_OK;
 }
 
-/* Checks that the mass of all tools together in the longest cell stays below 1.95 g, the limit of the number
+/* Checks that the mass of the heaviest line in the longest cell stays below 1.95 g, the limit of the number
  * format. */
 static crn_build_status check_mass(const crn_model *model)
 {
     const crn_mesh_node *last = &model->mesh[model->node_count - 1];
-    int64_t sum_q34 = 0;
-    for (uint32_t k = 0; k < model->tool_count; k++) {
-        const crn_tool *tool = &model->tools[k];
+    largest_values heaviest = {{0}};
+    for (uint32_t k = 0; k < model->table_count; k++) {
+        const crn_tool *tool = &model->table[k].tool;
         int32_t most = 0;
         for (uint32_t i = 0; i < tool->span_count; i++) {
             int32_t from = tool->spans[i].from[CRN_MASS_KG_PER_M_Q34];
@@ -329,7 +371,11 @@ static crn_build_status check_mass(const crn_model *model)
             most = from > most ? from : most;
             most = to > most ? to : most;
         }
-        sum_q34 += most;
+        keep_largest(&heaviest, most);
+    }
+    int64_t sum_q34 = 0;
+    for (int i = 0; i < CRN_TOOL_MAX; i++) {
+        sum_q34 += heaviest.values[i];
     }
     return (sum_q34 * last->length_m_q30) >> 24 < INT32_MAX ? CRN_BUILD_OK : CRN_BUILD_OVERFLOW;
 }
@@ -356,12 +402,48 @@ static void build_base_axes(crn_model *model)
     model->base_axis2_q30 = crn_vec3_cross(tangent, model->base_axis1_q30, 30);
 }
 
-crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, uint32_t tool_count,
-                                 const crn_lumen *lumen, const crn_entry *entry, crn_build_place *place)
+/* Derives the constants of every tool of the table. If the table is larger than the line, and its longest
+ * tool has too many of its finest tool's elements, the elements of the shaft get longer. The function also
+ * chooses the number format so that any tools of the table can be on the line. */
+static crn_build_status build_table(crn_model *model, const crn_instrument *table, crn_build_place *place)
 {
-    crn_build_status status = crn_check_tools(tools, tool_count, place);
+    enum { STEPS = 16 }; /* from 4 mm to more than 8 mm */
+    const int32_t shaft_max = micrometres_to_q30(CRN_ELEMENT_MAX_um);
+    mesh_plan plan = plan_mesh(table, model->table_count);
+    crn_build_status status = build_mesh(model, &plan);
+    for (int i = 0; i < STEPS && status == CRN_BUILD_LENGTH && model->table_count > model->tool_count; i++) {
+        const int32_t longer = plan.shaft + plan.shaft / 16;
+        plan.shaft = longer < shaft_max ? longer : shaft_max;
+        status = build_mesh(model, &plan);
+    }
+    if (status != CRN_BUILD_OK) {
+        return status;
+    }
+    for (uint32_t k = 0; k < model->table_count; k++) {
+        build_tool(model, k, &table[k]);
+    }
+    for (uint32_t k = 0; k < model->table_count && status == CRN_BUILD_OK; k++) {
+        status = check_reach(model, k, &table[k], place);
+    }
+    status = status == CRN_BUILD_OK ? check_mass(model) : status;
+    return status == CRN_BUILD_OK ? choose_exponent(model) : status;
+}
+
+static void clear_model(crn_model *model)
+{
+    unsigned char *bytes = (unsigned char *)model;
+    for (size_t i = 0; i < sizeof *model; i++) {
+        bytes[i] = 0;
+    }
+}
+
+crn_build_status crn_model_build_table(crn_model *model, const crn_instrument *table, uint32_t table_count,
+                                       const uint32_t *line, uint32_t line_count, const crn_lumen *lumen,
+                                       const crn_entry *entry, crn_build_place *place)
+{
+    crn_build_status status = crn_check_table(table, table_count, place);
     if (status == CRN_BUILD_OK) {
-        status = crn_balloon_check(tools, tool_count, place);
+        status = crn_check_line(table, table_count, line, line_count, place);
     }
     if (status == CRN_BUILD_OK) {
         status = crn_check_entry(entry);
@@ -369,27 +451,13 @@ crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, 
     if (status != CRN_BUILD_OK) {
         return status;
     }
-    unsigned char *bytes = (unsigned char *)model;
-    for (size_t i = 0; i < sizeof *model; i++) {
-        bytes[i] = 0;
-    }
+    clear_model(model);
     model->lumen = lumen;
     model->entry = *entry;
-    model->tool_count = tool_count;
+    model->table_count = table_count;
+    model->tool_count = line_count;
     model->stall_N_q22 = 6 << 22;
-    mesh_plan plan = plan_mesh(tools, tool_count);
-    status = build_mesh(model, &plan);
-    if (status != CRN_BUILD_OK) {
-        return status;
-    }
-    for (uint32_t k = 0; k < tool_count; k++) {
-        build_tool(model, k, &tools[k]);
-    }
-    for (uint32_t k = 0; k < tool_count && status == CRN_BUILD_OK; k++) {
-        status = check_reach(model, k, &tools[k], place);
-    }
-    status = status == CRN_BUILD_OK ? check_mass(model) : status;
-    status = status == CRN_BUILD_OK ? choose_exponent(model) : status;
+    status = build_table(model, table, place);
     if (status != CRN_BUILD_OK) {
         return status;
     }
@@ -400,9 +468,21 @@ crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, 
         crn_motion_steepness_make(lumen->motion, &model->steepness);
     }
     build_base_axes(model);
-    crn_balloon_build(&model->balloon, tools, tool_count);
+    for (uint32_t k = 0; k < line_count; k++) {
+        model->line[k] = line[k];
+        model->tools[k] =
+            model->table[0].tool; /* a free position has some tool, of which no length is in use */
+        crn_exchange_put(model, k, line[k]);
+    }
     crn_model_set_gravity(model, 0, 0, -9810);
     return CRN_BUILD_OK;
+}
+
+crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, uint32_t tool_count,
+                                 const crn_lumen *lumen, const crn_entry *entry, crn_build_place *place)
+{
+    static const uint32_t all[CRN_TOOL_MAX] = {1, 2, 3};
+    return crn_model_build_table(model, tools, tool_count, all, tool_count, lumen, entry, place);
 }
 
 void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2)

@@ -1,6 +1,6 @@
 /* This file checks the tools and the place of entry that the caller gives, before any constant is derived
  * from them. */
-#include "firmware/core/core_check.h"
+#include "firmware/core/balloon.h"
 
 static bool in_range(uint32_t value, uint32_t low, uint32_t high)
 {
@@ -52,12 +52,15 @@ static crn_build_status check_tool(const crn_instrument *tool, crn_build_place *
     if (!in_range(tool->axial_stiffness_max_N, 100, 10000) || tool->lumen_friction_milli > 1000) {
         return CRN_BUILD_RANGE;
     }
-    if (!in_range(tool->element_tip_um, 200, 8000) ||
-        !in_range(tool->element_shaft_um, tool->element_tip_um, 8000) ||
+    if (tool->whole_um > CRN_WHOLE_MAX_um || tool->rail_um > CRN_WHOLE_MAX_um) {
+        return CRN_BUILD_RANGE;
+    }
+    if (!in_range(tool->element_tip_um, 200, CRN_ELEMENT_MAX_um) ||
+        !in_range(tool->element_shaft_um, tool->element_tip_um, CRN_ELEMENT_MAX_um) ||
         tool->element_fine_um > CRN_TOOL_MAX_um) {
         return CRN_BUILD_ELEMENTS;
     }
-    return CRN_BUILD_OK;
+    return crn_balloon_check(tool) ? CRN_BUILD_OK : CRN_BUILD_BALLOON;
 }
 
 /* Returns whether the thickest part of the tool `inner` passes through the narrowest part of the tool
@@ -77,24 +80,60 @@ static bool fits_inside(const crn_instrument *inner, const crn_instrument *outer
     return true;
 }
 
-crn_build_status crn_check_tools(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place)
+crn_build_status crn_check_table(const crn_instrument *table, uint32_t table_count, crn_build_place *place)
 {
     *place = (crn_build_place){0, 0};
-    if (!in_range(tool_count, 1, CRN_TOOL_MAX)) {
+    if (!in_range(table_count, 1, CRN_TABLE_MAX)) {
         return CRN_BUILD_TOOLS;
     }
-    for (uint32_t k = 0; k < tool_count; k++) {
-        *place = (crn_build_place){k, 0};
-        crn_build_status status = check_tool(&tools[k], place);
+    for (uint32_t i = 0; i < table_count; i++) {
+        *place = (crn_build_place){i, 0};
+        crn_build_status status = check_tool(&table[i], place);
         if (status != CRN_BUILD_OK) {
             return status;
         }
     }
-    for (uint32_t k = 0; k + 1 < tool_count; k++) {
-        *place = (crn_build_place){k + 1, 0};
-        if (!fits_inside(&tools[k], &tools[k + 1], &place->knot)) {
+    *place = (crn_build_place){0, 0};
+    return CRN_BUILD_OK;
+}
+
+/* Checks that the line has one tool at least, and that each of its numbers is that of a tool and occurs once.
+ */
+static bool numbers_are_valid(uint32_t table_count, const uint32_t *line, uint32_t line_count)
+{
+    uint32_t seen_bits = 0;
+    for (uint32_t k = 0; k < line_count; k++) {
+        if (line[k] > table_count || (line[k] != 0 && (seen_bits >> line[k] & 1u) != 0)) {
+            return false;
+        }
+        seen_bits |= 1u << line[k];
+    }
+    return seen_bits > 1u;
+}
+
+crn_build_status crn_check_line(const crn_instrument *table, uint32_t table_count, const uint32_t *line,
+                                uint32_t line_count, crn_build_place *place)
+{
+    *place = (crn_build_place){0, 0};
+    if (!in_range(line_count, 1, CRN_TOOL_MAX) || !numbers_are_valid(table_count, line, line_count)) {
+        return CRN_BUILD_TOOLS;
+    }
+    const crn_instrument *inner = NULL;
+    bool has_balloon = false;
+    for (uint32_t k = 0; k < line_count; k++) {
+        if (line[k] == 0) {
+            continue;
+        }
+        const crn_instrument *tool = &table[line[k] - 1];
+        *place = (crn_build_place){line[k] - 1, 0};
+        if (inner != NULL && !fits_inside(inner, tool, &place->knot)) {
             return CRN_BUILD_NESTING;
         }
+        if (has_balloon && tool->balloon.point_count > 0) {
+            return CRN_BUILD_BALLOON;
+        }
+        has_balloon |= tool->balloon.point_count > 0;
+        inner = tool;
     }
     *place = (crn_build_place){0, 0};
     return CRN_BUILD_OK;

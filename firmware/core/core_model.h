@@ -1,5 +1,6 @@
 /* The model holds the constants of one set of nested tools in one lumen, that is, all data that crn_step()
- * reads and never writes.
+ * reads and never writes. Only crn_exchange() and crn_state_restore() change it: they copy tools of the table
+ * to the line.
  *
  *      leading tip                                                 inserter
  *   node 0 --edge 0-- node 1 --edge 1-- node 2  ...  node na-1 --edge na-1-- node na --edge na-- node na+1
@@ -128,11 +129,21 @@ typedef struct crn_balloon_model {
     int32_t radius_m_q30[CRN_BALLOON_POINT_MAX + 2];
 } crn_balloon_model;
 
+/* Holds a tool of the table, ready to be put on the line. */
+typedef struct crn_table_tool {
+    uint32_t outer_um, bore_um; /* largest outer radius; smallest radius of the lumen, 0: none */
+    uint32_t whole_um, rail_um; /* as crn_instrument */
+    crn_balloon_model balloon;
+    crn_tool tool;
+} crn_table_tool;
+
 struct crn_model {
     const crn_lumen *lumen;
     crn_motion_steepness steepness; /* for a lumen that moves */
     crn_entry entry;
-    uint32_t tool_count;
+    uint32_t tool_count; /* positions of the line; each has a tool or is free */
+    uint32_t table_count;
+    uint32_t line[CRN_TOOL_MAX]; /* number of the tool at each position in the state at the start; 0: free */
     uint32_t node_count;
     uint32_t stiffness_exponent;
     int32_t contact, contact_deep, friction; /* Q(a) N/m */
@@ -142,14 +153,33 @@ struct crn_model {
     crn_vec3 tip_load_N_q22; /* dead load on node 0, for validation */
     crn_tip_hold hold;
     crn_vec3 base_axis1_q30, base_axis2_q30; /* material axes of the inserter at hand angle 0 */
-    crn_tool tools[CRN_TOOL_MAX];
-    crn_balloon_model balloon;
+    crn_tool tools[CRN_TOOL_MAX];            /* of the line, copies from the table */
+    crn_balloon_model balloon;               /* of the line */
     crn_mesh_node mesh[CRN_ARRAY_NODES];
+    crn_table_tool table[CRN_TABLE_MAX];
 };
 
 /* The function crn_model_set_tip_load, for validation cases, puts a constant force on the tip. The force is
  * given in newtons (Q22), in the patient frame, and is at most 100 N along each axis. */
 void crn_model_set_tip_load(crn_model *model, crn_vec3 load_N_q22);
 void crn_model_set_tip_hold(crn_model *model, const crn_tip_hold *hold);
+
+/* --- checks of the input of crn_model_build_table() (core_check.c) ---------------------------------------
+ */
+
+enum {
+    CRN_TOOL_MIN_um = 20000,
+    CRN_TOOL_MAX_um = 1600000,
+    CRN_WHOLE_MAX_um = 4000000,
+    CRN_ELEMENT_MAX_um = 8000,
+};
+
+/* The functions of this header check the tools of the table (number and ranges of their values), the tools
+ * that the line begins with (their numbers, nesting and balloons) and the place of entry. *place receives the
+ * tool and the knot that caused a refusal. The line is checked after the table. */
+crn_build_status crn_check_table(const crn_instrument *table, uint32_t table_count, crn_build_place *place);
+crn_build_status crn_check_line(const crn_instrument *table, uint32_t table_count, const uint32_t *line,
+                                uint32_t line_count, crn_build_place *place);
+crn_build_status crn_check_entry(const crn_entry *entry);
 
 #endif

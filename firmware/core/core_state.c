@@ -11,6 +11,8 @@ enum {
     HEADER_WORDS = offsetof(crn_state_words, nodes) / 4,
     RINGS_WORD = offsetof(crn_state_words, struts.rings) / 4,
     RING_WORDS = sizeof(crn_strut_ring) / 4,
+    EXCHANGE_WORD = offsetof(crn_state_words, exchange) / 4,
+    EXCHANGE_WORDS = sizeof(crn_exchange_state) / 4,
     NODE_WORDS = sizeof(crn_node_state) / 4,
     STATE_WORDS = sizeof(crn_state_words) / 4,
     INSIDE_KEPT = 3,
@@ -53,7 +55,11 @@ static void place_tools(const crn_model *model, crn_state_words *words, const ui
     for (uint32_t k = 0; k < model->tool_count; k++) {
         int32_t inserted = inserted_q30(inserted_um[k]);
         int32_t most = model->tools[k].inserted_max_m_q30;
+        words->exchange.line[k] = model->line[k];
         words->tools[k].inserted_m_q30 = inserted > most ? most : inserted;
+        if (model->line[k] == 0) {
+            words->tools[k].inserted_m_q30 = CRN_WITHDRAWN_M_Q30;
+        }
         longest = words->tools[k].inserted_m_q30 > words->tools[longest].inserted_m_q30 ? k : longest;
     }
     if (words->tools[longest].inserted_m_q30 < least) {
@@ -195,7 +201,7 @@ static bool tools_are_valid(const crn_model *model, const crn_state_words *words
                 return false;
             }
         } else if (tool->inserted_m_q30 < CRN_WITHDRAWN_M_Q30 ||
-                   tool->inserted_m_q30 > model->tools[k].inserted_max_m_q30) {
+                   tool->inserted_m_q30 > crn_exchange_inserted_max(model, words, k)) {
             return false;
         }
     }
@@ -205,8 +211,9 @@ static bool tools_are_valid(const crn_model *model, const crn_state_words *words
 static bool words_are_valid(const crn_model *model, const crn_state_words *words)
 {
     uint32_t na = words->free_count;
-    if (na < 4 || na + INSIDE_KEPT > model->node_count || !tools_are_valid(model, words) ||
-        !crn_rhythm_is_valid(&words->rhythm) || !crn_balloon_is_valid(model, &words->balloon) ||
+    if (na < 4 || na + INSIDE_KEPT > model->node_count || !crn_exchange_is_valid(model, words) ||
+        !tools_are_valid(model, words) || !crn_rhythm_is_valid(&words->rhythm) ||
+        !crn_balloon_is_valid(crn_exchange_balls(model, words), &words->balloon) ||
         !crn_lesion_is_valid(model->lumen, &words->lesions) || !crn_struts_are_valid(&words->struts)) {
         return false;
     }
@@ -238,7 +245,7 @@ static bool words_are_valid(const crn_model *model, const crn_state_words *words
     return true;
 }
 
-bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *bytes)
+bool crn_state_restore(crn_model *model, crn_state *state, const uint8_t *bytes)
 {
     crn_state_words *copy = &state->scratch.incoming; /* the scratch is dead between ticks */
     uint32_t *copied = (uint32_t *)copy;
@@ -249,6 +256,7 @@ bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *
         return false;
     }
     state->words = *copy;
+    crn_exchange_take_line(model, &state->words);
     state->line.count = 0;
     crn_line_update(model, state);
     return true;
@@ -256,16 +264,21 @@ bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *
 
 /* --- hashes --------------------------------------------------------------------------------------------- */
 
-/* Names the two ranges of the state's words over which a hash is computed. Strut rings that do not exist are
- * left out of the hash, and their words are 0 (`used` gives the number of rings). */
+/* Names the ranges of the state's words over which a hash is computed. Strut rings that do not exist are left
+ * out of the hash, and their words are 0 (`used` gives the number of rings). The tools on the line enter the
+ * hash once they have been exchanged. */
 typedef struct hashed_range {
     size_t first, end;
 } hashed_range;
 
-static void hashed_words(const crn_state_words *words, hashed_range ranges[2])
+enum { RANGES = 3 };
+
+static void hashed_words(const crn_state_words *words, hashed_range ranges[RANGES])
 {
+    const size_t exchanged = words->exchange.count != 0 ? EXCHANGE_WORDS : 0;
     ranges[0] = (hashed_range){0, RINGS_WORD + (size_t)RING_WORDS * words->struts.used};
-    ranges[1] = (hashed_range){HEADER_WORDS, live_words(words)};
+    ranges[1] = (hashed_range){EXCHANGE_WORD, EXCHANGE_WORD + exchanged};
+    ranges[2] = (hashed_range){HEADER_WORDS, live_words(words)};
 }
 
 /* Computes two 32-bit polynomials, one over the even words and one over the odd words: the sum of word[i]
@@ -292,11 +305,14 @@ static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t la
 void crn_state_hash_lanes(const crn_state *state, uint32_t lane[2])
 {
     const uint32_t *words = (const uint32_t *)&state->words;
-    hashed_range ranges[2];
+    hashed_range ranges[RANGES];
     hashed_words(&state->words, ranges);
     uint32_t sums[2] = {2166136261u, 3405691582u};
     add_to_lanes(words, ranges[0].end, sums);
-    add_to_lanes(words + ranges[1].first, ranges[1].end - ranges[1].first, sums);
+    if (ranges[1].end > ranges[1].first) {
+        add_to_lanes(words + ranges[1].first, ranges[1].end - ranges[1].first, sums);
+    }
+    add_to_lanes(words + ranges[2].first, ranges[2].end - ranges[2].first, sums);
     lane[0] = sums[0] ^ (sums[0] >> 15);
     lane[1] = sums[1] ^ (sums[1] >> 15);
 }
@@ -306,10 +322,10 @@ uint64_t crn_state_hash64(const crn_state *state)
     const uint64_t prime = 1099511628211u,
                    prime_to_4 = prime * prime * prime * prime; /* modulo 2^64, as defined */
     const uint32_t *words = (const uint32_t *)&state->words;
-    hashed_range ranges[2];
+    hashed_range ranges[RANGES];
     hashed_words(&state->words, ranges);
     uint64_t hash = 14695981039346656037u;
-    for (int r = 0; r < 2; r++) {
+    for (int r = 0; r < RANGES; r++) {
         for (size_t i = ranges[r].first; i < ranges[r].end; i++) {
             if (words[i] == 0) { /* common: bristles without contact, absent tools */
                 hash *= prime_to_4;
@@ -328,6 +344,11 @@ uint64_t crn_state_hash64(const crn_state *state)
 uint32_t crn_model_tool_count(const crn_model *model)
 {
     return model->tool_count;
+}
+
+uint32_t crn_state_tool_at(const crn_state *state, uint32_t position)
+{
+    return position < CRN_TOOL_MAX ? state->words.exchange.line[position] : 0;
 }
 
 uint32_t crn_state_node_count(const crn_model *model)

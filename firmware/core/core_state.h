@@ -71,6 +71,13 @@ typedef struct crn_strut_state {
     crn_strut_ring rings[CRN_STRUT_RING_MAX]; /* rings from `used` on do not enter a hash */
 } crn_strut_state;
 
+/* Which tools are on the line. These words enter the hashes only after the first exchange. */
+typedef struct crn_exchange_state {
+    uint32_t count;              /* exchanges so far */
+    uint32_t line[CRN_TOOL_MAX]; /* number of the tool in the table, from 1; 0: free */
+    uint32_t burst_bits; /* bit i: the balloon of tool i + 1, which was taken off the line, has burst */
+} crn_exchange_state;
+
 typedef struct crn_state_words {
     uint32_t tick;
     uint32_t fault_bits;
@@ -90,6 +97,7 @@ typedef struct crn_state_words {
     crn_lesion_state lesions;
     crn_tool_state tools[CRN_TOOL_MAX];
     crn_strut_state struts;
+    crn_exchange_state exchange;
     crn_node_state nodes[CRN_ARRAY_NODES];
 } crn_state_words;
 
@@ -116,6 +124,8 @@ typedef struct crn_line_node {
     uint8_t outer, under; /* the tool that touches the wall, and the one beneath it in the cell of a tip */
     uint16_t outer_share_q15; /* 2^15 except in the cell of the outer tool's tip */
 } crn_line_node;
+
+enum { CRN_OFFSET_FREE = INT32_MAX }; /* offset of a free position: behind every node */
 
 typedef struct crn_line {
     uint32_t count;   /* nodes that are up to date; 0: none */
@@ -196,10 +206,16 @@ enum {
     CRN_SECOND_MAX = 48 /* nodes between two surfaces; any beyond this number meet only the deeper one */
 };
 
+enum { CRN_SCRATCH_SPARE = 1024 }; /* beside the saved state */
+
 typedef struct crn_scratch {
     union {
         crn_work nodes[CRN_ARRAY_NODES];
-        crn_state_words incoming; /* a state being restored, until it has passed its checks */
+        struct {
+            crn_state_words incoming; /* a state being restored, until it has passed its checks */
+            /* memory for the owner of the state, who may use it between ticks: room for a saved state */
+            uint8_t spare[sizeof(crn_state_words) + CRN_SCRATCH_SPARE];
+        };
     };
     crn_motion_pose pose;      /* pose of a vessel that moves */
     crn_joint mouth[2];        /* joints na-1 and na with their cells clipped at the inserter's distal end */

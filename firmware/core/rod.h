@@ -87,6 +87,19 @@ static inline int32_t crn_least_inserted(const crn_model *model)
     return model->mesh[3].arc_m_q30 + 1024;
 }
 
+/* Returns whether a tool is at a position of the line, or the position is free. */
+static inline bool crn_has_tool(const crn_state_words *words, uint32_t position)
+{
+    return words->exchange.line[position] != 0;
+}
+
+/* Returns the position of the tool around tool k, which is usually k + 1; a free position is passed over. The
+ * caller ensures that k is not the outermost position. */
+static inline uint32_t crn_tool_around(const crn_model *model, const crn_state_words *words, uint32_t k)
+{
+    return k + 2 < model->tool_count && !crn_has_tool(words, k + 1) ? k + 2 : k + 1;
+}
+
 /* Returns the length from the introducer sheath's distal end to the leading tip. */
 static inline int32_t crn_lead_inserted(const crn_model *model, const crn_state_words *words)
 {
@@ -114,6 +127,25 @@ static inline uint32_t crn_edge_curved(const crn_state *state, uint32_t j)
 {
     return state->line.nodes[j].joint.curved | state->line.nodes[j + 1].joint.curved;
 }
+
+/* --- the tools on the line (exchange.c) ------------------------------------------------------------------
+ */
+
+/* Copies the tool with this number to a position of the model; 0 makes the position free. */
+void crn_exchange_put(crn_model *model, uint32_t position, uint32_t number);
+
+/* Puts the tools on the model's line that a valid state names. */
+void crn_exchange_take_line(crn_model *model, const crn_state_words *words);
+
+/* Checks the numbers of a restored state. */
+bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words);
+
+/* These functions read the tools of a restored state whose numbers are valid, before the model has them: how
+ * far the tool at a position may be inserted (Q30 m), and the number of balls of the line's balloon. */
+int32_t crn_exchange_inserted_max(const crn_model *model, const crn_state_words *words, uint32_t position);
+uint32_t crn_exchange_balls(const crn_model *model, const crn_state_words *words);
+
+/* --- parts of the tick, continued ----------------------------------------------------------------------- */
 
 /* Computes the combined joints, edges and surfaces of all tools at their present positions (rod_line.c). The
  * function crn_line_update does nothing while no tool slides against another. */

@@ -81,6 +81,10 @@ static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k,
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
     crn_state_words *words = &state->words;
     crn_tool_state *tool = &words->tools[k];
+    if (!crn_has_tool(words, k)) { /* a tool that is put here begins where the hand then is */
+        tool->hand_offset_m_q30 = crn_sub_sat(tool->inserted_m_q30, hand_m_q30);
+        return 0;
+    }
     int64_t lead = (int64_t)hand_m_q30 + tool->hand_offset_m_q30 - tool->inserted_m_q30;
     if (lead > lead_max || lead < -lead_max) {
         int64_t kept = lead > 0 ? lead_max : -(int64_t)lead_max;

@@ -467,6 +467,9 @@ static int32_t steady_arc(const crn_model *model, const crn_line *line)
 {
     int32_t arc = 0;
     for (uint32_t k = 0; k < model->tool_count; k++) {
+        if (line->offset_m_q30[k] == CRN_OFFSET_FREE) {
+            continue;
+        }
         const crn_span *last = &model->tools[k].spans[model->tools[k].span_count - 1];
         int32_t begin = last->flat ? crn_add_sat(last->begin_m_q30, line->offset_m_q30[k]) : INT32_MAX;
         arc = begin > arc ? begin : arc;
@@ -566,7 +569,8 @@ void crn_line_update(const crn_model *model, crn_state *state)
     int32_t lead = crn_lead_inserted(model, &state->words);
     bool same = line->count >= state->words.free_count + BEHIND_MOUTH;
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        int32_t offset = lead - state->words.tools[k].inserted_m_q30;
+        int32_t offset =
+            crn_has_tool(&state->words, k) ? lead - state->words.tools[k].inserted_m_q30 : CRN_OFFSET_FREE;
         same = same && offset == line->offset_m_q30[k];
         line->offset_m_q30[k] = offset;
     }

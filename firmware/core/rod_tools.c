@@ -116,7 +116,7 @@ static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t 
 static uint32_t first_shared(const crn_model *model, const crn_state *state, uint32_t pair)
 {
     int32_t a = state->line.offset_m_q30[pair];
-    int32_t b = state->line.offset_m_q30[pair + 1];
+    int32_t b = state->line.offset_m_q30[crn_tool_around(model, &state->words, pair)];
     int32_t later = a > b ? a : b;
     uint32_t j = 0;
     while (j < state->words.free_count && model->mesh[j + 1].arc_m_q30 <= later) {
@@ -156,9 +156,10 @@ static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *a
  * the stiffness is limit / reach. The value of `reach` follows from the rotations of the last tick. Overflow
  * is impossible, because the quotient limit / reach, which is used only beyond the limit, is below 4e-4 N m.
  */
-static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
+static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, uint32_t around,
+                                      int32_t limit_N_m_q30)
 {
-    int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
+    int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[around]);
     int32_t reach = crn_add_sat(node->grip_q30[pair], turned);
     reach = reach < 0 ? crn_sub_sat(0, reach) : reach;
     if (reach <= crn_product(limit_N_m_q30, CRN_GRIP_COMPLIANCE_PER_N_M)) {
@@ -174,7 +175,8 @@ static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     uint32_t na = state->words.free_count;
     uint32_t first = first_shared(model, state, pair);
-    int32_t friction_q30 = model->tools[pair + 1].lumen_friction_q30;
+    const uint32_t around = crn_tool_around(model, &state->words, pair);
+    int32_t friction_q30 = model->tools[around].lumen_friction_q30;
     int32_t radius_m_q39 = model->tools[pair].shaft_radius_m_q30 << 9; /* at most 2 mm */
     int64_t sum_N_q22 = 0;
     crn_vec3 before = {{0, 0, 0}}, here = {{0, 0, 0}}, after;
@@ -199,7 +201,7 @@ static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
         int32_t press = crn_mulh(limit, radius_m_q39) * 2; /* Q22 N x Q39 m -> Q30 N m */
         sum_N_q22 += limit;
         work->press_N_m_q30[pair] = press;
-        work->grip_N_m_q26[pair] = grip_stiffness(&state->words.nodes[j], pair, press);
+        work->grip_N_m_q26[pair] = grip_stiffness(&state->words.nodes[j], pair, around, press);
         before = here;
         here = after;
     }
@@ -455,10 +457,11 @@ void crn_tools_handles(const crn_model *model, crn_state *state)
 void crn_tools_turned(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
+        const uint32_t around = crn_tool_around(model, &state->words, pair);
         for (uint32_t j = 0; j < state->words.free_count; j++) {
             crn_node_state *node = &state->words.nodes[j];
             int32_t press = state->scratch.nodes[j].u.a.press_N_m_q30[pair];
-            int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
+            int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[around]);
             int32_t reach = crn_add_sat(node->grip_q30[pair], turned);
             /* Q30 N m / 4e-4 N m: x 2500 */
             int32_t most = crn_sat32(crn_product(press, CRN_GRIP_COMPLIANCE_PER_N_M));
@@ -473,15 +476,16 @@ void crn_tools_slide(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
         crn_tool_state *inner = &state->words.tools[pair];
+        const uint32_t around = crn_tool_around(model, &state->words, pair);
         /* N Q22 / (2000 N/m) -> m Q33: 2^11 / 2000 = 1 + 25166 / 2^20 */
         int64_t limit_N_q22 = state->scratch.grip_limit_N_q22[pair];
         int64_t most = limit_N_q22 + ((limit_N_q22 * 25166) >> 20);
         int64_t slid = (int64_t)inner->slide_grip_m_q33 + state->scratch.slide_m_q33[pair] -
-                       state->scratch.slide_m_q33[pair + 1];
+                       state->scratch.slide_m_q33[around];
         inner->slide_grip_m_q33 = limited(slid, most < INT32_MAX ? most : INT32_MAX);
         int32_t drag = (int32_t)(((int64_t)inner->slide_grip_m_q33 * CRN_FRICTION_STIFFNESS_N_m) >> 11);
         int32_t *axial = state->scratch.axial_N_q22;
         axial[pair] = crn_add_sat(axial[pair], drag);
-        axial[pair + 1] = crn_sub_sat(axial[pair + 1], drag);
+        axial[around] = crn_sub_sat(axial[around], drag);
     }
 }

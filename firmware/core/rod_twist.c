@@ -14,6 +14,7 @@ enum {
     HALF_PI_Q30 = 1686629713,
     TWO_OVER_PI_Q30 = 683565276,
     CURVE_MAX_N_M_Q26 = 1 << 29, /* 8 N m: the most that a rest shape may add to a pivot */
+    NO_TOOL = CRN_TOOL_MAX,      /* a tool has no neighbour */
     NEW_EDGES_MAX = 8,           /* largest number of edges that a tool's tip can pass in one tick */
 };
 
@@ -72,21 +73,21 @@ wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
  * below 2^20. */
 static inline __attribute__((always_inline)) resistance
 edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *work,
-                const crn_line_node *line, uint32_t k, bool outermost)
+                const crn_line_node *line, uint32_t k, uint32_t inner, uint32_t around)
 {
     resistance sum = {0, 0};
     if (work->touching && line->outer == k) {
         sum = wall_resistance(exponent, work, line->radius_m_q30);
     }
-    if (!outermost) {
+    if (around != NO_TOOL) {
         int32_t stiffness = work->u.a.grip_N_m_q26[k];
-        int32_t way = crn_sub_sat(node->spin_q30[k + 1], node->grip_q30[k]);
+        int32_t way = crn_sub_sat(node->spin_q30[around], node->grip_q30[k]);
         sum.torque_N_m_q30 += crn_mulh(stiffness << 6, way);
         sum.stiffness_q26 += stiffness;
     }
-    if (k > 0) {
-        int32_t stiffness = work->u.a.grip_N_m_q26[k - 1];
-        int32_t way = crn_add_sat(node->spin_q30[k - 1], node->grip_q30[k - 1]);
+    if (inner != NO_TOOL) {
+        int32_t stiffness = work->u.a.grip_N_m_q26[inner];
+        int32_t way = crn_add_sat(node->spin_q30[inner], node->grip_q30[inner]);
         sum.torque_N_m_q30 += crn_mulh(stiffness << 6, way);
         sum.stiffness_q26 += stiffness;
     }
@@ -125,8 +126,8 @@ static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, i
  * the curvature terms are below 2^29 each, and the stiffnesses of friction and of a spring that holds the
  * edge are together below 2^30 + 2^20, so the pivot fits an unsigned 32-bit number. Moments saturate. */
 static inline __attribute__((always_inline)) void eliminate_edge(const crn_model *model, crn_state *state,
-                                                                 uint32_t k, uint32_t j, bool outermost,
-                                                                 twist_carry *carry)
+                                                                 uint32_t k, uint32_t inner, uint32_t around,
+                                                                 uint32_t j, twist_carry *carry)
 {
     const crn_joint *joint = crn_rod_joint(state, j + 1);
     const crn_node_state *node = &state->words.nodes[j];
@@ -134,7 +135,7 @@ static inline __attribute__((always_inline)) void eliminate_edge(const crn_model
     int32_t next = joint->twist_N_m_q26[k];
     int32_t moment = crn_mul(next, joint_angle(node->angle_turn32[k], node[1].angle_turn32[k]), 26);
     resistance sum =
-        edge_resistance(model->stiffness_exponent, node, work, &state->line.nodes[j], k, outermost);
+        edge_resistance(model->stiffness_exponent, node, work, &state->line.nodes[j], k, inner, around);
     int32_t right = crn_add_sat(crn_sub_sat(moment, carry->moment), carry->reduced_torque);
     right = crn_add_sat(right, sum.torque_N_m_q30);
     uint32_t pivot =
@@ -225,9 +226,10 @@ static void hold_turn(const crn_model *model, const crn_state *state, twist_carr
     carry->curve_q26 = 16 << 26;
 }
 
-/* The compiler must inline this function, so that `k` and `outermost` are constants in its loops. */
+/* `inner` and `around` are the neighbours of tool k, or NO_TOOL. The compiler must inline this function, so
+ * that the three are constants in its loops. */
 static inline __attribute__((always_inline)) void twist_tool(const crn_model *model, crn_state *state,
-                                                             uint32_t k, bool outermost)
+                                                             uint32_t k, uint32_t inner, uint32_t around)
 {
     twist_carry carry = {0, 0, 0, 0, 0};
     uint32_t na = state->words.free_count;
@@ -237,9 +239,17 @@ static inline __attribute__((always_inline)) void twist_tool(const crn_model *mo
         hold_turn(model, state, &carry);
     }
     for (uint32_t j = first; j < na; j++) {
-        eliminate_edge(model, state, k, j, outermost, &carry);
+        eliminate_edge(model, state, k, inner, around, j, &carry);
     }
     substitute(state, k, first);
+}
+
+/* Twists a tool of a line whose middle position is free. */
+CRN_RARE static void twist_apart(const crn_model *model, crn_state *state, uint32_t k, uint32_t inner,
+                                 uint32_t around)
+{
+    twist_tool(model, state, k, inner, around);
+    state->scratch.torque_N_m_q30[1] = 0;
 }
 
 void crn_rod_twist(const crn_model *model, crn_state *state)
@@ -248,14 +258,19 @@ void crn_rod_twist(const crn_model *model, crn_state *state)
         state->scratch.nodes[i].torque_N_m_q30 = 0;
     }
     if (model->tool_count == 1) {
-        twist_tool(model, state, 0, true);
+        twist_tool(model, state, 0, NO_TOOL, NO_TOOL);
         return;
     }
-    twist_tool(model, state, 0, false);
+    if (model->tool_count == 3 && !crn_has_tool(&state->words, 1)) {
+        twist_apart(model, state, 0, NO_TOOL, 2);
+        twist_apart(model, state, 2, 0, NO_TOOL);
+        return;
+    }
+    twist_tool(model, state, 0, NO_TOOL, 1);
     if (model->tool_count == 2) {
-        twist_tool(model, state, 1, true);
+        twist_tool(model, state, 1, 0, NO_TOOL);
         return;
     }
-    twist_tool(model, state, 1, false);
-    twist_tool(model, state, 2, true);
+    twist_tool(model, state, 1, 0, 2);
+    twist_tool(model, state, 2, 1, NO_TOOL);
 }

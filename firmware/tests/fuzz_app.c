@@ -14,6 +14,9 @@
  *           0x88       a long message: type u8, length u16, payload
  *           0x89       an order without a frame, as HID sends it: action u8
  *           0x8a       every millisecond's work takes this long: u8 x 50 us
+ *           0x8b       a step of one tick with an exchange: position u8 modulo 4, tool u8 modulo 10, translations
+ *                      as for a step
+ *           0x8c       the device that has a table of tools beside its line: 0 u8
  *
  * A fuzz input has at most 48 operations, so that a run with one input is short. The program builds devices
  * once and copies them, because building a set of tools for every input took a hundred times as long as the
@@ -31,7 +34,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
 enum { OPERATIONS_MAX = 48, SLOT_BYTES = 4096, ROOM_BYTES = 1 << 18, DEVICES = 7, SENT_MAX = 100000 };
 
-static crn_app app, devices[DEVICES];
+static crn_app app, devices[DEVICES], table_device;
 /* of coupled devices with one, two and three tools */
 static uint8_t snapshots[CRN_TOOL_MAX][CRN_APP_SNAPSHOT_BYTES];
 static uint8_t slots[2][SLOT_BYTES];
@@ -200,6 +203,19 @@ static void short_tools(crn_wire_tools *tools, uint16_t count)
     }
 }
 
+/* Eight tools, of which a wire and a guide are on the line and the middle position is free. */
+static void table_of_tools(crn_wire_tools *tools)
+{
+    short_tools(tools, 3);
+    for (uint16_t k = 3; k < CRN_WIRE_TABLE_MAX; k++) tools->tools[k] = tools->tools[k % 3];
+    tools->tools_count = CRN_WIRE_TABLE_MAX;
+    tools->line_count = 3;
+    tools->line[0] = 1;
+    tools->line[2] = 3;
+}
+
+enum { A_TABLE = 99 }; /* instead of a number of tools */
+
 static void build_device(client *c, uint16_t tools_count, bool is_coupled)
 {
     static crn_wire_tools tools;
@@ -213,7 +229,10 @@ static void build_device(client *c, uint16_t tools_count, bool is_coupled)
         client_rig(c, tracks, CRN_WIRE_TOOL_MAX);
         promise(client_expect_status(c, &status));
     }
-    short_tools(&tools, tools_count);
+    if (tools_count == A_TABLE)
+        table_of_tools(&tools);
+    else
+        short_tools(&tools, tools_count);
     client_tools(c, &tools);
     promise(client_expect_status(c, &status));
     client_entry(c, 20000);
@@ -235,7 +254,7 @@ static void take_snapshot(uint8_t *snapshot)
     const uint8_t what = CRN_WIRE_GET_SNAPSHOT;
     heard_begin = heard_end = 0;
     send(CRN_WIRE_TYPE_get, &what, 1);
-    memcpy(snapshot, app.buffers.snapshot, CRN_APP_SNAPSHOT_BYTES);
+    memcpy(snapshot, app.core.scratch.spare, CRN_APP_SNAPSHOT_BYTES);
 }
 
 static void build_devices(void)
@@ -258,13 +277,17 @@ static void build_devices(void)
         devices[i] = app;
         if (i > 3) take_snapshot(snapshots[i - 4]);
     }
+    client_open_pipe(&c, &pipe);
+    forget();
+    crn_app_init(&app, &port);
+    build_device(&c, A_TABLE, true);
+    table_device = app;
     promise(devices[4].safety.is_driving && devices[4].haptics.motors[0].axial_mN > 500);
     listener = NULL;
 }
 
-static void choose_device(uint8_t which)
+static void take_device(const crn_app *device)
 {
-    const crn_app *device = &devices[which % DEVICES];
     forget();
     app = *device;
     rig.last_drive = app.safety.drive_level;
@@ -273,6 +296,11 @@ static void choose_device(uint8_t which)
     rig.is_attached = app.edge.has_rig;
     rig.inputs = app.edge.rig;
     rig.now_us = app.clock.edge_us;
+}
+
+static void choose_device(uint8_t which)
+{
+    take_device(&devices[which % DEVICES]);
 }
 
 /* --- operations --- */
@@ -309,7 +337,7 @@ static const uint8_t *take_block(input *in, size_t *length)
     return block;
 }
 
-static void step(input *in, uint8_t count)
+static void step(input *in, uint8_t count, const crn_wire_exchange *exchange)
 {
     static crn_wire_step message;
     static uint8_t payload[CRN_WIRE_BYTES_step];
@@ -322,6 +350,10 @@ static void step(input *in, uint8_t count)
         for (uint32_t k = 0; k < app.setup.tool_count; k++)
             message.inputs[i].hands[k].translation_counts = (i + 1) * per_tick[k];
     }
+    if (exchange != NULL) {
+        message.inputs[0].orders.items_count = 1;
+        message.inputs[0].orders.items[0] = crn_wire_order_of_exchange(*exchange);
+    }
     crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
     promise(crn_wire_put_step(&writer, &message));
     send(CRN_WIRE_TYPE_step, payload, writer.length);
@@ -333,14 +365,14 @@ static void restore_damaged(input *in, uint8_t count)
 {
     command(CRN_WIRE_ACTION_STOP, 0);
     if (app.state != CRN_WIRE_STATE_ARMED || app.setup.tool_count == 0) return;
-    memcpy(app.buffers.snapshot, snapshots[app.setup.tool_count - 1], sizeof app.buffers.snapshot);
+    memcpy(app.core.scratch.spare, snapshots[app.setup.tool_count - 1], CRN_APP_SNAPSHOT_BYTES);
     for (uint8_t i = 0; i < count % 4; i++) {
         const uint8_t mask = take(in);
-        app.buffers.snapshot[take16(in) % CRN_APP_SNAPSHOT_BYTES] ^= mask;
+        app.core.scratch.spare[take16(in) % CRN_APP_SNAPSHOT_BYTES] ^= mask;
     }
     const uint32_t bytes = CRN_APP_SNAPSHOT_BYTES;
     app.session.snapshot_upload =
-        (crn_upload){bytes, bytes, crn_wire_crc32(0, app.buffers.snapshot, bytes), true};
+        (crn_upload){bytes, bytes, crn_wire_crc32(0, app.core.scratch.spare, bytes), true};
     const uint8_t end[] = {bytes & 0xff, bytes >> 8 & 0xff, bytes >> 16 & 0xff, 0};
     send(CRN_WIRE_TYPE_snapshot_end, end, sizeof end);
     command(CRN_WIRE_ACTION_START, 0);
@@ -385,7 +417,7 @@ static void operate(input *in)
     } else if (op == 0x82) {
         choose_device(argument);
     } else if (op == 0x83) {
-        step(in, argument);
+        step(in, argument, NULL);
     } else if (op == 0x84) {
         restore_damaged(in, argument);
     } else if (op == 0x85) {
@@ -402,12 +434,18 @@ static void operate(input *in)
         crn_app_order(&app, argument);
     } else if (op == 0x8a) {
         rig.work_us = argument * 50u;
+    } else if (op == 0x8b) {
+        const crn_wire_exchange order = {argument % 4, take(in) % 10};
+        step(in, 1, &order);
+    } else if (op == 0x8c) {
+        take_device(&table_device);
     }
 }
 
 static void check_books(void)
 {
     promise(app.state <= CRN_WIRE_STATE_FAULT && app.mode <= CRN_WIRE_MODE_FREE_RUN);
+    promise(app.setup.table_count <= CRN_TABLE_MAX && app.session.exchange <= CRN_WIRE_EXCHANGE_BURST);
     promise(app.setup.tool_count <= CRN_TOOL_MAX && app.faults.count <= CRN_APP_FAULT_MAX);
     promise(app.queue.count <= CRN_APP_LIVE_QUEUE_ticks && app.queue.event_count <= CRN_APP_EVENT_QUEUE);
     promise(app.setup.scene_upload.received_bytes <= app.setup.scene_upload.expected_bytes);
@@ -547,8 +585,15 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
              0x27, 20, 1, 3, 2, 0, 0, 0, 0, 0, 240, 85, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x81, 4, 0x27, 20, 1,
              3, 65, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 80, 0, 0x27, 20, 1, 3, 1, 0, 0, 0, 0, 0, 0,
              0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x81, 4, 0x30, 1, 5);
+    case 14: /* exchanges: a catheter comes, goes in, is refused to leave, comes out and leaves; wrong ones */
+        SEED(0x8c, 0, 0x8b, 1, 2, 128, 128, 128, 0x83, 5, 128, 140, 128, 0x8b, 1, 0, 128, 128, 128, 0x83, 5,
+             128, 100, 128, 0x83, 5, 128, 100, 128, 0x8b, 1, 5, 128, 128, 128, 0x8b, 1, 0, 128, 128, 128,
+             0x8b, 3, 1, 128, 128, 128, 0x8b, 0, 9, 128, 128, 128, 0x30, 1, 5, 0x83, 0x85, 128, 128, 128);
+    case 15: /* exchanges in FREE_RUN with power, and a damaged snapshot */
+        SEED(0x8c, 0, 0x86, 0, 0x27, 4, 1, 4, 1, 2, 0x81, 8, 0x27, 4, 1, 4, 1, 0, 0x81, 8, 0x27, 4, 1, 4, 1,
+             9, 0x84, 2, 0x80, 80, 1, 1, 0, 9);
     default:
-        if (index < 19) return tools_seed((uint16_t)(index - 13), bytes);
-        return index < 22 ? rig_seed((uint16_t)(index - 18), bytes) : 0;
+        if (index < 21) return tools_seed((uint16_t)(index - 15), bytes);
+        return index < 24 ? rig_seed((uint16_t)(index - 20), bytes) : 0;
     }
 }

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 
 static client host;
@@ -468,7 +469,8 @@ static void a_snapshot_with_impossible_contents_leaves_the_state(void **state)
     const struct {
         size_t byte;
         uint8_t value;
-    } damage[] = {{0, 9}, {4, 77}, {8, 2}, {12, 2}, {43, 0x7f}, {47, 0x80}, {336 + 8, 0xff}};
+    } damage[] = {
+        {0, 9}, {4, 77}, {8, 2}, {12, 2}, {43, 0x7f}, {47, 0x80}, {CRN_APP_SNAPSHOT_HEAD_BYTES + 8, 0xff}};
     assert_true(client_start_session(&host));
     client_step(&host, 0, 20, 0, 30);
     assert_true(client_expect_ticks(&host, &ticks));

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 
 enum { WIRE, CATHETER, GUIDE, TOOLS };
@@ -275,7 +276,8 @@ static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
     assert_true(client_read_snapshot(&host));
     command(CRN_WIRE_ACTION_STOP);
     for (int k = 0; k < TOOLS; k++) {
-        const size_t known = 12 + 108 * (size_t)k, sum = known + 19, motor = known + 31;
+        const size_t known = 12 + CRN_APP_SNAPSHOT_TOOL_BYTES * (size_t)k, sum = known + 19,
+                     motor = known + 31;
         for (size_t i = 0; i < 3; i++) {
             size_t byte = i == 0 ? known : i == 1 ? sum : motor;
             uint8_t kept = host.snapshot[byte];

@@ -334,7 +334,7 @@ static void no_half_of_an_endpoint_is_left_a_control_one(void **state)
 /* --- the stack on this controller ----------------------------------------------------------------------- */
 static struct device {
     crn_usb usb;
-    uint8_t queue[1 << 14];
+    uint8_t queue[1 << 15];
     crn_usb_link link;
 } device;
 

@@ -8,8 +8,8 @@ std::span<const Case> all_cases()
 {
     static const std::vector<Case> all = [] {
         std::vector<Case> joined;
-        for (std::span<const Case> group :
-             {session_cases(), pedal_cases(), safety_cases(), unplug_cases(), haptic_cases()})
+        for (std::span<const Case> group : {session_cases(), exchange_cases(), pedal_cases(), safety_cases(),
+                                            unplug_cases(), haptic_cases()})
             joined.insert(joined.end(), group.begin(), group.end());
         return joined;
     }();

@@ -46,6 +46,7 @@ std::span<const Case> all_cases();
 
 // The groups; all_cases() joins them.
 std::span<const Case> session_cases();
+std::span<const Case> exchange_cases();
 std::span<const Case> pedal_cases();
 std::span<const Case> safety_cases();
 std::span<const Case> haptic_cases();

@@ -112,7 +112,8 @@ void add_tools(CLI::App &command, std::string &instrument, std::vector<std::stri
         .add_option("--tool", tools,
                     "Name or file of an instrument, maybe with :preset (docs/instruments.md); once per tool, "
                     "from the "
-                    "innermost to the outermost, at most three")
+                    "innermost to the outermost, at most three; up to eight, in any order, if a "
+                    "script says 'begin with'")
         ->allow_extra_args(false)
         ->type_name("INSTRUMENT")
         ->transform(name_or_path(instrument_files));
@@ -382,15 +383,25 @@ std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vec
     return inputs;
 }
 
-std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools)
+std::vector<Instrument> reported_tools(const Patient &patient)
+{
+    std::vector<Instrument> tools = patient.tools();
+    for (Instrument &tool : tools)
+        if (tool.name.empty() && tool.table.knots_count == 0) tool.name = free_position;
+    return tools;
+}
+
+std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools,
+                                   std::size_t most)
 {
     std::vector<std::string> names = tools;
     if (!instrument.empty()) names.insert(names.begin(), instrument);
     if (names.empty())
         throw UsageError("--tool is required: name one to three instrument files (docs/instruments.md)");
-    if (names.size() > CRN_WIRE_TOOL_MAX) {
-        throw UsageError("--tool: a line holds at most " + std::to_string(int{CRN_WIRE_TOOL_MAX}) +
-                         " tools, " + std::to_string(names.size()) + " are named");
+    if (names.size() > most) {
+        throw UsageError("--tool: " + std::string(most > CRN_WIRE_TOOL_MAX ? "a session" : "a line") +
+                         " holds at most " + std::to_string(most) + " tools, " +
+                         std::to_string(names.size()) + " are named");
     }
     std::vector<Instrument> read;
     for (const std::string &name : names) read.push_back(read_instrument(name));

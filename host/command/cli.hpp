@@ -65,7 +65,11 @@ int command_instruments(const InstrumentsOptions &options);
 // Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
 // tool of every option --tool. Throws UsageError if there is no tool, or more tools than can be nested;
 // throws FileError for a bad file.
-std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
+// Returns the tools that are on the line at the end of a session, for its report; a free position has the
+// name "nothing".
+std::vector<Instrument> reported_tools(const Patient &patient);
+std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools,
+                                   std::size_t most = CRN_WIRE_TOOL_MAX);
 // Returns the point where the tools enter the patient, with their inserted lengths. The user may give no
 // length (then the default applies), one length for all tools, or one length for each tool. Throws UsageError
 // if there are more lengths than tools.

@@ -134,13 +134,14 @@ int command_replay(const ReplayOptions &options)
                                  " is beyond its end at " + std::to_string(length_s) + " s");
     }
     const SceneFile scene = recorded_scene(header, options.scene);
-    Device device(scene, header.tools, header.entry, header.rig);
+    Device device(scene, header.tools, header.entry, header.rig, {}, header.line);
     check_core(header, device.identity());
 
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
     picture_settings.scene_path = scene.path;
     picture_settings.stents = header.stents;
+    picture_settings.line = header.line;
     const bool has_pictures = writes_pictures(picture_settings) || !options.score.empty();
     SceneAnatomy anatomy;
     std::unique_ptr<Patient> patient;
@@ -167,13 +168,14 @@ int command_replay(const ReplayOptions &options)
     if (is_reported) {
         device.link().read_nodes();
         result.tips = tips.at(session_frame(device, {}, {}).wire);
+        const std::vector<Instrument> reported = reported_tools(*patient);
         SessionFiles files{options.json, options.score, "", nullptr};
         if (options.lesson)
             files.case_entry =
-                play.end(run_result(result), report_of(run_result(result), scene.path, header.tools,
-                                                       header.session_path, *patient));
-        write_session_files(files, run_result(result), scene.path, header.tools, header.session_path,
-                            *patient, pictures ? &pictures->screen() : nullptr);
+                play.end(run_result(result),
+                         report_of(run_result(result), scene.path, reported, header.session_path, *patient));
+        write_session_files(files, run_result(result), scene.path, reported, header.session_path, *patient,
+                            pictures ? &pictures->screen() : nullptr);
     }
     if (pictures) print_files(pictures->files());
     const int code = print_result(recording, options, result);

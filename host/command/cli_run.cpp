@@ -16,6 +16,7 @@
 #include "host/session/run.hpp"
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 namespace crn
@@ -179,6 +180,17 @@ static RunOptions with_needs(const RunOptions &given, const SessionNeeds &needs)
     return options;
 }
 
+// Returns the names by which a script calls the tools: those of their files, without folder and ending.
+static std::vector<std::string> tool_words(const std::string &instrument,
+                                           const std::vector<std::string> &tools)
+{
+    std::vector<std::string> paths = tools, words;
+    if (!instrument.empty()) paths.insert(paths.begin(), instrument);
+    for (const std::string &path : paths)
+        words.push_back(std::filesystem::path(split_preset(path).first).stem().string());
+    return words;
+}
+
 // Returns the script of the session; a session on a rig has an empty one.
 static Session session_of(const RunOptions &given)
 {
@@ -194,23 +206,28 @@ int command_run(const RunOptions &given)
         throw UsageError("name a session, or give --free-run (docs/session.md)");
     const bool is_led = given.free_run_s.has_value(); // in FREE_RUN
     check_files(given, given.pictures);
-    const Session session = session_of(given);
+    Session session = session_of(given);
     const RunOptions options = with_needs(given, session.needs);
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
     picture_settings.scene_path = options.scene;
     check_files(options, picture_settings);
     const SceneFile scene = read_scene(options.scene);
-    const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
-    const crn_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
-                                        : entry_of(scene, tools.size(), session.inserted_um);
+    const std::vector<Instrument> tools =
+        read_tools(options.instrument, options.tools, is_led ? CRN_WIRE_TOOL_MAX : CRN_WIRE_TABLE_MAX);
+    const LineNumbers line =
+        is_led ? LineNumbers{} : resolve_tools(session, tool_words(options.instrument, options.tools));
+    picture_settings.line = line;
+    const std::size_t positions = line.empty() ? tools.size() : line.size();
+    const crn_wire_entry entry = is_led ? entry_with(scene, positions, options.inserted_mm)
+                                        : entry_of(scene, positions, session.inserted_um);
     take_stents(picture_settings, options.stents, tools);
     check_loads(session, options.stents.size());
     check_inflations(session, tools);
     watch_for_interrupt();
     DeviceChoice choice =
         is_led ? free_run_device(options.device, options.motors, options.yes) : parse_device(options.device);
-    Device device(scene, tools, entry, host_rig(), choice);
+    Device device(scene, tools, entry, host_rig(), choice, line);
 
     picture_settings.shows_progress = !options.quiet;
     const SceneAnatomy anatomy = read_anatomy(picture_settings);
@@ -232,14 +249,15 @@ int command_run(const RunOptions &given)
     RunResult result =
         carry_out(device, *patient, scene, options, session, recorder.get(), play.sink(), tips, witness);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
-    print_session(result, tools, *patient);
+    const std::vector<Instrument> reported = reported_tools(*patient);
+    print_session(result, reported, *patient);
     SessionFiles files{options.json, options.score, options.timing, nullptr};
     if (options.lesson)
-        files.case_entry = play.end(result, report_of(result, scene.path, tools, session.file, *patient));
+        files.case_entry = play.end(result, report_of(result, scene.path, reported, session.file, *patient));
     if (assessor)
-        write_assessed(options, result, scene.path, session.file, tools, *patient, *assessor);
+        write_assessed(options, result, scene.path, session.file, reported, *patient, *assessor);
     else
-        write_session_files(files, result, scene.path, tools, session.file, *patient,
+        write_session_files(files, result, scene.path, reported, session.file, *patient,
                             pictures ? &pictures->screen() : nullptr);
     if (pictures) print_files(pictures->files());
     if (!options.card.empty()) write_card(options.card, *pictures);

@@ -77,7 +77,8 @@ int command_surface(const SurfaceOptions &options)
     settings.scene_path = scene.path;
     if (settings.bodies_path.empty()) settings.bodies_path = bodies_beside(scene.path);
     SurfaceSink sink(settings, ticks);
-    Device device(scene, recording.header.tools, recording.header.entry, recording.header.rig);
+    Device device(scene, recording.header.tools, recording.header.entry, recording.header.rig, {},
+                  recording.header.line);
     check_core(recording.header, device.identity());
     watch_for_interrupt();
     const ReplayResult result = replay_recording(device, recording, nullptr, &sink, {});

@@ -44,12 +44,13 @@ RecordedScore score_recording(const ScoreRequest &request)
     const Recording recording = read_recording(request.recording);
     const RecordingHeader &header = recording.header;
     const SceneFile scene = recorded_scene(header, request.scene);
-    Device device(scene, header.tools, header.entry, header.rig);
+    Device device(scene, header.tools, header.entry, header.rig, {}, header.line);
     check_core(header, device.identity());
     PictureSettings settings;
     settings.bodies_path = request.bodies_path.empty() ? bodies_beside(scene.path) : request.bodies_path;
     settings.scene_path = scene.path;
     settings.stents = header.stents;
+    settings.line = header.line;
     const SceneAnatomy anatomy = read_anatomy(settings);
     const std::unique_ptr<Patient> patient = make_patient(settings, anatomy, header.tools);
     const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);

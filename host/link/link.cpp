@@ -134,13 +134,17 @@ void Link::load_scene(std::span<const std::uint8_t> scene)
     receive_answer(CRN_WIRE_TYPE_status);
 }
 
-void Link::load_tools(std::span<const crn_wire_instrument> tools)
+void Link::load_tools(std::span<const crn_wire_instrument> tools, std::span<const std::uint8_t> line)
 {
     crn_wire_tools message{};
-    if (tools.empty() || tools.size() > CRN_WIRE_TOOL_MAX) {
+    const std::size_t positions = line.empty() ? tools.size() : line.size();
+    if (positions < 1 || positions > CRN_WIRE_TOOL_MAX)
+        throw LinkError(formatted("a line holds 1 to %d tools, not %zu", int{CRN_WIRE_TOOL_MAX}, positions));
+    if (tools.empty() || tools.size() > CRN_WIRE_TABLE_MAX)
         throw LinkError(
-            formatted("a line holds 1 to %d tools, not %zu", int{CRN_WIRE_TOOL_MAX}, tools.size()));
-    }
+            formatted("a table holds 1 to %d tools, not %zu", int{CRN_WIRE_TABLE_MAX}, tools.size()));
+    message.line_count = static_cast<std::uint16_t>(line.size());
+    std::copy(line.begin(), line.end(), message.line);
     message.tools_count = static_cast<std::uint16_t>(tools.size());
     std::copy(tools.begin(), tools.end(), message.tools);
     send_message(CRN_WIRE_TYPE_tools, message, crn_wire_put_tools);

@@ -50,7 +50,7 @@ class Link
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
 
-    static constexpr std::size_t bytes_without_frame_max = 1 << 18; // a frame has 10 kB at most
+    static constexpr std::size_t bytes_without_frame_max = 1 << 18; // a frame has 12 kB at most
 
     // `patience` is the total time for which the device may keep the host waiting (patience.hpp).
     explicit Link(Transport &transport, Patience::Span patience = Patience::budget_default);
@@ -59,7 +59,9 @@ class Link
     // A program that has disconnected loses this control after at most 50 ms.
     crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
-    void load_tools(std::span<const crn_wire_instrument> tools);
+    // `line` names the tool at each position by its number in the table, from 1, and 0 for a free position;
+    // if `line` is empty, the tools of the table are the line.
+    void load_tools(std::span<const crn_wire_instrument> tools, std::span<const std::uint8_t> line = {});
     void set_entry(const crn_wire_entry &entry);
     void set_rig(const crn_wire_rig &rig);
     crn_wire_status arm();        // also reads the node table

@@ -26,10 +26,11 @@ LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &
                          const crn_wire_entry &entry, const std::string &record,
                          const PictureSettings &pictures, const std::vector<RoomCommand> &begin,
                          const DeviceChoice &choice, bool keeps_all_pictures)
-    : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice),
-      anatomy_(read_anatomy(pictures)), patient_(make_patient(pictures, anatomy_, tools)), tools_(tools),
-      pictures_(pictures, tools, patient_->scene(), anatomy_, keeps_all_pictures), hands_(tools.size()),
-      dragged_(tools.size()), to_drag_(tools.size()), has_balloon_(balloon_tool(tools).has_value())
+    : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice, pictures.line),
+      anatomy_(read_anatomy(pictures)), patient_(make_patient(pictures, anatomy_, tools)),
+      pictures_(pictures, tools, patient_->scene(), anatomy_, keeps_all_pictures),
+      hands_(device_.positions()), dragged_(device_.positions()), to_drag_(device_.positions()),
+      has_balloon_(balloon_tool(tools).has_value())
 {
     if (!record.empty()) {
         recorder_ = std::make_unique<Recorder>(record, device_.recording_header("live", pictures.stents));
@@ -85,6 +86,11 @@ void LiveSession::command(const RoomCommand &command)
                                                                               : 0;
     buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
     pass((choice_.free_run ? led_tick_ : device_.link().tick()) + 1, command);
+}
+
+void LiveSession::exchange(std::uint8_t position, std::uint8_t tool)
+{
+    order(crn_wire_order_of_exchange({position, tool}));
 }
 
 void LiveSession::order(const crn_wire_order &order)
@@ -268,7 +274,7 @@ void LiveSession::give_pictures()
     for (const RoomEvent &event : patient_->room().events()) {
         RoomItem item{event, {}};
         if (event.kind == RoomEvent::Kind::pulse) {
-            item.shot = shot_of(*patient_, frame_.wire, event.tick, tools_, settings_);
+            item.shot = shot_of(*patient_, frame_.wire, event.tick, settings_);
             item.shot->own();
         }
         package.items.push_back(std::move(item));

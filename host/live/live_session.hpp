@@ -44,6 +44,9 @@ class LiveSession final : private FreeRunSink
     void inflate(std::int32_t kPa_per_s);
     void command(const RoomCommand &command);
     void order(const crn_wire_order &order);
+    // Exchanges the tool at a position (0: innermost) for one of the table, counted from 1; 0 takes it off
+    // the line. The patient's notice() says why an exchange was refused.
+    void exchange(std::uint8_t position, std::uint8_t tool);
     void note_input(SuiteClock::time_point when) { asked_ = when; } // for the delay from hand to picture
 
     // Advances the session by `ticks` ticks, and gives the pictures that become due to their thread. Returns
@@ -92,7 +95,6 @@ class LiveSession final : private FreeRunSink
     std::unique_ptr<Recorder> recorder_;
     const SceneAnatomy anatomy_;
     std::unique_ptr<Patient> patient_;
-    const std::vector<Instrument> tools_;
     PictureThread pictures_;
     std::vector<LiveHand> hands_;
     std::vector<crn_wire_hand> dragged_, to_drag_; // by the mouse: done, and still to do

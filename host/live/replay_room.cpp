@@ -14,7 +14,8 @@ constexpr std::uint32_t batch_ticks = 16, carm_every_ticks = 100;
 std::unique_ptr<Device> device_of(const Recording &recording, const SceneFile &scene)
 {
     const RecordingHeader &header = recording.header;
-    auto device = std::make_unique<Device>(scene, header.tools, header.entry, header.rig);
+    auto device =
+        std::make_unique<Device>(scene, header.tools, header.entry, header.rig, DeviceChoice{}, header.line);
     check_core(header, device->identity());
     device->link().read_nodes();
     return device;
@@ -29,13 +30,14 @@ ReplayRoom::ReplayRoom(const std::string &recording, const std::string &scene, P
     const std::vector<Instrument> &tools = recording_.header.tools;
     settings_.scene_path = scene_.path;
     settings_.stents = recording_.header.stents;
+    settings_.line = recording_.header.line;
     settings_.size = held_size(settings_.size);
     if (settings_.bodies_path.empty()) settings_.bodies_path = bodies_beside(scene_.path);
     anatomy_ = read_anatomy(settings_);
     for (const Instrument &tool : tools) looks_.push_back(instrument_look(tool));
     device_ = device_of(recording_, scene_);
     track_device_ = device_of(recording_, scene_);
-    patient_ = std::make_unique<Patient>(anatomy_, tools);
+    patient_ = std::make_unique<Patient>(anatomy_, tools, PatientSettings{"", {}, 2, settings_.line});
     track_patient_ = make_patient(settings_, anatomy_, tools);
     xray_ = std::make_unique<Xray>(patient_->scene(), settings_.threads);
     for (; command_ < recording_.commands.size() && recording_.commands[command_].tick == 0; ++command_)
@@ -178,15 +180,19 @@ ReplayPicture ReplayRoom::picture(const ReplayAsk &ask)
     }
     WireFrame wire = result.frame.wire;
     wire.tick = tick;
+    const LineNumbers line = state_.line_count > 0
+                                 ? line_of(state_)
+                                 : line_or_table(recording_.header.line, recording_.header.tools.size());
     std::vector<SweptCurve> curves =
-        balloon_filling(wire, recording_.header.tools, settings_.balloon_iodine_mg_per_ml);
+        balloon_filling(wire, tools_on(recording_.header.tools, line), settings_.balloon_iodine_mg_per_ml);
     if (moment.curves && result.is_prepared)
         curves.insert(curves.end(), moment.curves->begin(), moment.curves->end());
     XraySettings xray;
     xray.carm = result.carm = ask.carm ? *ask.carm : moment.carm;
     xray.size = settings_.size;
     XrayPicture picture;
-    xray_->render(xray, {looks_, wire, curves, patient_->bodies_at(wire)}, settings_.seed, nullptr, picture);
+    const std::vector<RadiopaqueInstrument> looks = looks_on(looks_, line);
+    xray_->render(xray, {looks, wire, curves, patient_->bodies_at(wire)}, settings_.seed, nullptr, picture);
     result.size = picture.size;
     result.grey = std::move(picture.grey);
     return result;

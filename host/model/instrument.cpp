@@ -21,12 +21,28 @@ const std::string default_preset = "physical";
 void read_head(const TomlTable &root, Instrument &instrument)
 {
     root.check_keys({"format", "name", "kind", "description", "shape_name", "sources", "elements", "shape",
-                     "side_holes", "balloon", "preset"});
+                     "side_holes", "whole", "balloon", "preset"});
     instrument.name = root.words("name");
     instrument.description = root.words("description");
     instrument.shape_name = root.words("shape_name");
     const std::string kind = root["kind"].one_of({"wire", "catheter"});
     instrument.kind = kind == "wire" ? InstrumentKind::wire : InstrumentKind::catheter;
+}
+
+// Reads the length of the real tool, and the part of a monorail catheter that runs over a wire. Only the
+// exchange of tools uses them.
+void read_whole(const TomlTable &root, InstrumentKind kind, crn_wire_instrument &wire)
+{
+    if (!root.has("whole")) return;
+    const TomlTable table = root.table("whole").inside("whole");
+    table.check_keys({"length_mm", "rail_mm", "source"});
+    table.check_source();
+    const double length_mm = table.number("length_mm", {100.0, 4000.0});
+    wire.whole_um = static_cast<std::uint32_t>(std::lround(length_mm * 1e3));
+    if (!table.has("rail_mm")) return;
+    if (kind == InstrumentKind::wire)
+        table["rail_mm"].fail("a wire has no lumen: 'rail_mm' is for catheters");
+    wire.rail_um = static_cast<std::uint32_t>(std::lround(table.number("rail_mm", {10.0, length_mm}) * 1e3));
 }
 
 double read_lumen_friction(const TomlTable &table, InstrumentKind kind)
@@ -167,6 +183,7 @@ Instrument read_instrument(const std::string &path)
     read_elements(root, head.table);
     head.shape = read_shape(root);
     head.side_holes = read_side_holes(root, head.kind);
+    read_whole(root, head.kind, head.table);
     head.balloon = read_balloon(root, head.kind, head.table);
     const std::map<std::string, Preset> presets = read_presets(root, head.kind);
     root.check_sources_used();

@@ -4,7 +4,21 @@
 namespace crn
 {
 
-CatheterAir::CatheterAir(const std::vector<Instrument> &tools) : tool_(injecting_tool(tools, 0)) {}
+CatheterAir::CatheterAir(const std::vector<Instrument> &tools)
+{
+    set_tools(tools);
+}
+
+void CatheterAir::set_tools(const std::vector<Instrument> &tools)
+{
+    tool_ = injecting_tool(tools, 0);
+    const std::string name = tool_ ? tools[*tool_].name : "";
+    if (name == name_) return;
+    name_ = name;
+    inside_bits_ = 0;
+    aspirated_ul_ = 0;
+    may_hold_air_ = false;
+}
 
 void CatheterAir::tick(const crn_wire_tick_state &state)
 {

@@ -20,6 +20,10 @@ class CatheterAir
     // The catheter is the outermost of `tools` with a lumen. It is flushed with saline before the session.
     explicit CatheterAir(const std::vector<Instrument> &tools);
 
+    // The tools on the line were exchanged. Another catheter has been flushed; the removal of a tool from its
+    // lumen may have let air in, as its withdrawal did.
+    void set_tools(const std::vector<Instrument> &tools);
+
     // Receives every tick.
     void tick(const crn_wire_tick_state &state);
     void aspirate(std::int32_t volume_ul);
@@ -31,6 +35,7 @@ class CatheterAir
 
   private:
     std::optional<std::size_t> tool_;
+    std::string name_;              // of that tool
     std::uint32_t inside_bits_ = 0; // bit k: tool k lay in the lumen at the last tick
     std::int32_t aspirated_ul_ = 0;
     bool may_hold_air_ = false;

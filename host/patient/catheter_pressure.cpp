@@ -39,6 +39,17 @@ CatheterPressure::CatheterPressure(const VesselTree &vessels, const std::vector<
 {
 }
 
+void CatheterPressure::set_tools(const std::vector<Instrument> &tools)
+{
+    tool_ = injecting_tool(tools, 0);
+    const std::string name = tool_ ? tools[*tool_].name : "";
+    if (name == name_) return;
+    name_ = name;
+    has_place_ = is_whole_beat_ = is_damped_ = false;
+    share_ = 1.0;
+    look_tick_ = -1;
+}
+
 std::uint32_t CatheterPressure::next_tick() const
 {
     if (!is_inserted_ || cells_.size() == 0) return std::numeric_limits<std::uint32_t>::max();

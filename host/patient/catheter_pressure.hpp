@@ -46,7 +46,8 @@ class CatheterPressure
     CatheterPressure(const VesselTree &vessels, const std::vector<Instrument> &tools, const Motion *motion,
                      LesionOpening opening);
 
-    std::uint32_t next_tick() const; // UINT32_MAX: no catheter lies in the vessels
+    void set_tools(const std::vector<Instrument> &tools); // the tools on the line were exchanged
+    std::uint32_t next_tick() const;                      // UINT32_MAX: no catheter lies in the vessels
     void advance(const WireFrame &wire);
     void tick(double aortic_mmHg, const crn_wire_tick_state &state);
 

@@ -57,6 +57,9 @@ class PatientContrast
     PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
+    // The tools on the line were exchanged in this tick. An injection through a tool that is gone ends.
+    void set_tools(const std::vector<Instrument> &tools, std::uint32_t tick);
+
     // Returns the reason why a command cannot be carried out with medium of this strength, or an empty string
     // if it can.
     std::string refusal(const RoomCommand &command, double iodine_mg_per_ml) const;
@@ -108,8 +111,8 @@ class PatientContrast
     double stream_at(std::size_t cell, double &behind_tip_mm) const;
     SweptPoint stream_point(std::size_t cell, double narrowness) const;
 
-    const std::vector<Instrument> tools_;
-    const VesselTree vessels_; // in the reference pose
+    std::vector<Instrument> tools_; // at the positions of the line
+    const VesselTree vessels_;      // in the reference pose
     MovedVessels moved_;
     const LesionOpening opening_;
     std::vector<double> flow_open_,

@@ -19,19 +19,21 @@ const XrayScene &filled(XrayScene &scene, const SceneAnatomy &anatomy, const Pat
 
 Patient::Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
                  const PatientSettings &settings)
-    : opened_(anatomy.bodies, LesionOpening(anatomy.bodies.vessels, anatomy.stations),
+    : table_(tools), line_(line_or_table(settings.line, tools.size())), tools_(tools_on(table_, line_)),
+      opened_(anatomy.bodies, LesionOpening(anatomy.bodies.vessels, anatomy.stations),
               anatomy.motion_or_null()),
       meter_(filled(scene_, anatomy, settings), settings.threads),
-      contrast_(anatomy.bodies.vessels, tools, anatomy.motion_or_null(),
+      contrast_(anatomy.bodies.vessels, tools_, anatomy.motion_or_null(),
                 LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
-      catheter_pressure_(anatomy.bodies.vessels, tools, anatomy.motion_or_null(),
+      catheter_pressure_(anatomy.bodies.vessels, tools_, anatomy.motion_or_null(),
                          LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
-      catheter_air_(tools)
+      catheter_air_(tools_)
 {
     if (anatomy.motion) moving_.emplace(*anatomy.motion, anatomy.bodies);
     if (settings.stents.empty()) return;
-    stents_ = std::make_unique<PatientStents>(settings.stents, anatomy.bodies.vessels,
-                                              anatomy.motion_or_null(), anatomy.stations, tools);
+    stents_ =
+        std::make_unique<PatientStents>(settings.stents, anatomy.bodies.vessels, anatomy.motion_or_null(),
+                                        anatomy.stations, tools_, !settings.line.empty());
 }
 
 Patient::~Patient() = default;
@@ -89,8 +91,27 @@ void Patient::note_injection(std::uint32_t tick)
     catheter_air_.inject(tick);
 }
 
+// Medium, pressure, air and stents follow the tools that the core has on the line.
+void Patient::follow_line(const crn_wire_tick_state &state)
+{
+    if (state.line_count == 0) return;
+    LineNumbers now = line_of(state);
+    if (now == line_) return;
+    line_ = std::move(now);
+    tools_ = tools_on(table_, line_);
+    contrast_.set_tools(tools_, state.tick);
+    catheter_pressure_.set_tools(tools_);
+    catheter_air_.set_tools(tools_);
+    if (stents_) stents_->set_tools(tools_);
+}
+
 void Patient::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state)
 {
+    follow_line(state);
+    if (state.exchange > CRN_WIRE_EXCHANGE_DONE)
+        notice_ = {std::string("NO EXCHANGE - ") + crn_wire_exchange_text(state.exchange) + ": " +
+                       crn_wire_exchange_remedy(state.exchange),
+                   state.tick};
     monitor_.advance(state);
     catheter_pressure_.tick(monitor_.pressure_mmHg(), state);
     catheter_air_.tick(state);

@@ -16,6 +16,7 @@
 #include "host/model/instrument.hpp"
 #include "host/model/opened_bodies.hpp"
 #include "host/model/scene_anatomy.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/patient/catheter_air.hpp"
 #include "host/patient/catheter_pressure.hpp"
 #include "host/patient/contrast.hpp"
@@ -35,13 +36,15 @@ struct PatientSettings {
     std::string bodies_path;         // for messages only
     std::vector<StentDesign> stents; // stents that a session may load, in this order
     int threads = 2;                 // threads of the measuring chamber
+    LineNumbers line{};              // tools on the line at the start (tool_line.hpp); empty: all
 };
 
 class Patient
 {
   public:
-    // `tools` lists the tools from the innermost outwards. If the anatomy is empty, the patient has no
-    // vessels and consists of air. Throws std::runtime_error if a body has an unknown material.
+    // `tools` is the table of the session's tools; settings.line says which are on the line at the start. If
+    // the anatomy is empty, the patient has no vessels and consists of air. Throws std::runtime_error if a
+    // body has an unknown material.
     Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
             const PatientSettings &settings = {});
     ~Patient();
@@ -87,6 +90,10 @@ class Patient
     // Returns the ticks at which medium was injected although the catheter's pressure was damped.
     const std::vector<std::uint32_t> &damped_injections() const { return damped_injections_; }
     const crn_wire_tick_state &state() const { return state_; } // of the last tick
+    // Returns the tools on the line after the last tick, one for each position; a free position has a tool
+    // without a name.
+    const std::vector<Instrument> &tools() const { return tools_; }
+    const LineNumbers &line() const { return line_; }
     // Returns the requests for X-ray runs and for injections that the patient refused, in order of their
     // ticks.
     std::vector<Refusal> refusals() const;
@@ -97,12 +104,16 @@ class Patient
     std::span<const MovedBody> bodies_at(const WireFrame &wire);
 
   private:
+    void follow_line(const crn_wire_tick_state &state);
     void carry_out_due();
     void carry_out(std::uint32_t tick, const RoomCommand &command);
     std::string aspirate(std::uint32_t tick, std::int32_t volume_ul);
     void note_injection(std::uint32_t tick);
     void advance_room(std::uint32_t tick, const WireFrame &wire);
 
+    const std::vector<Instrument> table_;
+    LineNumbers line_;
+    std::vector<Instrument> tools_; // on the line
     XrayScene scene_;
     std::optional<MovingBodies> moving_;
     OpenedBodies opened_;

@@ -119,6 +119,19 @@ std::string mount_refusal(const StentDesign &stent, const std::vector<Instrument
     return "";
 }
 
+// Returns an empty text if the stent can be mounted on the balloon of any of these tools.
+static std::string table_refusal(const StentDesign &stent, const std::vector<Instrument> &tools)
+{
+    std::string first;
+    for (const Instrument &tool : tools) {
+        if (tool.table.balloon_count == 0) continue;
+        const std::string why = mount_refusal(stent, {tool});
+        if (why.empty()) return "";
+        if (first.empty()) first = why;
+    }
+    return first.empty() ? mount_refusal(stent, tools) : first;
+}
+
 std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
                                      const std::vector<Instrument> &tools)
 {
@@ -129,7 +142,7 @@ std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
                             std::to_string(stents_max));
     for (const std::string &path : paths) {
         stents.push_back(read_stent(path));
-        const std::string why = mount_refusal(stents.back(), tools);
+        const std::string why = table_refusal(stents.back(), tools);
         if (!why.empty()) throw FileError(path, 0, 0, why);
         if (!material_from_name(stents.back().material))
             throw FileError(path, 0, 0,
@@ -140,17 +153,36 @@ std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
 }
 
 PatientStents::PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
-                             std::vector<LesionStations> stations, const std::vector<Instrument> &tools)
+                             std::vector<LesionStations> stations, const std::vector<Instrument> &tools,
+                             bool has_table)
     : shelf_(std::move(shelf)), vessels_(vessels),
-      motion_(motion ? std::optional<Motion>(*motion) : std::nullopt), stations_(std::move(stations)),
-      tool_(balloon_tool(tools))
+      motion_(motion ? std::optional<Motion>(*motion) : std::nullopt), stations_(std::move(stations))
 {
-    if (!tool_ && !shelf_.empty())
+    take_tools(tools);
+    if (!tool_ && !shelf_.empty() && !has_table)
         throw std::runtime_error("no tool has a balloon to mount '" + shelf_[0].name + "' on");
     for (const LesionStations &one : stations_) known_256_.emplace_back(one.count, 0);
+}
+
+void PatientStents::take_tools(const std::vector<Instrument> &tools)
+{
+    tool_ = balloon_tool(tools);
+    balloon_ = tool_ ? tools[*tool_] : Instrument{};
+    inserted_m_ = 0.0;
     if (!tool_) return;
-    mount_mm_ = balloon_middle_mm(tools[*tool_]);
-    folded_end_m_ = tools[*tool_].table.balloon_distal_um * 1e-6;
+    mount_mm_ = balloon_middle_mm(balloon_);
+    folded_end_m_ = balloon_.table.balloon_distal_um * 1e-6;
+}
+
+void PatientStents::set_tools(const std::vector<Instrument> &tools)
+{
+    const std::optional<std::size_t> now = balloon_tool(tools);
+    const bool is_same = now == tool_ && (!now || tools[*now].name == balloon_.name);
+    if (is_same) return;
+    take_out();
+    stents_.take_out();
+    if (stents_.size() == 0) next_look_ = UINT32_MAX;
+    take_tools(tools);
 }
 
 // --- mounting ---
@@ -173,16 +205,25 @@ void PatientStents::load(std::uint32_t tick)
         refusals_.push_back("NO STENT LOADED - the balloon is in the patient: withdraw it" + at);
         return;
     }
-    if (stents_.size() > 0 && stents_[stents_.size() - 1].is_on_balloon()) {
-        const StentDesign &before = stents_[stents_.size() - 1].design();
-        taken_out_.push_back(
-            {before.name, before.diameter_mm, before.length_mm, stories_.back().loaded_tick});
-        stories_.pop_back();
+    const std::string why = mount_refusal(shelf_[loaded_], {balloon_});
+    if (!why.empty()) {
+        refusals_.push_back("NO STENT LOADED - " + why + at);
+        return;
     }
+    take_out();
     stents_.add(shelf_[loaded_++], mount_mm_);
     stories_.push_back({tick, {}, {}, {}});
     const std::uint32_t due = (tick + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
     next_look_ = std::min(next_look_, due);
+}
+
+// Remembers the stent that is still on its balloon as one that left the patient.
+void PatientStents::take_out()
+{
+    if (stents_.size() == 0 || !stents_[stents_.size() - 1].is_on_balloon()) return;
+    const StentDesign &before = stents_[stents_.size() - 1].design();
+    taken_out_.push_back({before.name, before.diameter_mm, before.length_mm, stories_.back().loaded_tick});
+    stories_.pop_back();
 }
 
 void PatientStents::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state)

@@ -65,8 +65,12 @@ class PatientStents
 
     // `stations` gives the points at which the core computes the opening of a lesion, for every lesion that a
     // balloon can open, in the order of the tree's lesions. If `motion` is null, the vessels do not move.
+    // `tools` are those at the positions of the line; if `has_table`, others may come by an exchange.
     PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
-                  std::vector<LesionStations> stations, const std::vector<Instrument> &tools);
+                  std::vector<LesionStations> stations, const std::vector<Instrument> &tools,
+                  bool has_table = false);
+    // The tools on the line were exchanged. A stent that is still on the balloon leaves with its balloon.
+    void set_tools(const std::vector<Instrument> &tools);
 
     // Carries out the command load_stent and ignores all other commands. If a command cannot be carried out,
     // it is kept in refusals().
@@ -107,6 +111,8 @@ class PatientStents
         std::uint32_t loaded_tick;
     };
     void load(std::uint32_t tick);
+    void take_tools(const std::vector<Instrument> &tools);
+    void take_out();
     std::optional<std::size_t> vessel_at(const BalloonPose &pose, const MotionMoment &moment);
     std::size_t vessel_of(std::size_t branch);
     void give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const;
@@ -123,6 +129,7 @@ class PatientStents
     const std::optional<Motion> motion_;
     const std::vector<LesionStations> stations_;
     std::optional<std::size_t> tool_; // the tool with the balloon
+    Instrument balloon_;              // that tool
     double mount_mm_ = 0.0, folded_end_m_ = 0.0;
     Stents stents_;
     std::vector<Story> stories_;

@@ -35,6 +35,15 @@ RadiopaqueInstrument instrument_look(const Instrument &instrument)
     return look;
 }
 
+std::vector<RadiopaqueInstrument> looks_on(std::span<const RadiopaqueInstrument> table,
+                                           std::span<const std::uint8_t> line)
+{
+    std::vector<RadiopaqueInstrument> looks;
+    for (const std::uint8_t number : line)
+        looks.push_back(number >= 1 && number <= table.size() ? table[number - 1u] : RadiopaqueInstrument{});
+    return looks;
+}
+
 void PulseShot::own()
 {
     vertices_um_.clear();
@@ -46,13 +55,14 @@ void PulseShot::own()
 
 // Besides the tools, a picture shows the medium in the vessels and in the balloon, and the struts of stents.
 PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick,
-                  const std::vector<Instrument> &tools, const PictureSettings &settings)
+                  const PictureSettings &settings)
 {
     PulseShot shot;
+    shot.line = patient.line();
     shot.shape = shape;
     shot.shape.tick = tick;
     patient.contrast().colour(shot.shape);
-    shot.curves = balloon_filling(shot.shape, tools, settings.balloon_iodine_mg_per_ml);
+    shot.curves = balloon_filling(shot.shape, patient.tools(), settings.balloon_iodine_mg_per_ml);
     if (PatientStents *stents = patient.stents()) {
         std::vector<SweptCurve> struts = stents->curves_at(shot.shape);
         shot.curves.insert(shot.curves.end(), std::make_move_iterator(struts.begin()),
@@ -99,7 +109,8 @@ void RoomPictures::expose(const RoomEvent &pulse, const PulseShot &shot)
     xray.beam = pulse.request.beam;
     xray.beam.fixed_technique = pulse.exposure.technique;
     xray.size = settings_.size;
-    const XrayFrame seen{looks_, shot.shape, shot.curves, shot.bodies};
+    const std::vector<RadiopaqueInstrument> on_line = looks_on(looks_, shot.line);
+    const XrayFrame seen{on_line, shot.shape, shot.curves, shot.bodies};
     xray_->render(xray, seen, settings_.seed, pulse.request.settles_at_once ? nullptr : &memory_, pulse_);
     tell_failure();
     if (export_) export_pulse(pulse); // exported data stay physical

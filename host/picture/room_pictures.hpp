@@ -3,7 +3,7 @@
 // each pulse, so they may be computed in another thread than the patient.
 //
 //   RoomPictures pictures(settings, tools, patient.scene(), anatomy, room);
-//   PulseShot shot = shot_of(patient, shape, tools, settings);      in the patient's thread
+//   PulseShot shot = shot_of(patient, shape, tick, settings);       in the patient's thread
 //   pictures.take(event, &shot);                                    every event in order
 //   pictures.screen().compose(size, grey);
 #pragma once
@@ -43,11 +43,18 @@ struct PictureSettings {
     GlOpener window_context;                 // set if there is a window
     std::vector<StentDesign> stents;         // stents that a session may load, in this order
     double balloon_iodine_mg_per_ml = 175.0; // filling of balloons
+    LineNumbers line{};                      // tools on the line at the start (tool_line.hpp); empty: all
 };
+
+// Returns what X-rays see of the tools on the line, one for each position (tool_line.hpp). Nothing is seen at
+// a free position.
+std::vector<RadiopaqueInstrument> looks_on(std::span<const RadiopaqueInstrument> table,
+                                           std::span<const std::uint8_t> line);
 
 // Holds everything that the picture of one X-ray pulse needs from the patient.
 struct PulseShot {
-    WireFrame shape; // the tools, with the concentration of iodine around them
+    WireFrame shape;  // the tools, with the concentration of iodine around them
+    LineNumbers line; // which tools these are
     std::vector<SweptCurve> curves;
     // The vertices of the bodies that move belong to the patient until own() has copied them.
     std::vector<MovedBody> bodies;
@@ -64,13 +71,13 @@ struct PulseShot {
 // Returns what a pulse at `tick` sees. The result refers to the patient's bodies until they move, unless
 // PulseShot::own() is called. `shape` holds the tools at the pulse.
 PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick,
-                  const std::vector<Instrument> &tools, const PictureSettings &settings);
+                  const PictureSettings &settings);
 
 class RoomPictures
 {
   public:
-    // `tools` lists the tools from the innermost outwards. `scene` and `room` must live longer than this
-    // object. Throws std::runtime_error.
+    // `tools` is the table of the session's tools; a shot says which are on the line. `scene` and `room` must
+    // live longer than this object. Throws std::runtime_error.
     RoomPictures(const PictureSettings &settings, const std::vector<Instrument> &tools,
                  const XrayScene &scene, const SceneAnatomy &anatomy, const Room &room);
     ~RoomPictures();
@@ -91,7 +98,7 @@ class RoomPictures
     void export_pulse(const RoomEvent &pulse);
 
     PictureSettings settings_;
-    std::vector<RadiopaqueInstrument> looks_;
+    std::vector<RadiopaqueInstrument> looks_; // of the table
     std::unique_ptr<Xray> xray_;
     std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is selected
     RoomScreen room_screen_;

@@ -13,15 +13,14 @@ SceneAnatomy read_anatomy(const PictureSettings &settings)
 std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
                                       const std::vector<Instrument> &tools)
 {
-    return std::make_unique<Patient>(anatomy, tools, PatientSettings{settings.bodies_path, settings.stents});
+    return std::make_unique<Patient>(
+        anatomy, tools, PatientSettings{settings.bodies_path, settings.stents, 2, settings.line});
 }
 
 SessionPictures::SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools,
                                  Patient &patient, const SceneAnatomy &anatomy)
-    : settings_(settings), patient_(patient), tools_(tools),
-      room_(settings, tools, patient.scene(), anatomy, patient.room())
+    : settings_(settings), patient_(patient), room_(settings, tools, patient.scene(), anatomy, patient.room())
 {
-    for (const Instrument &tool : tools) names_.push_back(tool.name);
     settings_.size = room_.size();
     std::string error;
     const bool needs_movie = !settings_.mp4_path.empty();
@@ -44,9 +43,11 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame) const
     OverlayInfo info;
     info.room = room_.screen().status();
     info.time_s = frame.wire.tick * 1e-3;
+    const std::vector<Instrument> &tools = patient_.tools();
     for (std::size_t k = 0; k < frame.tools.size(); k++) {
+        if (k < patient_.line().size() && patient_.line()[k] == 0) continue; // a free position
         const ToolReading &tool = frame.tools[k];
-        info.tools.push_back({k < names_.size() ? names_[k] : "", tool.inserted_m * 1e3, tool.turned_deg,
+        info.tools.push_back({k < tools.size() ? tools[k].name : "", tool.inserted_m * 1e3, tool.turned_deg,
                               tool.axial_N, tool.torque_N_m * 1e3,
                               frame.tools.size() > 1 && (chosen_tool_ == k || chooses_all_)});
     }
@@ -106,7 +107,7 @@ bool SessionPictures::see_events(const WireFrame &wire)
     for (const RoomEvent &event : patient_.room().events()) {
         const bool is_pulse = event.kind == RoomEvent::Kind::pulse;
         if (is_pulse) {
-            const PulseShot shot = shot_of(patient_, wire, event.tick, tools_, settings_);
+            const PulseShot shot = shot_of(patient_, wire, event.tick, settings_);
             room_.take(event, &shot);
         } else {
             room_.take(event, nullptr);

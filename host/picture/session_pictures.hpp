@@ -63,14 +63,12 @@ class SessionPictures final : public FrameSink
     OverlayBalloon balloon_display() const;
 
     PictureSettings settings_;
-    std::vector<std::string> names_;
     std::optional<std::size_t> chosen_tool_;
     bool chooses_all_ = false;
     std::string notice_;
     RoomNotice refused_; // key commands that could not be carried out
     std::vector<std::string> panel_;
     Patient &patient_;
-    const std::vector<Instrument> tools_;
     RoomPictures room_;
     XrayPicture screen_; // its grey values are shown
     Image image_;

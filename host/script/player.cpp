@@ -171,6 +171,15 @@ crn_wire_tick_input SessionPlayer::next()
     return input;
 }
 
+// The statement of an exchange waits for longer than a batch of ticks, so its answer comes while it is the
+// present one.
+void SessionPlayer::answer_exchange(std::uint8_t answer)
+{
+    if (answer <= CRN_WIRE_EXCHANGE_DONE || is_done() || !session_.statements[statement_].exchange) return;
+    fail(std::string("exchange: ") + crn_wire_exchange_text(answer) + "; " +
+         crn_wire_exchange_remedy(answer));
+}
+
 bool SessionPlayer::wants_tips() const
 {
     return steerer_.has_value() || expects();

@@ -15,7 +15,7 @@ namespace
 
 const std::vector<std::string> hand_verbs = {"needs",  "begin",  "advance", "withdraw", "rotate",
                                              "select", "tool",   "wait",    "inflate",  "deflate",
-                                             "steer",  "engage", "expect"};
+                                             "steer",  "engage", "expect",  "exchange", "remove"};
 const std::vector<Unit> pressure_units = {{"bar", 100.0}, {"atm", 101.325}, {"kPa", 1.0}};
 const std::vector<Unit> pressure_rate_units = {{"bar/s", 100.0}, {"atm/s", 101.325}, {"kPa/s", 1.0}};
 HandMove parse_push(LineParser &line, int sign)
@@ -116,7 +116,9 @@ class SessionParser
             note_tool(selected_, number);
             return;
         }
-        if (verb == "wait") {
+        if (verb == "exchange" || verb == "remove" || (verb == "load" && line.peek() != "stent")) {
+            exchange(line, verb, statement);
+        } else if (verb == "wait") {
             statement.wait_ticks = static_cast<std::uint32_t>(
                 std::lround(line.quantity("time", time_units, 0.001, 3600.0) * 1e3));
         } else if (verb == "steer" || verb == "engage") {
@@ -167,14 +169,55 @@ class SessionParser
         while (!line.is_at_end()) names.push_back(line.name());
         if (is_scene && scene.size() > 1) line.fail("a session has one scene");
         if (is_scene) needs.scene = scene.front();
-        if (needs.tools.size() > session_tools_max)
-            line.fail("a line of tools holds at most " + std::to_string(session_tools_max));
+        if (needs.tools.size() > CRN_WIRE_TABLE_MAX)
+            line.fail("a session has at most " + std::to_string(int{CRN_WIRE_TABLE_MAX}) + " tools");
+    }
+
+    // Reads statements such as "load coronary_014 as wire", "exchange catheter for balloon_3x20" or "remove
+    // catheter". The hand does nothing else for a moment.
+    void exchange(LineParser &line, const std::string &verb, Statement &statement)
+    {
+        constexpr std::uint32_t pause_ticks = 48; // longer than the force on the hand needs to end
+        Exchange wanted;
+        if (verb == "load") {
+            wanted.tool = tool_word(line);
+            line.expect("as");
+        }
+        const LineParser before = line;
+        const ToolChoice choice = require_tool(line);
+        if (choice.is_all) before.fail("this is for one position: name wire, catheter, guide or tool N");
+        wanted.position = choice.tool;
+        if (verb == "exchange") {
+            line.expect("for");
+            wanted.tool = tool_word(line);
+        }
+        note_tool(choice, statement.line);
+        statement.exchange = wanted;
+        statement.wait_ticks = pause_ticks;
+    }
+
+    static std::string tool_word(LineParser &line)
+    {
+        if (line.is_at_end()) line.fail("expected a tool of the session, the line ends");
+        return line.name();
+    }
+
+    // Reads "begin with j_wire nothing guide_jl4_6f": the tools on the line, from the innermost.
+    void begin_with(LineParser &line, int number)
+    {
+        if (!session_.line_names.empty()) line.fail("the tools on the line are stated in a line above");
+        while (!line.is_at_end()) session_.line_names.push_back(line.name());
+        session_.line_names_line = number;
+        if (session_.line_names.empty()) line.fail("expected the tools on the line, the line ends");
+        if (session_.line_names.size() > session_tools_max)
+            line.fail("a line has at most " + std::to_string(session_tools_max) + " positions");
     }
 
     // Reads statements such as "begin inserted 20 mm", which applies to every tool, or "begin catheter
     // inserted 80 mm", which applies to one tool.
     void begin(LineParser &line, int number)
     {
+        if (line.accept("with")) return begin_with(line, number);
         const std::optional<ToolChoice> choice = accept_tool(line);
         line.expect("inserted");
         const auto length_um =
@@ -216,7 +259,49 @@ class SessionParser
     bool has_selected_ = false, has_begun_ = false;
 };
 
+// Returns the number of a tool in the table, from 1.
+std::uint8_t number_of(const std::string &name, std::span<const std::string> names, const std::string &file,
+                       int line)
+{
+    std::vector<std::string> known;
+    std::uint8_t found = 0;
+    for (std::size_t i = 0; i < names.size(); i++) {
+        const std::string number = std::to_string(i + 1);
+        known.push_back(names[i]);
+        if (name == number) return static_cast<std::uint8_t>(i + 1);
+        if (name != names[i]) continue;
+        if (found != 0)
+            throw FileError(file, line, 1,
+                            "the session has two tools '" + name + "': write " + std::to_string(int{found}) +
+                                " or " + number);
+        found = static_cast<std::uint8_t>(i + 1);
+    }
+    if (found == 0)
+        throw FileError(file, line, 1, "the session has no tool '" + name + "'" + suggestion(name, known));
+    return found;
+}
+
 } // namespace
+
+LineNumbers resolve_tools(Session &session, std::span<const std::string> names)
+{
+    for (Statement &statement : session.statements) {
+        if (!statement.exchange) continue;
+        const Exchange &wanted = *statement.exchange;
+        const std::uint8_t tool =
+            wanted.tool.empty() ? 0 : number_of(wanted.tool, names, session.file, statement.line);
+        statement.order = crn_wire_order_of_exchange({static_cast<std::uint8_t>(wanted.position), tool});
+    }
+    LineNumbers line;
+    for (const std::string &name : session.line_names)
+        line.push_back(name == free_position ? 0
+                                             : number_of(name, names, session.file, session.line_names_line));
+    if (line.empty() && names.size() > session_tools_max)
+        throw FileError(session.file, 0, 0,
+                        "has " + std::to_string(names.size()) + " tools and does not say which " +
+                            "are on the line: write 'begin with' and one to three of them");
+    return line;
+}
 
 Session parse_session(std::string_view text, const std::string &file)
 {

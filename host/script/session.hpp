@@ -9,6 +9,7 @@
 // Error messages give file, line and column, and suggest a spelling.
 #pragma once
 #include "host/model/order_queue.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/room/command.hpp"
 #include "host/script/expect.hpp"
 #include "host/script/hand_motion.hpp"
@@ -41,6 +42,12 @@ struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
 
+// Describes an exchange of the tool at one position of the line (docs/session.md, "Exchange").
+struct Exchange {
+    std::size_t position = 0;
+    std::string tool; // name or number in the table; empty: the position becomes free
+};
+
 // One line of the script. A statement contains simultaneous moves of hands, a tool to steer, a pause, or a
 // change of the inflator's pressure. A statement may also contain a list of commands to the X-ray room, a
 // command to heart and breath, or an expectation.
@@ -53,10 +60,12 @@ struct Statement {
     std::optional<Inflation> inflation;
     std::optional<Steering> steering;
     std::optional<Expectation> expectation;
+    std::optional<Exchange> exchange; // resolve_tools() makes an order of it
 };
 
 // Names the files that a script was written for, as `needs` statements state them. The names are those of the
-// options --scene, --tool (from the innermost) and --stent, which replace them.
+// options --scene, --tool (from the innermost, or in any order if the script says `begin with`) and --stent,
+// which replace them.
 struct SessionNeeds {
     std::string scene; // empty: free space, or not stated
     std::vector<std::string> tools, stents;
@@ -71,13 +80,21 @@ struct Session {
     // `begin inserted` sets the length of all tools that no other `begin` statement names. A length that no
     // statement sets is the scene's own start length.
     std::uint32_t inserted_um[session_tools_max] = {inserted_unstated, inserted_unstated, inserted_unstated};
-    std::vector<Statement> statements;
+    std::vector<std::string> line_names{}; // of `begin with`: name or number of the tool at each position
+    int line_names_line = 0;
+    std::vector<Statement> statements{};
     std::size_t tools_named = 1; // number of tools that the script needs ...
     int tools_named_line = 0;    // ... because of this line
 };
 
 Session parse_session(std::string_view text, const std::string &file); // throws FileError
 Session read_session(const std::string &path);                         // throws FileError
+
+// Gives every exchange of a script its number in a table of tools with these names, and returns the line at
+// the start (tool_line.hpp). Without `begin with`, the line is empty, and then there are at most three tools.
+// Throws FileError if a name is unknown, or names several tools.
+LineNumbers resolve_tools(Session &session, std::span<const std::string> names);
+inline constexpr std::string_view free_position = "nothing"; // a free position in `begin with`
 
 class SessionPlayer
 {
@@ -98,6 +115,8 @@ class SessionPlayer
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
     // Returns true if the present statement needs the positions of the tips, or is an expectation.
     bool wants_tips() const;
+    // Receives the answer to an exchange, as a tick's state has it. A refused exchange ends the script.
+    void answer_exchange(std::uint8_t answer);
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
     // Returns the commands for the X-ray room that the script has given since the last call of this function.
     // Before the first call of next(), this function returns the commands at the start of the session.

@@ -28,7 +28,8 @@ namespace
 
 // Returns a text with the names of the tools that caused a refusal, as they are in the tools' files; the text
 // is empty if no tool caused the refusal.
-std::string tool_at_fault(const std::vector<Instrument> &tools, const crn_wire_reject &reject)
+std::string tool_at_fault(const std::vector<Instrument> &tools, const LineNumbers &line,
+                          const crn_wire_reject &reject)
 {
     const std::size_t tool = reject.detail1;
     switch (reject.code) {
@@ -41,7 +42,12 @@ std::string tool_at_fault(const std::vector<Instrument> &tools, const crn_wire_r
     case CRN_REJECT_LENGTH_INSERTED:
         return tool < tools.size() ? "'" + tools[tool].name + "'" : "";
     case CRN_REJECT_TOOL_NESTING:
-        return tool > 0 && tool < tools.size() ? nesting_refusal(tools[tool - 1], tools[tool]) : "";
+        for (std::size_t k = 1, inner = line.empty() ? 0 : line[0]; k < line.size(); k++) {
+            if (line[k] == 0) continue;
+            if (line[k] == tool + 1 && inner > 0) return nesting_refusal(tools[inner - 1], tools[tool]);
+            inner = line[k];
+        }
+        return "";
     default:
         return "";
     }
@@ -59,14 +65,16 @@ RecordingHeader Device::recording_header(const std::string &session,
             scene_.path,
             session,
             tools_,
+            line_ == whole_table(tools_.size()) ? LineNumbers{} : line_,
             entry_,
             rig_,
             stents};
 }
 
 Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
-               const crn_wire_rig &rig, const DeviceChoice &choice)
-    : scene_(scene), tools_(std::move(tools)), entry_(entry), rig_(rig), choice_(choice)
+               const crn_wire_rig &rig, const DeviceChoice &choice, const LineNumbers &line)
+    : scene_(scene), tools_(std::move(tools)), line_(line_or_table(line, tools_.size())), entry_(entry),
+      rig_(rig), choice_(choice)
 {
     try {
         open();
@@ -74,7 +82,7 @@ Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_
         has_started_ = true;
         call_witness();
     } catch (const LinkError &error) {
-        const std::string who = tool_at_fault(tools_, error.reject);
+        const std::string who = tool_at_fault(tools_, line_, error.reject);
         if (who.empty()) throw;
         throw LinkError(who + ": " + error.what(), error.reject);
     }
@@ -98,7 +106,10 @@ crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state, const crn_wire_tick_input &input)
 {
     const Link &link = device.link();
-    const std::vector<Instrument> &tools = device.tools();
+    const crn_wire_nodes &shape = link.nodes();
+    const std::span<const std::uint8_t> line(shape.line, shape.line_count);
+    const std::vector<Instrument> tools =
+        tools_on(device.tools(), shape.line_count > 0 ? line : std::span(device.line()));
     SessionFrame frame;
     frame.wire = wire_frame(link.nodes(), link.node_table(), tools);
     frame.tools.resize(tools.size());

@@ -3,6 +3,7 @@
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/link/link.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/rig/device_choice.hpp"
 #include "host/session/balloon_figures.hpp"
 #include "host/session/frame_sink.hpp"
@@ -38,17 +39,21 @@ class FreeRunSink
 class Device
 {
   public:
-    // `tools` lists the tools from the innermost outwards. Throws LinkError if the device refuses; the
-    // message contains the device's reason, the remedy, and the name of the tool that caused the refusal.
+    // `tools` is the table of the session's tools, and `line` names the tool at each position from the
+    // innermost (tool_line.hpp); without a line, the tools are the line. Throws LinkError if the device
+    // refuses; the message contains the device's reason, the remedy, and the name of the tool that caused the
+    // refusal.
     Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
-           const crn_wire_rig &rig, const DeviceChoice &choice = {});
+           const crn_wire_rig &rig, const DeviceChoice &choice = {}, const LineNumbers &line = {});
     // The destructor restores the settings that a rig had before.
     ~Device();
     Device(const Device &) = delete;
     Device &operator=(const Device &) = delete;
 
-    Link &link() { return *link_; } // the same object throughout
-    const std::vector<Instrument> &tools() const { return tools_; }
+    Link &link() { return *link_; }                                 // the same object throughout
+    const std::vector<Instrument> &tools() const { return tools_; } // the table
+    const LineNumbers &line() const { return line_; }               // at the start of the session
+    std::size_t positions() const { return line_.size(); }
     const crn_wire_hello_reply &identity() const { return identity_; }
     const crn_wire_rig &rig() const { return rig_; } // active; no limit above the device's own
     // Returns what a recording of this device's session begins with. `session` names the script, or says who
@@ -115,6 +120,7 @@ class Device
 
     SceneFile scene_;
     std::vector<Instrument> tools_;
+    LineNumbers line_;
     crn_wire_entry entry_;
     crn_wire_rig rig_, rig_before_{};
     DeviceChoice choice_;

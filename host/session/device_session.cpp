@@ -69,7 +69,7 @@ void Device::check_identity(const crn_wire_hello_reply &reply) const
 void Device::call_witness()
 {
     if (!choice_.may_return()) return;
-    witness_ = std::make_unique<Witness>(scene_, tools_, entry_, rig_, pipe_->name());
+    witness_ = std::make_unique<Witness>(scene_, tools_, line_, entry_, rig_, pipe_->name());
 }
 
 void Device::set_up()
@@ -77,7 +77,7 @@ void Device::set_up()
     std::vector<crn_wire_instrument> tables;
     for (const Instrument &tool : tools_) tables.push_back(tool.table);
     link_->load_scene(scene_.bytes);
-    link_->load_tools(tables);
+    link_->load_tools(tables, line_);
     link_->set_entry(entry_);
     link_->set_rig(rig_);
     link_->use_lockstep();

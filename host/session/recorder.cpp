@@ -39,9 +39,11 @@ std::vector<std::uint8_t> header_bytes(const RecordingHeader &header)
     crn_wire_write(&writer, header.scene_crc32, 4);
     put_text(writer, header.scene_path);
     put_text(writer, header.session_path);
-    const std::size_t tools = std::min<std::size_t>(header.tools.size(), CRN_WIRE_TOOL_MAX);
+    const std::size_t tools = std::min<std::size_t>(header.tools.size(), CRN_WIRE_TABLE_MAX);
     crn_wire_write(&writer, tools, 1);
     for (std::size_t k = 0; k < tools; k++) put_tool(writer, header.tools[k]);
+    crn_wire_write(&writer, header.line.size(), 1);
+    for (const std::uint8_t number : header.line) crn_wire_write(&writer, number, 1);
     crn_wire_put_entry(&writer, &header.entry);
     crn_wire_put_rig(&writer, &header.rig);
     bytes.resize(writer.length);

@@ -28,7 +28,7 @@ class Reader
         check_version();
         chunks_.read_head(present_rules);
         read_head();
-        while (!recording_.is_complete && chunks_.next(present_rules, recording_.header.tools.size()))
+        while (!recording_.is_complete && chunks_.next(present_rules, recording_.header.positions()))
             read_chunk();
         if (recording_.is_complete && !chunks_.is_at_end())
             fail(RecordingFault::damaged, "has bytes behind its end");
@@ -70,14 +70,32 @@ class Reader
         header.scene_path = get_text(payload_);
         header.session_path = get_text(payload_);
         const std::size_t tools = crn_wire_read(&payload_, 1);
-        if (tools < 1 || tools > CRN_WIRE_TOOL_MAX)
+        if (tools < 1 || tools > CRN_WIRE_TABLE_MAX)
             fail(RecordingFault::inconsistent, "is inconsistent: it has " + std::to_string(tools) + " tools");
         for (std::size_t k = 0; k < tools && !payload_.failed; k++) header.tools.push_back(read_tool());
+        read_line();
         crn_wire_get_entry(&payload_, &header.entry);
         crn_wire_get_rig(&payload_, &header.rig);
         check_used_up("header");
-        if (header.entry.inserted_um_count != tools)
+        if (header.entry.inserted_um_count != header.positions())
             fail(RecordingFault::inconsistent, "is inconsistent: another number of lengths than tools");
+    }
+
+    // Every tool is on the line at most once, and one tool at least is on it.
+    void read_line()
+    {
+        RecordingHeader &header = recording_.header;
+        const std::size_t positions = crn_wire_read(&payload_, 1);
+        std::uint32_t seen_bits = 0;
+        bool is_possible = positions <= CRN_WIRE_TOOL_MAX;
+        for (std::size_t k = 0; k < positions && is_possible && !payload_.failed; k++) {
+            header.line.push_back(static_cast<std::uint8_t>(crn_wire_read(&payload_, 1)));
+            const std::uint8_t number = header.line.back();
+            is_possible = number <= header.tools.size() && (number == 0 || (seen_bits >> number & 1u) == 0);
+            if (is_possible) seen_bits |= 1u << number;
+        }
+        if (!is_possible || (positions > 0 && seen_bits < 2) || header.positions() > CRN_WIRE_TOOL_MAX)
+            fail(RecordingFault::inconsistent, "is inconsistent: a line that cannot be");
     }
 
     Instrument read_tool()
@@ -145,7 +163,7 @@ class Reader
     {
         const std::uint32_t first = read_tick();
         const std::uint32_t count = read_tick();
-        const std::size_t tools = recording_.header.tools.size(), bytes = payload_.length - payload_.position;
+        const std::size_t tools = recording_.header.positions(), bytes = payload_.length - payload_.position;
         if (first != recording_.ticks.size() || count > ticks_max - first ||
             bytes < count * tick_bytes_min(tools) || bytes > count * tick_bytes_max(tools)) {
             fail(RecordingFault::inconsistent, "is inconsistent: ticks are missing or doubled");

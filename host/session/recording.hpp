@@ -1,7 +1,7 @@
 // A recording contains everything that determines a session, tick by tick (docs/session.md describes every
 // byte).
 //
-//   file   = "CRN-REC4" | chunk ...
+//   file   = "CRN-REC5" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
 //   order  = HEAD, SIDE_HOLES, BALLOON and STENT; then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen;
 //            END when the session was closed properly
@@ -10,7 +10,7 @@
 // last complete chunk. A reader refuses a file that is not a recording, has another version, or is damaged in
 // the middle.
 #pragma once
-#include "host/model/instrument.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/room/command.hpp"
 #include "host/stent/design.hpp"
 #include "shared/wire/wire.h"
@@ -31,11 +31,12 @@ struct RecordingHeader {
     std::uint32_t scene_crc32 = 0;
     std::string scene_path;
     std::string session_path;
-    std::vector<Instrument>
-        tools; // from the innermost; the tables determine the session, the layers only its picture
+    std::vector<Instrument> tools; // the table; its values determine the session, the layers only its picture
+    LineNumbers line{};            // as Device has it; empty: the tools are the line, from the innermost
     crn_wire_entry entry{};
     crn_wire_rig rig{};
     std::vector<StentDesign> stents{}; // load_stent mounts them in this order
+    std::size_t positions() const { return line.empty() ? tools.size() : line.size(); }
 };
 
 struct RecordedTick {

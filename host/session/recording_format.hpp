@@ -9,10 +9,10 @@ namespace crn::recording_format
 {
 
 // The digit is the version. In versions 2 and 3 of the format, every tick had fields for all kinds of
-// commands (orders), and version 2 had chunks of the kind VIEW instead of ROOM. recording_upgrade.hpp
-// converts these versions.
-inline constexpr char magic[9] = "CRN-REC4";
-inline constexpr char oldest_version = '2';
+// commands (orders), and version 2 had chunks of the kind VIEW instead of ROOM. In versions 2 to 4, all tools
+// were on the line. recording_upgrade.hpp converts these versions.
+inline constexpr char magic[9] = "CRN-REC5";
+inline constexpr char oldest_version = '2', protocol_5_version = '4';
 
 enum Kind : std::uint32_t {
     HEAD = 1,
@@ -35,7 +35,7 @@ inline constexpr std::uint32_t side_holes_max = 40; // groups, and holes of a gr
 inline constexpr std::size_t stent_bytes_max = 1024;
 inline constexpr std::size_t recorded_stents_max = 64;
 inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
-inline constexpr std::size_t head_bytes_max = 1 << 17;
+inline constexpr std::size_t head_bytes_max = 1 << 18;
 // The next two functions return the number of bytes of one tick, which consists of the record `tick_input`
 // with this number of hands, and two hash lanes. tick_bytes_max() assumes all commands (orders) that a tick
 // may have, and tick_bytes_min() assumes no command.
@@ -55,7 +55,8 @@ constexpr std::size_t old_tick_bytes(std::size_t tool_count)
     return 2 + tool_count * 8 + 3 * 4 + 26 + 8;
 }
 inline constexpr std::uint64_t schema_of_protocol_4 = 0xfe912b8c91b717bb; // its last one
-inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4;                  // of version 2
+inline constexpr std::uint64_t schema_of_protocol_5 = 0x6cc533673f6eff5c;
+inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4; // of version 2
 inline constexpr std::size_t command_bytes = 4 + 2 + 3 * 4;
 inline constexpr std::size_t side_holes_bytes = 1 + 8 + 8 + 4 + 8;
 inline constexpr std::size_t balloon_markers_max = 8;

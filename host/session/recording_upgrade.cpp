@@ -31,6 +31,19 @@ bool is_old_size(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
 }
 
 constexpr ChunkRules old_rules = {is_old_kind, is_old_size};
+constexpr ChunkRules protocol_5_rules = {is_old_kind, is_size_of};
+
+// Where a snapshot of protocol 4 or 5 gets what it lacks: behind the 108 bytes of each of its three tools,
+// and behind the core's words that come before those of the 388 nodes of 84 bytes.
+constexpr std::size_t snapshot_head_bytes = 12, snapshot_tool_bytes = 108, snapshot_tools = 3,
+                      release_bytes = 12, node_bytes = std::size_t{388} * 84, exchange_words = 5;
+constexpr std::uint32_t old_snapshot_version = 3, snapshot_version = 4;
+
+// Appends a word, little end first.
+void put_word(std::vector<std::uint8_t> &bytes, std::uint32_t value)
+{
+    for (unsigned i = 0; i < 4; i++) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+}
 
 class Upgrade
 {
@@ -44,10 +57,11 @@ class Upgrade
     {
         check_version();
         bytes_.assign(magic, magic + 8);
-        chunks_.read_head(old_rules);
+        const ChunkRules &rules = mark_.version == protocol_5_version ? protocol_5_rules : old_rules;
+        chunks_.read_head(rules);
         take_head();
         bool is_complete = false;
-        while (!is_complete && chunks_.next(old_rules, tools_)) {
+        while (!is_complete && chunks_.next(rules, tools_)) {
             is_complete = chunks_.kind() == END;
             take_chunk();
         }
@@ -76,21 +90,14 @@ class Upgrade
         bytes_.insert(bytes_.end(), chunk.begin(), chunk.end());
     }
 
-    // The header of the recording stays as it is, except for the schema hash.
+    // The header of the recording stays as it is, except for the schema hash, for two lengths behind each
+    // tool's values, which are not known, and for the line, which has all tools.
     void take_head()
     {
         crn_wire_reader &payload = chunks_.payload();
         crn_wire_read(&payload, 4);
         const std::size_t place = payload.position;
-        const std::uint64_t schema = crn_wire_read(&payload, 8);
-        if (schema != schema_of_protocol_4) {
-            const std::string text = formatted(
-                "was written with another wire schema (file %016llx, converted is %016llx); use the "
-                "release that wrote it",
-                static_cast<unsigned long long>(schema),
-                static_cast<unsigned long long>(schema_of_protocol_4));
-            chunks_.fail(RecordingFault::newer_version, text);
-        }
+        check_schema(crn_wire_read(&payload, 8));
         crn_wire_read(&payload, 8); // of the scene
         get_text(payload);
         get_text(payload);
@@ -99,17 +106,89 @@ class Upgrade
             chunks_.fail(RecordingFault::inconsistent,
                          "is inconsistent: it has " + std::to_string(tools_) + " tools");
         const auto old = chunks_.payload_bytes();
-        std::vector<std::uint8_t> head(old.begin(), old.end());
+        std::vector<std::uint8_t> head(old.begin(),
+                                       old.begin() + static_cast<std::ptrdiff_t>(payload.position));
+        for (std::size_t k = 0; k < tools_; k++) take_tool(head);
+        head.push_back(0);
+        head.insert(head.end(), old.begin() + static_cast<std::ptrdiff_t>(payload.position), old.end());
         crn_wire_writer writer = crn_wire_writer_make(head.data() + place, 8);
         crn_wire_write(&writer, crn_wire_schema_hash(), 8);
         add(HEAD, head);
     }
 
+    void check_schema(std::uint64_t schema) const
+    {
+        const std::uint64_t known =
+            mark_.version == protocol_5_version ? schema_of_protocol_5 : schema_of_protocol_4;
+        if (schema == known) return;
+        chunks_.fail(
+            RecordingFault::newer_version,
+            formatted("was written with another wire schema (file %016llx, converted is %016llx); use "
+                      "the release that wrote it",
+                      static_cast<unsigned long long>(schema), static_cast<unsigned long long>(known)));
+    }
+
+    void skip(std::size_t bytes)
+    {
+        for (std::size_t i = 0; i < bytes && !chunks_.payload().failed; i++)
+            crn_wire_read(&chunks_.payload(), 1);
+    }
+
+    // A tool of protocol 5 has five values, its knots, three values of its balloon, and the balloon's table;
+    // then come its layers.
+    void take_tool(std::vector<std::uint8_t> &head)
+    {
+        crn_wire_reader &payload = chunks_.payload();
+        const std::size_t begin = payload.position;
+        get_text(payload);
+        skip(8 + 5 * 4);
+        skip(crn_wire_read(&payload, 2) * CRN_WIRE_BYTES_knot);
+        skip(3 * 4);
+        skip(crn_wire_read(&payload, 2) * CRN_WIRE_BYTES_balloon_point);
+        const std::size_t end = payload.position;
+        const std::size_t layers = crn_wire_read(&payload, 2);
+        for (std::size_t i = 0; i < layers && !payload.failed; i++) {
+            skip(8 + 8);
+            get_text(payload);
+            skip(8 + 8);
+        }
+        if (payload.failed) chunks_.fail(RecordingFault::inconsistent, "is inconsistent: a tool is cut off");
+        head.insert(head.end(), payload.bytes + begin, payload.bytes + end);
+        put_word(head, 0);
+        put_word(head, 0);
+        head.insert(head.end(), payload.bytes + end, payload.bytes + payload.position);
+    }
+
     void take_chunk()
     {
-        if (chunks_.kind() == TICKS) return take_ticks();
-        if (chunks_.kind() == VIEW) return take_view();
-        add(chunks_.kind(), chunks_.payload_bytes());
+        const std::uint32_t kind = chunks_.kind();
+        if (kind == SNAPSHOT || kind == RESUMED) return take_snapshot();
+        if (kind == TICKS && mark_.version != protocol_5_version) return take_ticks();
+        if (kind == VIEW) return take_view();
+        add(kind, chunks_.payload_bytes());
+    }
+
+    // A snapshot gets, of every tool, that no exchange releases it, and the tools on the line. A snapshot of
+    // an unknown form stays as it is: a device refuses it, as it did before.
+    void take_snapshot()
+    {
+        const auto old = chunks_.payload_bytes();
+        const std::size_t words = 4 + snapshot_head_bytes + snapshot_tools * snapshot_tool_bytes;
+        if (old.size() < words + node_bytes || old[4] != old_snapshot_version)
+            return add(chunks_.kind(), chunks_.payload_bytes());
+        std::vector<std::uint8_t> bytes(old.begin(), old.begin() + 4 + snapshot_head_bytes);
+        bytes[4] = snapshot_version;
+        for (std::size_t k = 0; k < snapshot_tools; k++) {
+            const auto tool =
+                old.begin() + static_cast<std::ptrdiff_t>(4 + snapshot_head_bytes + k * snapshot_tool_bytes);
+            bytes.insert(bytes.end(), tool, tool + snapshot_tool_bytes);
+            bytes.insert(bytes.end(), release_bytes, 0);
+        }
+        const auto nodes = old.end() - static_cast<std::ptrdiff_t>(node_bytes);
+        bytes.insert(bytes.end(), old.begin() + static_cast<std::ptrdiff_t>(words), nodes);
+        for (std::uint32_t i = 0; i < exchange_words; i++) put_word(bytes, i >= 1 && i <= tools_ ? i : 0);
+        bytes.insert(bytes.end(), nodes, old.end());
+        add(chunks_.kind(), bytes);
     }
 
     void take_ticks()

@@ -20,7 +20,7 @@ class Runner
     Runner(Device &device, Patient &patient, const Session &session, Recorder *recorder, FrameSink *sink,
            const RunSettings &settings)
         : device_(device), link_(device.link()), patient_(patient),
-          player_(session, device.tools().size(), settings.tips ? &settings.tips->map() : nullptr),
+          player_(session, device.positions(), settings.tips ? &settings.tips->map() : nullptr),
           recorder_(recorder), sink_(sink), settings_(settings)
     {
     }
@@ -97,6 +97,7 @@ class Runner
             if (recorder_) recorder_->tick(inputs_[i], states[i]);
             patient_.tick(inputs_[i], states[i]);
             if (sink_) sink_->tick(inputs_[i], states[i]);
+            player_.answer_exchange(states[i].exchange);
         }
         if (link_.tick() % SessionPlayer::observe_every_ticks == 0) look(is_look_due);
         look_at_contacts();

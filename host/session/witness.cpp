@@ -36,15 +36,15 @@ std::uint32_t own_core_version()
     return Link(pipe).hello().core_version;
 }
 
-Witness::Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
-                 const crn_wire_rig &rig, const std::string &who)
+Witness::Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const LineNumbers &line,
+                 const crn_wire_entry &entry, const crn_wire_rig &rig, const std::string &who)
     : link_(pipe_), who_(who)
 {
     std::vector<crn_wire_instrument> tables;
     for (const Instrument &tool : tools) tables.push_back(tool.table);
     link_.hello();
     link_.load_scene(scene.bytes);
-    link_.load_tools(tables);
+    link_.load_tools(tables, line);
     link_.set_entry(entry);
     link_.set_rig(rig);
     link_.use_lockstep();

@@ -20,8 +20,8 @@ class Witness
   public:
     // Sets up this machine's core in the same way in which a replay sets up its device. `who` is the name by
     // which messages refer to the rig. Throws LinkError.
-    Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
-            const crn_wire_rig &rig, const std::string &who);
+    Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const LineNumbers &line,
+            const crn_wire_entry &entry, const crn_wire_rig &rig, const std::string &who);
 
     // The functions of this class throw LinkError if the rig's results differ; the message gives the tick,
     // both values and the remedy. In LOCKSTEP the complete results are compared, and also the shape of the

@@ -9,8 +9,13 @@ namespace crn
 
 void Stents::add(const StentDesign &design, double mount_arc_mm)
 {
-    if (!stents_.empty() && stents_.back().is_on_balloon()) stents_.pop_back();
+    take_out();
     stents_.emplace_back(design, mount_arc_mm);
+}
+
+void Stents::take_out()
+{
+    if (!stents_.empty() && stents_.back().is_on_balloon()) stents_.pop_back();
 }
 
 void Stents::step(const StentWall *wall, const BalloonPose *balloon)

@@ -30,6 +30,8 @@ class Stents
     // If the stent that was added before is still on its balloon, it leaves the patient together with that
     // balloon.
     void add(const StentDesign &design, double mount_arc_mm);
+    // Takes the stent that was added last out of the patient, if it is still on its balloon.
+    void take_out();
     void step(const StentWall *wall, const BalloonPose *balloon);
     // Advances each stent by one picture with a wall of its own, because stents may lie in several vessels.
     // `walls` has one entry per stent; a null entry means that the stent lies in no vessel.

@@ -25,7 +25,7 @@ extern "C" {
 
 /* clang-format off */
 enum {
-    CRN_WIRE_PROTOCOL_MAJOR = 5, /* changes when old and new sides cannot communicate */
+    CRN_WIRE_PROTOCOL_MAJOR = 6, /* changes when old and new sides cannot communicate */
     CRN_WIRE_PROTOCOL_MINOR = 0,
 };
 
@@ -113,6 +113,13 @@ typedef enum crn_reject_code {
     CRN_REJECT_NONE = 0,
 #include "shared/wire/wire_faults.def"
 } crn_reject_code;
+
+/* Lists the answers to an order `exchange`. */
+#define EXCHANGE(NAME, number, text, remedy) CRN_WIRE_EXCHANGE_##NAME = number,
+enum {
+    CRN_WIRE_EXCHANGE_NONE = 0,
+#include "shared/wire/wire_exchanges.def"
+};
 /* clang-format on */
 
 /* Numbers inside messages, named. */
@@ -186,9 +193,10 @@ enum {
     CRN_WIRE_BUTTON_XRAY = 1,
     CRN_WIRE_BUTTON_CINE = 2,
 
-    CRN_WIRE_TOOL_MAX = CRN_WIRE_MAX_tools_tools,
+    CRN_WIRE_TOOL_MAX = CRN_WIRE_MAX_tools_line,   /* positions of a line */
+    CRN_WIRE_TABLE_MAX = CRN_WIRE_MAX_tools_tools, /* tools of a session */
 
-    CRN_WIRE_PAYLOAD_MAX = CRN_WIRE_BYTES_ticks, /* the longest message; checked by the test */
+    CRN_WIRE_PAYLOAD_MAX = CRN_WIRE_BYTES_tools, /* the longest message; checked by the test */
 };
 
 /* Returns a hash over every name, number, type and unit of wire_messages.def. Two programs that have
@@ -206,6 +214,9 @@ uint32_t crn_wire_fault_safe_ms(uint16_t code); /* from the onset of the fault u
 const char *crn_wire_reject_name(uint16_t code);
 const char *crn_wire_reject_text(uint16_t code);
 const char *crn_wire_reject_remedy(uint16_t code);
+const char *crn_wire_exchange_name(uint8_t answer);
+const char *crn_wire_exchange_text(uint8_t answer);
+const char *crn_wire_exchange_remedy(uint8_t answer);
 const char *crn_wire_state_name(uint8_t state);
 
 #ifdef __cplusplus

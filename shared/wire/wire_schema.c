@@ -7,7 +7,7 @@
  * test_wire computes the hash and prints the number to write here when the messages have changed. */
 uint64_t crn_wire_schema_hash(void)
 {
-    return 0x6cc533673f6eff5cu;
+    return 0xd0825c0bc52def3au;
 }
 
 const char *crn_wire_message_name(uint16_t type)
@@ -101,6 +101,42 @@ const char *crn_wire_reject_remedy(uint16_t code)
     case number:                                                                                             \
         return remedy;
 #include "shared/wire/wire_faults.def"
+    default:
+        return "use the same version on both sides";
+    }
+}
+
+const char *crn_wire_exchange_name(uint8_t answer)
+{
+    switch (answer) {
+#define EXCHANGE(NAME, number, text, remedy)                                                                 \
+    case number:                                                                                             \
+        return #NAME;
+#include "shared/wire/wire_exchanges.def"
+    default:
+        return "unknown answer";
+    }
+}
+
+const char *crn_wire_exchange_text(uint8_t answer)
+{
+    switch (answer) {
+#define EXCHANGE(NAME, number, text, remedy)                                                                 \
+    case number:                                                                                             \
+        return text;
+#include "shared/wire/wire_exchanges.def"
+    default:
+        return "unknown answer";
+    }
+}
+
+const char *crn_wire_exchange_remedy(uint8_t answer)
+{
+    switch (answer) {
+#define EXCHANGE(NAME, number, text, remedy)                                                                 \
+    case number:                                                                                             \
+        return remedy;
+#include "shared/wire/wire_exchanges.def"
     default:
         return "use the same version on both sides";
     }

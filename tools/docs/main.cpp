@@ -129,6 +129,15 @@ std::string reject_table()
     return out;
 }
 
+std::string exchange_table()
+{
+    std::string out = "| answer | name | what it means | what to do |\n|---|---|---|---|\n";
+#define EXCHANGE(NAME, number, text, remedy)                                                                 \
+    out += row({#number, "`" #NAME "`", bar_safe(text), bar_safe(remedy)});
+#include "shared/wire/wire_exchanges.def"
+    return out;
+}
+
 std::string read_file(const std::string &path)
 {
     std::ifstream stream(path);
@@ -193,5 +202,6 @@ int main(int argc, char **argv)
     ok = handle("docs/usb.md", "reports", report_tables(), write) && ok;
     ok = handle("docs/faults.md", "faults", fault_table(), write) && ok;
     ok = handle("docs/faults.md", "refusals", reject_table(), write) && ok;
+    ok = handle("docs/faults.md", "exchanges", exchange_table(), write) && ok;
     return ok ? 0 : 1;
 }

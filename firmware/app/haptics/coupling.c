@@ -104,6 +104,17 @@ static int32_t step_spring(const crn_haptics_axis *axis, crn_haptics_spring *spr
     return step_of(axis, spring, spring_force(axis, kept, spring->lead_before));
 }
 
+/* Lets the tool of a track rest where it is, without a force on the hand. */
+static void rest(crn_haptics *haptics, uint32_t k, const crn_haptics_tool *tool, crn_hand_position *followed)
+{
+    const crn_haptics_axis *axes = haptics->tracks[k].axes;
+    for (int i = 0; i < 2; i++) haptics->springs[k][i] = (crn_haptics_spring){.is_set = false};
+    if (axes[CRN_APP_ALONG].stiffness > 0)
+        followed->feed_m_q30 =
+            (int32_t)limited((int64_t)tool->inserted_m_q30 - tool->hand_offset_m_q30, INT32_MAX);
+    if (axes[CRN_APP_ABOUT].stiffness > 0) followed->turn32 = tool->base_turn32;
+}
+
 /* In each tick the core feeds the tool by a quarter of the distance by which the tool lags behind its
  * commanded position. If the hand is four steps ahead of its tool, the tool therefore moves by one step in
  * this tick. */
@@ -115,6 +126,10 @@ void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
         const crn_haptics_tool *tool = &input->tools[k];
         const crn_hand_position *hand = &input->hands[k];
         followed[k] = *hand;
+        if (tool->is_free || haptics->releases[k].left_ticks > 0) {
+            rest(haptics, k, tool, &followed[k]);
+            continue;
+        }
         if (axes[CRN_APP_ALONG].stiffness > 0) {
             const int32_t step = step_spring(&axes[CRN_APP_ALONG], &haptics->springs[k][CRN_APP_ALONG],
                                              hand->feed_m_q30, tool->inserted_m_q30);
@@ -157,11 +172,11 @@ void crn_haptics_settle(crn_haptics *haptics, const crn_haptics_input *input)
     for (uint32_t k = 0; k < input->tool_count; k++) {
         const crn_haptics_axis *axes = haptics->tracks[k].axes;
         const crn_haptics_tool *tool = &input->tools[k];
-        if (axes[CRN_APP_ALONG].stiffness > 0) {
+        if (haptics->springs[k][CRN_APP_ALONG].is_set) {
             settle_spring(&axes[CRN_APP_ALONG], &haptics->springs[k][CRN_APP_ALONG], tool->inserted_m_q30,
                           tool->axial_N_q22);
         }
-        if (axes[CRN_APP_ABOUT].stiffness > 0) {
+        if (haptics->springs[k][CRN_APP_ABOUT].is_set) {
             settle_spring(&axes[CRN_APP_ABOUT], &haptics->springs[k][CRN_APP_ABOUT],
                           crn_i32_from_u32(tool->base_turn32), tool->torque_N_m_q24);
         }
@@ -173,5 +188,6 @@ void crn_haptics_reset(crn_haptics *haptics)
     for (uint32_t k = 0; k < CRN_PORT_TOOL_MAX; k++) {
         for (int i = 0; i < 2; i++) haptics->springs[k][i] = (crn_haptics_spring){.is_set = false};
         haptics->energies[k] = (crn_haptics_energy){.scale_q16 = 1 << 16};
+        haptics->releases[k] = (crn_haptics_release){.left_ticks = 0};
     }
 }

@@ -72,8 +72,10 @@ static void ask(crn_haptics *haptics, uint32_t k, const crn_haptics_tool *tool)
     const bool has_along = track->axes[CRN_APP_ALONG].stiffness > 0,
                has_about = track->axes[CRN_APP_ABOUT].stiffness > 0;
     const int64_t gain = track->gain_milli, scale = haptics->energies[k].scale_q16;
-    const int32_t axial = has_along ? springs[CRN_APP_ALONG].output : tool->axial_N_q22;
-    const int32_t torque = has_about ? springs[CRN_APP_ABOUT].output : tool->torque_N_m_q24;
+    const int32_t felt_axial = tool->is_free ? 0 : tool->axial_N_q22;
+    const int32_t felt_torque = tool->is_free ? 0 : tool->torque_N_m_q24;
+    const int32_t axial = has_along ? springs[CRN_APP_ALONG].output : felt_axial;
+    const int32_t torque = has_about ? springs[CRN_APP_ABOUT].output : felt_torque;
     int64_t axial_mN = crn_rshift_round64(axial * gain, 22);
     int64_t torque_uN_m = crn_rshift_round64(torque * gain * 1000, 24);
     if (has_along) axial_mN = axial_mN * scale / SCALE_ONE;
@@ -96,6 +98,21 @@ static int32_t faded(int32_t value, int32_t from, uint32_t left_ticks)
     return crn_limited(value, -bound, bound);
 }
 
+void crn_haptics_let_go(crn_haptics *haptics, uint32_t track)
+{
+    const crn_port_motor *motor = &haptics->motors[track];
+    haptics->releases[track] =
+        (crn_haptics_release){CRN_HAPTICS_RELEASE_ticks, {motor->axial_mN, motor->torque_uN_m}};
+}
+
+/* Overflow is impossible: a snapshot and crn_haptics_let_go keep the two forces within their limits. */
+static void release(crn_haptics_release *released, crn_port_motor *motor)
+{
+    const int64_t left = --released->left_ticks;
+    motor->axial_mN = (int32_t)crn_quotient(released->from[0] * left, CRN_HAPTICS_RELEASE_ticks);
+    motor->torque_uN_m = (int32_t)crn_quotient(released->from[1] * left, CRN_HAPTICS_RELEASE_ticks);
+}
+
 void crn_haptics_after(crn_haptics *haptics, const crn_haptics_input *input, crn_findings *findings)
 {
     crn_haptics_settle(haptics, input);
@@ -106,6 +123,7 @@ void crn_haptics_after(crn_haptics *haptics, const crn_haptics_input *input, crn
         const bool has_coupling = axes[CRN_APP_ALONG].stiffness > 0 || axes[CRN_APP_ABOUT].stiffness > 0;
         if (has_coupling) observe_energy(haptics, k, &input->hands[k], findings);
         ask(haptics, k, &input->tools[k]);
+        if (haptics->releases[k].left_ticks > 0) release(&haptics->releases[k], motor);
         if (!input->is_fading) {
             from[0] = motor->axial_mN;
             from[1] = motor->torque_uN_m;

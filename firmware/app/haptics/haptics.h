@@ -71,6 +71,7 @@ typedef struct crn_haptics_tool {
     int32_t inserted_m_q30, hand_offset_m_q30;
     uint32_t base_turn32;
     int32_t axial_N_q22, torque_N_m_q24; /* on the hand; of the last tick */
+    bool is_free;                        /* no tool is at this position of the line */
 } crn_haptics_tool;
 
 typedef struct crn_haptics_input {
@@ -81,12 +82,21 @@ typedef struct crn_haptics_input {
     crn_haptics_tool tools[CRN_PORT_TOOL_MAX];
 } crn_haptics_input;
 
+/* How a track's force ends when its tool is exchanged. Part of the snapshot. */
+typedef struct crn_haptics_release {
+    uint32_t left_ticks; /* until no force is left; 0: the track is not being released */
+    int32_t from[2];     /* the motor's force and torque at the exchange */
+} crn_haptics_release;
+
+enum { CRN_HAPTICS_RELEASE_ticks = 32 };
+
 typedef struct crn_haptics {
     crn_haptics_track tracks[CRN_PORT_TOOL_MAX];
     crn_haptics_spring springs[CRN_PORT_TOOL_MAX][2];
     crn_haptics_energy energies[CRN_PORT_TOOL_MAX];
     crn_port_motor motors[CRN_PORT_TOOL_MAX]; /* requested; in LOCKSTEP only reported */
     int32_t fade_from[CRN_PORT_TOOL_MAX][2];  /* forces when the host fell silent */
+    crn_haptics_release releases[CRN_PORT_TOOL_MAX];
     uint32_t passivity_ticks;
 } crn_haptics;
 
@@ -99,6 +109,10 @@ void crn_haptics_reset(crn_haptics *haptics);
 
 /* Sets the forces requested from the motors to zero. */
 void crn_haptics_rest(crn_haptics *haptics);
+
+/* The tool of a track is exchanged. The track's force goes to zero within CRN_HAPTICS_RELEASE_ticks, as when
+ * a hand lets go, and the new tool rests meanwhile. Then the coupling takes hand and tool as they are. */
+void crn_haptics_let_go(crn_haptics *haptics, uint32_t track);
 
 /* Runs before the core's tick. The caller fills `followed` with the hands' positions; for each track with a
  * coupling, the function replaces the hand's position by the position to which the coupling moves the tool.

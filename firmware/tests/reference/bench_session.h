@@ -26,7 +26,7 @@ static void start_lockstep(void)
 }
 
 /* Starts FREE_RUN with a track that moves by 1 um per encoder count, without feedback from the motor. */
-static void start_free_run(void)
+static inline void start_free_run(void)
 {
     const crn_wire_track uncoupled = {.translation_pm_per_count = 1000000,
                                       .rotation_counts_per_turn = 65536,

@@ -123,7 +123,7 @@ void client_get(client *c, uint8_t what)
 
 void client_tools(client *c, const crn_wire_tools *tools)
 {
-    c->tool_count = tools->tools_count;
+    c->tool_count = tools->line_count > 0 ? tools->line_count : tools->tools_count;
     SEND(c, tools, tools);
 }
 

@@ -13,8 +13,8 @@ typedef struct damaged_word {
 
 /* Checks that the unchanged state can be restored. Then writes each of `words` alone into the part of the
  * state that begins at `part`, and checks that the core refuses the damaged state. */
-static inline void refuses_each(const crn_model *model, crn_state *state, size_t part,
-                                const damaged_word *words, size_t count)
+static inline void refuses_each(crn_model *model, crn_state *state, size_t part, const damaged_word *words,
+                                size_t count)
 {
     uint8_t *bytes = malloc(crn_state_bytes());
     crn_state_save(state, bytes);

@@ -387,7 +387,7 @@ void a_script_may_name_its_scene_tools_and_stents(void **)
     expect_error("needs scene a b\nwait 1 s", "a session has one scene");
     expect_error("needs tool\nwait 1 s", "a.session:1:11: expected a name of a file, the line ends");
     expect_error("needs tols a\nwait 1 s", "unknown kind of file 'tols', did you mean 'tools'?");
-    expect_error("needs tools a b c d\nwait 1 s", "a line of tools holds at most 3");
+    expect_error("needs tools a b c d e f g h i\nwait 1 s", "a session has at most 8 tools");
 }
 
 // If a script needs more tools than the session has, the message must give the line and the remedy.
@@ -419,6 +419,82 @@ void a_live_hand_comes_to_rest(void **)
     assert_int_equal(hand.translation_counts(), rest);
 }
 
+crn::LineNumbers resolved(crn::Session &session)
+{
+    static const std::vector<std::string> names = {"j_wire", "balloon", "guide", "floppy", "floppy"};
+    return crn::resolve_tools(session, names);
+}
+
+crn_wire_exchange exchange_in(const crn::Session &session, std::size_t statement)
+{
+    const auto &order = session.statements[statement].order;
+    assert_true(order.has_value() && order->kind == CRN_WIRE_KIND_exchange);
+    return order->exchange;
+}
+
+void a_script_states_its_line_and_exchanges_tools(void **)
+{
+    crn::Session session =
+        crn::parse_session("begin with j_wire nothing guide\nbegin inserted 20 mm\nload balloon as catheter\n"
+                           "exchange wire for 4\nremove tool 2\nload 5 as tool 2",
+                           "a.session");
+    assert_true(resolved(session) == (crn::LineNumbers{1, 0, 3}));
+    assert_int_equal(session.tools_named, 2);
+    const crn_wire_exchange load = exchange_in(session, 0), swap = exchange_in(session, 1),
+                            removal = exchange_in(session, 2), last = exchange_in(session, 3);
+    assert_true(load.position == 1 && load.tool == 2);
+    assert_true(swap.position == 0 && swap.tool == 4);
+    assert_true(removal.position == 1 && removal.tool == 0);
+    assert_true(last.position == 1 && last.tool == 5);
+}
+
+void an_exchange_is_given_in_one_tick_and_waits_for_its_answer(void **)
+{
+    crn::Session session = crn::parse_session("remove wire\nwait 10 ms", "a.session");
+    crn::resolve_tools(session, std::vector<std::string>{"a"});
+    crn::SessionPlayer player(session, 1);
+    for (int tick = 0; tick < 40; tick++)
+        assert_int_equal(player.next().orders.items_count, tick == 0 ? 1 : 0);
+    player.answer_exchange(CRN_WIRE_EXCHANGE_DONE);
+    assert_true(player.failures().empty() && !player.is_done());
+    player.answer_exchange(CRN_WIRE_EXCHANGE_INSIDE);
+    assert_true(player.is_done());
+    assert_string_equal(
+        player.failures()[0].c_str(),
+        "a.session:1: exchange: the tool at this position is still in the patient; withdraw it into "
+        "the introducer sheath first");
+}
+
+void expect_unresolved(const std::string &text, const std::string &expected)
+{
+    crn::Session session = crn::parse_session(text, "a.session");
+    try {
+        resolved(session);
+    } catch (const crn::FileError &error) {
+        if (std::string(error.what()).find(expected) == std::string::npos)
+            fail_msg("message '%s' does not hold '%s'", error.what(), expected.c_str());
+        return;
+    }
+    fail_msg("'%s' was resolved", text.c_str());
+}
+
+void mistakes_in_exchanges_are_named(void **)
+{
+    expect_error("load balloon\n", "1:13: expected 'as', the line ends");
+    expect_error("load balloon as together\n", "this is for one position");
+    expect_error("exchange wire balloon\n", "expected 'for', found 'balloon'");
+    expect_error("exchange wire for\n", "expected a tool of the session");
+    expect_error("remove\n", "expected tool, the line ends");
+    expect_error("begin with\nwait 1 s", "expected the tools on the line");
+    expect_error("begin with a b c d\nwait 1 s", "a line has at most 3 positions");
+    expect_error("begin with a\nbegin with b\nwait 1 s", "are stated in a line above");
+    expect_error("wait 1 s\nbegin with a", "'begin' must be the first statement");
+    expect_unresolved("begin with j_wire\nload baloon as catheter", "2:1: the session has no tool 'baloon'");
+    expect_unresolved("begin with j_wier\nwait 1 s", "1:1: the session has no tool 'j_wier'");
+    expect_unresolved("begin with j_wire\nload floppy as wire", "two tools 'floppy': write 4 or 5");
+    expect_unresolved("wait 1 s", "has 5 tools and does not say which are on the line");
+}
+
 } // namespace
 
 int main()
@@ -446,6 +522,9 @@ int main()
         cmocka_unit_test(a_script_may_name_its_scene_tools_and_stents),
         cmocka_unit_test(a_tool_that_is_not_there_is_named_with_its_line),
         cmocka_unit_test(a_live_hand_comes_to_rest),
+        cmocka_unit_test(a_script_states_its_line_and_exchanges_tools),
+        cmocka_unit_test(an_exchange_is_given_in_one_tick_and_waits_for_its_answer),
+        cmocka_unit_test(mistakes_in_exchanges_are_named),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -29,10 +29,12 @@ void walk(const Recording &recording)
 {
     const std::size_t tools = recording.header.tools.size();
     const std::size_t ticks = recording.ticks.size();
-    promise(tools >= 1 && tools <= CRN_WIRE_TOOL_MAX && recording.header.entry.inserted_um_count == tools);
+    promise(tools >= 1 && tools <= CRN_WIRE_TABLE_MAX &&
+            recording.header.entry.inserted_um_count == recording.header.positions());
     for (const Instrument &tool : recording.header.tools)
         promise(tool.table.knots_count <= CRN_WIRE_MAX_instrument_knots && tool.layers.size() <= layers_max);
-    for (const RecordedTick &tick : recording.ticks) promise(tick.input.hands_count == tools);
+    for (const RecordedTick &tick : recording.ticks)
+        promise(tick.input.hands_count == recording.header.positions());
     for (const RecordedSnapshot &snapshot : recording.snapshots) promise(snapshot.tick <= ticks);
     for (std::size_t i = 0; i < recording.commands.size(); i++) {
         promise(refusal(recording.commands[i].command).empty());

@@ -136,7 +136,9 @@ void what_was_nothing_costs_nothing_any_more(void **)
         for (const crn_wire_order &order : crn::orders_of(tick.input))
             orders_bytes += order.kind == CRN_WIRE_KIND_strut ? 19 : 4;
     assert_int_equal(orders_bytes, 9 * 19 + 2 * 4);
-    assert_int_equal(old_bytes().size() - bytes.size(), ticks_count * (old_tick_bytes - 31) - orders_bytes);
+    const std::size_t added_to_header = 2 * 4 + 1; // two lengths of its tool, and the empty line
+    assert_int_equal(old_bytes().size() + added_to_header - bytes.size(),
+                     ticks_count * (old_tick_bytes - 31) - orders_bytes);
 }
 
 void every_order_is_in_its_tick(void **)
@@ -236,6 +238,71 @@ void what_was_cut_off_stays_cut_off(void **)
     assert_int_equal(upgraded(bytes).ticks.size(), 0);
 }
 
+// The file protocol_5.rec was written by a program with protocol 5: about 0.9 s of a wire and a catheter.
+const Bytes &protocol_5_bytes()
+{
+    static const Bytes bytes = crn::read_binary_file("host/session/tests/protocol_5.rec");
+    return bytes;
+}
+
+void a_recording_of_protocol_5_replays_bit_for_bit(void **)
+{
+    const crn::Recording recording = upgraded(protocol_5_bytes());
+    assert_true(recording.is_complete);
+    assert_int_equal(recording.header.tools.size(), 2);
+    assert_true(recording.header.line.empty());
+    assert_int_equal(recording.header.tools[1].table.whole_um, 0);
+    assert_true(recording.ticks.size() > 900);
+    const crn::ReplayResult result = verify(recording);
+    if (result.first_difference_tick) fail_msg("%s", result.difference.c_str());
+    assert_int_equal(result.ticks_compared, recording.ticks.size());
+}
+
+// Makes of a present snapshot what a program with protocol 5 would have written: without the release of each
+// tool, and without the five words of the line before the core's nodes.
+Bytes snapshot_of_protocol_5(const Bytes &now)
+{
+    constexpr std::ptrdiff_t nodes = 388 * 84, exchange = 5 * 4;
+    Bytes old(now.begin(), now.begin() + 12);
+    old[0] = 3;
+    for (std::ptrdiff_t k = 0; k < 3; k++)
+        old.insert(old.end(), now.begin() + 12 + 120 * k, now.begin() + 12 + 120 * k + 108);
+    old.insert(old.end(), now.begin() + 12 + 120 * 3, now.end() - nodes - exchange);
+    old.insert(old.end(), now.end() - nodes, now.end());
+    return old;
+}
+
+void a_snapshot_of_protocol_5_becomes_the_present_one(void **)
+{
+    const crn::Recording whole = upgraded(protocol_5_bytes());
+    const crn::RecordingHeader &header = whole.header;
+    crn::Device device(crn::read_scene(""), header.tools, header.entry, header.rig);
+    std::vector<crn_wire_tick_input> inputs;
+    const Bytes &old = protocol_5_bytes();
+    const std::size_t at = chunk_of(old, kind_ticks), first = word(old, at + 12);
+    for (std::size_t i = 0; i < first; i++) {
+        inputs.push_back(whole.ticks[i].input);
+        if (inputs.size() < 50 && i + 1 < first) continue;
+        device.step(inputs, false);
+        inputs.clear();
+    }
+    const Bytes now = device.read_snapshot(), snapshot = snapshot_of_protocol_5(now);
+    constexpr std::uint32_t kind_snapshot = 4;
+    Bytes chunk(8 + 4 + snapshot.size() + 4);
+    put_word(chunk, 0, kind_snapshot);
+    put_word(chunk, 4, static_cast<std::uint32_t>(4 + snapshot.size()));
+    put_word(chunk, 8, static_cast<std::uint32_t>(first));
+    std::copy(snapshot.begin(), snapshot.end(), chunk.begin() + 12);
+    seal(chunk, 0);
+    Bytes bytes = old;
+    bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at + 12 + word(old, at + 4)), chunk.begin(),
+                 chunk.end());
+    const crn::Recording recording = upgraded(bytes);
+    assert_int_equal(recording.snapshots.size(), 1);
+    assert_true(recording.snapshots[0].bytes == now);
+    device.restore(recording.snapshots[0].bytes);
+}
+
 // The test flips one bit at a time, and tries chunks with correct checksums and wrong contents.
 void damage_is_refused(void **)
 {
@@ -274,8 +341,8 @@ void other_versions_and_schemas_are_refused_by_name(void **)
     expect_refusal(bytes, RecordingFault::newer_version,
                    "was written with another wire schema (file fe912b8c91b717ba");
     bytes = old_bytes();
-    bytes[7] = '5';
-    expect_refusal(bytes, RecordingFault::newer_version, "is a recording of version '5'");
+    bytes[7] = '6';
+    expect_refusal(bytes, RecordingFault::newer_version, "is a recording of version '6'");
     bytes[7] = '1';
     expect_refusal(bytes, RecordingFault::newer_version, "is a recording of version '1'");
     bytes[0] = 'X';
@@ -326,6 +393,8 @@ int main()
         cmocka_unit_test(views_of_version_2_become_commands),
         cmocka_unit_test(a_recording_from_before_the_renaming_is_converted),
         cmocka_unit_test(what_was_cut_off_stays_cut_off),
+        cmocka_unit_test(a_recording_of_protocol_5_replays_bit_for_bit),
+        cmocka_unit_test(a_snapshot_of_protocol_5_becomes_the_present_one),
         cmocka_unit_test(damage_is_refused),
         cmocka_unit_test(other_versions_and_schemas_are_refused_by_name),
         cmocka_unit_test(a_file_is_converted_whole_or_not_at_all),

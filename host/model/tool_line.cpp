@@ -1,0 +1,26 @@
+#include "host/model/tool_line.hpp"
+
+namespace crn
+{
+
+LineNumbers whole_table(std::size_t tool_count)
+{
+    LineNumbers line;
+    for (std::size_t k = 0; k < tool_count; k++) line.push_back(static_cast<std::uint8_t>(k + 1));
+    return line;
+}
+
+LineNumbers line_or_table(const LineNumbers &line, std::size_t tool_count)
+{
+    return line.empty() ? whole_table(tool_count) : line;
+}
+
+std::vector<Instrument> tools_on(std::span<const Instrument> table, std::span<const std::uint8_t> line)
+{
+    std::vector<Instrument> tools;
+    for (const std::uint8_t number : line)
+        tools.push_back(number >= 1 && number <= table.size() ? table[number - 1u] : Instrument{});
+    return tools;
+}
+
+} // namespace crn

@@ -1,0 +1,31 @@
+// Says which tools of a session's table are on the line. The device's ticks and shapes name the tool at each
+// position by its number in the table, from 1; the number 0 stands for a free position (docs/session.md,
+// "Exchange").
+#pragma once
+#include "host/model/instrument.hpp"
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace crn
+{
+
+using LineNumbers = std::vector<std::uint8_t>;
+
+// Returns the numbers of a line that has all tools of the table in their order; this is the line of a session
+// that states none.
+LineNumbers whole_table(std::size_t tool_count);
+
+// Returns `line`, or the whole table if `line` is empty.
+LineNumbers line_or_table(const LineNumbers &line, std::size_t tool_count);
+
+inline LineNumbers line_of(const crn_wire_tick_state &state)
+{
+    return {state.line, state.line + state.line_count};
+}
+
+// Returns the tool at each position. A free position has a tool without a name, without knots and without a
+// lumen. A number that the table does not have counts as free.
+std::vector<Instrument> tools_on(std::span<const Instrument> table, std::span<const std::uint8_t> line);
+
+} // namespace crn

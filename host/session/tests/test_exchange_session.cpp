@@ -1,0 +1,159 @@
+// Tests sessions that exchange tools (docs/session.md, "Exchange"). The script's orders reach the core, the
+// patient and the pictures follow the tools on the line, a recording replays bit for bit from its start and
+// from a snapshot, and a refused exchange ends the script with its reason.
+#include <algorithm>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "host/base/text.hpp"
+#include "host/session/replay.hpp"
+#include "host/session/run.hpp"
+
+// This header comes last, because its macros (fail, ...) would change other headers.
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+const std::string path = "/tmp/cournand_test_exchange_" + std::to_string(getpid()) + ".rec";
+const crn::SceneFile scene = crn::read_scene("");
+
+const std::vector<std::string> &names()
+{
+    static const std::vector<std::string> list = {"terumo_4f", "coronary_014", "guide_jl4_6f", "balloon_3x20",
+                                                  "amplatz_super_stiff"};
+    return list;
+}
+
+const std::vector<crn::Instrument> &table()
+{
+    static const std::vector<crn::Instrument> tools = [] {
+        std::vector<crn::Instrument> read;
+        for (const std::string &name : names())
+            read.push_back(crn::read_instrument("shared/examples/instruments/" + name + ".toml"));
+        return read;
+    }();
+    return tools;
+}
+
+struct Recorded {
+    crn::RunResult result;
+    crn::Recording recording;
+    crn::LineNumbers line;          // of the patient, at the end
+    std::vector<std::string> tools; // their names
+    std::string notice;
+};
+
+Recorded record(const std::string &script)
+{
+    crn::Session session = crn::parse_session(script, "a.session");
+    const crn::LineNumbers line = crn::resolve_tools(session, names());
+    const crn_wire_entry entry = crn::entry_of(scene, line.size(), session.inserted_um);
+    crn::Device device(scene, table(), entry, crn::host_rig(), {}, line);
+    crn::PatientSettings settings;
+    settings.line = line;
+    crn::Patient patient({}, table(), settings);
+    Recorded recorded;
+    {
+        crn::Recorder recorder(path, device.recording_header("a.session"));
+        recorded.result = crn::run_session(device, patient, session, &recorder, nullptr, {});
+    }
+    recorded.recording = crn::read_recording(path);
+    std::remove(path.c_str());
+    recorded.line = patient.line();
+    for (const crn::Instrument &tool : patient.tools()) recorded.tools.push_back(tool.name);
+    recorded.notice = patient.notice().text;
+    return recorded;
+}
+
+// A wire is withdrawn from a guide, another one goes in, and a balloon over it; more than one snapshot is
+// recorded.
+const Recorded &whole()
+{
+    static const Recorded recorded = record("begin with amplatz_super_stiff nothing guide_jl4_6f\n"
+                                            "begin wire inserted 120 mm\nbegin guide inserted 100 mm\n"
+                                            "withdraw wire until inserted 0 mm at 100 mm/s\n"
+                                            "exchange wire for coronary_014\n"
+                                            "advance wire 130 mm at 60 mm/s\n"
+                                            "load balloon_3x20 as catheter\n"
+                                            "advance catheter 90 mm at 60 mm/s\n"
+                                            "withdraw catheter until inserted 0 mm at 100 mm/s\n"
+                                            "remove catheter\nwait 100 ms");
+    return recorded;
+}
+
+std::uint32_t answers(const crn::Recording &recording, std::uint8_t tool)
+{
+    std::uint32_t count = 0;
+    for (const crn::RecordedTick &tick : recording.ticks)
+        for (std::uint16_t i = 0; i < tick.input.orders.items_count; i++) {
+            const crn_wire_order &order = tick.input.orders.items[i];
+            count += order.kind == CRN_WIRE_KIND_exchange && order.exchange.tool == tool;
+        }
+    return count;
+}
+
+void a_script_exchanges_tools_and_the_patient_follows(void **)
+{
+    const Recorded &recorded = whole();
+    if (!recorded.result.failures.empty()) fail_msg("%s", recorded.result.failures[0].c_str());
+    assert_true(recorded.line == (crn::LineNumbers{2, 0, 3}));
+    assert_string_equal(recorded.tools[0].c_str(), table()[1].name.c_str());
+    assert_string_equal(recorded.tools[1].c_str(), "");
+    assert_true(recorded.recording.header.line == (crn::LineNumbers{5, 0, 3}));
+    assert_int_equal(recorded.recording.header.tools.size(), 5);
+    assert_int_equal(answers(recorded.recording, 2), 1);
+    assert_int_equal(answers(recorded.recording, 4), 1);
+    assert_int_equal(answers(recorded.recording, 0), 1);
+}
+
+void a_recorded_exchange_replays_bit_for_bit(void **)
+{
+    const crn::Recording &recording = whole().recording;
+    const crn::RecordingHeader &header = recording.header;
+    assert_true(!recording.snapshots.empty());
+    for (const double from_s : {0.0, recording.snapshots.back().tick * 1e-3}) {
+        crn::Device device(scene, header.tools, header.entry, header.rig, {}, header.line);
+        crn::ReplaySettings settings;
+        settings.verifies = true;
+        settings.from_s = from_s;
+        const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, nullptr, settings);
+        if (result.first_difference_tick) fail_msg("%s", result.difference.c_str());
+        assert_true(result.hash == whole().result.hash);
+    }
+}
+
+void a_refused_exchange_ends_the_script_by_name(void **)
+{
+    const Recorded recorded = record("begin with coronary_014 nothing guide_jl4_6f\n"
+                                     "begin wire inserted 120 mm\nbegin guide inserted 100 mm\n"
+                                     "wait 100 ms\nexchange wire for terumo_4f\nwait 10 s");
+    assert_int_equal(recorded.result.failures.size(), 1);
+    assert_string_equal(
+        recorded.result.failures[0].c_str(),
+        "a.session:5: exchange: the tool at this position is still in the patient; withdraw it "
+        "into the introducer sheath first");
+    assert_true(recorded.notice.find("NO EXCHANGE - the tool at this position is still") == 0);
+    assert_true(recorded.recording.ticks.size() < 1000);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(a_script_exchanges_tools_and_the_patient_follows),
+        cmocka_unit_test(a_recorded_exchange_replays_bit_for_bit),
+        cmocka_unit_test(a_refused_exchange_ends_the_script_by_name),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
