@@ -131,10 +131,17 @@ struct Case {
         std::unique_ptr<SessionPictures> pictures;
         if (has_pictures)
             pictures = std::make_unique<SessionPictures>(settings, instruments, *patient, anatomy);
-        Recorder recorder((folder / record).string(),
-                          {device.identity().core_version, device.identity().schema_hash,
-                           static_cast<std::uint32_t>(scene.bytes.size()), scene.crc32, scene.path, "case",
-                           instruments, entry, device.rig(), settings.stents});
+        Recorder recorder((folder / record).string(), {device.identity().core_version,
+                                                       device.identity().schema_hash,
+                                                       static_cast<std::uint32_t>(scene.bytes.size()),
+                                                       scene.crc32,
+                                                       scene.path,
+                                                       "case",
+                                                       instruments,
+                                                       {},
+                                                       entry,
+                                                       device.rig(),
+                                                       settings.stents});
         RunSettings how;
         if (script.find("load stent") == std::string::npos && stents > 0)
             how.begin.push_back({RoomAction::load_stent, {}});

@@ -83,11 +83,6 @@ double depth_off_the_way_mm(const ConditionAtom &atom, const ToolMoment &tool)
     return std::find(atom.way.begin(), atom.way.end(), tool.vessel) == atom.way.end() ? tool.inside_mm : -1.0;
 }
 
-bool line_has_wire(const SessionLog &log)
-{
-    return std::find(log.is_wire.begin(), log.is_wire.end(), true) != log.is_wire.end();
-}
-
 bool tool_holds(const ConditionAtom &atom, const SessionSignals &signals, std::size_t i)
 {
     const SessionMoment &moment = signals.log().moments[i];
@@ -172,7 +167,7 @@ bool session_holds(const ConditionAtom &atom, const SessionLog &log, std::size_t
     case Kind::wall_N:
         return atom.allows(now.wall_N);
     case Kind::line_without_wire:
-        return !line_has_wire(log);
+        return !now.has_wire;
     default:
         return false;
     }

@@ -1,4 +1,5 @@
 #include "host/assess/observer.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/model/wire_place.hpp"
 #include "host/session/contact_figures.hpp"
 #include <algorithm>
@@ -21,7 +22,7 @@ AssessObserver::AssessObserver(Patient &patient, const std::vector<Instrument> &
     log_.map = tips.map();
     for (const Instrument &tool : tools) {
         log_.tools.push_back(tool.name);
-        log_.is_wire.push_back(tool.kind == InstrumentKind::wire);
+        is_wire_.push_back(tool.kind == InstrumentKind::wire);
         if (!tool.balloon) continue;
         log_.has_balloon = true;
         if (tool.balloon->rated_burst_kPa > 0.0) log_.rated_burst_bar = tool.balloon->rated_burst_kPa * 1e-2;
@@ -84,6 +85,10 @@ void AssessObserver::look_at_room(SessionMoment &moment)
 void AssessObserver::look_at_tools(const SessionFrame &frame, SessionMoment &moment)
 {
     const WireFrame &wire = frame.wire;
+    const LineNumbers line = line_or_table(line_of(patient_.state()), is_wire_.size());
+    moment.has_wire = std::any_of(line.begin(), line.end(), [&](std::uint8_t number) {
+        return number > 0 && number <= is_wire_.size() && is_wire_[number - 1u];
+    });
     const bool has_shape = wire.nodes.size() >= 2 && !wire.tip_arc_m.empty();
     const std::vector<TipPlace> places = tips_.at(wire);
     for (std::size_t k = 0; k < std::min(frame.tools.size(), moment.tools.size()); ++k) {

@@ -42,6 +42,7 @@ class AssessObserver final : public FrameSink
 
     Patient &patient_;
     const TipPlaces &tips_;
+    std::vector<bool> is_wire_; // for each tool of the table
     SessionLog log_;
     std::uint32_t next_tick_ = 0;
     double wall_N_ = 0.0;

@@ -33,6 +33,7 @@ struct ToolMoment {
 struct SessionMoment {
     std::uint32_t tick = 0;
     std::array<ToolMoment, CRN_WIRE_TOOL_MAX> tools{};
+    bool has_wire = true;                          // a wire is on the line
     bool is_xray_on = false, is_acquiring = false; // fluoroscopy or a run; a run (cine or DSA)
     bool is_gantry_moving = false;
     double fluoroscopy_s = 0.0, kap_Gy_cm2 = 0.0; // since the start
@@ -57,7 +58,6 @@ struct SessionLog {
 
     VesselMap map;
     std::vector<std::string> tools;        // names, from the innermost
-    std::vector<bool> is_wire;             // for each tool
     std::optional<double> rated_burst_bar; // empty: no tool has a balloon, or its label does not state it
     bool has_balloon = false, has_stents = false, has_lesions = false;
     bool has_transducer = false; // a tool has a lumen in which the pressure is measured

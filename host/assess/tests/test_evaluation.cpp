@@ -25,7 +25,6 @@ crn::SessionLog session(const std::function<void(double s, crn::SessionMoment &)
     tree.branches.push_back({"artery", -1, 0, {{0, 0, 0}, {0, 0.2, 0}}, {1.5e-3, 1.5e-3}});
     log.map = crn::VesselMap(tree);
     log.tools = {"wire"};
-    log.is_wire = {true};
     for (std::uint32_t tick = 0; tick <= 10000; tick += crn::SessionLog::every_ticks) {
         crn::SessionMoment moment;
         moment.tick = tick;
@@ -154,6 +153,20 @@ void each_injection_without_aspiration_is_one_error(void **)
     assert_in_range(found.errors[1].begin_tick, 5000, 5016);
 }
 
+// The wire is off the line from 2 s to 6 s; the other tool moves from 4 s on.
+void a_move_while_no_wire_is_on_the_line_is_found(void **)
+{
+    const crn::SessionLog log = session([](double s, crn::SessionMoment &moment) {
+        moment.has_wire = s < 2.0 || s >= 6.0;
+        moment.tools[0].inserted_mm = 10.0 * std::max(s - 4.0, 0.0);
+    });
+    const crn::Evaluation found =
+        crn::evaluate(plan_with("line without wire and tool 1 moves", 0.0, 1.0), log);
+    assert_int_equal(found.errors.size(), 1);
+    assert_in_range(found.errors[0].begin_tick, 4000, 4100); // the speed is a mean over 160 ms
+    assert_in_range(found.errors[0].end_tick, 5968, 6000);
+}
+
 // The hand pushes 40 mm in 4 s; the tip stops after 20 mm. The rule notices it 15 mm later.
 void a_push_against_a_fixed_tip_is_found(void **)
 {
@@ -268,6 +281,7 @@ int main()
         cmocka_unit_test(an_unknown_vessel_is_refused_with_a_suggestion),
         cmocka_unit_test(an_injection_while_the_pressure_is_damped_is_found),
         cmocka_unit_test(each_injection_without_aspiration_is_one_error),
+        cmocka_unit_test(a_move_while_no_wire_is_on_the_line_is_found),
         cmocka_unit_test(a_push_against_a_fixed_tip_is_found),
         cmocka_unit_test(phases_follow_each_other_and_their_steps_lie_in_them),
         cmocka_unit_test(the_score_is_the_mean_of_its_parts_by_weight),

@@ -43,6 +43,7 @@ void make_recording()
                                   "",
                                   "test",
                                   tools,
+                                  {},
                                   entry,
                                   crn::host_rig(),
                                   {}});
