@@ -21,8 +21,8 @@ inline void yield_to_physics(int nice = picture_nice)
 // Returns the threads of this process, as the kernel numbers them; none where there is no /proc.
 std::set<int> threads_of_process();
 
-// Raises the nice value of every thread that is not in `own`. Without a graphics card, OpenGL draws by threads
-// that it starts itself, and these threads want every processor.
+// Raises the nice value of every thread that is not in `own`. Without a graphics card, OpenGL draws by
+// threads that it starts itself, and these threads want every processor.
 void make_other_threads_yield(const std::set<int> &own);
 
 } // namespace crn
