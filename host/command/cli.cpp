@@ -385,7 +385,11 @@ std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vec
 
 std::vector<Instrument> reported_tools(const Patient &patient)
 {
-    std::vector<Instrument> tools = patient.tools();
+    return with_free_positions(patient.tools());
+}
+
+std::vector<Instrument> with_free_positions(std::vector<Instrument> tools)
+{
     for (Instrument &tool : tools)
         if (tool.name.empty() && tool.table.knots_count == 0) tool.name = free_position;
     return tools;

@@ -62,12 +62,15 @@ int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 
-// Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
-// tool of every option --tool. Throws UsageError if there is no tool, or more tools than can be nested;
-// throws FileError for a bad file.
 // Returns the tools that are on the line at the end of a session, for its report; a free position has the
 // name "nothing".
 std::vector<Instrument> reported_tools(const Patient &patient);
+// Returns the tools, in which a position without a tool is called free.
+std::vector<Instrument> with_free_positions(std::vector<Instrument> tools);
+
+// Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
+// tool of every option --tool. Throws UsageError if there is no tool, or more tools than `most`; throws
+// FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools,
                                    std::size_t most = CRN_WIRE_TOOL_MAX);
 // Returns the point where the tools enter the patient, with their inserted lengths. The user may give no

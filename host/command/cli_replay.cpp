@@ -61,11 +61,18 @@ RunResult run_result(const ReplayResult &replayed)
 namespace
 {
 
+// Returns the tools on the line at the end of the replay, as `run` reports them.
+std::vector<Instrument> named_tools(const RecordingHeader &header, const LineNumbers &line)
+{
+    const LineNumbers &at_end = line.empty() ? header.line : line;
+    return with_free_positions(tools_on(header.tools, line_or_table(at_end, header.tools.size())));
+}
+
 int print_result(const Recording &recording, const ReplayOptions &options, const ReplayResult &result)
 {
     std::printf("final hash %016llx at tick %u\n", static_cast<unsigned long long>(result.hash),
                 unsigned{result.tick});
-    print_tools(recording.header.tools, result.figures);
+    print_tools(named_tools(recording.header, result.line), result.figures);
     if (!recording.is_complete && !options.verify)
         std::printf("the recording was cut off; it is whole up to tick %zu\n", recording.ticks.size());
     if (result.first_difference_tick) {

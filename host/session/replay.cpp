@@ -44,6 +44,7 @@ class Replayer
         }
         result_.was_interrupted = link_.tick() < recording_.ticks.size() && !result_.first_difference_tick;
         result_.tick = link_.tick();
+        result_.line = line_of(state_);
         result_.hash = link_.read_hash64().hash;
         result_.faults = link_.read_fault_log();
         compare_hash(result_.tick, result_.hash);

@@ -32,6 +32,7 @@ struct ReplayResult {
     SessionFigures figures;
     ContactFigures contacts;
     std::vector<TipPlace> tips; // places after the last tick; filled by the caller that has the vessels
+    LineNumbers line;           // after the last tick; empty if no tick was replayed
     crn_wire_fault_log faults{};
     double seconds = 0.0; // wall clock
     std::uint32_t tick = 0;

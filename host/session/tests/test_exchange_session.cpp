@@ -129,6 +129,7 @@ void a_recorded_exchange_replays_bit_for_bit(void **)
         const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, nullptr, settings);
         if (result.first_difference_tick) fail_msg("%s", result.difference.c_str());
         assert_true(result.hash == whole().result.hash);
+        assert_true(result.line == whole().line);
     }
 }
 
