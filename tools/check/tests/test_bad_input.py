@@ -295,7 +295,9 @@ def cournand_tools(bench):
     bench.bad("a wire outside a catheter is refused by both names", session_run(wire=CATHETER, more=["--tool", WIRE]),
               1,
               r"'5F Beacon[^']*' \(1.67 mm\) does not pass the lumen of 'Bentson")
-    bench.bad("four tools are refused", session_run(more=two * 3), 2, "at most 3 tools, 4 are named")
+    bench.bad("four tools without a line are refused", session_run(more=two * 3), 1,
+              r"has 4 tools and does not say which are on the line: write 'begin with'")
+    bench.bad("nine tools are refused", session_run(more=two * 8), 2, "at most 8 tools, 9 are named")
     bench.bad("a missing second tool is refused", session_run(more=["--tool", "gone.toml"]), 1, r"gone\.toml")
     bench.write("two.session", "begin inserted 12 mm\nwait 100 ms\nadvance catheter 5 mm\n")
     bench.bad("a script that needs a second tool is refused with its line", session_run(session="two.session"), 1,
