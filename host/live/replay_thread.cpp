@@ -35,7 +35,7 @@ void ReplayThread::ask(const ReplayAsk &ask)
 
 void ReplayThread::prepare()
 {
-    yield_to_physics(replay_nice);
+    yield_to_physics(10);
     try {
         for (bool goes_on = true; goes_on;) {
             {

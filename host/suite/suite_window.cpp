@@ -1,5 +1,4 @@
 #include "host/suite/suite_window.hpp"
-#include "host/live/thread_priority.hpp"
 #include "host/screen/glfw_window.hpp"
 #include <imgui.h>
 #include <imgui_freetype.h>
@@ -115,12 +114,10 @@ SuiteWindow::SuiteWindow(const std::string &title, WindowSize size, const std::s
     } else if (std::error_code ignored; !std::filesystem::is_regular_file(font, ignored)) {
         throw std::runtime_error("window: there is no font '" + font + "'; name a TrueType file with --font");
     }
-    const std::set<int> own = threads_of_process();
     open(title, size);
     try {
         gl_ = load_functions(ShownContext());
         set_up_imgui();
-        make_other_threads_yield(own);
     } catch (...) {
         glfwTerminate();
         throw;
