@@ -84,7 +84,7 @@ RecordedScore score_recording(const ScoreRequest &request)
     device.link().read_nodes();
     replayed.tips = tips.at(session_frame(device, {}, {}).wire);
     const RunResult result = run_result(replayed);
-    score.report = report_of(result, scene.path, header.tools, header.session_path, *patient);
+    score.report = report_of(result, scene.path, reported_tools(*patient), header.session_path, *patient);
     assessor.assess(score.report);
     if (request.lesson) score.report["case"] = play.judge_end(result, score.report);
     score.state_hash = hex_text(replayed.hash);
