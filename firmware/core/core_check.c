@@ -97,9 +97,7 @@ crn_build_status crn_check_table(const crn_instrument *table, uint32_t table_cou
     return CRN_BUILD_OK;
 }
 
-/* Checks that the line has one tool at least, and that each of its numbers is that of a tool and occurs once.
- */
-static bool numbers_are_valid(uint32_t table_count, const uint32_t *line, uint32_t line_count)
+bool crn_line_numbers_are_valid(uint32_t table_count, const uint32_t *line, uint32_t line_count)
 {
     uint32_t seen_bits = 0;
     for (uint32_t k = 0; k < line_count; k++) {
@@ -115,7 +113,8 @@ crn_build_status crn_check_line(const crn_instrument *table, uint32_t table_coun
                                 uint32_t line_count, crn_build_place *place)
 {
     *place = (crn_build_place){0, 0};
-    if (!in_range(line_count, 1, CRN_TOOL_MAX) || !numbers_are_valid(table_count, line, line_count)) {
+    if (!in_range(line_count, 1, CRN_TOOL_MAX) ||
+        !crn_line_numbers_are_valid(table_count, line, line_count)) {
         return CRN_BUILD_TOOLS;
     }
     const crn_instrument *inner = NULL;

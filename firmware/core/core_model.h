@@ -178,6 +178,9 @@ enum {
  * that the line begins with (their numbers, nesting and balloons) and the place of entry. *place receives the
  * tool and the knot that caused a refusal. The line is checked after the table. */
 crn_build_status crn_check_table(const crn_instrument *table, uint32_t table_count, crn_build_place *place);
+/* Returns whether the line has one tool at least, and each of its numbers is 0 or that of a tool and occurs
+ * once. */
+bool crn_line_numbers_are_valid(uint32_t table_count, const uint32_t *line, uint32_t line_count);
 crn_build_status crn_check_line(const crn_instrument *table, uint32_t table_count, const uint32_t *line,
                                 uint32_t line_count, crn_build_place *place);
 crn_build_status crn_check_entry(const crn_entry *entry);

@@ -36,7 +36,10 @@ bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words)
 {
     const crn_exchange_state *exchange = &words->exchange;
     const crn_table_tool *inner = NULL;
-    uint32_t seen_bits = 0, balloons = 0;
+    uint32_t balloons = 0;
+    if (!crn_line_numbers_are_valid(model->table_count, exchange->line, model->tool_count)) {
+        return false;
+    }
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         const uint32_t number = exchange->line[k];
         if (number == 0) {
@@ -45,18 +48,17 @@ bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words)
             }
             continue;
         }
-        if (k >= model->tool_count || number > model->table_count || (seen_bits >> number & 1u) != 0) {
+        if (k >= model->tool_count) {
             return false;
         }
         const crn_table_tool *tool = &model->table[number - 1];
         if (inner != NULL && inner->outer_um > tool->bore_um) {
             return false;
         }
-        seen_bits |= 1u << number;
         balloons += tool->balloon.ball_count > 0;
         inner = tool;
     }
-    return inner != NULL && balloons <= 1 && exchange->burst_bits >> model->table_count == 0;
+    return balloons <= 1 && exchange->burst_bits >> model->table_count == 0;
 }
 
 int32_t crn_exchange_inserted_max(const crn_model *model, const crn_state_words *words, uint32_t position)
