@@ -100,7 +100,8 @@ crn_wire_tick_input sample_input(std::uint32_t tick)
 }
 
 Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
-                        const std::function<void(std::uint32_t tick)> &between)
+                        const std::function<void(std::uint32_t tick)> &between,
+                        const std::function<crn_wire_tick_input(std::uint32_t tick)> &input_of)
 {
     Ending ending;
     link.use_lockstep();
@@ -110,7 +111,7 @@ Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batc
     while (link.tick() < ticks) {
         inputs.clear();
         for (std::uint32_t i = 0; i < batch && link.tick() + i < ticks; i++)
-            inputs.push_back(sample_input(link.tick() + i));
+            inputs.push_back(input_of(link.tick() + i));
         const auto states = link.step(inputs, false);
         ending.states.insert(ending.states.end(), states.begin(), states.end());
         if (between) between(link.tick());

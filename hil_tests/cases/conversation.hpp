@@ -33,9 +33,11 @@ void set_up(crn::Link &link);
 crn_wire_tick_input sample_input(std::uint32_t tick);
 
 // Arms the device, runs `ticks` ticks in LOCKSTEP in batches of `batch` ticks, and calls `between` after
-// every batch.
-Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
-                        const std::function<void(std::uint32_t tick)> &between = {});
+// every batch. `input_of` gives the inputs in the order of their ticks.
+Ending
+lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
+                 const std::function<void(std::uint32_t tick)> &between = {},
+                 const std::function<crn_wire_tick_input(std::uint32_t tick)> &input_of = sample_input);
 
 // Runs the session of lockstep_session() without a test bench, with the host's own device in this process.
 Ending host_only_session(std::uint32_t ticks, std::uint32_t batch);

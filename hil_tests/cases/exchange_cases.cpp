@@ -69,42 +69,44 @@ struct Exchanges {
 };
 
 // Every tick has an order. A hand keeps its speed for some ticks, so that tools go in and come out.
+class RandomHands
+{
+  public:
+    crn_wire_tick_input next()
+    {
+        crn_wire_tick_input input{};
+        input.hands_count = positions;
+        for (std::size_t k = 0; k < positions; k++) {
+            if (below(100) == 0) speed_[k] = static_cast<std::int32_t>(below(800)) - 400;
+            at_[k] += speed_[k];
+            input.hands[k] = {at_[k], at_[k] / 4};
+        }
+        const auto position = static_cast<std::uint8_t>(below(positions));
+        const auto tool = static_cast<std::uint8_t>(below(tools_count + 1));
+        input.orders.items_count = 1;
+        input.orders.items[0] = crn_wire_order_of_exchange({position, tool});
+        return input;
+    }
+
+  private:
+    std::uint32_t below(std::uint32_t bound) { return reference_random_below(&random_, bound); }
+
+    reference_random random_ = reference_random_seed(seed);
+    std::array<std::int32_t, positions> at_{}, speed_{};
+};
+
 Exchanges exchanges_on(crn::Link &link, std::uint32_t ticks)
 {
     Exchanges result;
-    reference_random random = reference_random_seed(seed);
-    std::array<std::int32_t, positions> at{}, speed{};
+    RandomHands hands;
     set_up_table(link);
-    link.use_lockstep();
-    link.arm();
-    link.start();
-    std::vector<crn_wire_tick_input> inputs;
-    while (link.tick() < ticks) {
-        inputs.clear();
-        for (std::uint32_t i = 0; i < batch_ticks; i++) {
-            crn_wire_tick_input input{};
-            input.hands_count = positions;
-            for (std::size_t k = 0; k < positions; k++) {
-                if (reference_random_below(&random, 100) == 0)
-                    speed[k] = static_cast<std::int32_t>(reference_random_below(&random, 800)) - 400;
-                at[k] += speed[k];
-                input.hands[k] = {at[k], at[k] / 4};
-            }
-            const auto position = static_cast<std::uint8_t>(reference_random_below(&random, positions));
-            const auto tool = static_cast<std::uint8_t>(reference_random_below(&random, tools_count + 1));
-            input.orders.items_count = 1;
-            input.orders.items[0] = crn_wire_order_of_exchange({position, tool});
-            inputs.push_back(input);
-        }
-        for (const crn_wire_tick_state &state : link.step(inputs, false)) {
-            result.ending.states.push_back(state);
-            result.answers.at(state.exchange)++;
-            (state.exchange == CRN_WIRE_EXCHANGE_DONE ? result.done : result.refused)++;
-            result.wall_mm = std::max(result.wall_mm, state.penetration_max_m_q30 / 1073741824.0 * 1e3);
-        }
+    result.ending =
+        lockstep_session(link, ticks, batch_ticks, {}, [&](std::uint32_t) { return hands.next(); });
+    for (const crn_wire_tick_state &state : result.ending.states) {
+        result.answers.at(state.exchange)++;
+        (state.exchange == CRN_WIRE_EXCHANGE_DONE ? result.done : result.refused)++;
+        result.wall_mm = std::max(result.wall_mm, state.penetration_max_m_q30 / 1073741824.0 * 1e3);
     }
-    result.ending.tick = link.tick();
-    result.ending.hash = link.read_hash64().hash;
     return result;
 }
 
