@@ -1,5 +1,4 @@
 #include "host/assess/observer.hpp"
-#include "host/model/tool_line.hpp"
 #include "host/model/wire_place.hpp"
 #include "host/session/contact_figures.hpp"
 #include <algorithm>
@@ -85,7 +84,7 @@ void AssessObserver::look_at_room(SessionMoment &moment)
 void AssessObserver::look_at_tools(const SessionFrame &frame, SessionMoment &moment)
 {
     const WireFrame &wire = frame.wire;
-    const LineNumbers line = line_or_table(line_of(patient_.state()), is_wire_.size());
+    const LineNumbers &line = patient_.line();
     moment.has_wire = std::any_of(line.begin(), line.end(), [&](std::uint8_t number) {
         return number > 0 && number <= is_wire_.size() && is_wire_[number - 1u];
     });

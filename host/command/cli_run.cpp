@@ -184,10 +184,9 @@ static RunOptions with_needs(const RunOptions &given, const SessionNeeds &needs)
 static std::vector<std::string> tool_words(const std::string &instrument,
                                            const std::vector<std::string> &tools)
 {
-    std::vector<std::string> paths = tools, words;
-    if (!instrument.empty()) paths.insert(paths.begin(), instrument);
-    for (const std::string &path : paths)
-        words.push_back(std::filesystem::path(split_preset(path).first).stem().string());
+    std::vector<std::string> words;
+    for (const NamedPath &input : tool_inputs(instrument, tools))
+        words.push_back(std::filesystem::path(input.path).stem().string());
     return words;
 }
 

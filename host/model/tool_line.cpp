@@ -17,10 +17,7 @@ LineNumbers line_or_table(const LineNumbers &line, std::size_t tool_count)
 
 std::vector<Instrument> tools_on(std::span<const Instrument> table, std::span<const std::uint8_t> line)
 {
-    std::vector<Instrument> tools;
-    for (const std::uint8_t number : line)
-        tools.push_back(number >= 1 && number <= table.size() ? table[number - 1u] : Instrument{});
-    return tools;
+    return entries_on(table, line);
 }
 
 } // namespace crn

@@ -24,8 +24,19 @@ inline LineNumbers line_of(const crn_wire_tick_state &state)
     return {state.line, state.line + state.line_count};
 }
 
+// Returns the entry of a table at each position. A free position has a default entry, and so has a number
+// that the table does not have.
+template <class Entry>
+std::vector<Entry> entries_on(std::span<const Entry> table, std::span<const std::uint8_t> line)
+{
+    std::vector<Entry> entries;
+    for (const std::uint8_t number : line)
+        entries.push_back(number >= 1 && number <= table.size() ? table[number - 1u] : Entry{});
+    return entries;
+}
+
 // Returns the tool at each position. A free position has a tool without a name, without knots and without a
-// lumen. A number that the table does not have counts as free.
+// lumen.
 std::vector<Instrument> tools_on(std::span<const Instrument> table, std::span<const std::uint8_t> line);
 
 } // namespace crn

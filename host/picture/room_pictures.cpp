@@ -38,10 +38,7 @@ RadiopaqueInstrument instrument_look(const Instrument &instrument)
 std::vector<RadiopaqueInstrument> looks_on(std::span<const RadiopaqueInstrument> table,
                                            std::span<const std::uint8_t> line)
 {
-    std::vector<RadiopaqueInstrument> looks;
-    for (const std::uint8_t number : line)
-        looks.push_back(number >= 1 && number <= table.size() ? table[number - 1u] : RadiopaqueInstrument{});
-    return looks;
+    return entries_on(table, line);
 }
 
 void PulseShot::own()
