@@ -12,13 +12,13 @@
 #include "host/cases/check.hpp"
 #include "host/cases/programs.hpp"
 #include "host/command/cli.hpp"
+#include "host/command/names.hpp"
 #include "host/command/start.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 namespace crn
 {
@@ -109,23 +109,6 @@ int list_cases(const CaseOptions &options)
 
 // --- play ---
 
-PreparedScene scene_of(const Case &lesson, bool is_quiet)
-{
-    watch_for_interrupt();
-    std::string shown;
-    const bool is_terminal = isatty(STDERR_FILENO) != 0;
-    return prepare_scene(lesson.recipe, [&](const SceneProgress &progress) {
-        const std::string text = "case " + lesson.name + ": " + progress.stage;
-        if (!is_quiet && is_terminal)
-            std::fprintf(stderr, "\r%s (step %d of %d, %.0f s) ", printable(text).c_str(), progress.step,
-                         progress.steps, progress.seconds);
-        else if (!is_quiet && text != shown)
-            std::fprintf(stderr, "%s\n", printable(text).c_str());
-        shown = text;
-        return !is_interrupted();
-    });
-}
-
 int play_in_window(const Case &lesson, const CaseOptions &options, const RunWindow &run_window)
 {
     if (!run_window || !has_display())
@@ -165,8 +148,7 @@ int play(const CaseOptions &options, const RunWindow &run_window)
     run.tools = lesson.start.tools;
     run.stents = lesson.stents;
     run.lesson = &lesson;
-    run.scene = scene_of(lesson, options.quiet).scene;
-    if (!options.quiet && isatty(STDERR_FILENO)) std::fprintf(stderr, "\r%78s\r", "");
+    run.scene = prepare_told_scene(lesson.recipe, "case " + lesson.name, options.quiet).scene;
     return command_run(run);
 }
 

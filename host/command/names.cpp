@@ -8,10 +8,10 @@
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
 #include "host/base/user_folders.hpp"
-#include "host/cases/recipe.hpp"
 #include "host/cases/unpack.hpp"
 #include "shared/wire/wire_frame.h"
 #include <algorithm>
+#include <cstdio>
 #include <ctime>
 #include <filesystem>
 #include <set>
@@ -81,21 +81,10 @@ std::string scene_of_recipe(const std::string &name)
     const auto *found = std::find_if(std::begin(recipe_scenes), std::end(recipe_scenes),
                                      [&](const RecipeScene &each) { return name == each.name; });
     if (found == std::end(recipe_scenes)) return "";
-    watch_for_interrupt();
     Recipe recipe;
     recipe.kind = found->kind;
     if (*found->lesion) recipe.lesions.push_back(example_path(lesion_files, found->lesion));
-    std::string told;
-    return prepare_scene(recipe,
-                         [&](const SceneProgress &progress) {
-                             const std::string text = "scene " + name + ": " + progress.stage;
-                             if (text != told)
-                                 say(stderr, "%s (step %d of %d, minutes)\n", text.c_str(), progress.step,
-                                     progress.steps);
-                             told = text;
-                             return !is_interrupted();
-                         })
-        .scene;
+    return prepare_told_scene(recipe, "scene " + name, false).scene;
 }
 
 // The folder's name contains the checksum of the archive, so a new version of the program does not use the
@@ -153,6 +142,25 @@ const ExampleKind *kind_of(const std::string &type)
 }
 
 } // namespace
+
+PreparedScene prepare_told_scene(const Recipe &recipe, const std::string &who, bool is_quiet)
+{
+    watch_for_interrupt();
+    std::string shown;
+    const bool is_drawn = !is_quiet && shows_progress();
+    PreparedScene scene = prepare_scene(recipe, [&](const SceneProgress &progress) {
+        const std::string text = who + ": " + progress.stage;
+        if (is_drawn)
+            std::fprintf(stderr, "\r%s (step %d of %d, %.0f s) ", printable(text).c_str(), progress.step,
+                         progress.steps, progress.seconds);
+        else if (!is_quiet && text != shown)
+            std::fprintf(stderr, "%s\n", printable(text).c_str());
+        shown = text;
+        return !is_interrupted();
+    });
+    if (is_drawn) std::fprintf(stderr, "\r%78s\r", "");
+    return scene;
+}
 
 std::string scene_path(const std::string &word)
 {

@@ -1,5 +1,6 @@
 // Finds scenes and recordings by their names, as examples.hpp finds the other files.
 #pragma once
+#include "host/cases/recipe.hpp"
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
@@ -12,13 +13,17 @@ namespace crn
 // path, otherwise the first of these files that exists:
 //  - NAME.scene in the user's own folder of scenes ($XDG_DATA_HOME/cournand/scenes),
 //  - out/NAME.scene below the current folder or below the repository, where `make` writes scenes,
-//  - the scene `heart`, `lad_pci` or `renal_pci`, which the programs `anatomy` and `bake` make in one to
-//  three
+//  - the scene `heart`, `lad_pci` or `renal_pci`. The programs `anatomy` and `bake` make it in one to three
 //    minutes when it is first needed. It is kept in the user's cache, like the scenes of cases,
 //  - the scene of this name that comes with the program. It is compressed; the first use unpacks it into
 //    the user's cache ($XDG_CACHE_HOME/cournand/scenes), with its bodies.
 // Throws std::runtime_error with a suggestion, or with the command that makes the scene.
 std::string scene_path(const std::string &word);
+
+// Makes the scene of a recipe, unless it is in the cache, and tells the progress on stderr: in one line that
+// is rewritten on a terminal, otherwise one line per stage. `who` says what the scene is for. Ctrl-C ends it.
+// Throws as prepare_scene() does.
+PreparedScene prepare_told_scene(const Recipe &recipe, const std::string &who, bool is_quiet);
 
 // Returns the path of the recording that a word means: `last` is the newest one that the programs have kept
 // ($XDG_STATE_HOME/cournand), and another name is the name of a kept one. A path stays. Throws
