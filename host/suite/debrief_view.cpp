@@ -17,11 +17,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr float timeline_units = 64.0f;
 
-ImU32 severity_colour(int weight)
-{
-    return weight >= 5 ? tint::red : weight == 4 ? tint::orange : tint::yellow;
-}
-
 std::string clock_of(const Json &tick)
 {
     return session_clock(tick.get<double>() * 1e-3);
@@ -39,8 +34,7 @@ class DebriefView
     DebriefView(Ui &ui, const Debrief &debrief, const std::string &said)
         : ui_(ui), debrief_(debrief), said_(said)
     {
-        const ScoredSession *scored = debrief.task ? debrief.task->result() : nullptr;
-        if (scored && !scored->score.was_stopped) {
+        if (const ScoredSession *scored = debrief.scored()) {
             report_ = &scored->score.report;
             stored_ = scored->stored ? &*scored->stored : nullptr;
         }

@@ -63,14 +63,15 @@ void SuiteScreen::draw_picture(std::size_t slot, const MonitorPicture &picture, 
         return;
     }
     const bool is_changed = slot == live_slot && !range_.is_whole();
-    // The version tells the texture that the picture or its range of greys has changed.
-    const std::uint64_t version =
-        picture.number * 0x10000 + (is_changed
-                                        ? static_cast<std::uint64_t>(range_.window * 1e3) * 257 % 0xffff +
-                                              static_cast<std::uint64_t>(range_.level * 1e3) % 0xff + 1
-                                        : 0);
-    void *texture = ui_.window().texture(
-        slot, picture.size, is_changed ? range_.shown(picture.grey) : picture.grey, version, is_sharp);
+    // The version tells the texture that the picture or its range of greys has changed. Both numbers only
+    // grow, and a range changes at most once per screen.
+    const std::uint64_t version = picture.number + (slot == live_slot ? range_changes_ << 32 : 0);
+    if (is_changed && stretched_version_ != version) {
+        stretched_ = range_.shown(picture.grey);
+        stretched_version_ = version;
+    }
+    void *texture =
+        ui_.window().texture(slot, picture.size, is_changed ? stretched_ : picture.grey, version, is_sharp);
     draw->PushClipRect({place.x, place.y}, {place.x + place.width, place.y + place.height}, true);
     draw->AddImage(texture, {shown.x, shown.y}, {shown.x + shown.width, shown.y + shown.height});
     draw->PopClipRect();
@@ -121,8 +122,12 @@ void SuiteScreen::draw_grey_range(const UiRect &place)
         const double edge = static_cast<double>(std::min(place.width, place.height));
         range_.drag(static_cast<double>(way.x) / edge, -static_cast<double>(way.y) / edge);
         ImGui::ResetMouseDragDelta(ImGuiMouseButton_Left);
+        ++range_changes_;
     }
-    if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) range_ = {};
+    if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+        range_ = {};
+        ++range_changes_;
+    }
     if (range_.is_whole()) return;
     const std::string text =
         formatted("W %.0f  L %.0f  (double click: reset)", rounded_to(range_.window * 100.0, 1.0),

@@ -4,6 +4,11 @@
 namespace crn
 {
 
+ImU32 severity_colour(int weight)
+{
+    return weight >= 5 ? tint::red : weight == 4 ? tint::orange : tint::yellow;
+}
+
 void begin_page(Ui &ui, const char *name, const char *title, const char *below)
 {
     ui.begin_panel(name, {0.0f, 0.0f, ui.window().width(), ui.window().height()}, "");

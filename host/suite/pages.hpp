@@ -39,6 +39,9 @@ struct PageChoice {
 // Begins a screen with its title and the line below it. Call Ui::end_panel() afterwards.
 void begin_page(Ui &ui, const char *name, const char *title, const char *below);
 
+// Returns the colour of an error with this weight, 3 (moderate) to 5 (life-threatening).
+ImU32 severity_colour(int weight);
+
 struct StartView {
     const std::vector<CaseCard> *cases = nullptr, *practice = nullptr;
     const std::vector<KeptRecording> *kept = nullptr;
@@ -60,6 +63,12 @@ struct Debrief {
     std::vector<std::string> files;
     std::shared_ptr<const Case> lesson;                  // null: no case
     std::unique_ptr<BackgroundTask<ScoredSession>> task; // null: no recording, so no score
+    // Returns the score, or null while there is none.
+    const ScoredSession *scored() const
+    {
+        const ScoredSession *done = task ? task->result() : nullptr;
+        return done && !done->score.was_stopped ? done : nullptr;
+    }
 };
 // `said` is the last message, such as the names of saved files.
 PageChoice draw_debrief(Ui &ui, const Debrief &debrief, const std::string &said);

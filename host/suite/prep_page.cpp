@@ -46,15 +46,24 @@ DeviceCabinet::DeviceCabinet(const Case &lesson) : lesson_(lesson)
         devices_.push_back({path, read_instrument(path), is_on});
     }
     for (const std::string &path : lesson.stents) stents_.push_back(read_stent(path));
+    look_at_line();
+}
+
+void DeviceCabinet::look_at_line()
+{
+    line_ = sorted_line();
+    findings_ = found();
 }
 
 void DeviceCabinet::toggle(std::size_t device)
 {
     CabinetDevice &chosen = devices_.at(device);
-    if (chosen.is_on_line || line().size() < line_max) chosen.is_on_line = !chosen.is_on_line;
+    if (!chosen.is_on_line && line_.size() >= line_max) return;
+    chosen.is_on_line = !chosen.is_on_line;
+    look_at_line();
 }
 
-std::vector<std::size_t> DeviceCabinet::line() const
+std::vector<std::size_t> DeviceCabinet::sorted_line() const
 {
     std::vector<std::size_t> line;
     for (std::size_t i = 0; i < devices_.size(); ++i)
@@ -74,24 +83,24 @@ std::vector<std::size_t> DeviceCabinet::line() const
 std::vector<std::string> DeviceCabinet::paths() const
 {
     std::vector<std::string> paths;
-    for (const std::size_t i : line()) paths.push_back(devices_[i].path);
+    for (const std::size_t i : line_) paths.push_back(devices_[i].path);
     return paths;
 }
 
 std::vector<double> DeviceCabinet::inserted_mm() const
 {
     std::vector<double> lengths;
-    for (std::size_t k = 0; k < line().size() && k < lesson_.start.inserted_um.size(); ++k)
+    for (std::size_t k = 0; k < line_.size() && k < lesson_.start.inserted_um.size(); ++k)
         lengths.push_back(lesson_.start.inserted_um[k] * 1e-3);
     return lengths;
 }
 
-std::vector<DeviceCabinet::Finding> DeviceCabinet::findings() const
+std::vector<DeviceCabinet::Finding> DeviceCabinet::found() const
 {
     std::vector<Finding> findings;
-    const std::vector<std::size_t> on = line();
-    for (std::size_t k = 0; k + 1 < on.size(); ++k) {
-        const Instrument &inside = devices_[on[k]].instrument, &outside = devices_[on[k + 1]].instrument;
+    for (std::size_t k = 0; k + 1 < line_.size(); ++k) {
+        const Instrument &inside = devices_[line_[k]].instrument,
+                         &outside = devices_[line_[k + 1]].instrument;
         const std::string refusal = nesting_refusal(inside, outside);
         if (!refusal.empty())
             findings.push_back({false, refusal + ". Choose a wider or a thinner device."});
@@ -102,7 +111,7 @@ std::vector<DeviceCabinet::Finding> DeviceCabinet::findings() const
                            " inside): " + mm_text(inner_mm(outside) - outer_mm(inside)) + " of room."});
     }
     std::vector<Instrument> tools;
-    for (const std::size_t i : on) tools.push_back(devices_[i].instrument);
+    for (const std::size_t i : line_) tools.push_back(devices_[i].instrument);
     for (const StentDesign &stent : stents_) {
         const std::string refusal = tools.empty() ? "no device is on the line" : mount_refusal(stent, tools);
         if (refusal.empty())
@@ -115,11 +124,11 @@ std::vector<DeviceCabinet::Finding> DeviceCabinet::findings() const
 
 std::string DeviceCabinet::refusal() const
 {
-    const std::size_t wanted = lesson_.start.tools.size(), have = line().size();
+    const std::size_t wanted = lesson_.start.tools.size(), have = line_.size();
     if (have != wanted)
         return formatted("The goals of this case speak of %zu device%s on the line, and %zu %s.", wanted,
                          wanted == 1 ? "" : "s", have, have == 1 ? "is chosen" : "are chosen");
-    for (const Finding &finding : findings())
+    for (const Finding &finding : findings_)
         if (!finding.is_good) return finding.text;
     return "";
 }
@@ -251,7 +260,7 @@ void PrepPage::draw_cabinet(const UiRect &place)
     ImGui::SetCursorScreenPos({place.x, place.y});
     ImGui::BeginChild("cabinet", {place.width, place.height});
     ui_.small_text(tint::dim, "DEVICES ON THE TABLE");
-    const std::vector<std::size_t> line = cabinet_.line();
+    const std::vector<std::size_t> &line = cabinet_.line();
     if (ImGui::BeginTable("devices", 5, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) {
         ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, ui_.px(130.0f));
         ImGui::TableSetupColumn("device");

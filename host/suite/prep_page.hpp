@@ -32,7 +32,7 @@ class DeviceCabinet
     const std::vector<CabinetDevice> &devices() const { return devices_; }
     void toggle(std::size_t device);
     // Returns the devices on the line from the innermost, which is the thinnest.
-    std::vector<std::size_t> line() const;
+    const std::vector<std::size_t> &line() const { return line_; }
     std::vector<std::string> paths() const;  // of the line
     std::vector<double> inserted_mm() const; // where each begins
 
@@ -41,14 +41,21 @@ class DeviceCabinet
         std::string text;
     };
     // Says for each pair of neighbours whether the inner one passes through the outer one, and why.
-    std::vector<Finding> findings() const;
+    const std::vector<Finding> &findings() const { return findings_; }
     // Says why this line cannot begin the case; empty: it can.
     std::string refusal() const;
 
   private:
+    void look_at_line();
+    std::vector<std::size_t> sorted_line() const;
+    std::vector<Finding> found() const;
+
     const Case &lesson_;
     std::vector<CabinetDevice> devices_;
     std::vector<StentDesign> stents_;
+    // Computed when the line changes, because the screen shows them sixty times a second.
+    std::vector<std::size_t> line_;
+    std::vector<Finding> findings_;
 };
 
 // Returns "largest hand force: 4 N for all 5 marks, 10 N for none".

@@ -2,6 +2,7 @@
 #include "host/base/format.hpp"
 #include "host/command/expert_run.hpp"
 #include "host/picture/room_text.hpp"
+#include "host/suite/pages.hpp"
 #include "host/suite/ui_text.hpp"
 #include <algorithm>
 #include <cmath>
@@ -301,9 +302,8 @@ void ReplayPage::draw_errors(const UiRect &place, double ticks)
     ImDrawList *draw = ImGui::GetWindowDrawList();
     for (const ReplayError &error : errors_) {
         const float x = place.x + place.width * static_cast<float>(error.tick / ticks), half = ui_.px(6.0f);
-        const ImU32 colour = error.weight >= 5 ? tint::red : error.weight == 4 ? tint::orange : tint::yellow;
         draw->AddTriangleFilled({x - half, place.y - ui_.px(12.0f)}, {x + half, place.y - ui_.px(12.0f)},
-                                {x, place.y - ui_.px(1.0f)}, colour);
+                                {x, place.y - ui_.px(1.0f)}, severity_colour(error.weight));
     }
 }
 

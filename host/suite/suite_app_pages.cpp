@@ -16,8 +16,8 @@ namespace
 std::vector<ReplayError> errors_of(const Debrief &debrief)
 {
     std::vector<ReplayError> errors;
-    const ScoredSession *scored = debrief.task ? debrief.task->result() : nullptr;
-    if (!scored || scored->score.was_stopped) return errors;
+    const ScoredSession *scored = debrief.scored();
+    if (!scored) return errors;
     for (const auto &error : scored->score.report["assessment"]["errors"])
         errors.push_back(
             {error["tick"].get<std::uint32_t>(), error.value("weight", 3), error.value("title", "")});
@@ -175,8 +175,8 @@ void SuiteApp::carry_out(const PageChoice &choice)
 void SuiteApp::save_debrief()
 {
     const Debrief &debrief = host_->debrief();
-    const ScoredSession *scored = debrief.task ? debrief.task->result() : nullptr;
-    if (!scored || scored->score.was_stopped) return;
+    const ScoredSession *scored = debrief.scored();
+    if (!scored) return;
     std::filesystem::path path(debrief.recording);
     const std::string page = path.replace_extension(".html").string();
     const std::string figures = path.replace_extension(".json").string();

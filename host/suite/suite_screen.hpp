@@ -106,6 +106,9 @@ class SuiteScreen
     std::deque<Toast> toasts_;
     std::vector<RoomNotice> told_;
     GreyRange range_; // of the live monitor
+    std::uint64_t range_changes_ = 0;
+    std::vector<std::uint8_t> stretched_; // the live picture `stretched_version_` in that range
+    std::uint64_t stretched_version_ = 0;
     Oximeter oximeter_;
 };
 
