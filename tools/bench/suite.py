@@ -4,6 +4,7 @@ real events. The lines that it writes are suite.keys_to_case, suite.tick_late_pc
 suite.hand_to_picture_ms of docs/bench.md."""
 
 import argparse
+import contextlib
 import json
 import os
 import signal
@@ -26,6 +27,33 @@ def display():
     os.close(writer)
     with os.fdopen(reader) as number:
         return server, ":" + number.readline().strip()
+
+
+@contextlib.contextmanager
+def window_of(options, words, has_layout=False, **more):
+    """Runs the window on a display of its own; yields its process, the environment and the folder. With a layout, the
+    file `layout` in this folder lists the controls on the screen; a window that is measured does not write it."""
+    with tempfile.TemporaryDirectory() as folder:
+        server, number = display()
+        environment = dict(os.environ, DISPLAY=number, XDG_STATE_HOME=folder, XDG_DATA_HOME=folder)
+        command = [os.path.join(options.build, "bin", "cournand"), "view", "--no-help-panel", *words]
+        command += ["--timing", os.path.join(folder, "timing.json")]
+        command += ["--layout", os.path.join(folder, "layout")] if has_layout else []
+        window = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, **more)
+        try:
+            yield window, environment, folder
+        finally:
+            window.kill()
+            server.kill()
+            server.wait()
+
+
+def figures_at_end(window, folder):
+    """Ends the window, and returns the figures that it writes."""
+    window.send_signal(signal.SIGINT)
+    window.wait(timeout=120)
+    with open(os.path.join(folder, "timing.json"), encoding="utf-8") as file:
+        return json.load(file)
 
 
 def processors():
@@ -64,35 +92,18 @@ def press(seconds, environment):
 
 def measure(options, size, pulses, taps):
     """Runs the window for a while; returns its figures."""
-    with tempfile.TemporaryDirectory() as folder:
-        server, number = display()
-        environment = dict(os.environ, DISPLAY=number, XDG_STATE_HOME=folder)
-        timing = os.path.join(folder, "timing.json")
-        command = [os.path.join(options.build, "bin", "cournand"), "view", "--scene", options.scene, "--tool", WIRE]
-        command += ["--size", str(size), "--fluoro", "--no-help-panel", "--no-record", "--timing", timing]
-        window = subprocess.Popen(
-            command,
-            env=environment,
-            stdout=subprocess.DEVNULL,
-            preexec_fn=lambda: os.sched_setaffinity(0, processors()),
-        )
-        try:
-            if pulses == 30:
-                time.sleep(3)
-                press(1.5, environment)
-                subprocess.run(["xdotool", "key", "f", "p", "f"], env=environment, check=False)
-            if taps:
-                press(options.seconds, environment)
-            else:
-                time.sleep(options.seconds)
-            window.send_signal(signal.SIGINT)
-            window.wait(timeout=120)
-        finally:
-            window.kill()
-            server.kill()
-            server.wait()
-        with open(timing, encoding="utf-8") as file:
-            return json.load(file)
+    words = ["--scene", options.scene, "--tool", WIRE, "--size", str(size), "--fluoro", "--no-record"]
+    with window_of(options, words, preexec_fn=lambda: os.sched_setaffinity(0, processors())) as run:
+        window, environment, folder = run
+        if pulses == 30:
+            time.sleep(3)
+            press(1.5, environment)
+            subprocess.run(["xdotool", "key", "f", "p", "f"], env=environment, check=False)
+        if taps:
+            press(options.seconds, environment)
+        else:
+            time.sleep(options.seconds)
+        return figures_at_end(window, folder)
 
 
 def shows(layout, control, window):
@@ -110,35 +121,20 @@ def shows(layout, control, window):
 
 def keys_to_case(options):
     """Presses keys from the start screen until the first picture of a case; returns their number."""
-    with tempfile.TemporaryDirectory() as folder:
-        server, number = display()
-        environment = dict(os.environ, DISPLAY=number, XDG_STATE_HOME=folder, XDG_DATA_HOME=folder)
-        layout, timing = os.path.join(folder, "layout"), os.path.join(folder, "timing.json")
-        command = [os.path.join(options.build, "bin", "cournand"), "view", "--start", "--no-help-panel"]
-        window = subprocess.Popen(
-            command + ["--layout", layout, "--timing", timing], env=environment, stdout=subprocess.DEVNULL
-        )
-        keys = 0
-        try:
-            for control, key in (("card 2", "2"), ("ready", "Return"), ("row 1", "space")):
-                shows(layout, control, window)
-                if keys == 0:
-                    focus(environment)
-                    time.sleep(0.5)
-                action = "keydown" if key == "space" else "key"
-                subprocess.run(["xdotool", action, key], env=environment, check=False)
-                keys += 1
-            time.sleep(5)
-            window.send_signal(signal.SIGINT)
-            window.wait(timeout=120)
-        finally:
-            window.kill()
-            server.kill()
-            server.wait()
-        with open(timing, encoding="utf-8") as file:
-            if json.load(file)["pictures"] == 0:
-                sys.exit("suite.py: %d keys led to no picture" % keys)
-        return keys
+    keys = 0
+    with window_of(options, ["--start"], has_layout=True) as (window, environment, folder):
+        for control, key in (("card 2", "2"), ("ready", "Return"), ("row 1", "space")):
+            shows(os.path.join(folder, "layout"), control, window)
+            if keys == 0:
+                focus(environment)
+                time.sleep(0.5)
+            action = "keydown" if key == "space" else "key"
+            subprocess.run(["xdotool", action, key], env=environment, check=False)
+            keys += 1
+        time.sleep(5)
+        if figures_at_end(window, folder)["pictures"] == 0:
+            sys.exit("suite.py: %d keys led to no picture" % keys)
+    return keys
 
 
 def main():

@@ -19,7 +19,17 @@ lacks() {
     echo "the window still shows '$1'"
     return 1
 }
+# Waits until the window, which is process $window, records a session. Its file, without the end that it has meanwhile,
+# is then $recording.
+recording_begins() {
+    local part
+    until part=$(ls "$work"/state/cournand/*.rec.part* 2>/dev/null); do
+        kill -0 "$window" 2>/dev/null || return 1
+        sleep 0.05
+    done
+    recording=${part%.part*}
+}
 window_id() { timeout 10 xdotool search --onlyvisible --name Cournand 2>/dev/null | tail -n 1; }
 move_to() { keys mousemove --window "$(window_id)" $(place "$1"); }
 click() { move_to "$1" && keys click 1; }
-export -f place shows lacks window_id move_to click
+export -f place shows lacks recording_begins window_id move_to click

@@ -18,11 +18,7 @@ keys key 2                # first_push
 shows ready || exit 1     # its scene is unpacked meanwhile
 keys key Return
 shows "row 1" || exit 1
-until part=$(ls "$work"/state/cournand/*.rec.part* 2>/dev/null); do
-    kill -0 $window 2>/dev/null || exit 1
-    sleep 0.05
-done
-recording=${part%.part*}
+recording_begins || exit 1
 keys keydown space; ticks_pass "$recording" 2 || stuck
 keys keydown Up; ticks_pass "$recording" 6 || stuck; keys keyup Up; keys keyup space
 keys key Escape
@@ -82,8 +78,8 @@ click "device 2"; lacks ready || exit 1  # a second wire does not go through the
 click "device 2"; shows ready || exit 1
 click "start case"
 shows "row 1" || exit 1
-until part=$(ls "$work"/state/cournand/*.rec.part* 2>/dev/null); do sleep 0.05; done
-ticks_pass "${part%.part*}" 1
+recording_begins || exit 1
+ticks_pass "$recording" 1
 click hint
 keys key Escape
 shows assessed || exit 1

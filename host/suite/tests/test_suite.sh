@@ -17,11 +17,7 @@ window=$!
 shows "practice 3" && focus || { stuck; exit 1; }
 keys key c # free space
 shows "row 1" || exit 1
-until part=$(ls "$work"/state/cournand/*.rec.part* 2>/dev/null); do
-    kill -0 $window 2>/dev/null || exit 1
-    sleep 0.05
-done
-recording=${part%.part*}
+recording_begins || exit 1
 keys keydown space keydown Up; ticks_pass "$recording" 3 || stuck; keys keyup space keyup Up
 keys key Escape
 shows replay || exit 1     # the debrief's button
