@@ -27,10 +27,10 @@ inline LineNumbers line_of(const crn_wire_tick_state &state)
 // Returns the entry of a table at each position. A free position has a default entry, and so has a number
 // that the table does not have.
 template <class Entry>
-std::vector<Entry> entries_on(std::span<const Entry> table, std::span<const std::uint8_t> line)
+std::vector<Entry> entries_on(std::span<const Entry> table, std::span<const std::uint8_t> numbers)
 {
     std::vector<Entry> entries;
-    for (const std::uint8_t number : line)
+    for (const std::uint8_t number : numbers)
         entries.push_back(number >= 1 && number <= table.size() ? table[number - 1u] : Entry{});
     return entries;
 }
