@@ -10,6 +10,7 @@ namespace
 constexpr std::int64_t ticks_behind_max = 100; // farther behind real time than this, the session slows down
 constexpr std::int64_t ticks_at_once_max = 16;
 constexpr auto publish_every = std::chrono::milliseconds(20);
+constexpr auto urgent_again_after = std::chrono::seconds(1);
 constexpr auto late_after = std::chrono::milliseconds(2);
 
 // Counts the ticks that are due, and how punctual they are. Tick n is due n ms after the begin, plus the time
@@ -26,7 +27,7 @@ class Pace
         const auto now = SuiteClock::now();
         const std::int64_t due =
             std::chrono::duration_cast<std::chrono::milliseconds>(now - begin_ - lost_).count() - ticks_;
-        if (due > ticks_behind_max) lost_ += std::chrono::milliseconds(due - ticks_behind_max);
+        if (due > ticks_behind_max) lose(now, std::chrono::milliseconds(due - ticks_behind_max));
         return std::clamp<std::int64_t>(due, 0, ticks_at_once_max);
     }
     void done(std::int64_t count)
@@ -37,6 +38,16 @@ class Pace
         ticks_ += count;
     }
     std::int64_t next() const { return ticks_ + 1; }
+    // Punctual threads are urgent. A session that cannot keep up with real time computes without a pause, so
+    // its thread is ordinary until a second has passed without further loss: it must not lock out the window.
+    void choose_urgency()
+    {
+        const bool should_be_urgent = SuiteClock::now() - lost_at_ > urgent_again_after;
+        if (should_be_urgent == is_urgent_) return;
+        is_urgent_ = should_be_urgent;
+        if (!is_urgent_) make_thread_ordinary();
+        figures_.urgency = is_urgent_ ? make_thread_urgent() : ThreadUrgency::ordinary;
+    }
 
     // Returns the figures for the window. The real-time factor is that of the last second.
     const PaceFigures &figures()
@@ -53,12 +64,20 @@ class Pace
     }
 
   private:
+    void lose(SuiteClock::time_point now, SuiteClock::duration time)
+    {
+        lost_ += time;
+        lost_at_ = now;
+    }
+
     struct Mark {
         SuiteClock::time_point when;
         std::int64_t ticks = 0;
     };
     SuiteClock::time_point begin_ = SuiteClock::now();
     SuiteClock::duration lost_{};
+    SuiteClock::time_point lost_at_{};
+    bool is_urgent_ = false;
     std::int64_t ticks_ = 0;
     PaceFigures figures_;
     std::array<Mark, 50> marks_{}; // one per publication
@@ -132,6 +151,7 @@ void PhysicsThread::run_in_real_time()
     while (take_actions()) {
         if (SuiteClock::now() - published >= publish_every) {
             published = SuiteClock::now();
+            pace.choose_urgency();
             publish(pace.figures());
         }
         const std::int64_t due = session_->has_own_clock() ? 1 : pace.ticks_due();

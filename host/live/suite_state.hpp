@@ -1,6 +1,7 @@
 // Holds a copy of everything about a session that the window shows besides pictures. The thread of the
 // physics publishes a new copy about 50 times a second, and never changes a copy that it has published.
 #pragma once
+#include "host/base/thread_urgency.hpp"
 #include "host/effects/pulse.hpp"
 #include "host/room/room.hpp"
 #include "host/session/frame_sink.hpp"
@@ -13,9 +14,10 @@ namespace crn
 
 // Says how punctual the physics is.
 struct PaceFigures {
-    double real_time_factor = 1.0;           // simulated seconds per second, over the last second
-    std::uint64_t ticks = 0, late_ticks = 0; // more than 2 ms after their time
-    double lost_s = 0.0;                     // by which the session has become later than the clock
+    double real_time_factor = 1.0;                   // simulated seconds per second, over the last second
+    std::uint64_t ticks = 0, late_ticks = 0;         // more than 2 ms after their time
+    double lost_s = 0.0;                             // by which the session has become later than the clock
+    ThreadUrgency urgency = ThreadUrgency::ordinary; // that the kernel granted to the physics
 };
 
 struct SuiteState {

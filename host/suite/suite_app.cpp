@@ -19,7 +19,7 @@ constexpr double screens_per_s = 60.0;
 // The window draws at most 60 times a second, and leaves the processors to physics and X-ray: a screen that
 // takes d to draw is followed by a pause of at least 1.5 d.
 constexpr double pause_share = 1.5, pause_max_s = 0.12;
-constexpr double look_s = 5e-3; // between looks for a new picture during that pause
+constexpr double look_s = 2e-3; // between looks for a new picture during that pause
 constexpr auto step_memory = std::chrono::milliseconds(400);
 
 std::string title_of(const WindowOptions &options)
@@ -171,6 +171,7 @@ void SuiteApp::show_suite()
     view.shows_help = shows_help_;
     view.is_pixel_by_pixel = is_pixel_by_pixel_;
     view.is_measured = options_.frames == 0;
+    if (view.live && view.live->number != shown_number_) rhythm_.picture_came(SuiteClock::now());
     window_.begin_frame();
     ui_.begin_screen();
     const SuiteActions actions = screen_->draw(view);
@@ -195,21 +196,29 @@ bool SuiteApp::is_picture_new() const
     return live && live->number != shown_number_;
 }
 
-// Waits until the next screen is due: a new picture is shown at once. Input is passed on at once, so its
+// Waits until the next screen is due: a new picture is shown at once, and a screen just before a picture is
+// left out. Input is passed on at once, so its
 // delay does not depend on the rate of the screens.
 void SuiteApp::keep_rate(SuiteClock::time_point begin)
 {
     using Seconds = std::chrono::duration<double>;
-    const double drawn_s = Seconds(SuiteClock::now() - begin).count();
+    const auto drawn = SuiteClock::now() - begin;
+    const double drawn_s = Seconds(drawn).count();
     const double pause_s =
         std::min(std::max(1.0 / screens_per_s - drawn_s, pause_share * drawn_s), pause_max_s);
     const auto due = SuiteClock::now() + std::chrono::duration_cast<SuiteClock::duration>(Seconds(pause_s));
     for (;;) {
-        const double left_s = Seconds(due - SuiteClock::now()).count();
-        if (left_s <= 0.0 || is_picture_new()) return;
+        const auto now = SuiteClock::now();
+        const double left_s = Seconds(due - now).count();
+        if (is_picture_new() || (left_s <= 0.0 && !waits_for_picture(now, drawn))) return;
         window_.poll(std::clamp(left_s, 1e-3, look_s));
         pass_input();
     }
+}
+
+bool SuiteApp::waits_for_picture(SuiteClock::time_point now, SuiteClock::duration screen) const
+{
+    return is_in_session() && rhythm_.is_picture_near(now, screen);
 }
 
 void SuiteApp::pass_input()

@@ -1,5 +1,6 @@
 // Runs the window: shows its screens, hands the user's actions to the session, and keeps the window's rate.
 #pragma once
+#include "host/live/picture_rhythm.hpp"
 #include "host/suite/gamepad.hpp"
 #include "host/suite/pages.hpp"
 #include "host/suite/prep_page.hpp"
@@ -51,6 +52,7 @@ class SuiteApp
     void next_reference();
     RoomStatus predicted(ControlId id);
     bool is_picture_new() const;
+    bool waits_for_picture(SuiteClock::time_point now, SuiteClock::duration screen) const;
     void keep_rate(SuiteClock::time_point begin);
     void write_layout();
     int finish();
@@ -81,6 +83,7 @@ class SuiteApp
     int reference_run_ = 0, code_ = 0;
     std::uint32_t counted_ticks_ = 0;
     std::uint64_t shown_number_ = 0; // of the live picture on the screen
+    PictureRhythm rhythm_;           // of the live pictures
     SuiteClock::time_point last_input_{}, stepped_at_{};
     RoomStatus stepped_; // expected on the screen after the last step of a frame or of the mask
     std::string layout_;

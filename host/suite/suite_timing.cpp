@@ -52,6 +52,7 @@ void SuiteTiming::write(const std::string &path) const
         pace_.ticks > 0 ? 100.0 * static_cast<double>(pace_.late_ticks) / static_cast<double>(pace_.ticks)
                         : 0.0;
     json["lost_s"] = pace_.lost_s;
+    json["scheduling"] = text_of(pace_.urgency);
     json["pictures"] = pulses_;
     json["pictures_left_out"] = left_out_;
     json["pictures_per_s"] = pulse_s > 0.0 ? static_cast<double>(pulses_ - first_pulses_) / pulse_s : 0.0;
