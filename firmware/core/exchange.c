@@ -31,6 +31,16 @@ void crn_exchange_take_line(crn_model *model, const crn_state_words *words)
 
 /* --- a restored state ----------------------------------------------------------------------------------- */
 
+static bool is_first_line(const crn_model *model, const crn_exchange_state *exchange)
+{
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        if (exchange->line[k] != model->line[k]) {
+            return false;
+        }
+    }
+    return true;
+}
+
 /* The tools of a restored line must fit into each other, because the core computes nested tools only. */
 bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words)
 {
@@ -38,6 +48,10 @@ bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words)
     const crn_table_tool *inner = NULL;
     uint32_t balloons = 0;
     if (!crn_line_numbers_are_valid(model->table_count, exchange->line, model->tool_count)) {
+        return false;
+    }
+    /* Before the first exchange, the hash does not contain the line. */
+    if (exchange->count == 0 && !is_first_line(model, exchange)) {
         return false;
     }
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
@@ -223,7 +237,8 @@ crn_exchange_status crn_exchange_check(const crn_model *model, const crn_state *
 /* --- an exchange ---------------------------------------------------------------------------------------- */
 
 /* Forgets everything that the state knew of the tool at a position, except the angle at which the hand holds
- * it. The friction with the tools inside and around it is zero already, because they share no free node. */
+ * it. The elastic displacement against the tool inside it stays, if that tool still reaches beyond the sheath:
+ * it is bounded, and the new tool's first slip replaces it. */
 static void forget_tool(const crn_model *model, crn_state_words *words, uint32_t position)
 {
     crn_tool_state *tool = &words->tools[position];

@@ -459,6 +459,24 @@ static void lines_that_cannot_be_are_not_restored(void **context)
     reference_tube_free(tube);
 }
 
+/* Before the first exchange, the hash does not contain the line, so another line would go unnoticed. */
+static void another_line_needs_an_exchange(void **context)
+{
+    (void)context;
+    reference_tube *tube = straight_tube();
+    rig *r = wire_in_guide(tube);
+    uint8_t *bytes = malloc(crn_state_bytes());
+    r->state.words.exchange.line[MIDDLE] = MONORAIL;
+    crn_state_save(&r->state, bytes);
+    assert_false(crn_state_restore(&r->model, &r->state, bytes));
+    r->state.words.exchange.count = 1;
+    crn_state_save(&r->state, bytes);
+    assert_true(crn_state_restore(&r->model, &r->state, bytes));
+    free(bytes);
+    free(r);
+    reference_tube_free(tube);
+}
+
 /* Any exchange enters the hash, also one that leaves every other word as it was. */
 static void exchange_enters_the_hash(void **context)
 {
@@ -537,6 +555,7 @@ int main(void)
         cmocka_unit_test(free_position_between_two_tools_changes_nothing),
         cmocka_unit_test(saved_line_is_restored_bit_for_bit),
         cmocka_unit_test(lines_that_cannot_be_are_not_restored),
+        cmocka_unit_test(another_line_needs_an_exchange),
         cmocka_unit_test(exchange_enters_the_hash),
         cmocka_unit_test(random_orders_never_break_the_line),
     };

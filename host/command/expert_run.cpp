@@ -41,7 +41,7 @@ std::string expert_recording(const Case &lesson, const std::function<bool()> &go
     const ProgramResult done = run_program({sibling_program("cournand"), "case", "play", lesson.file,
                                             "--script", "expert", "--record", part.string(), "--quiet"},
                                            goes_on);
-    if (done.was_stopped || !fs::exists(part, failure)) {
+    if (done.was_stopped || done.code != 0 || !fs::exists(part, failure)) {
         fs::remove(part, failure);
         if (done.was_stopped) throw SceneStopped("cancelled");
         throw std::runtime_error("the expert's run cannot be recorded: " + done.refused);

@@ -137,21 +137,24 @@ bool ReplayRoom::prepare(std::uint32_t count)
 }
 
 // Brings the pictures' device to a tick: onwards from where it is, or from the nearest snapshot before it.
+// The last tick is always computed, because a snapshot does not contain the readings of its tick.
 void ReplayRoom::go_to(std::uint32_t tick)
 {
     const std::uint32_t now = device_->link().tick();
-    const RecordedSnapshot *recorded = recording_.snapshot_before(tick);
+    const std::uint32_t before = tick > 0 ? tick - 1 : 0;
+    const RecordedSnapshot *recorded = recording_.snapshot_before(before);
     std::uint32_t known = recorded ? recorded->tick : 0;
     std::vector<std::uint8_t> own;
     {
         const std::lock_guard lock(mutex_);
-        auto after = snapshots_.upper_bound(tick);
+        auto after = snapshots_.upper_bound(before);
         if (after != snapshots_.begin() && (--after)->first > known) {
             known = after->first;
             own = after->second;
         }
     }
     if (now > tick || now < known) {
+        state_ = {};
         if (!own.empty())
             device_->restore(own);
         else if (recorded)

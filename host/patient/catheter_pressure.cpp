@@ -45,17 +45,21 @@ void CatheterPressure::set_tools(const std::vector<Instrument> &tools)
     const std::string name = tool_ ? tools[*tool_].name : "";
     if (name == name_) return;
     name_ = name;
-    has_place_ = is_whole_beat_ = is_damped_ = false;
-    share_ = 1.0;
-    look_tick_ = -1;
+    leave();
 }
 
+void CatheterPressure::leave()
+{
+    is_inserted_ = has_place_ = is_whole_beat_ = is_damped_ = false;
+    share_ = 1.0;
+}
+
+// The first look comes after the tick in which the tip entered the vessels: whoever runs the session asks for
+// the next tick before it makes that tick, so it cannot have read the shape of the tools for it.
 std::uint32_t CatheterPressure::next_tick() const
 {
     if (!is_inserted_ || cells_.size() == 0) return std::numeric_limits<std::uint32_t>::max();
-    const auto after =
-        static_cast<std::uint32_t>(std::max<std::int64_t>(look_tick_, std::int64_t{tick_} - 1));
-    return (after / look_every_ticks + 1) * look_every_ticks;
+    return (look_tick_ / look_every_ticks + 1) * look_every_ticks;
 }
 
 void CatheterPressure::open_vessels(const WireFrame &wire)
@@ -106,13 +110,10 @@ void CatheterPressure::end_beat()
 
 void CatheterPressure::tick(double aortic_mmHg, const crn_wire_tick_state &state)
 {
-    tick_ = state.tick;
+    const bool was_inserted = is_inserted_;
     is_inserted_ = tool_ && *tool_ < state.tools_count && is_in_patient(state.tools[*tool_]);
-    if (!is_inserted_) {
-        has_place_ = is_whole_beat_ = is_damped_ = false;
-        share_ = 1.0;
-        look_tick_ = -1;
-    }
+    if (!is_inserted_) leave();
+    if (is_inserted_ && !was_inserted) look_tick_ = state.tick;
     if (!has_place_) pressure_mmHg_ = aortic_mmHg;
     const double wanted_mmHg = venous_mmHg + share_ * (aortic_mmHg - venous_mmHg);
     pressure_mmHg_ +=

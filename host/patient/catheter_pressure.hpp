@@ -79,6 +79,7 @@ class CatheterPressure
     };
     void open_vessels(const WireFrame &wire);
     void end_beat();
+    void leave();
 
     const VesselTree vessels_; // in the reference pose
     const LesionOpening opening_;
@@ -89,8 +90,7 @@ class CatheterPressure
     FlowCells cells_;
     FlowNetwork network_;
     std::vector<double> tool_mm_, open_;
-    std::uint32_t tick_ = 0;
-    std::int64_t look_tick_ = -1;
+    std::uint32_t look_tick_ = 0; // of the last look, or of the tick in which the tip entered the vessels
     bool is_inserted_ = false, has_place_ = false, is_damped_ = false;
     double share_ = 1.0, pressure_mmHg_ = 0.0;
     std::uint32_t beat_ms_ = UINT32_MAX, damped_ticks_ = 0;

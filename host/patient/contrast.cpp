@@ -335,6 +335,7 @@ void PatientContrast::look(const WireFrame &wire)
     if (wire.nodes.empty()) return;
     flow_.set_tools(balls_of(wire));
     const double tip_arc_m = tool_ < wire.tip_arc_m.size() ? wire.tip_arc_m[tool_] : 0.0;
+    if (tool_ >= tools_.size()) return;
     const std::vector<CatheterMouth> mouths = catheter_mouths(tools_[tool_], wire, tip_arc_m);
     flow_.set_mouths(mouths);
     stream_.cell = flow_.cells().nearest(mouths[0].place_m);

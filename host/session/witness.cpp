@@ -13,6 +13,13 @@ std::string lanes(const crn_wire_tick_state &state)
     return hex_text(std::uint64_t{state.hash_lane0} << 32 | state.hash_lane1);
 }
 
+std::string line_text(const crn_wire_tick_state &state)
+{
+    std::string text = "tools";
+    for (const std::uint8_t number : line_of(state)) text += " " + std::to_string(number);
+    return text + ", answer " + std::to_string(state.exchange);
+}
+
 template <class Message, class Put> std::vector<std::uint8_t> bytes_of(const Message &message, Put put)
 {
     std::vector<std::uint8_t> bytes(CRN_WIRE_PAYLOAD_MAX);
@@ -94,6 +101,8 @@ void Witness::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &
         differ("tick", ours.tick, std::to_string(state.tick), std::to_string(ours.tick));
     if (ours.hash_lane0 != state.hash_lane0 || ours.hash_lane1 != state.hash_lane1)
         differ("hash", ours.tick, lanes(state), lanes(ours));
+    if (line_of(ours) != line_of(state) || ours.exchange != state.exchange)
+        differ("line of tools", ours.tick, line_text(state), line_text(ours));
     keep_hash();
 }
 

@@ -48,11 +48,12 @@ SessionHost::SessionHost(WindowOptions options, GlOpener window_context)
                                 : parse_device(options_.device);
 }
 
-void SessionHost::begin()
+void SessionHost::begin(int number)
 {
     PictureSettings pictures = options_.pictures;
     pictures.window_context = window_context_;
-    ++number_;
+    number_ = number;
+    ++begun_;
     take_stents(pictures, options_.stents, tools_);
     std::vector<RoomCommand> commands = entry_commands(scene_);
     // The trainee of a case loads the stent, as its expert does: a bare balloon may have to come first.
@@ -61,7 +62,7 @@ void SessionHost::begin()
         for (const Statement &statement : options_.lesson->start.room)
             commands.insert(commands.end(), statement.room.begin(), statement.room.end());
     pictures.dicom.folder = export_folder(pictures.dicom, number_);
-    recording_ = numbered(options_.record, number_);
+    recording_ = numbered(options_.record, begun_);
     // Files and tests must contain the picture of every pulse.
     const bool is_counted = options_.frames > 0;
     const bool keeps_all = is_counted || !pictures.dicom.folder.empty();

@@ -18,8 +18,9 @@ class SessionHost
     // files throw.
     SessionHost(WindowOptions options, GlOpener window_context);
 
-    // Begins a session; the one before must have ended. Throws what LiveSession throws.
-    void begin();
+    // Begins a session; the one before must have ended. `number` counts the window's sessions from 1: the
+    // files of a later session get this number. Throws what LiveSession throws.
+    void begin(int number);
     // Ends the session, prints its figures and writes its files. Returns the program's exit code for it: 0, 1
     // or 3 (physics out of range).
     int end();
@@ -55,7 +56,7 @@ class SessionHost
     std::unique_ptr<PhysicsThread> physics_; // uses goals_
     std::string started_at_;
     std::string recording_;
-    int number_ = 0;
+    int number_ = 0, begun_ = 0; // the session's number in the window, and in this object
     bool is_fault_told_ = false, was_interrupted_ = false;
     Debrief debrief_;
 };

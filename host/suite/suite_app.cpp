@@ -38,7 +38,8 @@ SuiteApp::SuiteApp(const WindowOptions &options)
     window_.on_key([this](int key, int action, int modifiers) {
         last_input_ = SuiteClock::now();
         if (is_in_session() || page_ == Page::replay) input_->key(key, action, modifiers);
-        if (!is_in_session() && action != GLFW_RELEASE) take_page_key(key);
+        // A key that is held must not lead through several screens.
+        if (!is_in_session() && action == GLFW_PRESS) take_page_key(key);
     });
     window_.on_focus_lost([this] {
         if (input_) input_->release_all();
@@ -70,7 +71,7 @@ WindowOptions SuiteApp::session_options(const WindowOptions &options) const
 void SuiteApp::open_session(const WindowOptions &options)
 {
     host_ = std::make_unique<SessionHost>(session_options(options), [this] { return window_.context(); });
-    host_->begin();
+    host_->begin(++sessions_);
     enter_session();
 }
 
@@ -121,12 +122,13 @@ bool SuiteApp::show_screen(int frame)
     if (is_in_session() && wants_end_) {
         if (!begins_at_start_) return false;
         end_session();
+        window_.poll(0.0); // what was pressed meanwhile was meant for the session
         host_->assess(trainee_);
         go_on(Page::debrief);
     }
     if (is_in_session() && wants_restart_) {
         end_session();
-        host_->begin();
+        host_->begin(++sessions_);
         begin_session();
     }
     if (!is_in_session()) {

@@ -80,7 +80,7 @@ class SuiteApp
     SuiteTiming timing_;
     bool shows_help_, is_pixel_by_pixel_ = false, wants_end_ = false, wants_restart_ = false,
                       wants_quit_ = false;
-    int reference_run_ = 0, code_ = 0;
+    int reference_run_ = 0, code_ = 0, sessions_ = 0;
     std::uint32_t counted_ticks_ = 0;
     std::uint64_t shown_number_ = 0; // of the live picture on the screen
     PictureRhythm rhythm_;           // of the live pictures

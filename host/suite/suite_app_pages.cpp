@@ -1,5 +1,6 @@
 // The screens of the window without a session: which one is shown, and what its keys and buttons do.
 #include "host/base/pending_file.hpp"
+#include "host/records/record.hpp"
 #include "host/report/session_summary.hpp"
 #include "host/suite/suite_app.hpp"
 #include <cfloat>
@@ -24,6 +25,12 @@ std::vector<ReplayError> errors_of(const Debrief &debrief)
     return errors;
 }
 
+std::string without_outer_blanks(const std::string &text)
+{
+    const std::size_t first = text.find_first_not_of(' ');
+    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
 } // namespace
 
 void SuiteApp::go_on(Page page)
@@ -40,8 +47,11 @@ void SuiteApp::go_on(Page page)
     if (page == Page::rig) rigs_ = rig_rows();
 }
 
+// Throws what check_pseudonym throws, because a session cannot be stored under such a name.
 void SuiteApp::open_prep(const CaseCard &card)
 {
+    trainee_ = without_outer_blanks(trainee_);
+    if (!trainee_.empty()) check_pseudonym(trainee_);
     auto prep = std::make_unique<PrepPage>(ui_, card);
     go_on(Page::prep);
     prep_ = std::move(prep);
@@ -65,9 +75,9 @@ void SuiteApp::open_replay(const std::string &recording, std::uint32_t tick)
 void SuiteApp::begin_opening(const WindowOptions &options)
 {
     opening_ = std::make_unique<BackgroundTask<std::unique_ptr<SessionHost>>>(
-        [this, chosen = session_options(options)](TaskProgress &) {
+        [this, chosen = session_options(options), number = ++sessions_](TaskProgress &) {
             auto host = std::make_unique<SessionHost>(chosen, [this] { return window_.context(); });
-            host->begin();
+            host->begin(number);
             return host;
         });
 }

@@ -237,8 +237,10 @@ void SuiteWindow::show_button()
     io.MouseDown[ImGuiMouseButton_Left] = is_button_down_;
 }
 
+// The X-ray's context may have been current in this thread, and none is current after it was removed.
 void SuiteWindow::begin_frame()
 {
+    glfwMakeContextCurrent(window_);
     fit();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();

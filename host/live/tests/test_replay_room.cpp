@@ -98,6 +98,22 @@ void a_moment_has_the_tools_of_that_moment(void **)
     assert_true(room.picture(moment(room.ticks() + 5000)).frame.wire.tick == room.ticks()); // held at the end
 }
 
+// A moment at which the recording or the track has a snapshot has the readings of its own tick, too.
+void a_moment_has_the_readings_of_its_own_tick(void **)
+{
+    const crn::Recording recording = crn::read_recording(path);
+    crn::ReplayRoom room(path, "", small_pictures());
+    while (room.prepare(500)) {
+    }
+    for (const std::uint32_t tick : {5000u, 6000u, 1u}) {
+        room.picture(moment(7000));
+        const crn_wire_tick_state state = room.picture(moment(tick)).state;
+        assert_int_equal(state.tick, tick);
+        assert_int_equal(state.hash_lane0, recording.ticks[tick - 1].hash_lane[0]);
+    }
+    assert_int_equal(room.picture(moment(0)).state.tick, 0);
+}
+
 // Without an angle of its own, a picture has that of the session, once the track knows it.
 void the_c_arm_is_where_it_was(void **)
 {
@@ -137,6 +153,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(the_same_view_twice_is_the_same_picture),
         cmocka_unit_test(a_moment_has_the_tools_of_that_moment),
+        cmocka_unit_test(a_moment_has_the_readings_of_its_own_tick),
         cmocka_unit_test(the_c_arm_is_where_it_was),
         cmocka_unit_test(the_time_line_marks_pedals),
         cmocka_unit_test(the_threads_show_what_was_asked_last),

@@ -162,6 +162,17 @@ void the_pressure_returns_when_the_catheter_is_withdrawn(void **)
     assert_true(!pressure.is_damped());
 }
 
+// Whoever runs the session has made the tick in which the tip enters the vessels before it can know of a look.
+void the_first_look_comes_after_the_tick_in_which_the_tip_enters(void **)
+{
+    for (const std::uint32_t entered : {79u, 80u, 81u}) {
+        CatheterPressure pressure = catheter();
+        pressure.tick(100.0, state_at(entered - 1, 0));
+        pressure.tick(100.0, state_at(entered));
+        assert_int_equal(pressure.next_tick(), entered == 79 ? 80 : 160);
+    }
+}
+
 void a_removed_catheter_measures_nothing(void **)
 {
     CatheterPressure pressure = catheter();
@@ -265,6 +276,7 @@ int main()
         cmocka_unit_test(a_catheter_that_fills_the_artery_measures_the_collateral_pressure),
         cmocka_unit_test(the_share_agrees_with_an_annulus_in_series_with_the_bed),
         cmocka_unit_test(the_pressure_returns_when_the_catheter_is_withdrawn),
+        cmocka_unit_test(the_first_look_comes_after_the_tick_in_which_the_tip_enters),
         cmocka_unit_test(a_removed_catheter_measures_nothing),
         cmocka_unit_test(other_pictures_do_not_change_the_pressure),
         cmocka_unit_test(an_injection_while_the_pressure_is_damped_is_noted),

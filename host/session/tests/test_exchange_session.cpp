@@ -15,6 +15,7 @@
 #include "host/base/text.hpp"
 #include "host/session/replay.hpp"
 #include "host/session/run.hpp"
+#include "host/session/witness.hpp"
 
 // This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
@@ -147,12 +148,45 @@ void a_refused_exchange_ends_the_script_by_name(void **)
     assert_true(recorded.recording.ticks.size() < 1000);
 }
 
+// In FREE_RUN, a rig could tell the host of tools that are not on the line.
+void the_witness_refuses_a_false_line(void **)
+{
+    const crn::LineNumbers line = {5, 0, 3};
+    const std::uint32_t inserted_um[] = {120000, 0, 100000};
+    const crn_wire_entry entry = crn::entry_of(scene, line.size(), inserted_um);
+    crn::Witness rig(scene, table(), line, entry, crn::host_rig(), "the rig");
+    crn::SimTransport pipe;
+    crn::Link link(pipe);
+    std::vector<crn_wire_instrument> tables;
+    for (const crn::Instrument &tool : table()) tables.push_back(tool.table);
+    link.hello();
+    link.load_scene(scene.bytes);
+    link.load_tools(tables, line);
+    link.set_entry(entry);
+    link.set_rig(crn::host_rig());
+    link.use_lockstep();
+    link.arm();
+    link.start();
+    crn_wire_tick_input input{};
+    input.hands_count = 3;
+    rig.tick(input, link.step({&input, 1}, false).front());
+    crn_wire_tick_state state = link.step({&input, 1}, false).front();
+    state.line_count = 1;
+    try {
+        rig.tick(input, state);
+        fail_msg("a line of one tool was accepted");
+    } catch (const crn::LinkError &error) {
+        assert_non_null(std::strstr(error.what(), "tools 5, answer"));
+    }
+}
+
 } // namespace
 
 int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_script_exchanges_tools_and_the_patient_follows),
+        cmocka_unit_test(the_witness_refuses_a_false_line),
         cmocka_unit_test(a_recorded_exchange_replays_bit_for_bit),
         cmocka_unit_test(a_refused_exchange_ends_the_script_by_name),
     };
