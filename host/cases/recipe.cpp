@@ -253,6 +253,22 @@ std::vector<std::string> cells_of(const std::string &line)
     return cells;
 }
 
+// Adds a scene text and the contents of all files that it names: any text in quotes may be the path of a mesh
+// or of a centreline, as seen from the folder of the scene text.
+void add_scene_text(Digest &digest, const fs::path &scene)
+{
+    const std::string text = read_text_file(scene.string());
+    digest.add(text);
+    for (std::size_t from = text.find('"'); from != std::string::npos; from = text.find('"', from)) {
+        const std::size_t end = text.find_first_of("\"\n", from + 1);
+        if (end == std::string::npos) break;
+        const fs::path named = scene.parent_path() / text.substr(from + 1, end - from - 1);
+        std::error_code failure;
+        if (fs::is_regular_file(named, failure)) digest.add(read_text_file(named.string()));
+        from = end + 1;
+    }
+}
+
 } // namespace
 
 const std::vector<std::string> &recipe_kinds()
@@ -269,7 +285,7 @@ std::string recipe_key(const Recipe &recipe)
         digest.add(read_text_file(shipped_archive()));
         return digest.hex();
     }
-    if (recipe.kind.empty()) digest.add(read_text_file(recipe.scene));
+    if (recipe.kind.empty()) add_scene_text(digest, recipe.scene);
     if (!recipe.kind.empty()) {
         add_vessels(digest, vessels_of(recipe));
     }

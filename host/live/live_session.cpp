@@ -96,10 +96,16 @@ void LiveSession::exchange(std::uint8_t position, std::uint8_t tool)
 void LiveSession::order(const crn_wire_order &order)
 {
     if (!choice_.free_run) return orders_.add(order);
+    // A rig that is away, or that has too many orders already, leaves this order out: the user may repeat it.
     try {
-        if (fault_.empty()) device_.ask([&](Link &link) { link.give_orders({1, {order}}); });
+        if (fault_.empty()) device_.link().give_orders({1, {order}});
+    } catch (const DeviceLost &) {
+        refused_ = {"NOT DONE - the rig is disconnected", state_.tick};
     } catch (const LinkError &error) {
-        fault_ = error.what();
+        if (error.reject.code == 0)
+            fault_ = error.what();
+        else
+            refused_ = {std::string("NOT DONE - ") + error.what(), state_.tick};
     }
 }
 

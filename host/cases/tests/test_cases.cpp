@@ -278,6 +278,20 @@ void a_changed_lesion_is_another_scene(void **)
     assert_string_not_equal(crn::recipe_key(recipe).c_str(), first.c_str());
 }
 
+// The key changes with a mesh that the scene's text names, although that text stays the same.
+void a_changed_mesh_is_another_scene(void **)
+{
+    crn::Recipe recipe;
+    recipe.scene = (folder / "s.toml").string();
+    const std::string mesh = (folder / "aorta.ply").string();
+    write(recipe.scene, "[[body]]\nname = \"aorta\"\nmesh = \"aorta.ply\"\n");
+    write(mesh, "ply");
+    const std::string first = crn::recipe_key(recipe);
+    assert_string_equal(crn::recipe_key(recipe).c_str(), first.c_str());
+    write(mesh, "ply, another one");
+    assert_string_not_equal(crn::recipe_key(recipe).c_str(), first.c_str());
+}
+
 void every_shipped_case_can_be_read(void **)
 {
     std::vector<std::string> paths = crn::case_paths();
@@ -303,6 +317,7 @@ int main()
         cmocka_unit_test(pictures_get_every_frame_that_the_goals_ask_for),
         cmocka_unit_test(marks_fall_in_proportion_between_the_values_of_a_limit),
         cmocka_unit_test(a_changed_lesion_is_another_scene),
+        cmocka_unit_test(a_changed_mesh_is_another_scene),
         cmocka_unit_test(every_shipped_case_can_be_read),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
