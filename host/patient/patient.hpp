@@ -90,6 +90,7 @@ class Patient
     // Returns the ticks at which medium was injected although the catheter's pressure was damped.
     const std::vector<std::uint32_t> &damped_injections() const { return damped_injections_; }
     const crn_wire_tick_state &state() const { return state_; } // of the last tick
+    const std::vector<Instrument> &table() const { return table_; } // all tools of the session
     // Returns the tools on the line after the last tick, one for each position; a free position has a tool
     // without a name.
     const std::vector<Instrument> &tools() const { return tools_; }

@@ -75,26 +75,47 @@ Json stent_report(const StentResult &stent)
     return report;
 }
 
+struct BalloonPeak {
+    Instrument tool;
+    double pressure_kPa = 0.0, tick = 0.0;
+    double above_kPa() const { return pressure_kPa - (tool.balloon ? tool.balloon->rated_burst_kPa : 0.0); }
+};
+
+// Returns the peak of the balloon that came nearest to its rated burst pressure or exceeded it the most; a
+// session may have exchanged one balloon for another.
+std::optional<BalloonPeak> gravest_peak(const BalloonFigures &balloon, const std::vector<Instrument> &table)
+{
+    std::optional<BalloonPeak> gravest;
+    for (const BalloonFigures::Peak &peak : balloon.peaks) {
+        const std::vector<Instrument> tools = tools_on(table, line_or_table(peak.line, table.size()));
+        const std::optional<std::size_t> tool = balloon_tool(tools);
+        if (!tool) continue;
+        const BalloonPeak found{tools[*tool], double(peak.pressure_kPa), double(peak.tick)};
+        if (!gravest || found.above_kPa() > gravest->above_kPa()) gravest = found;
+    }
+    return gravest;
+}
+
 } // namespace
 
-Json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &tools)
+Json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &table)
 {
-    const std::optional<std::size_t> tool = balloon_tool(tools);
-    if (!tool || !balloon.is_there) return {};
-    Json report = {{"tool", tools[*tool].name},
-                   {"pressure_max_bar", balloon.pressure_max_kPa * 1e-2},
-                   {"pressure_max_s", balloon.pressure_max_tick * 1e-3},
+    const std::optional<BalloonPeak> peak = gravest_peak(balloon, table);
+    if (!peak) return {};
+    Json report = {{"tool", peak->tool.name},
+                   {"pressure_max_bar", peak->pressure_kPa * 1e-2},
+                   {"pressure_max_s", peak->tick * 1e-3},
                    {"diameter_max_mm", balloon.diameter_max_mm},
                    {"wall_force_max_N", balloon.wall_max_N},
                    {"inflations", balloon.inflations},
                    {"up_s", balloon.ticks_up * 1e-3},
                    {"up_longest_s", balloon.ticks_up_longest * 1e-3},
                    {"burst_s", seconds_or_null(balloon.burst_tick)}};
-    const std::optional<BalloonLabel> &label = tools[*tool].balloon;
+    const std::optional<BalloonLabel> &label = peak->tool.balloon;
     if (label) {
         report["nominal_bar"] = label->nominal_kPa * 1e-2;
         report["rated_burst_bar"] = label->rated_burst_kPa * 1e-2;
-        report["above_rated_burst"] = balloon.pressure_max_kPa > label->rated_burst_kPa;
+        report["above_rated_burst"] = peak->pressure_kPa > label->rated_burst_kPa;
     }
     report["curves"] = curves(balloon.series);
     return report;

@@ -4,14 +4,25 @@
 namespace crn
 {
 
+BalloonFigures::Peak &BalloonFigures::peak_of(const LineNumbers &line)
+{
+    if (!peaks.empty() && peaks.back().line == line) return peaks.back();
+    const auto known =
+        std::find_if(peaks.begin(), peaks.end(), [&](const Peak &peak) { return peak.line == line; });
+    if (known != peaks.end()) return *known;
+    peaks.push_back({line});
+    return peaks.back();
+}
+
 void BalloonFigures::take(const crn_wire_tick_state &state)
 {
     if (state.balloon_diameter_max_um == 0) return;
     is_there = true;
     const double wall_N = state.balloon_wall_mN * 1e-3;
-    if (state.balloon_kPa > pressure_max_kPa) {
-        pressure_max_kPa = state.balloon_kPa;
-        pressure_max_tick = state.tick;
+    Peak &peak = peak_of(line_of(state));
+    if (state.balloon_kPa > peak.pressure_kPa) {
+        peak.pressure_kPa = state.balloon_kPa;
+        peak.tick = state.tick;
     }
     diameter_max_mm = std::max(diameter_max_mm, state.balloon_diameter_max_um * 1e-3);
     wall_max_N = std::max(wall_max_N, wall_N);

@@ -2,6 +2,7 @@
 // BalloonFigures also stores how these measurements change over time, for the curves of the report. The
 // measurements come from the state of every tick, so they are equal in a run, in FREE_RUN and in a replay.
 #pragma once
+#include "host/model/tool_line.hpp"
 #include "shared/wire/wire.h"
 #include <cstdint>
 #include <optional>
@@ -21,7 +22,12 @@ struct BalloonFigures {
                                                 // (docs/balloon.md)
 
     bool is_there = false; // whether some tool has a balloon
-    std::uint32_t pressure_max_kPa = 0, pressure_max_tick = 0;
+    // The highest pressure while these tools were on the line: an exchange may bring another balloon.
+    struct Peak {
+        LineNumbers line;
+        std::uint32_t pressure_kPa = 0, tick = 0;
+    };
+    std::vector<Peak> peaks; // one for each line on which there was a balloon
     double diameter_max_mm = 0.0, wall_max_N = 0.0;
     std::uint32_t ticks_up = 0, ticks_up_longest = 0, inflations = 0;
     std::optional<std::uint32_t> burst_tick;
@@ -30,6 +36,7 @@ struct BalloonFigures {
     void take(const crn_wire_tick_state &state);
 
   private:
+    Peak &peak_of(const LineNumbers &line);
     std::uint32_t up_since_ = 0; // ticks
 };
 

@@ -381,7 +381,8 @@ void balloon_figures_say_how_far_how_hard_and_how_long(void **)
         state.balloon_bits = tick >= 301 ? 1 : 0;
         figures.take(state);
     }
-    assert_true(figures.is_there && figures.pressure_max_kPa == 1200 && figures.pressure_max_tick == 250);
+    assert_true(figures.is_there && figures.peaks.size() == 1 && figures.peaks[0].pressure_kPa == 1200 &&
+                figures.peaks[0].tick == 250);
     assert_true(figures.inflations == 2 && figures.ticks_up == 150 && figures.ticks_up_longest == 100);
     assert_true(figures.burst_tick == 301u && figures.diameter_max_mm == 3.0 && figures.wall_max_N == 60.5);
     assert_int_equal(figures.series.size(), 10);
