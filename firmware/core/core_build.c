@@ -356,8 +356,8 @@ static crn_build_status check_reach(const crn_model *model, uint32_t k, const cr
     return CRN_BUILD_OK;
 }
 
-/* Checks that the mass of the heaviest line in the longest cell stays below 1.95 g, the limit of the number
- * format. */
+/* Checks that the heaviest set of nested tools has less than 1.95 g in the longest element, because the
+ * fixed-point format cannot hold more. */
 static crn_build_status check_mass(const crn_model *model)
 {
     const crn_mesh_node *last = &model->mesh[model->node_count - 1];

@@ -120,8 +120,9 @@ static crn_exchange_status check_numbers(const crn_model *model, const crn_state
     return CRN_EXCHANGE_DONE;
 }
 
-/* Checks the tool that is to leave the line. If it is the leading tool, it can only be replaced, and only at
- * the shortest length that the line can have; the other tools are then inside the introducer sheath. */
+/* Checks that the tool may be taken out of the set of nested tools (the line). If it is the leading tool, it
+ * can only be replaced, and only at the shortest length that the line can have; the other tools are then
+ * inside the introducer sheath. */
 static crn_exchange_status check_leaving(const crn_model *model, const crn_state_words *words,
                                          const crn_exchange_order *order)
 {
@@ -237,8 +238,8 @@ crn_exchange_status crn_exchange_check(const crn_model *model, const crn_state *
 /* --- an exchange ---------------------------------------------------------------------------------------- */
 
 /* Forgets everything that the state knew of the tool at a position, except the angle at which the hand holds
- * it. The elastic displacement against the tool inside it stays, if that tool still reaches beyond the sheath:
- * it is bounded, and the new tool's first slip replaces it. */
+ * it. The elastic displacement against the tool inside it stays, if that tool still reaches beyond the
+ * sheath: it is bounded, and the new tool's first slip replaces it. */
 static void forget_tool(const crn_model *model, crn_state_words *words, uint32_t position)
 {
     crn_tool_state *tool = &words->tools[position];

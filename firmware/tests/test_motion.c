@@ -48,8 +48,8 @@ static uint32_t phase32(double phase)
     return (uint32_t)(uint64_t)floor((phase - floor(phase)) * 4294967296.0);
 }
 
-/* Makes the pose of the vessel for a tick at whose end the heart has the phase `phase`, and during which this
- * phase grew by `step`. The chest is at the end of expiration or, when `breath` is 1, at the end of
+/* Computes the pose of the vessel for one tick. The heart's phase grows by `step` during the tick and is
+ * `phase` at its end. The chest is at the end of expiration or, when `breath` is 1, at the end of
  * inspiration. */
 static crn_motion_pose pose_of(const crn_motion *motion, double phase, double step, double breath)
 {

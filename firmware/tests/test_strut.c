@@ -266,8 +266,8 @@ static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
 }
 
 /* In this test the stent lies beneath the wire, which rests on the stent's outer surface. This wire is
- * stiffer than in the test of a wire inside the stent, so that the span between sheath and stent does not
- * lift the remaining wire. */
+ * stiffer than the one in the test of a wire inside the stent. A softer wire would bend between sheath and
+ * stent, and lift its part beyond. */
 static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 {
     (void)state;

@@ -74,8 +74,8 @@ int bar_ms(SafeClass which)
 }
 
 // If a motor no longer obeys the firmware, its force is limited only by the current limit of the motor's
-// driver, which the builder of the rig sets. For all other faults the driver's current limit is 1.5 times the
-// firmware's force limit, so that the force at the actuator shows the firmware's own limit.
+// driver, which the builder of the rig sets. For all other faults the driver's current limit
+// corresponds to 1.5 times the firmware's force limit, so the firmware's limit acts first.
 PlantSettings campaign_plant(bool has_stuck_motor)
 {
     const double above = has_stuck_motor ? 1.0 : 1.5;

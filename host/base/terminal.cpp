@@ -35,8 +35,8 @@ Letter letter_at(std::string_view text, std::size_t at)
 bool is_shown(std::uint32_t code)
 {
     if (code < 0x20 || (code >= 0x7f && code < 0xa0)) return false;
-    // The characters in this list are the marks and embeddings of writing direction, the separators of lines
-    // and paragraphs, and the byte order mark.
+    // The following characters are the control characters of writing direction (Unicode Bidi_Control), the
+    // separators of lines and paragraphs, and the byte order mark.
     if (code == 0x61c || code == 0x200e || code == 0x200f || code == 0xfeff) return false;
     return !(code >= 0x2028 && code <= 0x202e) && !(code >= 0x2066 && code <= 0x2069);
 }

@@ -17,8 +17,8 @@ namespace
 constexpr std::size_t story_bytes_min = 60, teaching_bytes_min = 60;
 constexpr TomlKind lesion_kind{"a text with lesions", "a file with [[lesion]] tables (docs/lesions.md)"};
 
-// Makes a tree that has the recipe's vessels in name only. Where the scene's aorta will be divided into three
-// vessels, the map of this tree divides it too.
+// Makes a tree that has only the names of the recipe's vessels, without their shapes. Where the scene's aorta
+// will be divided into three vessels, the map of this tree divides it too.
 VesselTree tree_of_names(const std::vector<RecipeVessel> &vessels)
 {
     VesselTree tree;

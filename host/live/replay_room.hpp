@@ -1,6 +1,7 @@
-// Shows any moment of a recording from any angle of the C-arm. A moment is computed from the last snapshot
-// before it, so it does not take longer the later it lies. What depends on the whole session before (contrast
-// medium, stents, the C-arm as it was) comes from a track, which another thread prepares once.
+// Shows any moment of a recording from any angle of the C-arm. Each moment is computed from the last
+// snapshot before it, so a late moment takes no longer than an early one. What depends on the whole session
+// before (contrast medium, stents, the C-arm as it was) comes from a track, which another thread prepares
+// once.
 //
 //   ReplayRoom room("live.rec", "", settings);
 //   while (room.prepare(1000)) ...                        in one thread, until the track is complete

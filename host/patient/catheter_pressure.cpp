@@ -72,8 +72,8 @@ void CatheterPressure::open_vessels(const WireFrame &wire)
     network_.reshape(cells_, tool_mm_);
 }
 
-// Solves for the mean flow with the tools in the vessels. The pressure at the tip's cell, divided by the
-// pressure at the inlet, is the share that the catheter measures.
+// Solves for the mean flow with the tools in the vessels. The catheter measures the pressure at
+// the inlet, multiplied by the ratio of the pressures at the tip's cell and at the inlet.
 void CatheterPressure::advance(const WireFrame &wire)
 {
     if (wire.tick < next_tick() || wire.nodes.empty() ||

@@ -89,7 +89,7 @@ class Patient
     const CatheterAir &catheter_air() const { return catheter_air_; }
     // Returns the ticks at which medium was injected although the catheter's pressure was damped.
     const std::vector<std::uint32_t> &damped_injections() const { return damped_injections_; }
-    const crn_wire_tick_state &state() const { return state_; } // of the last tick
+    const crn_wire_tick_state &state() const { return state_; }     // of the last tick
     const std::vector<Instrument> &table() const { return table_; } // all tools of the session
     // Returns the tools on the line after the last tick, one for each position; a free position has a tool
     // without a name.

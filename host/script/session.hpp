@@ -115,7 +115,8 @@ class SessionPlayer
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
     // Returns true if the present statement needs the positions of the tips, or is an expectation.
     bool wants_tips() const;
-    // Receives the answer to an exchange, as a tick's state has it. A refused exchange ends the script.
+    // Receives the answer to an exchange of tools from the state of a tick. A refused exchange ends the
+    // script.
     void answer_exchange(std::uint8_t answer);
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
     // Returns the commands for the X-ray room that the script has given since the last call of this function.

@@ -291,8 +291,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
 
 // --- permanent changes ---
 
-// A spring that is longer or shorter than its elastic range allows yields permanently. Once such a spring has
-// yielded, its length would change only by the recoil if the load were removed.
+// A spring that is stretched or compressed beyond its elastic range yields permanently. Once such a spring
+// has yielded, its length would change only by the recoil if the load were removed.
 void StentRelaxation::yield()
 {
     const double recoil = stent_.design_.recoil;

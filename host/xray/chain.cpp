@@ -122,8 +122,8 @@ void blur_add_and_measure(XrayChain &chain)
     chain.log_slow = slow_part(std::move(logarithms), chain.size / coarse_cell);
 }
 
-// Divides the picture into cells x cells squares, and returns the transmission of the middle pixel of each
-// square, except where the collimator covers that pixel.
+// Divides the picture into a grid of `cells` by `cells` squares. Returns the transmission of the middle pixel
+// of each square, and leaves out squares whose middle the collimator covers.
 CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells)
 {
     const int cell = chain.size / cells, padded = (cells + 15) / 16 * 16;

@@ -14,8 +14,8 @@ typedef struct crn_permission {
     uint32_t code_count;
 } crn_permission;
 
-/* Makes a new code for ARM_MOTORS. The code is never 0, and no frame contains it by chance. `now_us` is the
- * port's clock. */
+/* Makes a new code for ARM_MOTORS. The code is never 0, and a stray or damaged frame is very unlikely to
+ * contain it. `now_us` is the port's clock. */
 void crn_permission_offer(crn_permission *permission, uint32_t now_us);
 
 /* Checks the code that CONFIRM returned and returns whether it was right; any answer uses up the code, even a

@@ -1,4 +1,5 @@
-// Claims: text of any length is formatted completely, and the special characters of HTML are escaped.
+// These tests check the following. Text of any length is formatted completely, and the special characters of
+// HTML are escaped.
 #include "host/base/format.hpp"
 #include <csetjmp>
 #include <cstdarg>

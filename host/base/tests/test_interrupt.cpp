@@ -1,6 +1,6 @@
-// Claims: the first Ctrl-C or SIGTERM only sets a flag. The second signal removes pending files and ends the
-// program, even where the parent process had blocked or ignored the signal. All programs of this repository
-// use the same helper (host/base/interrupt) for these signals.
+// These tests check the following. The first Ctrl-C or SIGTERM only sets a flag. The second signal removes
+// pending files and ends the program, even where the parent process had blocked or ignored the signal. All
+// programs of this repository use the same helper (host/base/interrupt) for these signals.
 #include <csetjmp>
 #include <csignal>
 #include <cstdarg>

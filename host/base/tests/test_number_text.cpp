@@ -1,4 +1,5 @@
-// Claims: for numbers of every size and in every locale, the conversion gives the same bytes as printf.
+// These tests check the following. For numbers of every size and in every locale, the conversion gives the
+// same bytes as printf.
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
 

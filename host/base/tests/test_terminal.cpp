@@ -1,5 +1,6 @@
-// Claims: text from files is printed on a terminal as visible letters only. Characters that would move the
-// cursor, change the writing direction or end a line are shown as \xNN; text in any language stays as it is.
+// These tests check the following. Text from files is printed on a terminal as visible letters only.
+// Characters that would move the cursor, change the writing direction or end a line are shown as \xNN; text
+// in any language stays as it is.
 #include "host/base/terminal.hpp"
 #include <csetjmp>
 #include <cstdarg>

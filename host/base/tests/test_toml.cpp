@@ -1,5 +1,6 @@
-// Claims: a text whose parser would recurse too deeply is refused, with line and column, before it is parsed.
-// Every text within the limits is parsed, traversed and destroyed without a deep stack.
+// These tests check the following. A text whose parser would recurse too deeply is refused, with line and
+// column, before it is parsed. Every text within the limits is parsed, traversed and destroyed without a deep
+// stack.
 #include "host/base/toml.hpp"
 
 #include <csetjmp>

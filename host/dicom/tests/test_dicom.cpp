@@ -1,6 +1,6 @@
-// Claims: an X-ray run becomes a valid DICOM file. DCMTK reads the file back pixel for pixel. dciodvfy and
-// dctopnm accept the file; both are from dicom3tools, which shares no code with DCMTK. The attributes equal
-// the inputs, and a failure never leaves half a file.
+// These tests check the following. An X-ray run becomes a valid DICOM file. DCMTK reads the file back pixel
+// for pixel. dciodvfy and dctopnm accept the file; both are from dicom3tools, which shares no code with
+// DCMTK. The attributes equal the inputs, and a failure never leaves half a file.
 #include "host/base/tests/folder.hpp"
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/tests/xray_runs.hpp"

@@ -1,7 +1,7 @@
-// Claims: contrast medium in a tree of vessels moves with the blood, and at a fork the medium divides in
-// proportion to the conductances. None is lost or created. Contrast medium flows back if more is injected
-// than the blood carries away, and it does not move where the catheter fills the lumen. Each test compares
-// the simulation with a formula that the test contains.
+// These tests check the following. Contrast medium in a tree of vessels moves with the blood, and at a fork
+// the medium divides in proportion to the conductances. None is lost or created. Contrast medium flows back
+// if more is injected than the blood carries away, and it does not move where the catheter fills the lumen.
+// Each test compares the simulation with a formula that the test contains.
 #include "host/effects/contrast_flow.hpp"
 #include <cmath>
 #include <csetjmp>

@@ -1,7 +1,7 @@
-// Claims: the traces of the heart follow the beats that the core reports: rate, pressures of a resting adult,
-// and the effects of a premature beat and of asystole. The host reads the displacements of a moving vessel
-// exactly as the scene file holds them. Undoing a displacement returns a point to the reference pose, and
-// bodies move with the lattice of displacements.
+// These tests check the following. The traces of the heart follow the beats that the core reports: rate,
+// pressures of a resting adult, and the effects of a premature beat and of asystole. The host reads the
+// displacements of a moving vessel exactly as the scene file holds them. Undoing a displacement returns a
+// point to the reference pose, and bodies move with the lattice of displacements.
 #include "host/effects/pulse.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/tests/scene_sample.h"

@@ -1,8 +1,9 @@
-// Claims: the pressure drop of a lesion is the sum of the drop by Poiseuille's law and of the loss of the jet
-// behind its narrowest point. A lesion reduces the flow in the vessels behind it, more so in hyperaemia and
-// with a guidewire in the lesion, and it delays contrast medium. The state of a lesion is part of a snapshot.
-// After a balloon has widened the lesion, the pressure drop is that of the stenosis that remains, and no
-// iodine is lost. Each test compares the simulation with a formula that the test contains.
+// These tests check the following. The pressure drop of a lesion is the sum of the drop by Poiseuille's law
+// and of the loss of the jet behind its narrowest point. A lesion reduces the flow in the vessels behind it,
+// more so in hyperaemia and with a guidewire in the lesion, and it delays contrast medium. The state of a
+// lesion is part of a snapshot. After a balloon has widened the lesion, the pressure drop is that of the
+// stenosis that remains, and no iodine is lost. Each test compares the simulation with a formula that the
+// test contains.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/lesion_opening.hpp"

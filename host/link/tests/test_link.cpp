@@ -1,6 +1,7 @@
-// Claims: whatever bytes were lost, cut or repeated, the message HELLO begins a working conversation, and
-// nobody has to unplug the cable. A late answer is not taken for the answer to the present request. A device
-// that sends bytes without end causes an error. The recording contains every tick that the host received.
+// These tests check the following. Whatever bytes were lost, cut or repeated, the message HELLO begins a
+// working conversation, and nobody has to unplug the cable. A late answer is not taken for the answer to the
+// present request. A device that sends bytes without end causes an error. The recording contains every tick
+// that the host received.
 #include <algorithm>
 #include <atomic>
 #include <chrono>

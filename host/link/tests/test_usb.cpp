@@ -1,6 +1,6 @@
-// Claims: a rig on USB gives the same results as a device in this process, bit for bit. Every unplugging,
-// refusal, silence or false answer ends within a limited time with a message that gives the remedy, and no
-// resource of libusb is leaked.
+// These tests check the following. A rig on USB gives the same results as a device in this process, bit for
+// bit. Every unplugging, refusal, silence or false answer ends within a limited time with a message that
+// gives the remedy, and no resource of libusb is leaked.
 #include <algorithm>
 #include <atomic>
 #include <chrono>

@@ -1,5 +1,5 @@
-// Claims: reading a body file gives the bodies that were written. A file that is not a body file is refused
-// with a message that names the file, the byte and the remedy.
+// These tests check the following. Reading a body file gives the bodies that were written. A file that is not
+// a body file is refused with a message that names the file, the byte and the remedy.
 #include "host/model/bodies.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "shared/scene/scene_write.h"

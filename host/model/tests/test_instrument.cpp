@@ -1,5 +1,5 @@
-// Claims: reading an instrument file gives the numbers that the file contains. A wrong instrument file is
-// refused with file, line, place and key.
+// These tests check the following. Reading an instrument file gives the numbers that the file contains. A
+// wrong instrument file is refused with file, line, place and key.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>

@@ -1,6 +1,7 @@
-// Claims: the device accepts every preset of every shipped instrument. In free space without gravity the
-// simulated instrument takes the shape that its file describes. The simulation accepts every guidewire
-// together with every catheter into which it fits, and also when both lie in a guiding catheter.
+// These tests check the following. The device accepts every preset of every shipped instrument. In free space
+// without gravity the simulated instrument takes the shape that its file describes. The simulation accepts
+// every guidewire together with every catheter into which it fits, and also when both lie in a guiding
+// catheter.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

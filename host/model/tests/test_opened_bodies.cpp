@@ -1,8 +1,8 @@
-// Claims: the inverse of the map with which `bake` narrows a lesion's wall is exact to a hundredth of a
-// millimetre. The surface of the blood returns to the wall of the healthy vessel by as much as the lesion is
-// open at each of its stations (points), and does not change anywhere else. Calcium is pushed outwards and
-// keeps its volume, also in a beating heart. No mesh changes while no lesion is open. Shapes have closed
-// forms.
+// These tests check the following. The inverse of the map with which `bake` narrows a lesion's wall is exact
+// to a hundredth of a millimetre. The surface of the blood returns to the wall of the healthy vessel by as
+// much as the lesion is open at each of its stations (points), and does not change anywhere else. Calcium is
+// pushed outwards and keeps its volume, also in a beating heart. No mesh changes while no lesion is open.
+// Shapes have closed forms.
 #include "host/model/lesion_wall.hpp"
 #include "host/model/opened_bodies.hpp"
 #include "host/stent/tests/stent_heart.hpp"

@@ -1,7 +1,7 @@
-// Claims: a catheter measures the aortic pressure where blood flows past its tip. The pressure falls, and its
-// pulse gets narrower, as the tip blocks the vessel. The share of the pressure agrees with Poiseuille's law
-// for an annulus. The pressure does not depend on the pictures that are made. After a tool was taken out of
-// the catheter's lumen, the lumen may hold air until blood is aspirated.
+// These tests check the following. A catheter measures the aortic pressure where blood flows past its tip.
+// The pressure falls, and its pulse gets narrower, as the tip blocks the vessel. The share of the pressure
+// agrees with Poiseuille's law for an annulus. The pressure does not depend on the pictures that are made.
+// After a tool was taken out of the catheter's lumen, the lumen may hold air until blood is aspirated.
 #include "host/effects/flow_network.hpp"
 #include "host/patient/patient.hpp"
 #include <cmath>
@@ -162,7 +162,8 @@ void the_pressure_returns_when_the_catheter_is_withdrawn(void **)
     assert_true(!pressure.is_damped());
 }
 
-// Whoever runs the session has made the tick in which the tip enters the vessels before it can know of a look.
+// Whoever runs the session has made the tick in which the tip enters the vessels before it can know of a
+// look.
 void the_first_look_comes_after_the_tick_in_which_the_tip_enters(void **)
 {
     for (const std::uint32_t entered : {79u, 80u, 81u}) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: the pages of a trainee and of a cohort open in Chromium without a network, and their charts, sentences and
-tables have the figures of the records. Prints TAP."""
+"""These tests check the following. The pages of a trainee and of a cohort open in Chromium without a network, and
+their charts, sentences and tables have the figures of the records. Prints TAP."""
 
 import html.parser
 import os

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Claims: sessions of a station reach a PostgreSQL server once, even if they are shipped again; erasing on one side
-erases on the other; names and passwords never leave the station; the server's records are read like a file. The test
-starts a server of its own. Prints TAP."""
+"""These tests check the following. Sessions of a station reach a PostgreSQL server once, even if they are shipped
+again; erasing on one side erases on the other; names and passwords never leave the station; the server's records
+are read like a file. The test starts a server of its own. Prints TAP."""
 
 import json
 import shutil

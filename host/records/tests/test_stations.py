@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: eight stations ship 48 sessions to one server at once; kills of stations and server lose none and double
-none. This is the short form of test_thousand_sessions.py. Prints TAP."""
+"""These tests check the following. Eight stations ship 48 sessions to one server at once; kills of stations and
+server lose none and double none. This is the short form of test_thousand_sessions.py. Prints TAP."""
 
 import stations
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: eight stations ship 1,000 sessions to one server at once; kills of stations, connections and server lose
-none and double none. Prints TAP."""
+"""These tests check the following. Eight stations ship 1,000 sessions to one server at once; kills of stations,
+connections and server lose none and double none. Prints TAP."""
 
 import stations
 

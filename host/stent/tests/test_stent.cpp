@@ -1,7 +1,7 @@
-// Claims: a stent file is either read as a whole, or refused with the place of the error in the file. A stent
-// opens to the width of its balloon, and its shortening and recoil follow the formulas. The rings of a stent
-// have the stiffness in the stent's file, and its struts touch walls as capsules touch planes. Every sequence
-// of actions on a stent has a defined outcome.
+// These tests check the following. A stent file is either read as a whole, or refused with the place of the
+// error in the file. A stent opens to the width of its balloon, and its shortening and recoil follow the
+// formulas. The rings of a stent have the stiffness in the stent's file, and its struts touch walls as
+// capsules touch planes. Every sequence of actions on a stent has a defined outcome.
 #include "firmware/tests/reference/long_run.h"
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"

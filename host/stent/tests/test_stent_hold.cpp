@@ -1,8 +1,9 @@
-// Claims: for a minute, a stent in a beating artery stays at the part of the wall on which it was deployed.
-// The struts lie on the wall and do not pass through it, at 15 and at 60 pictures per second. A stent that is
-// too small for its vessel does not stay where it was deployed. A lesion that a balloon has opened gets the
-// shape of the healthy vessel, as the tree of vessels describes it. The artery moves 12 mm to and fro, turns
-// and bends; its length and width change by as much as those of the arteries in the shipped heart.
+// These tests check the following. For a minute, a stent in a beating artery stays at the part of the wall on
+// which it was deployed. The struts lie on the wall and do not pass through it, at 15 and at 60 pictures per
+// second. A stent that is too small for its vessel does not stay where it was deployed. A lesion that a
+// balloon has opened gets the shape of the healthy vessel, as the tree of vessels describes it. The artery
+// moves 12 mm to and fro, turns and bends; its length and width change by as much as those of the arteries in
+// the shipped heart.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"

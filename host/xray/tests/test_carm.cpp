@@ -1,7 +1,7 @@
-// Claims: points of the patient appear in the picture where the geometry of the C-arm projects them. Markers
-// at known positions appear at the pixels that an independent calculation predicts, and on the side that
-// DICOM prescribes. The C-arm's motors stay within their limits, and the C-arm does not collide with the
-// table.
+// These tests check the following. Points of the patient appear in the picture where the geometry of the
+// C-arm projects them. Markers at known positions appear at the pixels that an independent calculation
+// predicts, and on the side that DICOM prescribes. The C-arm's motors stay within their limits, and the C-arm
+// does not collide with the table.
 #include "firmware/tests/reference/long_run.h"
 #include "host/room/command.hpp"
 #include "host/room/gantry.hpp"

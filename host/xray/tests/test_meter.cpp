@@ -1,6 +1,6 @@
-// Claims: the measuring chamber gives the same techniques that automatic exposure would choose from a picture
-// of any size. So the dose of a session does not depend on which pictures the program makes. The kerma-area
-// product of the chamber is the kerma times the area of the open field.
+// These tests check the following. The measuring chamber gives the same techniques that automatic exposure
+// would choose from a picture of any size. So the dose of a session does not depend on which pictures the
+// program makes. The kerma-area product of the chamber is the kerma times the area of the open field.
 #include "host/xray/meter.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <algorithm>

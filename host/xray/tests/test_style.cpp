@@ -1,6 +1,6 @@
-// Claims: pictures in the style of the VCSim3 thesis follow the formula for the product over surfaces, show
-// the bodies that the thesis shows, and are the same with any number of threads. The test uses a sphere,
-// where the chord of a ray determines the angle between normal and ray.
+// These tests check the following. Pictures in the style of the VCSim3 thesis follow the formula for the
+// product over surfaces, show the bodies that the thesis shows, and are the same with any number of threads.
+// The test uses a sphere, where the chord of a ray determines the angle between normal and ray.
 #include "host/xray/style/vcsim3.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include <algorithm>

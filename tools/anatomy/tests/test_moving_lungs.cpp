@@ -1,5 +1,5 @@
-// Claims: when the shipped lungs move with the heart, no face of their meshes turns over. No face turns over
-// either if the vertices are rounded to a micrometre, as in files.
+// These tests check the following. When the shipped lungs move with the heart, no face of their meshes turns
+// over. No face turns over either if the vertices are rounded to a micrometre, as in files.
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include "tools/mesh/sequence.hpp"

@@ -1,7 +1,7 @@
-// Claims: a baked lumen equals the given surface within the stated tolerance, whichever refinement level the
-// field's bricks have. Its file opens. If a scene cannot be baked, the program `bake` prints one sentence
-// with the reason, and the old files remain. The claims are shown on a torus, whose distance is known in
-// closed form, and on texts of scenes with one fault each.
+// These tests check the following. A baked lumen equals the given surface within the stated tolerance,
+// whichever refinement level the field's bricks have. Its file opens. If a scene cannot be baked, the program
+// `bake` prints one sentence with the reason, and the old files remain. The claims are shown on a torus,
+// whose distance is known in closed form, and on texts of scenes with one fault each.
 #include "shared/scene/scene.h"
 #include "tools/bake/tests/shapes.hpp"
 

@@ -1,5 +1,5 @@
-// Claims: centrelines in any order and direction become the tree along which blood flows; if the centrelines
-// form no tree, the error message names one of them.
+// These tests check the following. Centrelines in any order and direction become the tree along which blood
+// flows; if the centrelines form no tree, the error message names one of them.
 #include "host/model/bodies.hpp"
 #include "tools/bake/branches.hpp"
 #include "tools/bake/container.hpp"

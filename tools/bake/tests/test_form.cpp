@@ -1,6 +1,6 @@
-// Claims: the surface of a body can be remade, closed, cut, hollowed and reduced to fewer triangles; each
-// result is within a stated distance of a closed form. Bodies that overlap are named. The keys of a scene's
-// text for parts, pieces and transforms have the effects that docs/scene.md describes.
+// These tests check the following. The surface of a body can be remade, closed, cut, hollowed and reduced to
+// fewer triangles; each result is within a stated distance of a closed form. Bodies that overlap are named.
+// The keys of a scene's text for parts, pieces and transforms have the effects that docs/scene.md describes.
 #include "tools/bake/form.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/bake/tests/shapes.hpp"

@@ -1,6 +1,7 @@
-// Claims: a lesion narrows the vessel tree, the surface and the distance field equally, as the scene's text
-// states. Outside the lesion the vessel stays unchanged, and the mesh stays closed with its vertices in
-// place. If a value in the text does not fit the vessel, the error message names this value.
+// These tests check the following. A lesion narrows the vessel tree, the surface and the distance field
+// equally, as the scene's text states. Outside the lesion the vessel stays unchanged, and the mesh stays
+// closed with its vertices in place. If a value in the text does not fit the vessel, the error message names
+// this value.
 extern "C" {
 #include "firmware/core/lesion.h"
 }

@@ -1,7 +1,7 @@
-// Claims: a lattice fitted to 24 frames moves the lumen, as the core computes the motion, to within 0.3 mm of
-// each frame. Frames that show other times of the heartbeat are converted to the standard times, and meshes
-// that form no sequence are refused with a message of one sentence. The claims are shown on a tube of 1.5 mm
-// radius that lies on a beating and rotating sphere.
+// These tests check the following. A lattice fitted to 24 frames moves the lumen, as the core computes the
+// motion, to within 0.3 mm of each frame. Frames that show other times of the heartbeat are converted to the
+// standard times, and meshes that form no sequence are refused with a message of one sentence. The claims are
+// shown on a tube of 1.5 mm radius that lies on a beating and rotating sphere.
 #include "host/model/bodies.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"

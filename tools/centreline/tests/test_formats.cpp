@@ -1,7 +1,7 @@
-// Claims: a tree is unchanged after writing and reading in every format, and VTK's encodings can be read. For
-// a file that holds no tree, the message is one sentence that names the file and line. The test writes and
-// reads trees, reads arrays that this file encodes as VTK does, and reads files that are damaged at random
-// positions.
+// These tests check the following. A tree is unchanged after writing and reading in every format, and VTK's
+// encodings can be read. For a file that holds no tree, the message is one sentence that names the file and
+// line. The test writes and reads trees, reads arrays that this file encodes as VTK does, and reads files
+// that are damaged at random positions.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/tests/trees.hpp"
 

@@ -1,5 +1,5 @@
-// Claims: a project of the editor keeps its points through saving, undo and redo, and a click selects the
-// middle of the vessel under the mouse pointer.
+// These tests check the following. A project of the editor keeps its points through saving, undo and redo,
+// and a click selects the middle of the vessel under the mouse pointer.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/fit/editor.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"

@@ -1,10 +1,10 @@
-// Claims: if centrelines of stEVE_bench are turned into a surface, the tool recovers these centrelines from
-// the surface. The recovered centrelines keep their position (mean distance <= 0.5 mm) and their radius (mean
-// error <= 5 %). From the imperfect surface of the same data set, the tool makes a tree, or prints which part
-// of the mesh must be repaired. The anatomy of stEVE_bench does not ship with Cournand;
-// where it is missing, the test is skipped and prints the reason. The test with the whole anatomy takes half
-// a minute. If the variable CRN_WHOLE is not set, the test therefore covers only the path from the iliac
-// arteries to the arch; `make validate-centreline` covers the whole anatomy.
+// These tests check the following. If centrelines of stEVE_bench are turned into a surface, the tool recovers
+// these centrelines from the surface. The recovered centrelines keep their position (mean distance <= 0.5 mm)
+// and their radius (mean error <= 5 %). From the imperfect surface of the same data set, the tool makes a
+// tree, or prints which part of the mesh must be repaired. The anatomy of stEVE_bench does not ship with
+// Cournand; where it is missing, the test is skipped and prints the reason. The test with the whole anatomy
+// takes half a minute. If the variable CRN_WHOLE is not set, the test therefore covers only the path from the
+// iliac arteries to the arch; `make validate-centreline` covers the whole anatomy.
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/join.hpp"
 #include "tools/centreline/tests/shapes.hpp"

@@ -1,5 +1,5 @@
-// Claims: curves that touch become one tree, a tree can be cut at its junctions, and the flow through a tree
-// obeys Poiseuille's law. The test compares the results with formulas in closed form.
+// These tests check the following. Curves that touch become one tree, a tree can be cut at its junctions, and
+// the flow through a tree obeys Poiseuille's law. The test compares the results with formulas in closed form.
 #include "tools/centreline/flow.hpp"
 #include "tools/centreline/join.hpp"
 #include "tools/centreline/tests/trees.hpp"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: host/xray/attenuation.cpp is equal, byte for byte, to the file that make_attenuation.py writes today from
-xraylib. Prints TAP.
+"""These tests check the following. The file host/xray/attenuation.cpp is equal, byte for byte, to the file that
+make_attenuation.py writes today from xraylib. Prints TAP.
 
 If the library xraylib (Debian's libxrl11, section [test] of tools/packages.txt) is missing, the test is not skipped but
 fails and prints the reason.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: every fault of the device in shared/wire/wire_faults.def names a test, and this test exists and runs. Prints
-TAP."""
+"""These tests check the following. Every fault of the device in shared/wire/wire_faults.def names a test, and
+this test exists and runs. Prints TAP."""
 
 import re
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: the source folders (rooms) have no circular includes, and no file, function or folder exceeds its size limit
-(docs/architecture.md). Prints TAP."""
+"""These tests check the following. The source folders (rooms) have no circular includes, and no file, function or
+folder exceeds its size limit (docs/architecture.md). Prints TAP."""
 
 import os
 import sys

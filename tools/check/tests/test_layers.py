@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: source files include only files from the folders that this test permits, and these includes go from higher
-layers to lower layers. Prints TAP."""
+"""These tests check the following. Source files include only files from the folders that this test permits, and
+these includes go from higher layers to lower layers. Prints TAP."""
 
 import os
 import re

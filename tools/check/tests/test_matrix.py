@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Claims: tools/check/matrix.py --short finds the same hash on five machines (32 and 64 bits, both byte orders). If a
-machine computes one bit differently, matrix.py finds the difference and prints the tick, the part of the tick, and the
-node. `make matrix` runs all variants. Prints TAP."""
+"""These tests check the following. The program tools/check/matrix.py --short finds the same hash on five machines
+(32 and 64 bits, both byte orders). If a machine computes one bit differently, matrix.py finds the difference and
+prints the tick, the part of the tick, and the node. `make matrix` runs all variants. Prints TAP."""
 
 import os
 import subprocess

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: every picture in README and docs stores the version of the core and the command that made it. No picture is
-older than its inputs."""
+"""These tests check the following. Every picture in README and docs stores the version of the core and the
+command that made it. No picture is older than its inputs."""
 
 import os
 import shutil

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: the program output that the documents show equals what the programs print today, and the documents name the
-present versions."""
+"""These tests check the following. The program output that the documents show equals what the programs print
+today, and the documents name the present versions."""
 
 import os
 import re

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: the files of the board's port have not changed by a byte since `make registers` compared them with the chip's
-description. Prints TAP."""
+"""These tests check the following. The files of the board's port have not changed by a byte since `make
+registers` compared them with the chip's description. Prints TAP."""
 
 import os
 import sys

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: the test runner (run_tests.py) and the benchmark runner (run_bench.py) report every error. For each claim,
-the test runs a small program that misbehaves in one respect. Prints TAP."""
+"""These tests check the following. The test runner (run_tests.py) and the benchmark runner (run_bench.py) report
+every error. For each claim, the test runs a small program that misbehaves in one respect. Prints TAP."""
 
 import os
 import subprocess

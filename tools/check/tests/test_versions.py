@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: every program prints its version, and the changelog begins with the present version. Prints TAP."""
+"""These tests check the following. Every program prints its version, and the changelog begins with the present
+version. Prints TAP."""
 
 import os
 import re

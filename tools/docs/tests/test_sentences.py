@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: sentences.py prints the same sample whenever the seed is the same, and every line of the sample is a
-sentence. Prints TAP."""
+"""These tests check the following. The program sentences.py prints the same sample whenever the seed is the same,
+and every line of the sample is a sentence. Prints TAP."""
 
 import os
 import subprocess

@@ -41,7 +41,7 @@ def prepare(environment):
 
 
 def measure(command):
-    """Returns the pairs of the last line of key=value pairs that the command printed, with times as numbers."""
+    """Finds the last line of key=value pairs that the command printed; returns its pairs, with times as numbers."""
     lines = [line for line in run_peers.run(command).splitlines() if line.startswith("code=")]
     pairs = dict(word.partition("=")[::2] for word in lines[-1].split()) if lines else {}
     for key in NUMBERS:

@@ -1,5 +1,5 @@
-// Claims: drop_short_edges collapses edges that are shorter than a given length, and the surface stays closed
-// and does not move.
+// These tests check the following. The function drop_short_edges collapses edges that are shorter than a
+// given length, and the surface stays closed and does not move.
 #include "tools/mesh/simplify.hpp"
 
 #include <Eigen/Geometry>

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: the shipped scene equals the scene that the tools make today, and a damaged archive leaves no file behind.
-Prints TAP.
+"""These tests check the following. The shipped scene equals the scene that the tools make today, and a damaged
+archive leaves no file behind. Prints TAP.
 
 The test makes the scene without its bodies and with few checks, because neither bodies nor checks change the scene's
 bytes. `make scene` also compares the bodies.

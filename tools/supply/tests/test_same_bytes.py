@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Claims: builds in two different folders produce the same bytes, and no program contains the name of the folder in
-which it was built. The test makes two copies of the source tree in folders whose paths have different lengths. In each
-copy the test builds targets of every kind: objects of C and of C++ with debug information, archives, a linked program,
-and a firmware image with its hex file. The test also searches all programs of the present build for the name of the
-repository's folder. Prints TAP.
+"""These tests check the following. Builds in two different folders produce the same bytes, and no program
+contains the name of the folder in which it was built. The test makes two copies of the source tree in folders
+whose paths have different lengths. In each copy the test builds targets of every kind: objects of C and of C++
+with debug information, archives, a linked program, and a firmware image with its hex file. The test also searches
+all programs of the present build for the name of the repository's folder. Prints TAP.
 
 The copies are built without precompiled headers, which take a minute to make. Only the search for the folder's name
 covers programs that were built with precompiled headers. The test compiles the core with -O1, because compiling takes

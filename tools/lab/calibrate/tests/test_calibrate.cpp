@@ -1,8 +1,8 @@
-// Claims: the program `calibrate` compares distances and forces with the reference as equation 19 of the
-// thesis and the documents state; the tests check the results against closed forms. The simulated instrument,
-// and the file that is written from it, have the requested values. A search gives results that are equal bit
-// for bit for any number of workers (threads or processes) and after any number of stops. If the data do not
-// determine a parameter, the result reports this.
+// These tests check the following. The program `calibrate` compares distances and forces with the reference
+// as equation 19 of the thesis and the documents state; the tests check the results against closed forms. The
+// simulated instrument, and the file that is written from it, have the requested values. A search gives
+// results that are equal bit for bit for any number of workers (threads or processes) and after any number of
+// stops. If the data do not determine a parameter, the result reports this.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/checkpoint.hpp"
 #include "tools/lab/calibrate/fitted_instrument.hpp"

@@ -1,7 +1,7 @@
-// Claims: the thesis' rod, as the baseline of `calibrate`, represents the instrument that its file describes,
-// in the same coordinate frame as our rod. The integration of the rod's motion stays stable for any values of
-// the parameters. The search that fits our rod also fits the thesis' rod, with results that are equal bit for
-// bit for any number of workers.
+// These tests check the following. The thesis' rod, as the baseline of `calibrate`, represents the instrument
+// that its file describes, in the same coordinate frame as our rod. The integration of the rod's motion stays
+// stable for any values of the parameters. The search that fits our rod also fits the thesis' rod, with
+// results that are equal bit for bit for any number of workers.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/corde_evaluator.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"

@@ -1,6 +1,7 @@
-// Claims: the simulated hand approaches each depth slowly. The hand waits until the rod's mean position no
-// longer moves. The hand does not wait longer because the tip chatters, and does not stop waiting because a
-// creeping tip pauses. The force on the hand is recorded from the first millimetre of insertion onwards.
+// These tests check the following. The simulated hand approaches each depth slowly. The hand waits until the
+// rod's mean position no longer moves. The hand does not wait longer because the tip chatters, and does not
+// stop waiting because a creeping tip pauses. The force on the hand is recorded from the first millimetre of
+// insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
 #include <cmath>
 

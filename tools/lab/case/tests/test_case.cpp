@@ -1,6 +1,6 @@
-// Claims: the files of a case are read back with the values with which they were written. For every error in
-// the case's folder, the message names the file, the field and the remedy. Numbers are written with 9
-// significant digits, so the relative tolerance of the comparison is 1e-8.
+// These tests check the following. The files of a case are read back with the values with which they were
+// written. For every error in the case's folder, the message names the file, the field and the remedy.
+// Numbers are written with 9 significant digits, so the relative tolerance of the comparison is 1e-8.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 

@@ -1,7 +1,8 @@
-// Claims: scans by the virtual scanner have the noise, blur and Hounsfield units that the scanner's settings
-// state. The tests check the Hounsfield units of fluid, wall and gel at their positions, the noise and point
-// spread, and the position of the instrument. A given seed gives equal volumes for any number of threads. The
-// reference values come from closed forms, such as areas of circles and moments of Gaussians.
+// These tests check the following. Scans by the virtual scanner have the noise, blur and Hounsfield units
+// that the scanner's settings state. The tests check the Hounsfield units of fluid, wall and gel at their
+// positions, the noise and point spread, and the position of the instrument. A given seed gives equal volumes
+// for any number of threads. The reference values come from closed forms, such as areas of circles and
+// moments of Gaussians.
 #include "tools/lab/ct/tests/tube_phantom.hpp"
 
 #include <algorithm>

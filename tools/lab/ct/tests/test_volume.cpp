@@ -1,7 +1,8 @@
-// Claims: a volume is read back from every file format with its values and positions. Left-handed grids keep
-// their places. If a scan has wrong spacing, axes or values, or slices that are missing, duplicated, unevenly
-// spaced, mixed or truncated, the error message names this fault. No truncated or damaged file crashes the
-// readers; for every format, the test cuts and damages 2 files at positions that follow from a printed seed.
+// These tests check the following. A volume is read back from every file format with its values and
+// positions. Left-handed grids keep their places. If a scan has wrong spacing, axes or values, or slices that
+// are missing, duplicated, unevenly spaced, mixed or truncated, the error message names this fault. No
+// truncated or damaged file crashes the readers; for every format, the test cuts and damages 2 files at
+// positions that follow from a printed seed.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 

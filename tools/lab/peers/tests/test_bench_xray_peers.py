@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Claims: tools/lab/peers/run_xray_peers.py compares pictures and times, and reports errors. The test replaces our
-program and gVirtualXray by small programs, and uses an address of a package index that cannot be reached. Prints TAP.
-"""
+"""These tests check the following. The program tools/lab/peers/run_xray_peers.py compares pictures and times, and
+reports errors. The test replaces our program and gVirtualXray by small programs, and uses an address of a package
+index that cannot be reached. Prints TAP."""
 
 import os
 import struct

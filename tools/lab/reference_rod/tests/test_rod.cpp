@@ -1,6 +1,7 @@
-// Claims: the derivatives of the rod's energy are correct, and the band solver solves its systems of
-// equations. A cantilever takes the shape of Euler's elastica, which a separate shooting method computes. A
-// curved tip at rest lies on the circle of its curve, in the plane that the hand's angle determines.
+// These tests check the following. The derivatives of the rod's energy are correct, and the band solver
+// solves its systems of equations. A cantilever takes the shape of Euler's elastica, which a separate
+// shooting method computes. A curved tip at rest lies on the circle of its curve, in the plane that the
+// hand's angle determines.
 #include "tools/lab/reference_rod/insertion.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include <Eigen/Dense>

@@ -1,7 +1,7 @@
-// Claims: the reference solutions of the validation suite are correct; the tests do not use the core. The
-// solutions reproduce published values for the elastica, Euler's columns, Greenhill's twisted rod and the
-// localised coil. The lumen field that the suite makes for a case has its wall where the distance function is
-// zero. The report states which rows (comparisons) passed.
+// These tests check the following. The reference solutions of the validation suite are correct; the tests do
+// not use the core. The solutions reproduce published values for the elastica, Euler's columns, Greenhill's
+// twisted rod and the localised coil. The lumen field that the suite makes for a case has its wall where the
+// distance function is zero. The report states which rows (comparisons) passed.
 extern "C" {
 #include "firmware/core/lumen.h"
 }

@@ -1,8 +1,8 @@
-// Claims: the compression experiment of the thesis can be repeated in a short form. In a given lumen, the
-// compressions of the baseline's modes have the order of Figure 5.11, and our direct solver has the least
-// compression. The presets are stable with the number of steps that they state, and become unstable with
-// slightly fewer steps. The rod shows those limitations of the thesis' method that docs/thesis.md states.
-// Everything is deterministic. The lumen is a straight tube closed at both ends.
+// These tests check the following. The compression experiment of the thesis can be repeated in a short form.
+// In a given lumen, the compressions of the baseline's modes have the order of Figure 5.11, and our direct
+// solver has the least compression. The presets are stable with the number of steps that they state, and
+// become unstable with slightly fewer steps. The rod shows those limitations of the thesis' method that
+// docs/thesis.md states. Everything is deterministic. The lumen is a straight tube closed at both ends.
 #include "tools/lab/figures/study.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
 

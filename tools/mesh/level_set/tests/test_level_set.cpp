@@ -1,7 +1,7 @@
-// Claims: a level set from blocks or from a mesh gives a closed surface at the requested distance and in the
-// caller's unit. The surface's triangles are counter-clockwise as seen from outside. Solids are intersected
-// and subtracted. The functions find the connected pieces of a surface and remove the pieces that are too
-// small.
+// These tests check the following. A level set from blocks or from a mesh gives a closed surface at the
+// requested distance and in the caller's unit. The surface's triangles are counter-clockwise as seen from
+// outside. Solids are intersected and subtracted. The functions find the connected pieces of a surface and
+// remove the pieces that are too small.
 #include "tools/mesh/level_set/level_set.hpp"
 #include "tools/mesh/pieces.hpp"
 
