@@ -244,8 +244,9 @@ static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(voi
 }
 
 /* At 20 bar in a bore of 1.2 mm, the friction coefficient of 0.1 lets the balloon hold 36 N, more than any
- * hand. If the hand pushes and pulls at 250 mm/s, the tool stays and slips in the hand (docs/rod.md, "Feed"),
- * and no number leaves its range. The force limit of the test is 30 N, which a hand's grip can withstand. */
+ * hand. If the hand pushes and pulls at 250 mm/s, the tool stays in place while the hand slips along it
+ * (docs/rod.md, "Feed"), and no number leaves its range. The force limit of the test is 30 N, which a hand's
+ * grip can withstand. */
 static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **state)
 {
     (void)state;

@@ -105,7 +105,7 @@ static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
     assert_true(fabs(mean - 800) < 2.4 && fabs(deviation - 40) < 2);
 }
 
-/* The premature beat is commanded 100 ms after a QRS complex with a coupling interval of 60 %. The next QRS
+/* A premature beat with a coupling interval of 60 % is ordered 100 ms after a QRS complex. The next QRS
  * complex comes at 60 % of the interval, and the output marks this beat as premature. The next beat after the
  * premature beat comes at the time at which the second regular beat would have come. The systole of the
  * premature beat lasts as long as the formula gives for a heart rate of 60000 / 514 beats a minute. */

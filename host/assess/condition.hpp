@@ -83,8 +83,8 @@ class Condition
 
     // Returns why the condition has no meaning for this session (a tool, a balloon or a vessel that the
     // session does not have, or a name that the plan does not give), or an empty string. "a or b" has a
-    // meaning if one of the two has one. Binds the vessels; throws FileError if the scene has vessels, but
-    // none with the given name.
+    // meaning if one of the two has one. Finds the vessels that the condition names; throws FileError if
+    // the scene has vessels, but none with such a name.
     std::string bind(const SessionLog &log, const PlanVessels &vessels);
 
     // Evaluates the condition at moment `i`. Amounts (injected, runs, time) count since moment `since`.

@@ -18,7 +18,7 @@
 namespace crn
 {
 
-// In `counted`, ticks pass only in run_ticks(), so that a test does not depend on the clock.
+// In the pace `counted`, time advances only through run_ticks(), so that a test does not depend on the clock.
 enum class PhysicsPace { real_time, counted };
 
 class PhysicsThread

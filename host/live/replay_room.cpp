@@ -186,6 +186,7 @@ ReplayPicture ReplayRoom::picture(const ReplayAsk &ask)
     const LineNumbers line = state_.line_count > 0
                                  ? line_of(state_)
                                  : line_or_table(recording_.header.line, recording_.header.tools.size());
+    result.line = line;
     std::vector<SweptCurve> curves =
         balloon_filling(wire, tools_on(recording_.header.tools, line), settings_.balloon_iodine_mg_per_ml);
     if (moment.curves && result.is_prepared)

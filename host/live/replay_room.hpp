@@ -31,6 +31,7 @@ struct ReplayPicture {
     SessionFrame frame; // shape and readings of the tools at that tick
     CArm carm;
     crn_wire_tick_state state{};
+    LineNumbers line;         // the tools on the line at that tick
     bool is_prepared = false; // the track has reached that tick, so medium and stents are in the picture
 };
 

@@ -41,8 +41,9 @@ std::vector<InstrumentArc> read_shape(const TomlTable &root);
 // Reads [[side_holes]]; returns an empty list if the key is missing.
 std::vector<SideHoles> read_side_holes(const TomlTable &root, InstrumentKind kind);
 
-// Reads the table [balloon] of an instrument file. The rows of pressures and diameters are stored in `wire`,
-// and the data on the balloon's label are returned. Returns no label if the key [balloon] is missing.
+// Reads the table [balloon] of an instrument file. Stores the rows of pressures and diameters in the
+// argument `wire`, and returns the data on the balloon's label. Returns no label if the key [balloon] is
+// missing.
 std::optional<BalloonLabel> read_balloon(const TomlTable &root, InstrumentKind kind,
                                          crn_wire_instrument &wire);
 

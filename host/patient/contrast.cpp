@@ -374,10 +374,9 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
 
 // Makes two columns per vessel. The first column has the vessel's width and the concentration that both
 // layers of blood have in common. The second column is narrower and lies on the vessel's axis. The
-// concentration of the second column is the concentration in the inner layer of blood minus that in the outer
-// layer. If the layer along the wall has the higher concentration, the two layers are shown as if they were
-// mixed. Near the tip, where the medium forms a jet, there is only one column, which is thinner than the
-// vessel.
+// second column has the concentration in the inner layer of blood minus that in the outer layer. If the layer
+// along the wall has the higher concentration, the two layers are shown as if they were mixed. Near the tip,
+// where the medium forms a jet, there is only one column, which is thinner than the vessel.
 void PatientContrast::make_curves()
 {
     curves_.clear();

@@ -15,9 +15,10 @@ inline constexpr std::size_t cohort_people_min = 5; // fewer people could be rec
 inline constexpr std::size_t fit_sessions_min = 6;  // three parameters, and three sessions to judge them by
 inline constexpr int fit_resamples = 2000;
 
-// The exponential curve value(n) = plateau + gain exp(-(n - 1) / scale) of session n = 1, 2, ... (Heathcote,
-// Brown and Mewhort 2000: single persons learn by an exponential, not by a power), fitted by least squares,
-// with the pointwise 95 % band of a bootstrap of the residuals (Efron and Tibshirani 1993, 9.4).
+// The exponential curve value(n) = plateau + gain exp(-(n - 1) / scale) of session n = 1, 2, ... fitted
+// by least squares. The learning of single persons follows an exponential, not a power law (Heathcote, Brown
+// and Mewhort 2000). The pointwise 95 % band comes from a bootstrap of the residuals (Efron and Tibshirani
+// 1993, 9.4).
 struct LearningFit {
     double plateau = 0.0, gain = 0.0, scale_sessions = 0.0;
     std::vector<double> value, low, high; // one per session

@@ -31,8 +31,8 @@ class FrameSink
     virtual ~FrameSink() = default;
     // Receives every tick in order, with its input and its result, before the frame of that tick.
     virtual void tick(const crn_wire_tick_input &, const crn_wire_tick_state &) {}
-    // Receives the forces of the walls on the tools at every multiple of ContactFigures::look_every_ticks, if
-    // the session reads them, before the frame of that tick. A session in FREE_RUN does not read them.
+    // Receives the forces of the walls on the tools every ContactFigures::look_every_ticks ticks, before the
+    // frame of that tick. A session in FREE_RUN does not read these forces, and does not call this function.
     virtual void contacts(const crn_wire_contacts &) {}
     // Returns the next tick at which frame() must be called, as far as the observer can know now.
     virtual std::uint32_t next_tick() const = 0;

@@ -249,8 +249,9 @@ void ReplayPage::draw_side(const UiRect &place)
         toggle_expert();
     ImGui::Dummy({1.0f, ui_.px(8.0f)});
     if (shown) {
-        const std::vector<Instrument> &tools = thread_.room().tools();
+        const std::vector<Instrument> tools = tools_on(thread_.room().tools(), shown->picture.line);
         for (std::size_t k = 0; k < tools.size() && k < shown->picture.frame.tools.size(); ++k) {
+            if (tools[k].name.empty()) continue; // a free position
             const ToolReading &reading = shown->picture.frame.tools[k];
             ui_.text(tint::text, "%zu  %s", k + 1, tools[k].name.c_str());
             ui_.small_text(tint::dim, "%.0f mm  %+.0f\u00b0  %.2f N  %.1f mNm",

@@ -27,8 +27,8 @@ void a_line_ends(void **)
     assert_string_equal(formatted_line("%d of %d", 3, 4).c_str(), "3 of 4\n");
 }
 
-// Escaping makes the text safe in an element and in an attribute. Text that contains escaped characters
-// already is escaped once more.
+// Escaping makes the text safe in an element and in an attribute. Text that already contains escaped
+// characters is escaped again.
 void text_of_a_page_is_no_markup(void **)
 {
     assert_string_equal(html_text("<b title=\"a\">R&D &amp;").c_str(),

@@ -1,6 +1,6 @@
 // These tests check the following. The pressure of an injection follows from the viscosity on the label, by
 // Hagen and Poiseuille's law in an empty lumen, and by the law of flow through an annulus beside a guidewire.
-// An injection that needs more than 1200 psi, with the tools that lie in the lumen at its tick, is refused at
+// If an injection would need more than 1200 psi with the tools that are in the lumen then, it is refused at
 // that tick, and no part of it enters the vessel.
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/units.hpp"

@@ -112,6 +112,7 @@ void a_moment_has_the_readings_of_its_own_tick(void **)
         assert_int_equal(state.hash_lane0, recording.ticks[tick - 1].hash_lane[0]);
     }
     assert_int_equal(room.picture(moment(0)).state.tick, 0);
+    assert_true(room.picture(moment(0)).line == (crn::LineNumbers{1}));
 }
 
 // Without an angle of its own, a picture has that of the session, once the track knows it.

@@ -27,7 +27,7 @@ DIVIDES = (
 
 
 def linked_sample(text):
-    """Links a C text for the Cortex-M7 and returns the forbidden function names in the result."""
+    """Compiles and links C source for the Cortex-M7, and returns the forbidden function names in the result."""
     with tempfile.TemporaryDirectory() as folder:
         image = os.path.join(folder, "sample.elf")
         subprocess.run(

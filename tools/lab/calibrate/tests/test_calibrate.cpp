@@ -74,8 +74,8 @@ SearchState searched(const SearchSettings &settings, const EvaluateShares &evalu
 
 // --- judging ---
 
-// The distance of a point beside a piece of the polyline is its distance to this piece. The distance of a
-// point beyond an end is its distance to this end. We use 3-4-5 triangles.
+// If a point lies beside a segment of the polyline, its distance to the polyline is the distance to this
+// segment. If a point lies beyond an end, it is the distance to this end. We use 3-4-5 triangles.
 void distances_go_to_the_nearest_point_of_the_line(void **)
 {
     const std::vector<Vector3d> line = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
