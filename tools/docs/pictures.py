@@ -12,7 +12,8 @@ PNG text chunk with one `key: value` per line. The stamp's keys are `core` (its 
 tools and lesions that the command names. `shows` is the vessel branch in which the tool's tip ended, according to the
 session's report. A picture of a session is old when the core or the inputs in its stamp differ from the present core
 or inputs. Any other picture is old when its inputs differ. A picture from an older core may be marked as `kept`; its
-caption must then name the version of that core. """
+caption must then name the version of that core.
+"""
 
 import argparse
 import hashlib
