@@ -18,6 +18,9 @@ constexpr std::int32_t inflator_max_kPa = 4000; // the largest value that a devi
 constexpr std::uint32_t look_every_ticks = 20;  // the window is told the shape of the tools so often
 // A hand that drags a tool by the mouse moves at most 0.2 m and 2.5 turns per second.
 constexpr std::int32_t drag_um_per_tick = 200, drag_turn_per_tick = counts_per_turn / 400;
+// A second thread of the measuring chamber would have to wait for the threads that draw, and the physics for
+// it.
+constexpr int chamber_threads = 1;
 constexpr std::int32_t drag_max_counts = 100'000; // 10 cm, or one and a half turns, may wait
 
 } // namespace
@@ -27,7 +30,7 @@ LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &
                          const PictureSettings &pictures, const std::vector<RoomCommand> &begin,
                          const DeviceChoice &choice, bool keeps_all_pictures)
     : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice, pictures.line),
-      anatomy_(read_anatomy(pictures)), patient_(make_patient(pictures, anatomy_, tools)),
+      anatomy_(read_anatomy(pictures)), patient_(make_patient(pictures, anatomy_, tools, chamber_threads)),
       pictures_(pictures, tools, patient_->scene(), anatomy_, keeps_all_pictures),
       hands_(device_.positions()), dragged_(device_.positions()), to_drag_(device_.positions()),
       has_balloon_(balloon_tool(tools).has_value())

@@ -169,10 +169,10 @@ std::optional<Motion> read_motion(const std::string &scene_path, std::string &er
 MovingPoints::MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m)
     : reference_m_(std::move(reference_m)), breathes_(motion.breathes())
 {
-    const int columns = breathes_ ? 6 : 3;
-    coefficients_um_.reserve(reference_m_.size() * kept * static_cast<std::size_t>(columns));
-    for (const Eigen::Vector3d &X_m : reference_m_) {
-        double way_um[6][motion_keyframes], c[6][motion_keyframes];
+    ways_um_.resize(kept * parts() * 3 * size());
+    for (std::size_t point = 0; point < size(); ++point) {
+        const Eigen::Vector3d &X_m = reference_m_[point];
+        double way_um[6][motion_keyframes], c[motion_keyframes];
         bool moves = false;
         for (int key = 0; key < motion_keyframes; ++key) {
             MotionMoment moment;
@@ -187,32 +187,59 @@ MovingPoints::MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> re
             }
         }
         moves_.push_back(moves);
-        for (int column = 0; column < columns; ++column) motion_prefilter(way_um[column], c[column]);
-        for (std::size_t i = 0; i < kept; ++i)
-            for (int column = 0; column < columns; ++column)
-                coefficients_um_.push_back(
-                    static_cast<float>(c[column][(i + motion_keyframes - 1) % motion_keyframes]));
+        for (std::size_t column = 0; column < 3 * parts(); ++column) {
+            motion_prefilter(way_um[column], c);
+            for (std::size_t i = 0; i < kept; ++i)
+                ways_um_[plane(i, column / 3) + 3 * point + column % 3] =
+                    static_cast<float>(c[(i + motion_keyframes - 1) % motion_keyframes]);
+        }
     }
 }
 
-Eigen::Vector3f MovingPoints::blend(const float *first, std::size_t step, const MotionWeights &weights) const
+// Returns where the displacements of all points begin, at a keyframe and in a part: 0 without breath, 1 the
+// difference that a full breath makes.
+std::size_t MovingPoints::plane(std::size_t keyframe, std::size_t part) const
 {
-    using Way = Eigen::Map<const Eigen::Vector3f>;
-    return static_cast<float>(weights.weights[0]) * Way(first) +
-           static_cast<float>(weights.weights[1]) * Way(first + step) +
-           static_cast<float>(weights.weights[2]) * Way(first + 2 * step);
+    return (keyframe * parts() + part) * 3 * size();
+}
+
+// Blends three consecutive keyframes of the displacements of `count` points.
+auto MovingPoints::blend(std::size_t point, std::size_t count, std::size_t part,
+                         const MotionWeights &weights) const
+{
+    using Ways = Eigen::Map<const Eigen::ArrayXf>;
+    const auto ways = [&](int k) {
+        const std::size_t keyframe = static_cast<std::size_t>(weights.first + k);
+        return Ways(ways_um_.data() + plane(keyframe, part) + 3 * point,
+                    static_cast<Eigen::Index>(3 * count));
+    };
+    return static_cast<float>(weights.weights[0]) * ways(0) +
+           static_cast<float>(weights.weights[1]) * ways(1) +
+           static_cast<float>(weights.weights[2]) * ways(2);
 }
 
 Eigen::Vector3f MovingPoints::way_um(std::size_t i, const MotionWeights &weights) const
 {
     if (!moves_[i]) return Eigen::Vector3f::Zero();
-    const std::size_t columns = breathes_ ? 6 : 3;
-    const float *first =
-        coefficients_um_.data() + (i * kept + static_cast<std::size_t>(weights.first)) * columns;
-    Eigen::Vector3f way = blend(first, columns, weights);
+    Eigen::Vector3f way = blend(i, 1, 0, weights);
     if (breathes_ && weights.breath > 0)
-        way += static_cast<float>(weights.breath) * blend(first + 3, columns, weights);
+        way.array() += static_cast<float>(weights.breath) * blend(i, 1, 1, weights);
     return way;
+}
+
+void MovingPoints::ways_um(const MotionWeights &weights, Eigen::ArrayXf &ways) const
+{
+    ways = blend(0, size(), 0, weights);
+    if (breathes_ && weights.breath > 0)
+        ways += static_cast<float>(weights.breath) * blend(0, size(), 1, weights);
+}
+
+// Rounds half away from zero, as std::lround does, without its call: a heart has 100 000 vertices. The addend
+// is the largest float below 0.5, so that the sum does not round up a value just below a half. Requires a
+// size below 2^23.
+static int rounded(float value)
+{
+    return static_cast<int>(value + std::copysign(0x1.fffffep-2f, value));
 }
 
 MovingBodies::MovingBodies(const Motion &motion, const Bodies &bodies)
@@ -233,11 +260,11 @@ const std::vector<MovingBodies::Moved> &MovingBodies::at(const MotionMoment &mom
     const MotionWeights weights = motion_weights(moment);
     moved_.clear();
     for (Body &body : moving_) {
-        for (std::size_t i = 0; i < body.points.size(); ++i) {
-            const Eigen::Vector3f way_um = body.points.way_um(i, weights);
+        body.points.ways_um(weights, ways_um_);
+        for (std::size_t i = 0; i < body.points.size(); ++i)
             for (int k = 0; k < 3; ++k)
-                body.vertices_um[i][k] = body.reference_um[i][k] + static_cast<int>(std::lround(way_um[k]));
-        }
+                body.vertices_um[i][k] =
+                    body.reference_um[i][k] + rounded(ways_um_[3 * static_cast<Eigen::Index>(i) + k]);
         moved_.push_back({body.index, body.vertices_um});
     }
     return moved_;

@@ -101,22 +101,25 @@ class MovingPoints
     // Returns the displacement of point i from the reference pose, in um; the result is 0 0 0 for a point
     // that never moves.
     Eigen::Vector3f way_um(std::size_t i, const MotionWeights &weights) const;
+    // Computes the displacements of all points, three numbers each.
+    void ways_um(const MotionWeights &weights, Eigen::ArrayXf &ways) const;
     Eigen::Vector3d at(std::size_t i, const MotionWeights &weights) const
     {
         return reference_m_[i] + way_um(i, weights).cast<double>() * 1e-6;
     }
 
   private:
-    Eigen::Vector3f blend(const float *first, std::size_t step, const MotionWeights &weights) const;
+    std::size_t parts() const { return breathes_ ? 2 : 1; }
+    std::size_t plane(std::size_t keyframe, std::size_t part) const;
+    auto blend(std::size_t point, std::size_t count, std::size_t part, const MotionWeights &weights) const;
 
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // Holds the displacements of each point at the keyframes 23, 0 .. 23, 0. The first displacements are
-    // those without breath; a point that moves with breath also has the difference that a full breath makes.
-    // The keyframes of one point are adjacent in memory, because each computation needs three neighbouring
-    // keyframes.
-    std::vector<float> coefficients_um_;
+    // Holds the displacements at the keyframes 23, 0 .. 23, 0: those of all points without breath, and then
+    // the difference that a full breath makes. The points of one keyframe are adjacent in memory, because
+    // each moment needs three keyframes of all points.
+    std::vector<float> ways_um_;
 };
 
 // Holds bodies whose vertices move with the lattice.
@@ -141,6 +144,7 @@ class MovingBodies
     };
     std::vector<Body> moving_;
     std::vector<Moved> moved_;
+    Eigen::ArrayXf ways_um_; // of the body that was moved last
 };
 
 } // namespace crn

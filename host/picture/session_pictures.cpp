@@ -11,10 +11,11 @@ SceneAnatomy read_anatomy(const PictureSettings &settings)
 }
 
 std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
-                                      const std::vector<Instrument> &tools)
+                                      const std::vector<Instrument> &tools, int chamber_threads)
 {
     return std::make_unique<Patient>(
-        anatomy, tools, PatientSettings{settings.bodies_path, settings.stents, 2, settings.line});
+        anatomy, tools,
+        PatientSettings{settings.bodies_path, settings.stents, chamber_threads, settings.line});
 }
 
 SessionPictures::SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools,

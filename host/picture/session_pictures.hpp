@@ -19,7 +19,7 @@ namespace crn
 // that anatomy and with the stents of the settings. Throws std::runtime_error.
 SceneAnatomy read_anatomy(const PictureSettings &settings);
 std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
-                                      const std::vector<Instrument> &tools);
+                                      const std::vector<Instrument> &tools, int chamber_threads = 2);
 
 // Returns true if the settings request any picture file.
 bool writes_pictures(const PictureSettings &settings);

@@ -185,6 +185,34 @@ void bodies_that_move_go_where_the_lattice_takes_them(void **)
     }
 }
 
+// Between keyframes and in a breath, too, each vertex moves by the displacement of its point, rounded to 1
+// um.
+void vertices_move_as_single_points(void **)
+{
+    const Sample sample;
+    const Motion motion(sample.scene);
+    Bodies bodies;
+    bodies.bodies.resize(1);
+    bodies.bodies[0].moves = true;
+    std::vector<Eigen::Vector3d> places_m;
+    for (int i = 0; i < 300; ++i) {
+        bodies.bodies[0].vertices_um.emplace_back(-6000 + 37 * i, 29 * i, 31 * i);
+        places_m.push_back(bodies.bodies[0].vertices_um.back().cast<double>() * 1e-6);
+    }
+    const MovingPoints points(motion, places_m);
+    MovingBodies moving(motion, bodies);
+    for (int step = 0; step < 50; ++step) {
+        const MotionMoment now = moment(step * 0.0173, step * 0.0119);
+        const auto &moved = moving.at(now);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Eigen::Vector3f way_um = points.way_um(i, motion_weights(now));
+            for (int k = 0; k < 3; ++k)
+                assert_int_equal(moved[0].vertices_um[i][k],
+                                 bodies.bodies[0].vertices_um[i][k] + std::lround(way_um[k]));
+        }
+    }
+}
+
 // Places move with the lattice. The spline passes through the keyframes, so positions are exact to 1 um
 // there; between keyframes, and in a deep breath, they are exact to 50 um. Points outside the lattice do not
 // move; their positions are equal bit for bit.
@@ -225,6 +253,7 @@ int main()
         cmocka_unit_test(pushing_undoes_pulling),
         cmocka_unit_test(points_that_move_go_where_the_lattice_takes_them),
         cmocka_unit_test(bodies_that_move_go_where_the_lattice_takes_them),
+        cmocka_unit_test(vertices_move_as_single_points),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
