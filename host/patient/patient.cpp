@@ -1,4 +1,5 @@
 #include "host/patient/patient.hpp"
+#include "host/patient/balloon.hpp"
 #include <algorithm>
 #include <stdexcept>
 
@@ -29,6 +30,7 @@ Patient::Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &too
                          LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
       catheter_air_(tools_)
 {
+    note_balloon();
     if (anatomy.motion) moving_.emplace(*anatomy.motion, anatomy.bodies);
     if (settings.stents.empty()) return;
     stents_ =
@@ -91,18 +93,30 @@ void Patient::note_injection(std::uint32_t tick)
     catheter_air_.inject(tick);
 }
 
+void Patient::note_balloon()
+{
+    if (const std::optional<std::size_t> position = balloon_tool(tools_)) balloon_number_ = line_[*position];
+}
+
+const Instrument *Patient::latest_balloon() const
+{
+    return balloon_number_ == 0 ? nullptr : &table_[balloon_number_ - 1u];
+}
+
 // Medium, pressure, air and stents follow the tools that the core has on the line.
 void Patient::follow_line(const crn_wire_tick_state &state)
 {
     if (state.line_count == 0) return;
     LineNumbers now = line_of(state);
     if (now == line_) return;
+    const ChangedPositions changed = changed_positions(line_, now);
     line_ = std::move(now);
     tools_ = tools_on(table_, line_);
-    contrast_.set_tools(tools_, state.tick);
-    catheter_pressure_.set_tools(tools_);
-    catheter_air_.set_tools(tools_);
-    if (stents_) stents_->set_tools(tools_);
+    note_balloon();
+    contrast_.set_tools(tools_, changed, state.tick);
+    catheter_pressure_.set_tools(tools_, changed);
+    catheter_air_.set_tools(tools_, changed);
+    if (stents_) stents_->set_tools(tools_, changed);
 }
 
 void Patient::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state)

@@ -94,6 +94,8 @@ class Patient
     // without a name.
     const std::vector<Instrument> &tools() const { return tools_; }
     const LineNumbers &line() const { return line_; }
+    // Returns the tool with a balloon that is on the line, or was the latest one there; nullptr: none was.
+    const Instrument *latest_balloon() const;
     // Returns the requests for X-ray runs and for injections that the patient refused, in order of their
     // ticks.
     std::vector<Refusal> refusals() const;
@@ -105,6 +107,7 @@ class Patient
 
   private:
     void follow_line(const crn_wire_tick_state &state);
+    void note_balloon();
     void carry_out_due();
     void carry_out(std::uint32_t tick, const RoomCommand &command);
     std::string aspirate(std::uint32_t tick, std::int32_t volume_ul);
@@ -113,7 +116,8 @@ class Patient
 
     const std::vector<Instrument> table_;
     LineNumbers line_;
-    std::vector<Instrument> tools_; // on the line
+    std::uint8_t balloon_number_ = 0; // of the latest tool with a balloon on the line; 0: none was there
+    std::vector<Instrument> tools_;   // on the line
     XrayScene scene_;
     std::optional<MovingBodies> moving_;
     OpenedBodies opened_;

@@ -243,7 +243,7 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
     report["room"] = room_report(patient.room());
     report["contrast"] = contrast.was_used() ? contrast_report(contrast) : nlohmann::ordered_json();
     report["lesions"] = lesions_report(contrast);
-    report["balloon"] = balloon_report(figures.balloon, tools);
+    report["balloon"] = balloon_report(figures.balloon, patient.latest_balloon());
     report["stents"] = stents_report(patient.stents());
     report["contact"] = contact_report(result.contacts);
     report["interrupted"] = result.was_interrupted;

@@ -77,11 +77,10 @@ Json stent_report(const StentResult &stent)
 
 } // namespace
 
-Json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &tools)
+Json balloon_report(const BalloonFigures &balloon, const Instrument *tool)
 {
-    const std::optional<std::size_t> tool = balloon_tool(tools);
     if (!tool || !balloon.is_there) return {};
-    Json report = {{"tool", tools[*tool].name},
+    Json report = {{"tool", tool->name},
                    {"pressure_max_bar", balloon.pressure_max_kPa * 1e-2},
                    {"pressure_max_s", balloon.pressure_max_tick * 1e-3},
                    {"diameter_max_mm", balloon.diameter_max_mm},
@@ -90,7 +89,7 @@ Json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument>
                    {"up_s", balloon.ticks_up * 1e-3},
                    {"up_longest_s", balloon.ticks_up_longest * 1e-3},
                    {"burst_s", seconds_or_null(balloon.burst_tick)}};
-    const std::optional<BalloonLabel> &label = tools[*tool].balloon;
+    const std::optional<BalloonLabel> &label = tool->balloon;
     if (label) {
         report["nominal_bar"] = label->nominal_kPa * 1e-2;
         report["rated_burst_bar"] = label->rated_burst_kPa * 1e-2;

@@ -10,8 +10,9 @@ namespace crn
 
 class PatientStents;
 
-// Returns null without a balloon. The curves in this part leave out the time before and after inflations.
-nlohmann::ordered_json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &tools);
+// Returns null without a balloon; `tool` is the latest tool with one, or nullptr. The curves in this part
+// leave out the time before and after inflations.
+nlohmann::ordered_json balloon_report(const BalloonFigures &balloon, const Instrument *tool);
 // Returns [] without stents.
 nlohmann::ordered_json stents_report(PatientStents *stents);
 
