@@ -9,9 +9,9 @@ namespace soak
 
 void plan_deep(Scribe &scribe);           // the innermost tool far ahead of the others
 void plan_over_the_wire(Scribe &scribe);  // at least two tools
-void plan_coronary(Scribe &scribe);       // three tools, like pci_lad.session
+void plan_coronary(Scribe &scribe);       // three tools of an angioplasty, nested
 void plan_coronary_guide(Scribe &scribe); // two tools, like coronary.session
-void plan_renal(Scribe &scribe);          // three tools, like pci_renal.session.
+void plan_renal(Scribe &scribe);          // three tools of an angioplasty, nested
 // Advances the balloon to a point, fills the balloon, moves the tool that has the balloon, and empties the
 // balloon. `load`: with the next stent.
 void plan_balloon(Scribe &scribe, std::size_t balloon, bool load);

@@ -20,8 +20,7 @@ AssessObserver::AssessObserver(Patient &patient, const std::vector<Instrument> &
     static_assert(SessionLog::every_ticks == ContactFigures::look_every_ticks); // contacts come then
     log_.map = tips.map();
     for (const Instrument &tool : tools) {
-        log_.tools.push_back(tool.name);
-        is_wire_.push_back(tool.kind == InstrumentKind::wire);
+        table_.push_back({tool.name, tool.kind == InstrumentKind::wire});
         if (!tool.balloon) continue;
         log_.has_balloon = true;
         if (tool.balloon->rated_burst_kPa > 0.0) log_.rated_burst_bar = tool.balloon->rated_burst_kPa * 1e-2;
@@ -29,6 +28,21 @@ AssessObserver::AssessObserver(Patient &patient, const std::vector<Instrument> &
     log_.has_transducer = !patient.catheter_pressure().tool_name().empty();
     log_.has_stents = patient.stents() != nullptr;
     log_.has_lesions = !patient.contrast().vessels().lesions.empty();
+    follow_line();
+}
+
+// A position keeps the names of all tools that were there: "J wire, then Coronary wire".
+void AssessObserver::follow_line()
+{
+    const LineNumbers &now = patient_.line();
+    if (now == line_) return;
+    log_.tools.resize(now.size());
+    for (std::size_t k = 0; k < now.size(); ++k) {
+        const bool is_new = k >= line_.size() || line_[k] != now[k];
+        if (!is_new || now[k] == 0 || now[k] > table_.size()) continue;
+        log_.tools[k] += (log_.tools[k].empty() ? "" : ", then ") + table_[now[k] - 1u].name;
+    }
+    line_ = now;
 }
 
 void AssessObserver::tick(const crn_wire_tick_input &, const crn_wire_tick_state &state)
@@ -84,9 +98,9 @@ void AssessObserver::look_at_room(SessionMoment &moment)
 void AssessObserver::look_at_tools(const SessionFrame &frame, SessionMoment &moment)
 {
     const WireFrame &wire = frame.wire;
-    const LineNumbers &line = patient_.line();
-    moment.has_wire = std::any_of(line.begin(), line.end(), [&](std::uint8_t number) {
-        return number > 0 && number <= is_wire_.size() && is_wire_[number - 1u];
+    follow_line();
+    moment.has_wire = std::any_of(line_.begin(), line_.end(), [&](std::uint8_t number) {
+        return number > 0 && number <= table_.size() && table_[number - 1u].is_wire;
     });
     const bool has_shape = wire.nodes.size() >= 2 && !wire.tip_arc_m.empty();
     const std::vector<TipPlace> places = tips_.at(wire);

@@ -20,8 +20,8 @@ namespace crn
 class AssessObserver final : public FrameSink
 {
   public:
-    // `tools` lists the tools from the innermost outwards. `patient` and `tips` must live longer than the
-    // observer.
+    // `tools` is the table of the session's tools; the patient knows which of them are on the line. `patient`
+    // and `tips` must live longer than the observer.
     AssessObserver(Patient &patient, const std::vector<Instrument> &tools, const TipPlaces &tips);
 
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state) override;
@@ -33,6 +33,7 @@ class AssessObserver final : public FrameSink
     const SessionLog &log() const { return log_; }
 
   private:
+    void follow_line();
     void look_at_tools(const SessionFrame &frame, SessionMoment &moment);
     void look_at_picture(ToolMoment &tool, const Eigen::Vector3d &tip_m) const;
     void look_at_room(SessionMoment &moment);
@@ -42,7 +43,12 @@ class AssessObserver final : public FrameSink
 
     Patient &patient_;
     const TipPlaces &tips_;
-    std::vector<bool> is_wire_; // for each tool of the table
+    struct TableTool {
+        std::string name;
+        bool is_wire = false;
+    };
+    std::vector<TableTool> table_;
+    LineNumbers line_; // at the latest moment
     SessionLog log_;
     std::uint32_t next_tick_ = 0;
     double wall_N_ = 0.0;

@@ -57,7 +57,7 @@ struct SessionLog {
     static constexpr int picture_px = 512; // pixels along the edge of the picture in which tips are tracked
 
     VesselMap map;
-    std::vector<std::string> tools;        // names, from the innermost
+    std::vector<std::string> tools;        // names at each position, from the innermost: "A", or "A, then B"
     std::optional<double> rated_burst_bar; // empty: no tool has a balloon, or its label does not state it
     bool has_balloon = false, has_stents = false, has_lesions = false;
     bool has_transducer = false; // a tool has a lumen in which the pressure is measured

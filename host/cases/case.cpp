@@ -121,18 +121,54 @@ std::vector<Statement> read_room(const TomlTable &table, CaseStart &start)
     return parse_session(text, table.file()).statements;
 }
 
-CaseStart read_start(const TomlTable &table, const fs::path &folder)
+// Returns the number in the table of the tool that the start names; a tool that lies there twice can be named
+// twice.
+std::uint8_t number_of(const std::string &path, const std::vector<std::string> &offered,
+                       const LineNumbers &taken)
+{
+    for (std::size_t i = 0; i < offered.size(); ++i) {
+        const auto number = static_cast<std::uint8_t>(i + 1);
+        if (offered[i] == path && std::find(taken.begin(), taken.end(), number) == taken.end()) return number;
+    }
+    return 0;
+}
+
+void read_line(const TomlTable &table, const fs::path &folder, const std::vector<std::string> &offered,
+               CaseStart &start)
+{
+    bool has_tool = false;
+    for (const TomlValue &value : table["tools"].list()) {
+        const std::string word = value.words();
+        const bool is_free = word == free_position;
+        start.tools.push_back(is_free ? "" : path_of(value, word, instrument_files, folder));
+        start.numbers.push_back(is_free ? 0 : number_of(start.tools.back(), offered, start.numbers));
+        if (!is_free && start.numbers.back() == 0)
+            value.fail("'" + word + "' at position " + std::to_string(start.tools.size()) +
+                       " is not among the offered devices, or is there only once: add it to 'offered'");
+        has_tool = has_tool || !is_free;
+    }
+    if (start.tools.size() > session_tools_max)
+        table["tools"].fail_key("names more than " + std::to_string(session_tools_max) + " positions");
+    if (!has_tool)
+        table["tools"].fail_key("names no tool: one to three, the innermost first, with 'nothing' where a "
+                                "position is free");
+}
+
+CaseStart read_start(const TomlTable &table, const fs::path &folder, const std::vector<std::string> &offered)
 {
     table.check_keys({"tools", "inserted_mm", "room"});
     CaseStart start;
     start.line = table["tools"].line();
-    start.tools = paths_of(table, "tools", instrument_files, folder, session_tools_max);
-    if (start.tools.empty()) table["tools"].fail_key("names no tool: one to three, the innermost first");
+    read_line(table, folder, offered, start);
     for (const TomlValue &value : table["inserted_mm"].list())
         start.inserted_um.push_back(static_cast<std::uint32_t>(value.number(lengths_mm) * 1e3 + 0.5));
     if (start.inserted_um.size() != start.tools.size())
         table["inserted_mm"].fail_key("has " + std::to_string(start.inserted_um.size()) + " lengths for " +
                                       std::to_string(start.tools.size()) + " tools");
+    for (std::size_t k = 0; k < start.tools.size(); ++k)
+        if (start.tools[k].empty() && start.inserted_um[k] != 0)
+            table["inserted_mm"].fail_key("has a length for position " + std::to_string(k + 1) +
+                                          ", which is free: write 0 there");
     start.room = read_room(table, start);
     return start;
 }
@@ -220,7 +256,7 @@ Case read_case(const std::string &path)
     devices.check_keys({"offered", "stents"});
     lesson.offered = paths_of(devices, "offered", instrument_files, folder, case_tools_max);
     lesson.stents = paths_of(devices, "stents", stent_files, folder, 8);
-    lesson.start = read_start(root.table("start"), folder);
+    lesson.start = read_start(root.table("start"), folder, lesson.offered);
     for (const TomlTable &table : root.tables("goal")) lesson.goals.push_back(read_goal(table));
     if (lesson.goals.empty()) root.fail("no [[goal]] states what must be true");
     for (const TomlTable &table : root.tables("limit")) lesson.limits.push_back(read_limit(table));
@@ -257,10 +293,21 @@ std::vector<std::string> case_paths()
     return paths;
 }
 
+std::vector<std::string> line_words(const LineNumbers &numbers)
+{
+    std::vector<std::string> words;
+    for (const std::uint8_t number : numbers)
+        words.push_back(number == 0 ? std::string(free_position) : std::to_string(int{number}));
+    return words;
+}
+
 Session case_session(const Case &lesson, const std::string &script)
 {
     Session session = read_session(script);
     std::copy(lesson.start.inserted_um.begin(), lesson.start.inserted_um.end(), session.inserted_um);
+    session.line_names.clear();
+    for (const std::uint8_t number : lesson.start.numbers)
+        session.line_names.push_back(number == 0 ? std::string(free_position) : std::to_string(int{number}));
     session.statements.insert(session.statements.begin(), lesson.start.room.begin(), lesson.start.room.end());
     return session;
 }

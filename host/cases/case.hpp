@@ -14,10 +14,10 @@
 namespace crn
 {
 
-inline constexpr std::size_t case_tools_max = 8;  // tools on the table
-inline constexpr double case_expert_least = 90.0; // score of the expert's script, at least
-inline constexpr double case_clumsy_most = 60.0;  // score of the clumsy script, at most
-inline constexpr double case_marks_standard = 10; // of a goal or limit that states no marks
+inline constexpr std::size_t case_tools_max = CRN_WIRE_TABLE_MAX; // tools of the table
+inline constexpr double case_expert_least = 90.0;                 // score of the expert's script, at least
+inline constexpr double case_clumsy_most = 60.0;                  // score of the clumsy script, at most
+inline constexpr double case_marks_standard = 10;                 // of a goal or limit that states no marks
 
 // The patient is invented, and every case file states this.
 struct CasePatient {
@@ -45,10 +45,11 @@ struct CaseLimit {
     double marks = case_marks_standard;
 };
 
-// What is on the line when the case begins.
+// What is on the line when the case begins. The lists have one entry for each position, from the innermost.
 struct CaseStart {
     int line = 0;
-    std::vector<std::string> tools; // paths from the innermost, maybe with ":preset"
+    std::vector<std::string> tools; // paths, maybe with ":preset"; empty at a free position
+    LineNumbers numbers;            // of these tools in `offered`, from 1; 0 at a free position
     std::vector<std::uint32_t> inserted_um;
     std::vector<std::string> room_words; // statements of a session script for C-arm, table and field
     std::vector<Statement> room;         // the same, parsed
@@ -62,7 +63,7 @@ struct Case {
     std::vector<std::string> hints;
     CasePatient patient;
     Recipe recipe;
-    std::vector<std::string> offered; // paths of the tools on the table, at most case_tools_max
+    std::vector<std::string> offered; // paths of the tools of the table, at most case_tools_max
     std::vector<std::string> stents;  // paths, in the order of loading
     CaseStart start;
     std::vector<CaseGoal> goals;
@@ -80,8 +81,11 @@ Case read_case(const std::string &path);
 std::vector<std::string> case_paths();
 
 // Returns the session that a script of a case leads: the script's own statements after the statements for the
-// room at the start of the case. The lengths that are inserted at the start are those of the case.
+// room at the start of the case. The tools on the line and the inserted lengths at the start are those of the
+// case, whose table holds the offered tools.
 Session case_session(const Case &lesson, const std::string &script);
+// Returns the words of `begin with` for a line of these tools of the table.
+std::vector<std::string> line_words(const LineNumbers &numbers);
 
 // Returns a case file with comments, for a teacher to change. The file passes the check, once the two scripts
 // are beside it (template_scripts).

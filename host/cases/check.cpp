@@ -14,6 +14,8 @@ namespace crn
 namespace
 {
 
+namespace fs = std::filesystem;
+
 constexpr std::size_t story_bytes_min = 60, teaching_bytes_min = 60;
 constexpr TomlKind lesion_kind{"a text with lesions", "a file with [[lesion]] tables (docs/lesions.md)"};
 
@@ -34,6 +36,19 @@ VesselTree tree_of_names(const std::vector<RecipeVessel> &vessels)
         tree.branches.push_back(branch);
     }
     return tree;
+}
+
+bool is_free(const Instrument &tool)
+{
+    return tool.table.knots_count == 0;
+}
+
+// Returns why the tool at a position does not fit through the next tool outside of it, or an empty string.
+std::string fit_refusal(const std::vector<Instrument> &line, std::size_t position)
+{
+    const auto outer = std::find_if(line.begin() + static_cast<std::ptrdiff_t>(position) + 1, line.end(),
+                                    [](const Instrument &tool) { return !is_free(tool); });
+    return outer == line.end() || is_free(line[position]) ? "" : nesting_refusal(line[position], *outer);
 }
 
 class Checker
@@ -82,24 +97,20 @@ class Checker
 
     void tools()
     {
-        for (const std::string &path : lesson_.offered)
-            can([&] { offered_.push_back(read_instrument(path)); });
-        for (std::size_t k = 0; k < lesson_.start.tools.size(); ++k) {
-            const std::string &path = lesson_.start.tools[k];
-            if (std::find(lesson_.offered.begin(), lesson_.offered.end(), path) == lesson_.offered.end())
-                add(lesson_.start.line,
-                    "tool " + std::to_string(k + 1) +
-                        " of the start is not among the offered devices: add it to 'offered'");
-            can([&] { line_.push_back(read_instrument(path)); });
+        for (const std::string &path : lesson_.offered) {
+            table_.emplace_back();
+            can([&] { table_.back() = read_instrument(path); });
+            names_.push_back(fs::path(path).stem().string());
         }
-        for (std::size_t k = 0; k + 1 < line_.size(); ++k) {
-            const std::string refusal = nesting_refusal(line_[k], line_[k + 1]);
-            if (!refusal.empty()) add(lesson_.start.line, refusal + ": choose a wider or a thinner tool");
+        const CaseStart &start = lesson_.start;
+        line_ = tools_on(table_, start.numbers);
+        for (std::size_t k = 0; k < line_.size(); ++k) {
+            const std::string refusal = fit_refusal(line_, k);
+            if (!refusal.empty()) add(start.line, refusal + ": choose a wider or a thinner tool");
+            if (start.numbers[k] > 0 && start.inserted_um[k] > line_[k].length_m * 1e6)
+                add(start.line, "'" + line_[k].name + "' is only " + number_text(line_[k].length_m * 1e3, 4) +
+                                    " mm long");
         }
-        for (std::size_t k = 0; k < line_.size(); ++k)
-            if (lesson_.start.inserted_um[k] > line_[k].length_m * 1e6)
-                add(lesson_.start.line, "'" + line_[k].name + "' is only " +
-                                            number_text(line_[k].length_m * 1e3, 4) + " mm long");
         stents();
     }
 
@@ -110,7 +121,7 @@ class Checker
             can([&] {
                 const StentDesign stent = read_stent(path);
                 std::string refusal = "none of the offered devices has a balloon";
-                for (const Instrument &tool : offered_) {
+                for (const Instrument &tool : table_) {
                     if (!balloon_tool({tool})) continue;
                     refusal = mount_refusal(stent, {tool});
                     if (refusal.empty()) return;
@@ -186,40 +197,82 @@ class Checker
     void script(const std::string &path)
     {
         Session session;
-        if (!can([&] { session = read_session(path); })) return;
+        LineNumbers numbers;
+        if (!can([&] {
+                session = read_session(path);
+                if (session.line_names.empty()) session.line_names = line_words(lesson_.start.numbers);
+                numbers = resolve_tools(session, names_);
+            }))
+            return;
         if (session.tools_named > line_.size())
             add_in(path, session.tools_named_line,
                    "needs " + std::to_string(session.tools_named) + " tools, but the case starts with " +
                        std::to_string(line_.size()));
+        if (numbers != lesson_.start.numbers)
+            add_in(path, session.line_names_line,
+                   "begins with other tools than the case: leave out 'begin with', or state 'tools' of the "
+                   "start");
         const Session standard;
         for (std::size_t k = 0; k < line_.size(); ++k)
-            if (session.inserted_um[k] != lesson_.start.inserted_um[k] &&
+            if (lesson_.start.numbers[k] > 0 && session.inserted_um[k] != lesson_.start.inserted_um[k] &&
                 session.inserted_um[k] != standard.inserted_um[k])
                 add_in(path, 1,
                        "begins with other inserted lengths than the case: leave out 'begin', or state "
                        "those of 'inserted_mm'");
+        statements(path, session);
+    }
+
+    // Looks at every statement with the tools that are on the line by then.
+    void statements(const std::string &path, const Session &session)
+    {
+        LineNumbers numbers = lesson_.start.numbers;
+        std::vector<Instrument> line = line_;
         std::size_t loads = 0;
         double iodine_mg_per_ml = iodine_default_mg_per_ml;
         for (const Statement &statement : session.statements) {
+            if (statement.exchange) line = exchange(path, statement, numbers);
             if (statement.steering) vessel(path, statement.line, statement.steering->vessel.text);
             if (statement.expectation && statement.expectation->names_vessel())
                 place(path, statement.line, *statement.expectation);
-            if (statement.inflation && !balloon_tool(line_))
-                add_in(path, statement.line, "inflates a balloon, but no tool of the start has one");
+            if (statement.inflation && !balloon_tool(line))
+                add_in(path, statement.line, "inflates a balloon, but no tool on the line has one");
             for (const RoomCommand &command : statement.room) {
-                loads += command.action == RoomAction::load_stent;
-                if (command.action == RoomAction::load_stent && loads > lesson_.stents.size())
-                    add_in(path, statement.line, "loads more stents than 'stents' names");
+                if (command.action == RoomAction::load_stent) load_stent(path, statement.line, line, ++loads);
                 if (command.action == RoomAction::contrast_strength) iodine_mg_per_ml = command.values[0];
                 if (command.action != RoomAction::inject) continue;
-                const std::string refusal = injection_refusal(line_, command, iodine_mg_per_ml);
+                const std::string refusal = injection_refusal(line, command, iodine_mg_per_ml);
                 if (!refusal.empty()) add_in(path, statement.line, refusal);
             }
         }
     }
 
+    // Carries out an exchange, and returns the tools on the line after it.
+    std::vector<Instrument> exchange(const std::string &path, const Statement &statement,
+                                     LineNumbers &numbers)
+    {
+        const std::size_t position = statement.exchange->position;
+        if (position >= numbers.size()) return tools_on(table_, numbers); // told already
+        const std::uint8_t number = statement.order->exchange.tool;
+        if (number > 0 && std::find(numbers.begin(), numbers.end(), number) != numbers.end())
+            add_in(path, statement.line, "'" + names_[number - 1u] + "' is on the line already");
+        numbers[position] = number;
+        const std::vector<Instrument> line = tools_on(table_, numbers);
+        for (std::size_t k = 0; k <= position; ++k) {
+            const std::string refusal = fit_refusal(line, k);
+            if (!refusal.empty()) add_in(path, statement.line, refusal);
+        }
+        return line;
+    }
+
+    void load_stent(const std::string &path, int at, const std::vector<Instrument> &line, std::size_t loads)
+    {
+        if (loads > lesson_.stents.size()) return add_in(path, at, "loads more stents than 'stents' names");
+        if (!balloon_tool(line)) add_in(path, at, "loads a stent, but no tool on the line has a balloon");
+    }
+
     const Case &lesson_;
-    std::vector<Instrument> offered_, line_;
+    std::vector<Instrument> table_, line_;
+    std::vector<std::string> names_; // by which scripts call the tools of the table
     std::vector<RecipeVessel> vessels_;
     VesselMap map_;
     std::vector<std::string> faults_;

@@ -42,12 +42,12 @@ kind = "aorta"                   # aorta, heart, phantom or access (docs/anatomy
 # scene = "my.scene"             # instead of all this: a scene that you have baked
 
 [devices]
-offered = ["j_wire", "bentson"]  # at most eight: cournand instruments
+offered = ["j_wire", "bentson"]  # on the table, at most eight: cournand instruments
 # stents = ["renal_6_0x18"]
 
 [start]
-tools = ["j_wire"]               # on the line at the start, the innermost first, at most three
-inserted_mm = [20]               # one length for each tool
+tools = ["j_wire"]               # on the line at the start, the innermost first, at most three; "nothing" is free
+inserted_mm = [20]               # one length for each tool, 0 where nothing is
 room = ["view ap", "field 32 cm", "follow tip"]   # statements of docs/session.md for the X-ray room
 
 # What must be true, in the words of `expect` (docs/session.md), at the end or at any moment ("once").

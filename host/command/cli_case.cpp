@@ -145,7 +145,7 @@ int play(const CaseOptions &options, const RunWindow &run_window)
     run.pictures.mp4_path = options.mp4;
     run.pictures.size = options.size;
     run.quiet = options.quiet;
-    run.tools = lesson.start.tools;
+    run.tools = lesson.offered; // the table; the start names those on the line
     run.stents = lesson.stents;
     run.lesson = &lesson;
     run.scene = prepare_told_scene(lesson.recipe, "case " + lesson.name, options.quiet).scene;

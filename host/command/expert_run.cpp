@@ -20,7 +20,7 @@ std::string expert_key(const Case &lesson)
     Digest digest;
     digest.add(read_text_file(lesson.file));
     digest.add(read_text_file(lesson.expert));
-    for (const std::string &tool : lesson.start.tools) digest.add(read_text_file(split_preset(tool).first));
+    for (const std::string &tool : lesson.offered) digest.add(read_text_file(split_preset(tool).first));
     for (const std::string &stent : lesson.stents) digest.add(read_text_file(stent));
     digest.add(recipe_key(lesson.recipe));
     digest.add(std::to_string(int{CRN_CORE_VERSION}));

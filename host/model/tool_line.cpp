@@ -15,6 +15,14 @@ LineNumbers line_or_table(const LineNumbers &line, std::size_t tool_count)
     return line.empty() ? whole_table(tool_count) : line;
 }
 
+ChangedPositions changed_positions(std::span<const std::uint8_t> before, std::span<const std::uint8_t> now)
+{
+    ChangedPositions changed = 0;
+    for (std::size_t k = 0; k < now.size(); k++)
+        if (k >= before.size() || before[k] != now[k]) changed |= 1u << k;
+    return changed;
+}
+
 std::vector<Instrument> tools_on(std::span<const Instrument> table, std::span<const std::uint8_t> line)
 {
     return entries_on(table, line);

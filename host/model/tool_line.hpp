@@ -24,6 +24,15 @@ inline LineNumbers line_of(const crn_wire_tick_state &state)
     return {state.line, state.line + state.line_count};
 }
 
+// Says which positions of a line have another tool than before: bit k stands for position k. A tool stays at
+// its position, so a position without its bit has the same tool.
+using ChangedPositions = std::uint32_t;
+ChangedPositions changed_positions(std::span<const std::uint8_t> before, std::span<const std::uint8_t> now);
+inline bool has_changed(ChangedPositions changed, std::size_t position)
+{
+    return (changed >> position & 1u) != 0;
+}
+
 // Returns the entry of a table at each position. A free position has a default entry, and so has a number
 // that the table does not have.
 template <class Entry>

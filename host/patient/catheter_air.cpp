@@ -4,17 +4,13 @@
 namespace crn
 {
 
-CatheterAir::CatheterAir(const std::vector<Instrument> &tools)
-{
-    set_tools(tools);
-}
+CatheterAir::CatheterAir(const std::vector<Instrument> &tools) : tool_(injecting_tool(tools, 0)) {}
 
-void CatheterAir::set_tools(const std::vector<Instrument> &tools)
+void CatheterAir::set_tools(const std::vector<Instrument> &tools, ChangedPositions changed)
 {
-    tool_ = injecting_tool(tools, 0);
-    const std::string name = tool_ ? tools[*tool_].name : "";
-    if (name == name_) return;
-    name_ = name;
+    const std::optional<std::size_t> now = injecting_tool(tools, 0);
+    if (now == tool_ && (!now || !has_changed(changed, *now))) return;
+    tool_ = now;
     inside_bits_ = 0;
     aspirated_ul_ = 0;
     may_hold_air_ = false;

@@ -2,7 +2,7 @@
 // Before the next injection the operator aspirates blood, which removes the air (docs/contrast.md,
 // "Aspiration").
 #pragma once
-#include "host/model/instrument.hpp"
+#include "host/model/tool_line.hpp"
 #include "shared/wire/wire.h"
 #include <cstdint>
 #include <optional>
@@ -22,7 +22,7 @@ class CatheterAir
 
     // The tools on the line were exchanged. Another catheter has been flushed; the removal of a tool from its
     // lumen may have let air in, as its withdrawal did.
-    void set_tools(const std::vector<Instrument> &tools);
+    void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
 
     // Receives every tick.
     void tick(const crn_wire_tick_state &state);
@@ -35,7 +35,6 @@ class CatheterAir
 
   private:
     std::optional<std::size_t> tool_;
-    std::string name_;              // of that tool
     std::uint32_t inside_bits_ = 0; // bit k: tool k lay in the lumen at the last tick
     std::int32_t aspirated_ul_ = 0;
     bool may_hold_air_ = false;

@@ -39,12 +39,12 @@ CatheterPressure::CatheterPressure(const VesselTree &vessels, const std::vector<
 {
 }
 
-void CatheterPressure::set_tools(const std::vector<Instrument> &tools)
+void CatheterPressure::set_tools(const std::vector<Instrument> &tools, ChangedPositions changed)
 {
-    tool_ = injecting_tool(tools, 0);
-    const std::string name = tool_ ? tools[*tool_].name : "";
-    if (name == name_) return;
-    name_ = name;
+    const std::optional<std::size_t> now = injecting_tool(tools, 0);
+    if (now == tool_ && (!now || !has_changed(changed, *now))) return;
+    tool_ = now;
+    name_ = tool_ ? tools[*tool_].name : "";
     leave();
 }
 

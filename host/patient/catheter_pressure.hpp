@@ -10,7 +10,7 @@
 #pragma once
 #include "host/effects/flow_cells.hpp"
 #include "host/effects/flow_network.hpp"
-#include "host/model/instrument.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/model/wire_frame.hpp"
 #include "host/patient/moved_vessels.hpp"
 #include "shared/wire/wire.h"
@@ -46,8 +46,9 @@ class CatheterPressure
     CatheterPressure(const VesselTree &vessels, const std::vector<Instrument> &tools, const Motion *motion,
                      LesionOpening opening);
 
-    void set_tools(const std::vector<Instrument> &tools); // the tools on the line were exchanged
-    std::uint32_t next_tick() const;                      // UINT32_MAX: no catheter lies in the vessels
+    // The tools at the changed positions of the line were exchanged.
+    void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
+    std::uint32_t next_tick() const; // UINT32_MAX: no catheter lies in the vessels
     void advance(const WireFrame &wire);
     void tick(double aortic_mmHg, const crn_wire_tick_state &state);
 

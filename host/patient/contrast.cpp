@@ -122,12 +122,11 @@ PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<In
 
 // The syringe was at the tool that is gone: what it still had to give is lost, and the medium in the vessels
 // stays.
-void PatientContrast::set_tools(const std::vector<Instrument> &tools, std::uint32_t tick)
+void PatientContrast::set_tools(const std::vector<Instrument> &tools, ChangedPositions changed,
+                                std::uint32_t tick)
 {
-    const bool is_same =
-        tool_ < tools.size() && tool_ < tools_.size() && tools[tool_].name == tools_[tool_].name;
     tools_ = tools;
-    if (is_same || state_ == State::idle) return;
+    if (!has_changed(changed, tool_) || state_ == State::idle) return;
     injector_.stop(tick);
     tool_ = injecting_tool(tools_, 0).value_or(tool_);
 }

@@ -5,8 +5,8 @@
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/effects/lumen_pressure.hpp"
-#include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/model/wire_frame.hpp"
 #include "host/patient/moved_vessels.hpp"
 #include "host/room/command.hpp"
@@ -57,8 +57,9 @@ class PatientContrast
     PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
-    // The tools on the line were exchanged in this tick. An injection through a tool that is gone ends.
-    void set_tools(const std::vector<Instrument> &tools, std::uint32_t tick);
+    // The tools at the changed positions of the line were exchanged in this tick. An injection through a tool
+    // that is gone ends.
+    void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed, std::uint32_t tick);
 
     // Returns the reason why a command cannot be carried out with medium of this strength, or an empty string
     // if it can.

@@ -1,4 +1,5 @@
 #include "host/patient/patient.hpp"
+#include "host/patient/balloon.hpp"
 #include <algorithm>
 #include <stdexcept>
 
@@ -97,12 +98,13 @@ void Patient::follow_line(const crn_wire_tick_state &state)
     if (state.line_count == 0) return;
     LineNumbers now = line_of(state);
     if (now == line_) return;
+    const ChangedPositions changed = changed_positions(line_, now);
     line_ = std::move(now);
     tools_ = tools_on(table_, line_);
-    contrast_.set_tools(tools_, state.tick);
-    catheter_pressure_.set_tools(tools_);
-    catheter_air_.set_tools(tools_);
-    if (stents_) stents_->set_tools(tools_);
+    contrast_.set_tools(tools_, changed, state.tick);
+    catheter_pressure_.set_tools(tools_, changed);
+    catheter_air_.set_tools(tools_, changed);
+    if (stents_) stents_->set_tools(tools_, changed);
 }
 
 void Patient::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state)

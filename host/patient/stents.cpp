@@ -174,11 +174,10 @@ void PatientStents::take_tools(const std::vector<Instrument> &tools)
     folded_end_m_ = balloon_.table.balloon_distal_um * 1e-6;
 }
 
-void PatientStents::set_tools(const std::vector<Instrument> &tools)
+void PatientStents::set_tools(const std::vector<Instrument> &tools, ChangedPositions changed)
 {
     const std::optional<std::size_t> now = balloon_tool(tools);
-    const bool is_same = now == tool_ && (!now || tools[*now].name == balloon_.name);
-    if (is_same) return;
+    if (now == tool_ && (!now || !has_changed(changed, *now))) return;
     take_out();
     stents_.take_out();
     if (stents_.size() == 0) next_look_ = UINT32_MAX;

@@ -9,9 +9,9 @@
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
 //   stents.advance(...) at stents.next_tick(); stents.give_orders(...) for every input after that
 #pragma once
-#include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
 #include "host/model/order_queue.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/model/wire_frame.hpp"
 #include "host/room/command.hpp"
 #include "host/stent/circles.hpp"
@@ -69,8 +69,9 @@ class PatientStents
     PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
                   std::vector<LesionStations> stations, const std::vector<Instrument> &tools,
                   bool has_table = false);
-    // The tools on the line were exchanged. A stent that is still on the balloon leaves with its balloon.
-    void set_tools(const std::vector<Instrument> &tools);
+    // The tools at the changed positions of the line were exchanged. A stent that is still on the balloon
+    // leaves with its balloon.
+    void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
 
     // Carries out the command load_stent and ignores all other commands. If a command cannot be carried out,
     // it is kept in refusals().

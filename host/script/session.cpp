@@ -180,7 +180,11 @@ class SessionParser
         constexpr std::uint32_t pause_ticks = 48; // longer than the force on the hand needs to end
         Exchange wanted;
         if (verb == "load") {
+            const LineParser word = line;
             wanted.tool = tool_word(line);
+            const std::string hint = suggestion(wanted.tool, {"stent"});
+            if (line.is_at_end() && hint.find("did you mean") != std::string::npos)
+                word.fail("unknown word '" + wanted.tool + "'" + hint);
             line.expect("as");
         }
         const LineParser before = line;

@@ -188,7 +188,7 @@ def aorta(run, test):
     test(
         "sessions/pci_renal",
         run.scene("aorta", "renal_ostium"),
-        ["terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"],
+        ["j_wire", "terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"],
         "renal_6_0x18",
     )
     return scene
@@ -200,5 +200,6 @@ def heart(run, test):
     scene = run.scene("heart", "lad_middle")
     test("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
     test("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
-    test("sessions/pci_lad", scene, ["coronary_014", "balloon_3x20", "guide_jl3_6f"], "coronary_3_0x18")
+    tools = ["j_wire", "coronary_014", "balloon_3x20", "guide_jl3_6f"]
+    test("sessions/pci_lad", scene, tools, "coronary_3_0x18")
     return scene

@@ -315,7 +315,7 @@ class Stock:
 
     def make_long(self):
         scene = self.scene("heart", "lad_pci", "lad_middle")
-        tools = ["coronary_014", "balloon_3x20", "guide_jl3_6f"]
+        tools = ["j_wire", "coronary_014", "balloon_3x20", "guide_jl3_6f"]
         stent = "shared/examples/stents/coronary_3_0x18.toml"
         self.record(scene, "pci_lad", tools, "pci", "--stent", stent)
 

@@ -76,7 +76,7 @@ out/$(1).scene out/$(1).bodies &: $(2) shared/examples/lesions/$(3).toml $(BUILD
 endef
 $(eval $(call diseased,lad_pci,$(HEART_TEXT),lad_middle))
 $(eval $(call diseased,renal_pci,$(ANATOMY),renal_ostium))
-# angioplasty(session, scene, wire balloon guide, stent) makes film, last picture, figures, score, DICOM runs and
+# angioplasty(session, scene, tools, stent) makes film, last picture, figures, score, DICOM runs and
 # recording of a session.
 PCI_TOOLS = $(foreach tool,$(1),--tool shared/examples/instruments/$(tool).toml)
 define angioplasty
@@ -90,8 +90,8 @@ out/$(1).mp4 out/$(1).png out/$(1).json out/$(1).html out/$(1).rec &: out/$(2).s
 	    --stent shared/examples/stents/$(4).toml --record out/$(1).rec --json out/$(1).json --score out/$(1).html \
 	    --png out/$(1).png --mp4 out/$(1).mp4 --dicom out/$(1)_dicom
 endef
-$(eval $(call angioplasty,pci_lad,lad_pci,coronary_014 balloon_3x20 guide_jl3_6f,coronary_3_0x18))
-$(eval $(call angioplasty,pci_renal,renal_pci,terumo_stiff_angled balloon_6x20 guide_jr4_6f,renal_6_0x18))
+$(eval $(call angioplasty,pci_lad,lad_pci,j_wire coronary_014 balloon_3x20 guide_jl3_6f,coronary_3_0x18))
+$(eval $(call angioplasty,pci_renal,renal_pci,j_wire terumo_stiff_angled balloon_6x20 guide_jr4_6f,renal_6_0x18))
 PCI_OUT := $(foreach name,pci_lad pci_renal,\
     out/$(name).mp4 out/$(name).png out/$(name).json out/$(name).html out/$(name).rec)
 

@@ -6,6 +6,7 @@
 #include "host/cases/goals.hpp"
 #include "host/cases/measures.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -94,6 +95,8 @@ void each_mistake_is_refused_with_its_line(void **)
         {"tools = [\"j_wire\"]", "tools = [\"j_wir\"]", "did you mean 'j_wire'?"},
         {"tools = [\"j_wire\"]", "tools = [\"rosen\"]", "not among the offered devices"},
         {"tools = [\"j_wire\"]", "tools = []", "names no tool"},
+        {"tools = [\"j_wire\"]", "tools = [\"nothing\"]", "names no tool"},
+        {"tools = [\"j_wire\"]", "tools = [\"j_wire\", \"j_wire\"]", "is there only once"},
         {"inserted_mm = [20]", "inserted_mm = [20, 5]", "2 lengths for 1 tools"},
         {"inserted_mm = [20]", "inserted_mm = [1550]", "is only"},
         {"kind = \"aorta\"", "kind = \"aorte\"", "did you mean 'aorta'?"},
@@ -143,6 +146,81 @@ void a_mistake_in_a_script_is_told_at_the_script(void **)
     write(folder / "a_expert.session", "inflate to 3 bar\nload stent\nadvance guide 3 mm\n");
     faults = crn::case_faults(path);
     assert_int_equal(faults.size(), 3);
+}
+
+// Writes a case with five tools on the table, of which two are on the line beside a free position.
+std::string exchange_case(const std::string &expert)
+{
+    std::string text = crn::case_template("a");
+    const std::vector<std::array<std::string, 2>> changes = {
+        {"offered = [\"j_wire\", \"bentson\"]",
+         "offered = [\"balloon_3x20\", \"j_wire\", \"coronary_014\", \"guide_jl4_6f\", \"pigtail_5f\"]"},
+        {"# stents = [\"renal_6_0x18\"]", "stents = [\"coronary_3_0x18\"]"},
+        {"tools = [\"j_wire\"]", "tools = [\"j_wire\", \"nothing\", \"guide_jl4_6f\"]"},
+        {"inserted_mm = [20]", "inserted_mm = [20, 0, 5]"}};
+    for (const auto &[old, changed] : changes) {
+        const std::size_t at = text.find(old);
+        assert_true(at != std::string::npos);
+        text.replace(at, old.size(), changed);
+    }
+    write(folder / "a.toml", text);
+    for (const crn::NamedText &script : crn::template_scripts("a")) write(folder / script.name, script.text);
+    write(folder / "a_expert.session", expert);
+    return (folder / "a.toml").string();
+}
+
+const std::string exchanges = "withdraw wire until inserted 0 mm\nexchange wire for coronary_014\n"
+                              "load balloon_3x20 as catheter\nload stent\ninflate to 8 bar\n";
+
+void a_case_may_have_more_tools_than_the_line(void **)
+{
+    const crn::Case lesson = crn::read_case(exchange_case(exchanges));
+    for (const std::string &fault : crn::case_faults(lesson.file)) fail_msg("%s", fault.c_str());
+    assert_int_equal(lesson.offered.size(), 5);
+    assert_true(lesson.start.numbers == (crn::LineNumbers{2, 0, 4}));
+    assert_true(lesson.start.tools[1].empty());
+    crn::Session session = crn::case_session(lesson, lesson.expert);
+    const std::vector<std::string> names = {"balloon_3x20", "j_wire", "coronary_014", "guide_jl4_6f",
+                                            "pigtail_5f"};
+    assert_true(crn::resolve_tools(session, names) == lesson.start.numbers);
+    assert_int_equal(session.inserted_um[2], 5000);
+}
+
+// A script is looked at with the tools that are on the line by then.
+void a_mistake_about_the_line_is_told_at_its_statement(void **)
+{
+    const std::vector<Mistake> mistakes = {
+        {"exchange wire for coronary_014", "exchange wire for coronary_01", "did you mean 'coronary_014'?"},
+        {"load balloon_3x20 as catheter", "load guide_jl4_6f as catheter", "is on the line already"},
+        {"coronary_014\nload balloon_3x20 as catheter", "pigtail_5f\nload balloon_3x20 as catheter",
+         "does not pass the lumen"},
+        {"load balloon_3x20 as catheter", "wait 1 s", "loads a stent, but no tool on the line has a balloon"},
+        {"load stent", "begin with j_wire guide_jl4_6f", "'begin' must be the first statement"},
+        {"withdraw wire until inserted 0 mm", "begin with j_wire guide_jl4_6f", "begins with other tools"},
+        {"inflate to 8 bar", "inflate to 8 bar\nremove catheter\ninflate to 2 bar", "inflates a balloon"},
+    };
+    for (const Mistake &mistake : mistakes) {
+        std::string text = exchanges;
+        text.replace(text.find(mistake.old), std::strlen(mistake.old), mistake.changed);
+        const std::vector<std::string> faults = crn::case_faults(exchange_case(text));
+        if (faults.empty()) fail_msg("'%s' was accepted", mistake.changed);
+        if (faults[0].find(mistake.said) == std::string::npos ||
+            faults[0].find("a_expert.session:") == std::string::npos)
+            fail_msg("'%s' was told as: %s", mistake.changed, faults[0].c_str());
+    }
+}
+
+// A free position has no length.
+void a_length_at_a_free_position_is_refused(void **)
+{
+    const std::string path = exchange_case(exchanges);
+    std::ifstream file(path);
+    std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    text.replace(text.find("[20, 0, 5]"), 10, "[20, 3, 5]");
+    write(path, text);
+    const std::vector<std::string> faults = crn::case_faults(path);
+    assert_int_equal(faults.size(), 1);
+    assert_non_null(std::strstr(faults[0].c_str(), "has a length for position 2, which is free"));
 }
 
 crn::VesselTree tube()
@@ -311,6 +389,9 @@ int main()
         cmocka_unit_test(the_template_is_a_good_case),
         cmocka_unit_test(each_mistake_is_refused_with_its_line),
         cmocka_unit_test(a_mistake_in_a_script_is_told_at_the_script),
+        cmocka_unit_test(a_case_may_have_more_tools_than_the_line),
+        cmocka_unit_test(a_mistake_about_the_line_is_told_at_its_statement),
+        cmocka_unit_test(a_length_at_a_free_position_is_refused),
         cmocka_unit_test(goals_that_are_reached_once_count_in_their_order),
         cmocka_unit_test(goals_of_the_end_are_judged_by_the_last_look),
         cmocka_unit_test(a_goal_without_its_vessel_is_refused),

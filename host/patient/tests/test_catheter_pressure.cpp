@@ -131,6 +131,38 @@ void a_catheter_that_fills_the_artery_measures_the_collateral_pressure(void **)
     assert_true(pressure.beat().pulse() < 0.18 * 40.0);
 }
 
+// A table may hold two guides of the same name. The second one has no place yet when it comes.
+void another_guide_of_the_same_name_measures_anew(void **)
+{
+    CatheterPressure pressure = catheter();
+    beats(pressure, artery_radius_m, 0, 6 * 857);
+    pressure.set_tools({guide()}, 0); // another position was exchanged
+    assert_true(pressure.is_measuring());
+    pressure.set_tools({guide()}, 1);
+    assert_false(pressure.is_measuring());
+    assert_true(pressure.share() == 1.0);
+}
+
+// A wire that is taken out of the guide may let air in; another guide has been flushed.
+void another_guide_of_the_same_name_holds_no_air(void **)
+{
+    Instrument wire = guide();
+    for (std::uint16_t i = 0; i < wire.table.knots_count; ++i) wire.table.knots[i].radius_inner_um = 0;
+    const std::vector<Instrument> line = {wire, guide()};
+    crn::CatheterAir air(line);
+    crn_wire_tick_state state{};
+    state.tools_count = 2;
+    state.tools[0].inserted_m_q30 = state.tools[1].inserted_m_q30 = 1 << 28;
+    air.tick(state);
+    state.tools[0].inserted_m_q30 = 0;
+    air.tick(state);
+    assert_true(air.may_hold_air());
+    air.set_tools(line, 1); // the wire was exchanged
+    assert_true(air.may_hold_air());
+    air.set_tools(line, 2);
+    assert_false(air.may_hold_air());
+}
+
 // The reference computes the annulus around the part of the guide that is in the artery, and the rest of the
 // artery, by Poiseuille's law, in series with the bed.
 void the_share_agrees_with_an_annulus_in_series_with_the_bed(void **)
@@ -275,6 +307,8 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(beside_a_thin_catheter_the_pressure_is_that_of_the_aorta),
         cmocka_unit_test(a_catheter_that_fills_the_artery_measures_the_collateral_pressure),
+        cmocka_unit_test(another_guide_of_the_same_name_measures_anew),
+        cmocka_unit_test(another_guide_of_the_same_name_holds_no_air),
         cmocka_unit_test(the_share_agrees_with_an_annulus_in_series_with_the_bed),
         cmocka_unit_test(the_pressure_returns_when_the_catheter_is_withdrawn),
         cmocka_unit_test(the_first_look_comes_after_the_tick_in_which_the_tip_enters),

@@ -395,10 +395,10 @@ void scripts_load_stents(void **)
     const Session session = parse_session("load stent\nwait 1 s\n", "s");
     assert_true(session.statements.at(0).room.at(0) == load);
     try {
-        parse_session("load stint\n", "s"); // the beginning of "load NAME as TOOL", too
+        parse_session("load stint\n", "s"); // no "load NAME as TOOL"
         fail();
     } catch (const FileError &error) {
-        assert_non_null(std::strstr(error.what(), "s:1:11: expected 'as'"));
+        assert_non_null(std::strstr(error.what(), "s:1:6: unknown word 'stint', did you mean 'stent'?"));
     }
 }
 

@@ -481,6 +481,7 @@ void expect_unresolved(const std::string &text, const std::string &expected)
 void mistakes_in_exchanges_are_named(void **)
 {
     expect_error("load balloon\n", "1:13: expected 'as', the line ends");
+    expect_error("load stint\n", "1:6: unknown word 'stint', did you mean 'stent'?");
     expect_error("load balloon as together\n", "this is for one position");
     expect_error("exchange wire balloon\n", "expected 'for', found 'balloon'");
     expect_error("exchange wire for\n", "expected a tool of the session");

@@ -20,7 +20,7 @@ namespace
 
 const crn::Case &lad()
 {
-    static const crn::Case lesson = crn::read_case(crn::example_path(crn::case_files, "lad_stent"));
+    static const crn::Case lesson = crn::read_case(crn::example_path(crn::case_files, "bifurcation"));
     return lesson;
 }
 
