@@ -2,6 +2,7 @@
 // physics publishes a new copy about 50 times a second, and never changes a copy that it has published.
 #pragma once
 #include "host/effects/pulse.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/room/room.hpp"
 #include "host/session/frame_sink.hpp"
 #include <optional>
@@ -21,6 +22,7 @@ struct PaceFigures {
 struct SuiteState {
     std::uint32_t tick = 0;
     Room room;
+    LineNumbers line;   // the tools at the positions of the line
     SessionFrame frame; // the shape and the readings of the tools, at most 20 ms old
     double contrast_ml = 0.0, contrast_ml_s = 0.0;
     // The pressure that 1 ml/s needs with the tools as they are now; empty: no tool can inject. The flow is
