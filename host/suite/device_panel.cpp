@@ -105,6 +105,10 @@ void SuiteScreen::draw_device(std::size_t tool, float width)
     const std::string moved = formatted("%.0f mm  %+.0f\u00b0", rounded_to(reading.inserted_m * 1e3, 1.0),
                                         rounded_to(reading.turned_deg, 1.0));
     ui_.note_last_item(name, is_free ? free_text : instrument.name + "  " + moved);
+    if (view_->tips && tool < view_->tips->size() && !(*view_->tips)[tool].empty() && !is_free) {
+        ui_.note_last_item("tip " + std::to_string(tool + 1), (*view_->tips)[tool]);
+        ui_.tooltip("The tip is " + (*view_->tips)[tool] + ".");
+    }
     if (ImGui::IsItemActivated()) input.choose(tool);
     take_drag(tool);
     ImDrawList *draw = ImGui::GetWindowDrawList();

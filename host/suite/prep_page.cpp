@@ -287,6 +287,7 @@ void PrepPage::draw_device(std::size_t device, const std::vector<std::optional<s
     ImGui::TableNextColumn();
     ImGui::AlignTextToFramePadding();
     ui_.text(tint::text, "%s", tool.name.c_str());
+    ui_.note_last_item("cabinet " + std::to_string(device + 1), label + "  " + tool.name);
     ui_.tooltip(tool.description);
     ImGui::TableNextColumn();
     ImGui::AlignTextToFramePadding();

@@ -44,6 +44,8 @@ class SessionHost
     {
         return goals_ ? goals_->latest() : nullptr;
     }
+    // Returns where the tips are, for each position of the line; null: as above.
+    std::shared_ptr<const std::vector<std::string>> tips() const { return goals_ ? goals_->tips() : nullptr; }
     const std::string &recording() const { return recording_; } // of the last session; empty: none
     bool was_interrupted() const { return was_interrupted_; }
 

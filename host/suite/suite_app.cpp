@@ -170,6 +170,7 @@ void SuiteApp::show_suite()
     view.title = title_of(host_->options());
     view.lesson = host_->options().lesson.get();
     view.goals = host_->goals();
+    view.tips = host_->tips();
     view.hints_shown = hints_shown_;
     view.shows_help = shows_help_;
     view.is_pixel_by_pixel = is_pixel_by_pixel_;

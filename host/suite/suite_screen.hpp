@@ -23,6 +23,7 @@ struct SuiteView {
     std::string title;                                    // of the scene or the case
     const Case *lesson = nullptr;                         // null: no case
     std::shared_ptr<const std::vector<GoalResult>> goals; // of the case; null: not known yet
+    std::shared_ptr<const std::vector<std::string>> tips; // of the case: where they are; null: not known
     std::size_t hints_shown = 0;                          // of the case
     bool shows_help = false, is_pixel_by_pixel = false;
     bool is_measured = true; // false: figures that depend on the clock are left out, for tests
