@@ -105,18 +105,28 @@ void add_scene(CLI::App &command, std::string &scene, const std::string &without
         ->check(scene_name());
 }
 
-void add_tools(CLI::App &command, std::string &instrument, std::vector<std::string> &tools)
+void add_tools(CLI::App &command, std::string &instrument, std::vector<std::string> &tools,
+               std::vector<std::string> &line)
 {
     const Group group(command, "Patient and tools");
     command
         .add_option("--tool", tools,
                     "Name or file of an instrument, maybe with :preset (docs/instruments.md); once per tool, "
                     "from the "
-                    "innermost to the outermost, at most three; up to eight, in any order, if a "
-                    "script says 'begin with'")
+                    "innermost to the outermost, at most three; up to eight, in any order, with --line or if "
+                    "a script says 'begin with'")
         ->allow_extra_args(false)
         ->type_name("INSTRUMENT")
         ->transform(name_or_path(instrument_files));
+    command
+        .add_option(
+            "--line", line,
+            "The tools on the line at the start, from the innermost, such as bentson,nothing,guide_jl4_6f: "
+            "names or numbers of the tools, 'nothing' for a free position; the other tools can be "
+            "loaded during the session; without: all tools")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("TOOL,...");
     command.add_option("--instrument", instrument, "The innermost tool, as --tool before all others")
         ->type_name("INSTRUMENT")
         ->transform(name_or_path(instrument_files));
@@ -182,7 +192,7 @@ void add_run(CLI::App &app, RunOptions &options)
         ->type_name("SESSION")
         ->transform(name_or_path(session_files));
     add_scene(*command, options.scene, "that of the session, else free space");
-    add_tools(*command, options.instrument, options.tools);
+    add_tools(*command, options.instrument, options.tools, options.line);
     add_stents(*command, options.stents, options.pictures);
     command
         ->add_option("--free-run", options.free_run_s,
@@ -295,7 +305,7 @@ void add_view(CLI::App &app, WindowOptions &options)
 {
     CLI::App *command = app.add_subcommand("view", "A window: push, turn and look by keyboard");
     add_scene(*command, options.scene, "free space, or aorta if no tool is named either");
-    add_tools(*command, options.instrument, options.tools);
+    add_tools(*command, options.instrument, options.tools, options.line);
     add_stents(*command, options.stents, options.pictures);
     add_device(*command, options.device);
     add_output(*command, "--record", options.record,
@@ -374,43 +384,6 @@ void add_instruments(CLI::App &app, InstrumentsOptions &options)
 }
 
 } // namespace
-
-std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools)
-{
-    std::vector<NamedPath> inputs;
-    if (!instrument.empty()) inputs.push_back({"--instrument", split_preset(instrument).first});
-    for (const std::string &tool : tools) inputs.push_back({"--tool", split_preset(tool).first});
-    return inputs;
-}
-
-std::vector<Instrument> reported_tools(const Patient &patient)
-{
-    return with_free_positions(patient.tools());
-}
-
-std::vector<Instrument> with_free_positions(std::vector<Instrument> tools)
-{
-    for (Instrument &tool : tools)
-        if (tool.name.empty() && tool.table.knots_count == 0) tool.name = free_position;
-    return tools;
-}
-
-std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools,
-                                   std::size_t most)
-{
-    std::vector<std::string> names = tools;
-    if (!instrument.empty()) names.insert(names.begin(), instrument);
-    if (names.empty())
-        throw UsageError("--tool is required: name one to three instrument files (docs/instruments.md)");
-    if (names.size() > most) {
-        throw UsageError("--tool: " + std::string(most > CRN_WIRE_TOOL_MAX ? "a session" : "a line") +
-                         " holds at most " + std::to_string(most) + " tools, " +
-                         std::to_string(names.size()) + " are named");
-    }
-    std::vector<Instrument> read;
-    for (const std::string &name : names) read.push_back(read_instrument(name));
-    return read;
-}
 
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
                  const std::vector<Instrument> &tools)

@@ -21,6 +21,7 @@ struct RunOptions {
     std::string scene, instrument, session, record, json, score, timing, hands;
     std::string device = "sim"; // as parse_device
     std::vector<std::string> tools, stents;
+    std::vector<std::string> line; // as WindowOptions::line; replaces the script's `begin with`
     PictureSettings pictures;
     PlanOptions plan; // without a plan the session is not assessed
     bool quiet = false;
@@ -73,6 +74,14 @@ std::vector<Instrument> with_free_positions(std::vector<Instrument> tools);
 // FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools,
                                    std::size_t most = CRN_WIRE_TOOL_MAX);
+// Returns the names by which a script and the option --line call the tools: those of their files, without
+// folder and ending.
+std::vector<std::string> tool_words(const std::string &instrument, const std::vector<std::string> &tools);
+// Returns the line that the words of the option --line name; no words: an empty line, which stands for all
+// tools. Throws UsageError if a word names no tool, or if the option is missing for more tools than a line
+// holds.
+LineNumbers line_numbers(const std::vector<std::string> &words, const std::string &instrument,
+                         const std::vector<std::string> &tools);
 // Returns the point where the tools enter the patient, with their inserted lengths. The user may give no
 // length (then the default applies), one length for all tools, or one length for each tool. Throws UsageError
 // if there are more lengths than tools.

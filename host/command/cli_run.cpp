@@ -99,7 +99,8 @@ RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, co
     settings.tips = &tips;
     settings.witness = &witness;
     std::vector<RoomCommand> begin = options.free_run_s ? entry_commands(scene) : std::vector<RoomCommand>();
-    if (patient.stents() && count_loads(session) == 0) begin.push_back(first_stent);
+    const bool can_load = !options.free_run_s || balloon_tool(patient.tools());
+    if (patient.stents() && count_loads(session) == 0 && can_load) begin.push_back(first_stent);
     settings.begin = begin;
     return options.free_run_s
                ? run_free_session(device, patient, begin, *options.free_run_s, recorder, sink, settings)
@@ -180,16 +181,6 @@ static RunOptions with_needs(const RunOptions &given, const SessionNeeds &needs)
     return options;
 }
 
-// Returns the names by which a script calls the tools: those of their files, without folder and ending.
-static std::vector<std::string> tool_words(const std::string &instrument,
-                                           const std::vector<std::string> &tools)
-{
-    std::vector<std::string> words;
-    for (const NamedPath &input : tool_inputs(instrument, tools))
-        words.push_back(std::filesystem::path(input.path).stem().string());
-    return words;
-}
-
 // Returns the script of the session; a session on a rig has an empty one.
 static Session session_of(const RunOptions &given)
 {
@@ -197,6 +188,17 @@ static Session session_of(const RunOptions &given)
     const Session session =
         given.lesson ? case_session(*given.lesson, given.session) : read_session(given.session);
     return given.hands.empty() ? session : with_hands(session, read_hands(given.hands));
+}
+
+// The option --line replaces the script's `begin with`.
+static LineNumbers line_of_run(const RunOptions &options, Session &session)
+{
+    if (options.free_run_s || !options.line.empty()) {
+        const LineNumbers line = line_numbers(options.line, options.instrument, options.tools);
+        if (options.free_run_s) return line;
+        session.line_names = options.line;
+    }
+    return resolve_tools(session, tool_words(options.instrument, options.tools));
 }
 
 int command_run(const RunOptions &given)
@@ -212,10 +214,8 @@ int command_run(const RunOptions &given)
     picture_settings.scene_path = options.scene;
     check_files(options, picture_settings);
     const SceneFile scene = read_scene(options.scene);
-    const std::vector<Instrument> tools =
-        read_tools(options.instrument, options.tools, is_led ? CRN_WIRE_TOOL_MAX : CRN_WIRE_TABLE_MAX);
-    const LineNumbers line =
-        is_led ? LineNumbers{} : resolve_tools(session, tool_words(options.instrument, options.tools));
+    const std::vector<Instrument> tools = read_tools(options.instrument, options.tools, CRN_WIRE_TABLE_MAX);
+    const LineNumbers line = line_of_run(options, session);
     picture_settings.line = line;
     const std::size_t positions = line.empty() ? tools.size() : line.size();
     const crn_wire_entry entry = is_led ? entry_with(scene, positions, options.inserted_mm)

@@ -12,9 +12,13 @@ namespace crn
 {
 
 struct WindowOptions {
-    std::string scene;               // empty: free space
-    std::string instrument;          // file of the innermost tool, or empty
-    std::vector<std::string> tools;  // files of the others, towards the outermost
+    std::string scene;              // empty: free space
+    std::string instrument;         // file of the innermost tool, or empty
+    std::vector<std::string> tools; // files of the others, towards the outermost
+    // The tools on the line at the start, from the innermost: names of their files, their numbers in the
+    // table, or `nothing` for a free position. Empty: all tools. The other tools can be loaded during the
+    // session.
+    std::vector<std::string> line;
     std::vector<std::string> stents; // files, in the order of loading
     std::string device = "sim";      // as parse_device
     // Holds the paths of the file of figures and of the score's page, which are written at the end of each

@@ -1,4 +1,5 @@
 #include "host/live/live_goals.hpp"
+#include "host/base/format.hpp"
 
 namespace crn
 {
@@ -28,6 +29,12 @@ void LiveGoals::look(const SessionFrame &frame)
     }
     const std::vector<TipPlace> places = tips_.at(frame.wire);
     goals_.look({inserted_m, places, &witness_, tick}, turned_deg);
+    auto texts = std::make_shared<std::vector<std::string>>();
+    for (const TipPlace &tip : places)
+        texts->push_back(!tip.is_known ? std::string()
+                                       : formatted("%.0f mm inside %s", tip.inside_m * 1e3,
+                                                   tips_.map().vessels()[tip.place.vessel].name.c_str()));
+    tip_texts_.put(std::move(texts));
     results_.put(std::make_shared<const std::vector<GoalResult>>(goals_.results()));
 }
 

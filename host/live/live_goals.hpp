@@ -5,6 +5,7 @@
 #include "host/live/live_session.hpp"
 #include "host/live/mailbox.hpp"
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace crn
@@ -20,6 +21,9 @@ class LiveGoals
     void look(const SessionFrame &frame); // in the session's thread
     // Returns one result per goal; null before the first look.
     std::shared_ptr<const std::vector<GoalResult>> latest() const { return results_.latest(); }
+    // Returns for each position of the line where the tip is, such as "34 mm inside LAD"; an empty text: not
+    // known. Null before the first look.
+    std::shared_ptr<const std::vector<std::string>> tips() const { return tip_texts_.latest(); }
 
   private:
     std::shared_ptr<const Case> lesson_;
@@ -28,6 +32,7 @@ class LiveGoals
     GoalWatch goals_;
     std::uint32_t next_ = 0;
     Mailbox<std::vector<GoalResult>> results_;
+    Mailbox<std::vector<std::string>> tip_texts_;
 };
 
 } // namespace crn

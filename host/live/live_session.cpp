@@ -32,8 +32,7 @@ LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &
     : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice, pictures.line),
       anatomy_(read_anatomy(pictures)), patient_(make_patient(pictures, anatomy_, tools, chamber_threads)),
       pictures_(pictures, tools, patient_->scene(), anatomy_, keeps_all_pictures),
-      hands_(device_.positions()), dragged_(device_.positions()), to_drag_(device_.positions()),
-      has_balloon_(balloon_tool(tools).has_value())
+      hands_(device_.positions()), dragged_(device_.positions()), to_drag_(device_.positions())
 {
     if (!record.empty()) {
         recorder_ = std::make_unique<Recorder>(record, device_.recording_header("live", pictures.stents));
@@ -71,8 +70,9 @@ crn_wire_hand LiveSession::step_of_drag(crn_wire_hand &waiting)
 
 void LiveSession::inflate(std::int32_t kPa_per_s)
 {
-    inflation_kPa_per_s_ = has_balloon_ ? kPa_per_s : 0;
-    if (kPa_per_s != 0 && !has_balloon_) refused_ = {no_balloon_text, state_.tick};
+    const bool has_balloon = balloon_tool(patient_->tools()).has_value();
+    inflation_kPa_per_s_ = has_balloon ? kPa_per_s : 0;
+    if (kPa_per_s != 0 && !has_balloon) refused_ = {no_balloon_text, state_.tick};
 }
 
 void LiveSession::pass(std::uint32_t tick, const RoomCommand &command)
@@ -299,6 +299,7 @@ SuiteState LiveSession::state() const
     state.tick = tick();
     state.room = patient_->room();
     state.frame = frame_;
+    state.line = patient_->line();
     state.contrast_ml = patient_->contrast().injected_ml();
     state.contrast_ml_s = patient_->contrast().flow_ml_s();
     state.injection_kPa_per_ml_s = patient_->contrast().injection_kPa_per_ml_s(state_);

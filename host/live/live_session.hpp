@@ -26,9 +26,10 @@ namespace crn
 class LiveSession final : private FreeRunSink
 {
   public:
-    // `tools` lists the tools from the innermost outwards. `begin` holds the commands that the X-ray room
-    // receives at the start. If `record` is empty, the session is not recorded. Throws the exceptions that
-    // Device, Recorder and PictureThread throw.
+    // `tools` is the table of the session's tools, and pictures.line says which of them are on the line at
+    // the start (tool_line.hpp). `begin` holds the commands that the X-ray room receives at the start. If
+    // `record` is empty, the session is not recorded. Throws the exceptions that Device, Recorder and
+    // PictureThread throw.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {},
@@ -40,7 +41,7 @@ class LiveSession final : private FreeRunSink
     // Moves one hand by a distance and an angle in encoder counts, no faster than a hand can.
     void drag(std::size_t tool, std::int32_t translation_counts, std::int32_t rotation_counts);
     // Sets the rate at which the inflator's pressure changes from now on; a rate of 0 keeps the pressure.
-    // If no tool has a balloon, the screen shows a notice instead.
+    // If no tool on the line has a balloon, the screen shows a notice instead.
     void inflate(std::int32_t kPa_per_s);
     void command(const RoomCommand &command);
     void order(const crn_wire_order &order);
@@ -107,7 +108,6 @@ class LiveSession final : private FreeRunSink
     RigPedals rig_pedals_;
     RigSyringe rig_syringe_;
     OrderQueue orders_;
-    const bool has_balloon_;
     std::int32_t inflation_kPa_per_s_ = 0, inflator_milli_kPa_ = 0; // 1/1000 kPa
     std::uint32_t buttons_ = 0; // pedals pressed by key, as a rig would send them
     std::vector<crn_wire_tick_input> inputs_;

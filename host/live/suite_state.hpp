@@ -3,6 +3,7 @@
 #pragma once
 #include "host/base/thread_urgency.hpp"
 #include "host/effects/pulse.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/room/room.hpp"
 #include "host/session/frame_sink.hpp"
 #include <optional>
@@ -23,6 +24,7 @@ struct PaceFigures {
 struct SuiteState {
     std::uint32_t tick = 0;
     Room room;
+    LineNumbers line;   // the tools at the positions of the line
     SessionFrame frame; // the shape and the readings of the tools, at most 20 ms old
     double contrast_ml = 0.0, contrast_ml_s = 0.0;
     // The pressure that 1 ml/s needs with the tools as they are now; empty: no tool can inject. The flow is

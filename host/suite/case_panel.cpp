@@ -24,7 +24,9 @@ void SuiteScreen::draw_case(const UiRect &place)
                        goal.text.c_str());
         if (result && !result->found.empty())
             ui_.tooltip(goal.expectation.text() + "\nnow: " + without_remedy(result->found));
-        if (is_reached) ui_.note_last_item("goal " + std::to_string(i + 1) + " reached");
+        const std::string name = "goal " + std::to_string(i + 1);
+        if (is_reached) ui_.note_last_item(name + " reached");
+        ui_.note_last_item(name, result ? without_remedy(result->found) : "");
     }
     if (!lesson.limits.empty()) {
         ui_.small_text(tint::dim, "LIMITS");

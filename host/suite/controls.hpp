@@ -24,6 +24,10 @@ enum class ControlId : std::uint8_t {
     tool_next,
     tool_previous,
     move_all,
+    rack_next,
+    rack_previous,
+    load_tool,
+    take_off,
     // X-ray
     fluoro,
     acquire,

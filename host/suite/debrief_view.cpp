@@ -210,7 +210,10 @@ class DebriefView
             const Json &percent =
                 report.contains("case") ? report["case"]["score"] : report["assessment"]["score"]["percent"];
             ImGui::PushFont(ui_.fonts().large);
-            if (percent.is_number()) ui_.text(tint::orange, "%.0f of 100", percent.get<double>());
+            if (percent.is_number()) {
+                ui_.text(tint::orange, "%.0f of 100", percent.get<double>());
+                ui_.note_last_item("score", formatted("%.1f of 100", percent.get<double>()));
+            }
             ImGui::PopFont();
             ui_.small_text(tint::dim, report.contains("case") ? "marks of the case" : "assessment");
         }

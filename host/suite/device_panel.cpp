@@ -1,5 +1,7 @@
-// Draws the device rail: one row per tool with its travel, its turn, and the force and torque on the hand.
-// The mouse drags a row to push and turn its tool.
+// Draws the device rail: one row per position of the line with the travel and the turn of its tool, and the
+// force and torque on the hand. The mouse drags a row to push and turn its tool. Below it draws the device
+// table: the devices of the session that are not on the line, of which the user selects the one to be loaded.
+// Two buttons load it at the chosen position, or take the chosen device off the line.
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/script/hand_motion.hpp"
@@ -15,11 +17,37 @@ namespace
 constexpr double force_full_N = 2.0, torque_full_mN_m = 2.0;
 // A drag of one unit moves a tool by half a millimetre or turns it by one degree; with Shift a fifth of that.
 constexpr double um_per_unit = 500.0, counts_per_unit = counts_per_turn / 360.0, slow_share = 0.2;
+const std::string free_text = "free: load a device of the device table";
 constexpr double wheel_um = 2000.0, wheel_counts = counts_per_turn / 24.0;
 
 ImU32 load_colour(double share)
 {
     return share < 0.4 ? tint::sky : share < 0.75 ? tint::orange : tint::red;
+}
+
+// --- the device table ---
+
+constexpr float head_units = 17.0f, row_units = 28.0f, buttons_units = 216.0f; // of the layout
+constexpr std::size_t columns = 4;
+
+// Returns the numbers of the tools that are not on the line.
+std::vector<std::uint8_t> off_line(const SuiteView &view)
+{
+    std::vector<std::uint8_t> numbers;
+    const LineNumbers &line = view.state->line;
+    for (std::size_t number = 1; number <= view.table->size(); ++number)
+        if (std::find(line.begin(), line.end(), number) == line.end())
+            numbers.push_back(static_cast<std::uint8_t>(number));
+    return numbers;
+}
+
+// The height depends on the table only, so that an exchange moves no panel.
+std::size_t rack_rows(const SuiteView &view)
+{
+    const std::size_t positions = view.state->line.size(), count = view.table->size();
+    const std::size_t most = std::max(count, positions + 1) - 1; // when one tool is on the line
+    const std::size_t fewest = count > positions ? count - positions : 0;
+    return std::clamp<std::size_t>((std::max(fewest, std::min(most, columns)) + columns - 1) / columns, 1, 2);
 }
 
 } // namespace
@@ -41,20 +69,9 @@ void SuiteScreen::draw_devices(const UiRect &place)
     ui_.end_panel();
 }
 
-void SuiteScreen::draw_device(std::size_t tool, float width)
+// Takes the drag or the turn of the wheel on the row that was drawn last.
+void SuiteScreen::take_drag(std::size_t tool)
 {
-    const SessionFrame &frame = view_->state->frame;
-    const ToolReading reading = tool < frame.tools.size() ? frame.tools[tool] : ToolReading{};
-    const Instrument &instrument = (*view_->tools)[tool];
-    UserInput &input = ui_.input();
-    const bool is_chosen = input.moves_all() || input.chosen_tool() == tool;
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float height = ui_.px(32.0f);
-    ImGui::PushID(static_cast<int>(tool));
-    ImGui::InvisibleButton("row", {width, height});
-    const std::string name = "row " + std::to_string(tool + 1);
-    ui_.note_last_item(name);
-    if (ImGui::IsItemActivated()) input.choose(tool);
     const ImGuiIO &io = ImGui::GetIO();
     const double slow = io.KeyShift ? slow_share : 1.0;
     const double units = 1.0 / static_cast<double>(ui_.px(1.0f));
@@ -70,10 +87,40 @@ void SuiteScreen::draw_device(std::size_t tool, float width)
     if (ImGui::IsItemHovered() && io.MouseWheel != 0.0f)
         actions_.drags.push_back({tool, io.KeyShift ? 0 : static_cast<std::int32_t>(io.MouseWheel * wheel_um),
                                   io.KeyShift ? static_cast<std::int32_t>(io.MouseWheel * wheel_counts) : 0});
+}
+
+void SuiteScreen::draw_device(std::size_t tool, float width)
+{
+    const SessionFrame &frame = view_->state->frame;
+    const ToolReading reading = tool < frame.tools.size() ? frame.tools[tool] : ToolReading{};
+    const Instrument &instrument = (*view_->tools)[tool];
+    const bool is_free = instrument.name.empty();
+    UserInput &input = ui_.input();
+    const bool is_chosen = input.moves_all() || input.chosen_tool() == tool;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float height = ui_.px(32.0f);
+    ImGui::PushID(static_cast<int>(tool));
+    ImGui::InvisibleButton("row", {width, height});
+    const std::string name = "row " + std::to_string(tool + 1);
+    const std::string moved = formatted("%.0f mm  %+.0f\u00b0", rounded_to(reading.inserted_m * 1e3, 1.0),
+                                        rounded_to(reading.turned_deg, 1.0));
+    ui_.note_last_item(name, is_free ? free_text : instrument.name + "  " + moved);
+    if (view_->tips && tool < view_->tips->size() && !(*view_->tips)[tool].empty() && !is_free) {
+        ui_.note_last_item("tip " + std::to_string(tool + 1), (*view_->tips)[tool]);
+        ui_.tooltip("The tip is " + (*view_->tips)[tool] + ".");
+    }
+    if (ImGui::IsItemActivated()) input.choose(tool);
+    take_drag(tool);
     ImDrawList *draw = ImGui::GetWindowDrawList();
     draw->AddRectFilled(at, {at.x + width, at.y + height}, is_chosen ? tint::raised : tint::background,
                         ui_.px(4.0f));
     if (is_chosen) draw->AddRectFilled(at, {at.x + ui_.px(4.0f), at.y + height}, tint::orange, ui_.px(2.0f));
+    if (is_free) {
+        const std::string text = std::to_string(tool + 1) + "  " + free_text;
+        draw->AddText({at.x + ui_.px(12.0f), at.y + ui_.px(7.0f)}, tint::dim, text.c_str());
+        ImGui::PopID();
+        return;
+    }
 
     // The rail: how much of the tool is inside the patient.
     const float text_y = at.y + ui_.px(7.0f), rail_x = at.x + 0.27f * width, rail_w = 0.24f * width;
@@ -93,8 +140,6 @@ void SuiteScreen::draw_device(std::size_t tool, float width)
                   {knob.x + ui_.px(6.0f) * static_cast<float>(std::sin(turn_rad)),
                    knob.y - ui_.px(6.0f) * static_cast<float>(std::cos(turn_rad))},
                   tint::background, ui_.px(2.0f));
-    const std::string moved = formatted("%.0f mm  %+.0f\u00b0", rounded_to(reading.inserted_m * 1e3, 1.0),
-                                        rounded_to(reading.turned_deg, 1.0));
     draw->AddText({rail_x + rail_w + ui_.px(14.0f), text_y}, tint::text, moved.c_str());
 
     const double torque_mN_m = reading.torque_N_m * 1e3;
@@ -110,6 +155,63 @@ void SuiteScreen::draw_device(std::size_t tool, float width)
     ui_.bar(static_cast<float>(torque_mN_m / torque_full_mN_m), load_colour(torque), torque_text.c_str(),
             bar_w);
     ImGui::PopID();
+}
+
+// --- the device table ---
+
+float SuiteScreen::rack_height() const
+{
+    if (view_->table->size() < 2) return 0.0f;
+    return head_units + row_units * static_cast<float>(rack_rows(*view_)) + 5.0f;
+}
+
+void SuiteScreen::draw_rack_device(std::uint8_t number, float width, float height)
+{
+    const Instrument &tool = (*view_->table)[number - 1u];
+    const bool is_selected = ui_.input().to_load() == number;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::PushID(100 + number);
+    if (ImGui::InvisibleButton("device", {width, height})) ui_.input().select_to_load(number);
+    ui_.note_last_item("table " + std::to_string(number), (is_selected ? "to load: " : "") + tool.name);
+    ui_.tooltip(tool.name + ". " + tool.description +
+                "\nClick selects it to be loaded.  Key: / for the next");
+    ImDrawList *draw = ImGui::GetWindowDrawList();
+    const ImVec2 end{at.x + width, at.y + height};
+    draw->AddRectFilled(at, end, is_selected ? tint::raised : tint::background, ui_.px(4.0f));
+    if (is_selected) draw->AddRect(at, end, tint::orange, ui_.px(4.0f), 0, ui_.px(1.5f));
+    draw->PushClipRect(at, {end.x - ui_.px(4.0f), end.y}, true);
+    ImFont *font = ui_.fonts().small_text;
+    draw->AddText(font, font->FontSize, {at.x + ui_.px(8.0f), at.y + ui_.px(5.0f)},
+                  is_selected ? tint::text : tint::dim, tool.name.c_str());
+    draw->PopClipRect();
+    ImGui::PopID();
+}
+
+void SuiteScreen::draw_rack(const UiRect &place)
+{
+    if (place.height <= 0.0f) return;
+    ui_.begin_panel("rack", place, "");
+    const std::vector<std::uint8_t> numbers = off_line(*view_);
+    const std::size_t position = ui_.input().chosen_tool();
+    const LineNumbers &line = view_->state->line;
+    const bool is_free = position < line.size() && line[position] == 0;
+    ImGui::SetCursorScreenPos({place.x + ui_.px(9.0f), place.y + ui_.px(1.0f)});
+    ui_.small_text(tint::dim, numbers.empty() ? "DEVICE TABLE: every device is on the line" : "DEVICE TABLE");
+    const float buttons = ui_.px(buttons_units);
+    const float width = (place.width - buttons - ui_.px(12.0f)) / static_cast<float>(columns);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const auto column = static_cast<float>(i % columns), row = static_cast<float>(i / columns);
+        ImGui::SetCursorScreenPos(
+            {place.x + ui_.px(6.0f) + column * width, place.y + ui_.px(head_units + row_units * row)});
+        draw_rack_device(numbers[i], width - ui_.px(5.0f), ui_.px(row_units - 3.0f));
+    }
+    ImGui::SetCursorScreenPos({place.x + place.width - buttons, place.y + ui_.px(head_units - 1.0f)});
+    const std::string load =
+        is_free ? formatted("Load as %zu", position + 1) : formatted("Exchange %zu", position + 1);
+    ui_.button(ControlId::load_tool, load.c_str(), 106.0f);
+    ImGui::SameLine();
+    ui_.button(ControlId::take_off, "Take off", 96.0f);
+    ui_.end_panel();
 }
 
 } // namespace crn

@@ -26,6 +26,7 @@ void SuiteScreen::draw_bar(const UiRect &place)
     ui_.text(tint::text, "%s", view_->title.c_str());
     ImGui::SameLine(place.width * 0.34f);
     ui_.text(tint::text, "%s", session_clock(state.tick * 1e-3).c_str());
+    ui_.note_last_item("clock", session_clock(state.tick * 1e-3));
     ImGui::SameLine();
     const double factor = view_->is_measured ? state.pace.real_time_factor : 1.0;
     if (factor < slow_factor)
@@ -113,6 +114,7 @@ void SuiteScreen::draw_toasts(const UiRect &live)
     ImGui::PushTextWrapPos(std::min(0.8f * live.width, ui_.px(760.0f)));
     for (const Line &line : lines) {
         ui_.text(line.colour, "%s", line.text.c_str());
+        ui_.note_last_item("notice", line.text);
         if (!line.needs_answer) continue;
         ImGui::SameLine();
         ui_.button(ControlId::acknowledge, "Seen");

@@ -4,6 +4,7 @@
 #include "host/cases/measures.hpp"
 #include "host/patient/stents.hpp"
 #include <algorithm>
+#include <bit>
 #include <filesystem>
 
 namespace crn
@@ -12,7 +13,8 @@ namespace
 {
 
 constexpr double french_mm = 1.0 / 3.0;
-std::uint64_t pages_opened = 0; // each page's picture is a new version of the texture
+constexpr double unstated_mm = 5.0; // a device at a position that the case begins without
+std::uint64_t pages_opened = 0;     // each page's picture is a new version of the texture
 
 double outer_mm(const Instrument &tool)
 {
@@ -83,15 +85,54 @@ std::vector<std::size_t> DeviceCabinet::sorted_line() const
 std::vector<std::string> DeviceCabinet::paths() const
 {
     std::vector<std::string> paths;
-    for (const std::size_t i : line_) paths.push_back(devices_[i].path);
+    for (const CabinetDevice &device : devices_) paths.push_back(device.path);
     return paths;
+}
+
+// Tries every way to leave positions free. The best one has most devices where the case has them; among
+// those, a device without a lumen lies innermost, and the outermost device as far outside as possible.
+std::vector<std::optional<std::size_t>> DeviceCabinet::positions() const
+{
+    const std::size_t count = lesson_.start.tools.size();
+    std::vector<std::optional<std::size_t>> best(count);
+    int best_points = -1;
+    for (unsigned taken = 0; taken < 1u << count; ++taken) {
+        if (static_cast<std::size_t>(std::popcount(taken)) != std::min(line_.size(), count)) continue;
+        std::vector<std::optional<std::size_t>> way(count);
+        int points = 0;
+        std::size_t next = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            if (!(taken >> k & 1u)) continue;
+            way[k] = line_[next++];
+            const CabinetDevice &device = devices_[*way[k]];
+            const bool has_lumen = inner_mm(device.instrument) > 0.0;
+            points += (device.path == lesson_.start.tools[k] ? 4 : 0) + (k == 0 && !has_lumen ? 2 : 0) +
+                      (k + 1 == count && has_lumen ? 1 : 0);
+        }
+        if (points > best_points) {
+            best_points = points;
+            best = way;
+        }
+    }
+    return best;
+}
+
+std::vector<std::string> DeviceCabinet::line_words() const
+{
+    std::vector<std::string> words;
+    for (const auto &device : positions())
+        words.push_back(device ? std::to_string(*device + 1) : std::string(free_position));
+    return words;
 }
 
 std::vector<double> DeviceCabinet::inserted_mm() const
 {
     std::vector<double> lengths;
-    for (std::size_t k = 0; k < line_.size() && k < lesson_.start.inserted_um.size(); ++k)
-        lengths.push_back(lesson_.start.inserted_um[k] * 1e-3);
+    const auto at = positions();
+    for (std::size_t k = 0; k < at.size() && k < lesson_.start.inserted_um.size(); ++k) {
+        const double stated_mm = lesson_.start.inserted_um[k] * 1e-3;
+        lengths.push_back(!at[k] ? 0.0 : stated_mm > 0.0 ? stated_mm : unstated_mm);
+    }
     return lengths;
 }
 
@@ -110,24 +151,28 @@ std::vector<DeviceCabinet::Finding> DeviceCabinet::found() const
                            outside.name + "' (" + mm_text(inner_mm(outside)) +
                            " inside): " + mm_text(inner_mm(outside) - outer_mm(inside)) + " of room."});
     }
-    std::vector<Instrument> tools;
-    for (const std::size_t i : line_) tools.push_back(devices_[i].instrument);
     for (const StentDesign &stent : stents_) {
-        const std::string refusal = tools.empty() ? "no device is on the line" : mount_refusal(stent, tools);
-        if (refusal.empty())
-            findings.push_back({true, "The stent '" + stent.name + "' fits the balloon."});
+        const auto fits = std::find_if(devices_.begin(), devices_.end(), [&](const CabinetDevice &device) {
+            return device.instrument.table.balloon_count > 0 &&
+                   mount_refusal(stent, {device.instrument}).empty();
+        });
+        if (fits == devices_.end())
+            findings.push_back(
+                {false, "The stent '" + stent.name + "' cannot be used: no device carries it."});
         else
-            findings.push_back({false, "The stent '" + stent.name + "' cannot be used: " + refusal});
+            findings.push_back({true, "The stent '" + stent.name + "' fits '" + fits->instrument.name + "'" +
+                                          (fits->is_on_line ? "." : ", which stays on the table.")});
     }
     return findings;
 }
 
 std::string DeviceCabinet::refusal() const
 {
-    const std::size_t wanted = lesson_.start.tools.size(), have = line_.size();
-    if (have != wanted)
-        return formatted("The goals of this case speak of %zu device%s on the line, and %zu %s.", wanted,
-                         wanted == 1 ? "" : "s", have, have == 1 ? "is chosen" : "are chosen");
+    const std::size_t most = lesson_.start.tools.size(), have = line_.size();
+    if (have == 0) return "No device is on the line: put at least one there.";
+    if (have > most)
+        return formatted("The line of this case has %zu position%s, and %zu devices are chosen.", most,
+                         most == 1 ? "" : "s", have);
     for (const Finding &finding : findings_)
         if (!finding.is_good) return finding.text;
     return "";
@@ -153,6 +198,7 @@ WindowOptions PrepPage::options() const
     options.scene = scene_.result()->scene;
     options.pictures.bodies_path = scene_.result()->bodies;
     options.tools = cabinet_.paths();
+    options.line = cabinet_.line_words();
     options.inserted_mm = cabinet_.inserted_mm();
     return options;
 }
@@ -220,16 +266,17 @@ void PrepPage::draw_goals(const UiRect &place)
     ImGui::EndChild();
 }
 
-void PrepPage::draw_device(std::size_t device, const std::vector<std::size_t> &line)
+void PrepPage::draw_device(std::size_t device, const std::vector<std::optional<std::size_t>> &line)
 {
     const CabinetDevice &shown = cabinet_.devices()[device];
     const auto place = std::find(line.begin(), line.end(), device);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     const std::string name = "device " + std::to_string(device + 1);
-    const std::string label = shown.is_on_line
-                                  ? formatted("on the line: %d", static_cast<int>(place - line.begin()) + 1)
-                                  : "put on the line";
+    const std::string label = !shown.is_on_line ? "put on the line"
+                              : place == line.end()
+                                  ? "no position left"
+                                  : formatted("on the line: %d", static_cast<int>(place - line.begin()) + 1);
     if (shown.is_on_line) ImGui::PushStyleColor(ImGuiCol_Text, tint::orange);
     const bool is_pressed =
         ui_.plain_button(name.c_str(), label.c_str(), 124.0f,
@@ -240,6 +287,7 @@ void PrepPage::draw_device(std::size_t device, const std::vector<std::size_t> &l
     ImGui::TableNextColumn();
     ImGui::AlignTextToFramePadding();
     ui_.text(tint::text, "%s", tool.name.c_str());
+    ui_.note_last_item("cabinet " + std::to_string(device + 1), label + "  " + tool.name);
     ui_.tooltip(tool.description);
     ImGui::TableNextColumn();
     ImGui::AlignTextToFramePadding();
@@ -259,8 +307,9 @@ void PrepPage::draw_cabinet(const UiRect &place)
 {
     ImGui::SetCursorScreenPos({place.x, place.y});
     ImGui::BeginChild("cabinet", {place.width, place.height});
-    ui_.small_text(tint::dim, "DEVICES ON THE TABLE");
-    const std::vector<std::size_t> &line = cabinet_.line();
+    ui_.small_text(tint::dim,
+                   "DEVICES     what is not on the line stays on the device table, and can be loaded later");
+    const std::vector<std::optional<std::size_t>> line = cabinet_.positions();
     if (ImGui::BeginTable("devices", 5, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) {
         ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, ui_.px(130.0f));
         ImGui::TableSetupColumn("device");

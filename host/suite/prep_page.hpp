@@ -1,5 +1,6 @@
 // Draws the preparation of a case: the patient, the goals, the cabinet of devices with what fits into what, a
-// picture, and the scene that is being made meanwhile. The trainee chooses the devices on the line here.
+// picture, and the scene that is being made meanwhile. The trainee chooses the devices on the line here; the
+// others stay on the device table, and can be exchanged in during the session.
 #pragma once
 #include "host/cases/recipe.hpp"
 #include "host/live/background_task.hpp"
@@ -8,6 +9,7 @@
 #include "host/suite/pages.hpp"
 #include "host/suite/ui.hpp"
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +23,9 @@ struct CabinetDevice {
     bool is_on_line = false;
 };
 
-// The devices that a case offers, and those of them that the trainee has put on the line.
+// The devices that a case offers, and those of them that the trainee has put on the line. The line has as
+// many positions as that of the case's start. A device of that start keeps its position, if the other devices
+// let it.
 class DeviceCabinet
 {
   public:
@@ -33,8 +37,12 @@ class DeviceCabinet
     void toggle(std::size_t device);
     // Returns the devices on the line from the innermost, which is the thinnest.
     const std::vector<std::size_t> &line() const { return line_; }
-    std::vector<std::string> paths() const;  // of the line
-    std::vector<double> inserted_mm() const; // where each begins
+    std::vector<std::string> paths() const; // of the whole table
+    // Returns the device at each position of the line, from the innermost; a free position has no value.
+    std::vector<std::optional<std::size_t>> positions() const;
+    // Returns the words of the option --line: the number in the table at each position.
+    std::vector<std::string> line_words() const;
+    std::vector<double> inserted_mm() const; // where the device at each position begins
 
     struct Finding {
         bool is_good = true;
@@ -79,7 +87,7 @@ class PrepPage
     void draw_patient(const UiRect &place);
     void draw_goals(const UiRect &place);
     void draw_cabinet(const UiRect &place);
-    void draw_device(std::size_t device, const std::vector<std::size_t> &line);
+    void draw_device(std::size_t device, const std::vector<std::optional<std::size_t>> &line);
     void draw_side(const UiRect &place, PageChoice &choice);
     void draw_scene_state();
 

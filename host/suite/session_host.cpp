@@ -1,6 +1,7 @@
 #include "host/suite/session_host.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/terminal.hpp"
+#include "host/patient/balloon.hpp"
 #include "host/records/identity.hpp"
 #include "host/report/session_summary.hpp"
 #include <cstdio>
@@ -41,8 +42,10 @@ std::string export_folder(DicomSettings settings, int number)
 
 SessionHost::SessionHost(WindowOptions options, GlOpener window_context)
     : options_(std::move(options)), window_context_(std::move(window_context)),
-      scene_(read_scene(options_.scene)), tools_(read_tools(options_.instrument, options_.tools)),
-      entry_(entry_with(scene_, tools_.size(), options_.inserted_mm))
+      scene_(read_scene(options_.scene)),
+      table_(read_tools(options_.instrument, options_.tools, CRN_WIRE_TABLE_MAX)),
+      line_(line_or_table(line_numbers(options_.line, options_.instrument, options_.tools), table_.size())),
+      entry_(entry_with(scene_, line_.size(), options_.inserted_mm))
 {
     choice_ = options_.free_run ? free_run_device(options_.device, options_.motors, options_.yes)
                                 : parse_device(options_.device);
@@ -54,10 +57,12 @@ void SessionHost::begin(int number)
     pictures.window_context = window_context_;
     number_ = number;
     ++begun_;
-    take_stents(pictures, options_.stents, tools_);
+    pictures.line = line_;
+    take_stents(pictures, options_.stents, table_);
     std::vector<RoomCommand> commands = entry_commands(scene_);
     // The trainee of a case loads the stent, as its expert does: a bare balloon may have to come first.
-    if (!pictures.stents.empty() && !options_.lesson) commands.push_back(first_stent);
+    const bool has_balloon = balloon_tool(crn::tools_on(table_, line_)).has_value();
+    if (!pictures.stents.empty() && !options_.lesson && has_balloon) commands.push_back(first_stent);
     if (options_.lesson)
         for (const Statement &statement : options_.lesson->start.room)
             commands.insert(commands.end(), statement.room.begin(), statement.room.end());
@@ -66,7 +71,7 @@ void SessionHost::begin(int number)
     // Files and tests must contain the picture of every pulse.
     const bool is_counted = options_.frames > 0;
     const bool keeps_all = is_counted || !pictures.dicom.folder.empty();
-    auto session = std::make_unique<LiveSession>(scene_, tools_, entry_, recording_, pictures, commands,
+    auto session = std::make_unique<LiveSession>(scene_, table_, entry_, recording_, pictures, commands,
                                                  choice_, keeps_all);
     goals_.reset();
     if (options_.lesson) {
@@ -77,6 +82,15 @@ void SessionHost::begin(int number)
     physics_ = std::make_unique<PhysicsThread>(std::move(session),
                                                is_counted ? PhysicsPace::counted : PhysicsPace::real_time);
     is_fault_told_ = false;
+}
+
+const std::vector<Instrument> &SessionHost::tools_on(const LineNumbers &line)
+{
+    if (shown_tools_.empty() || line != shown_line_) {
+        shown_tools_ = crn::tools_on(table_, line);
+        shown_line_ = line;
+    }
+    return shown_tools_;
 }
 
 void SessionHost::tell_fault()
@@ -111,14 +125,15 @@ int SessionHost::end()
     const SceneAnatomy &anatomy = session->anatomy();
     RunResult result = session->result(TipPlaces(anatomy.bodies.vessels, anatomy.motion));
     name_range_branch(result.figures.range, options_.pictures.bodies_path);
-    print_session(result, tools_, session->patient());
+    const std::vector<Instrument> tools = reported_tools(session->patient());
+    print_session(result, tools, session->patient());
     write_session_files({numbered(options_.json, number_), numbered(options_.score, number_), ""}, result,
-                        options_.scene, tools_, "live", session->patient(),
+                        options_.scene, tools, "live", session->patient(),
                         &session->pictures().pictures().screen());
     print_files(session->files());
     if (!recording_.empty()) print_files({recording_});
     debrief_ = {};
-    debrief_.report = report_of(result, options_.scene, tools_, "live", session->patient());
+    debrief_.report = report_of(result, options_.scene, tools, "live", session->patient());
     debrief_.recording = recording_;
     debrief_.fault = session->fault();
     debrief_.files = session->files();

@@ -29,7 +29,10 @@ class SessionHost
     // Prints the fault of the session once, when there is one.
     void tell_fault();
 
-    const std::vector<Instrument> &tools() const { return tools_; }
+    const std::vector<Instrument> &table() const { return table_; } // all tools of the session
+    const LineNumbers &line() const { return line_; }               // at the start
+    // Returns the tools of the table at these positions. The list is valid until the next call.
+    const std::vector<Instrument> &tools_on(const LineNumbers &line);
     const SceneFile &scene() const { return scene_; }
     const WindowOptions &options() const { return options_; }
     // Returns the report and the files of the session that ended last.
@@ -42,6 +45,8 @@ class SessionHost
     {
         return goals_ ? goals_->latest() : nullptr;
     }
+    // Returns where the tips are, for each position of the line; null: as above.
+    std::shared_ptr<const std::vector<std::string>> tips() const { return goals_ ? goals_->tips() : nullptr; }
     const std::string &recording() const { return recording_; } // of the last session; empty: none
     bool was_interrupted() const { return was_interrupted_; }
 
@@ -49,7 +54,8 @@ class SessionHost
     WindowOptions options_;
     GlOpener window_context_;
     SceneFile scene_;
-    std::vector<Instrument> tools_;
+    std::vector<Instrument> table_, shown_tools_;
+    LineNumbers line_, shown_line_;
     crn_wire_entry entry_;
     DeviceChoice choice_;
     std::shared_ptr<LiveGoals> goals_;

@@ -21,6 +21,7 @@ constexpr double screens_per_s = 60.0;
 constexpr double pause_share = 1.5, pause_max_s = 0.12;
 constexpr double look_s = 2e-3; // between looks for a new picture during that pause
 constexpr auto step_memory = std::chrono::milliseconds(400);
+constexpr auto layout_pause = std::chrono::milliseconds(40); // a file reaches the disk each time
 
 std::string title_of(const WindowOptions &options)
 {
@@ -78,7 +79,7 @@ void SuiteApp::open_session(const WindowOptions &options)
 // Shows the session that host_ has begun.
 void SuiteApp::enter_session()
 {
-    input_.emplace(host_->tools().size());
+    input_.emplace(host_->line().size());
     if (host_->options().starts_with_fluoro) input_->latch_pedal();
     ui_.serve(*input_);
     screen_.emplace(ui_);
@@ -165,10 +166,13 @@ void SuiteApp::show_suite()
     view.state = physics.state();
     view.live = physics.live();
     view.reference = physics.reference();
-    view.tools = &host_->tools();
+    view.tools = &host_->tools_on(view.state->line);
+    view.table = &host_->table();
+    input_->see_line(view.state->line, host_->table().size());
     view.title = title_of(host_->options());
     view.lesson = host_->options().lesson.get();
     view.goals = host_->goals();
+    view.tips = host_->tips();
     view.hints_shown = hints_shown_;
     view.shows_help = shows_help_;
     view.is_pixel_by_pixel = is_pixel_by_pixel_;
@@ -334,17 +338,20 @@ void SuiteApp::next_reference()
     host_->physics().show_reference({ReferenceChoice::Kind::loop, reference_run_});
 }
 
-// Writes where the controls are, for tests that press them, whenever that has changed.
+// Writes where the controls are, and the texts that change, for tests that act on what they see.
 void SuiteApp::write_layout()
 {
     if (options_.layout.empty()) return;
     std::string text;
     for (const PlacedControl &control : ui_.placed()) {
-        text += formatted("%s\t%.0f\t%.0f\t%.0f\t%.0f\n", control.name.c_str(), control.place.x,
+        text += formatted("%s\t%.0f\t%.0f\t%.0f\t%.0f", control.name.c_str(), control.place.x,
                           control.place.y, control.place.width, control.place.height);
+        text += (control.text.empty() ? "" : "\t" + control.text) + "\n";
     }
-    if (text == layout_) return;
+    const SuiteClock::time_point now = SuiteClock::now();
+    if (text == layout_ || now - layout_written_ < layout_pause) return;
     layout_ = text;
+    layout_written_ = now;
     write_whole_file(options_.layout, text);
 }
 

@@ -84,7 +84,7 @@ class SuiteApp
     std::uint32_t counted_ticks_ = 0;
     std::uint64_t shown_number_ = 0; // of the live picture on the screen
     PictureRhythm rhythm_;           // of the live pictures
-    SuiteClock::time_point last_input_{}, stepped_at_{};
+    SuiteClock::time_point last_input_{}, stepped_at_{}, layout_written_{};
     RoomStatus stepped_; // expected on the screen after the last step of a frame or of the mask
     std::string layout_;
 };

@@ -21,7 +21,8 @@ SuiteActions SuiteScreen::draw(const SuiteView &view)
     const float w = ui_.window().width(), h = ui_.window().height();
     const auto px = [&](float units) { return ui_.px(units); };
     const float top = px(bar_height + gap), left = px(left_width), right = px(right_width);
-    const float devices = px(device_head + device_row * static_cast<float>(view.tools->size()));
+    const float devices =
+        px(device_head + device_row * static_cast<float>(view.tools->size()) + rack_height());
     const float middle_x = left + px(gap), middle_w = w - left - right - 2.0f * px(gap);
     const float devices_y = h - devices, strip_y = devices_y - px(strip_height + gap);
 
@@ -29,7 +30,8 @@ SuiteActions SuiteScreen::draw(const SuiteView &view)
     const UiRect live{middle_x, top, middle_w, strip_y - px(gap + status_height) - top};
     draw_live(live);
     draw_strip({middle_x, strip_y, middle_w, px(strip_height)});
-    draw_devices({middle_x, devices_y, middle_w, devices});
+    draw_devices({middle_x, devices_y, middle_w, devices - px(rack_height())});
+    draw_rack({middle_x, h - px(rack_height()), middle_w, px(rack_height())});
 
     const float side_h = h - top;
     const float carm_h = side_h - px(322.0f);

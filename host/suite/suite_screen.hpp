@@ -18,10 +18,12 @@ namespace crn
 struct SuiteView {
     std::shared_ptr<const SuiteState> state;
     std::shared_ptr<const MonitorPicture> live, reference;
-    const std::vector<Instrument> *tools = nullptr;       // from the innermost
+    const std::vector<Instrument> *tools = nullptr;       // on the line, from the innermost
+    const std::vector<Instrument> *table = nullptr;       // all tools of the session
     std::string title;                                    // of the scene or the case
     const Case *lesson = nullptr;                         // null: no case
     std::shared_ptr<const std::vector<GoalResult>> goals; // of the case; null: not known yet
+    std::shared_ptr<const std::vector<std::string>> tips; // of the case: where they are; null: not known
     std::size_t hints_shown = 0;                          // of the case
     bool shows_help = false, is_pixel_by_pixel = false;
     bool is_measured = true; // false: figures that depend on the clock are left out, for tests
@@ -88,6 +90,10 @@ class SuiteScreen
     // device_panel.cpp
     void draw_devices(const UiRect &place);
     void draw_device(std::size_t tool, float width);
+    void take_drag(std::size_t tool);
+    float rack_height() const; // in units of the layout
+    void draw_rack(const UiRect &place);
+    void draw_rack_device(std::uint8_t number, float width, float height);
     // syringe_panel.cpp
     void draw_dose(const UiRect &place);
     void draw_syringe(const UiRect &place);

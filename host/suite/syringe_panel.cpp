@@ -90,7 +90,7 @@ void SuiteScreen::draw_inflator(const UiRect &place)
     ui_.begin_panel("inflator", place, "INFLATOR");
     const std::optional<std::size_t> tool = balloon_tool(*view_->tools);
     if (!tool) {
-        ui_.small_text(tint::dim, "no device has a balloon");
+        ui_.small_text(tint::dim, "no device on the line has a balloon");
         ui_.end_panel();
         return;
     }
@@ -104,11 +104,15 @@ void SuiteScreen::draw_inflator(const UiRect &place)
              : bar > 0.05 ? tint::orange
                           : tint::text,
              is_burst ? "  BURST" : "  %.1f bar   %.2f mm", bar, widest_mm);
+    ui_.note_last_item("pressure", is_burst ? "BURST" : formatted("%.1f bar   %.2f mm", bar, widest_mm));
     if (!is_burst && widest_mm - waist_mm > 0.05) {
         ImGui::SameLine();
         ui_.small_text(tint::text, "waist %.2f", waist_mm);
     }
-    if (!state.stent.empty()) ui_.small_text(tint::text, "stent %s", state.stent.c_str());
+    if (!state.stent.empty()) {
+        ui_.small_text(tint::text, "stent %s", state.stent.c_str());
+        ui_.note_last_item("stent", state.stent);
+    }
     using enum ControlId;
     const float third = (place.width / ui_.px(1.0f) - 30.0f) / 3.0f;
     const float top = ImGui::GetCursorScreenPos().y;

@@ -24,10 +24,10 @@ void Ui::end_panel()
     ImGui::End();
 }
 
-void Ui::note_last_item(const std::string &name)
+void Ui::note_last_item(const std::string &name, const std::string &text)
 {
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    note(name, {low.x, low.y, high.x - low.x, high.y - low.y});
+    note(name, {low.x, low.y, high.x - low.x, high.y - low.y}, text);
 }
 
 std::string Ui::tooltip_of(const Control &control)

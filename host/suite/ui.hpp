@@ -28,6 +28,7 @@ struct UiRect {
 struct PlacedControl {
     std::string name;
     UiRect place;
+    std::string text; // that the control shows and that changes; empty: none
 };
 
 class Ui
@@ -57,8 +58,11 @@ class Ui
     void small_text(ImU32 colour, const char *format, ...) IM_FMTARGS(3);
     // A horizontal bar from the middle, for values of both signs, -1 .. 1.
     void bar(float share, ImU32 colour, const char *label, float width);
-    void note(const std::string &name, const UiRect &place) { placed_.push_back({name, place}); }
-    void note_last_item(const std::string &name);
+    void note(const std::string &name, const UiRect &place, const std::string &text = "")
+    {
+        placed_.push_back({name, place, text});
+    }
+    void note_last_item(const std::string &name, const std::string &text = "");
 
     // Returns the controls that the present screen shows, with their places in pixels.
     const std::vector<PlacedControl> &placed() const { return placed_; }

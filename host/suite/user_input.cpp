@@ -94,7 +94,7 @@ void UserInput::choose(std::size_t tool)
 
 void UserInput::act(ControlId id)
 {
-    if (act_on_tools(id) || act_on_heart(id)) return;
+    if (act_on_tools(id) || act_on_rack(id) || act_on_heart(id)) return;
     if (id == ControlId::fluoro_latch)
         is_latched_ = !is_latched_;
     else if (id == ControlId::inject_rate)
@@ -121,6 +121,69 @@ bool UserInput::act_on_tools(ControlId id)
         return true;
     case ControlId::move_all:
         moves_all_ = tool_count_ > 1 && !moves_all_;
+        return true;
+    default:
+        return false;
+    }
+}
+
+bool UserInput::is_on_line(std::size_t number) const
+{
+    return std::find(line_.begin(), line_.end(), number) != line_.end();
+}
+
+// Selects the next tool of the table that is not on the line, so many numbers farther on.
+void UserInput::step_to_load(std::size_t step)
+{
+    for (std::size_t i = 1; i <= table_count_; ++i) {
+        const std::size_t number = (to_load_ + table_count_ - 1 + i * step) % table_count_ + 1;
+        if (is_on_line(number)) continue;
+        to_load_ = static_cast<std::uint8_t>(number);
+        return;
+    }
+    to_load_ = 0;
+}
+
+void UserInput::see_line(const LineNumbers &line, std::size_t table_count)
+{
+    if (line == line_ && table_count == table_count_) return;
+    // A tool that has just left the line is the one that is most often loaded again.
+    LineNumbers left = line_;
+    std::erase_if(left, [&](std::uint8_t number) {
+        return number == 0 || std::find(line.begin(), line.end(), number) != line.end();
+    });
+    line_ = line;
+    table_count_ = table_count;
+    if (to_load_ != 0 && to_load_ <= table_count && !is_on_line(to_load_)) return;
+    if (left.empty())
+        step_to_load(1);
+    else
+        to_load_ = left.front();
+}
+
+void UserInput::select_to_load(std::uint8_t number)
+{
+    if (number >= 1 && number <= table_count_ && !is_on_line(number)) to_load_ = number;
+}
+
+// An exchange is one order to the core, which says why it refuses one.
+bool UserInput::act_on_rack(ControlId id)
+{
+    const auto position = static_cast<std::uint8_t>(chosen_tool_);
+    switch (id) {
+    case ControlId::rack_next:
+        step_to_load(1);
+        return true;
+    case ControlId::rack_previous:
+        if (table_count_ > 0) step_to_load(table_count_ - 1);
+        return true;
+    case ControlId::load_tool:
+        // Without a tool to load, the core is asked for the tool that is there, and answers that it is there.
+        orders_.push_back(crn_wire_order_of_exchange(
+            {position, to_load_ != 0 || chosen_tool_ >= line_.size() ? to_load_ : line_[chosen_tool_]}));
+        return true;
+    case ControlId::take_off:
+        orders_.push_back(crn_wire_order_of_exchange({position, 0}));
         return true;
     default:
         return false;

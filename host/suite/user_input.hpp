@@ -3,6 +3,7 @@
 // be held by several inputs at once, such as a key and a button on the screen.
 #pragma once
 #include "host/live/hand_speed.hpp"
+#include "host/model/tool_line.hpp"
 #include "host/suite/controls.hpp"
 #include <array>
 #include <map>
@@ -42,6 +43,11 @@ class UserInput
     // Sets the sticks of a gamepad, -1 .. 1: a full stick moves as fast as a key.
     void analog(double push, double turn);
     void choose(std::size_t tool);
+    // Says which tools of a table with so many are on the line now; the others can be loaded.
+    void see_line(const LineNumbers &line, std::size_t table_count);
+    // Selects the tool to be loaded, by its number in the table.
+    void select_to_load(std::uint8_t number);
+    std::uint8_t to_load() const { return to_load_; } // 0: every tool of the table is on the line
     void latch_pedal() { is_latched_ = true; }
 
     UserWishes take();
@@ -61,10 +67,16 @@ class UserInput
     void act(ControlId id);
     bool act_on_tools(ControlId id);
     bool act_on_heart(ControlId id);
+    bool act_on_rack(ControlId id);
+    bool is_on_line(std::size_t number) const;
+    void step_to_load(std::size_t step);
     void add_pedals(UserWishes &wishes);
     std::vector<HandSpeed> hand_speeds() const;
 
     std::size_t tool_count_, chosen_tool_ = 0;
+    LineNumbers line_;
+    std::size_t table_count_ = 0;
+    std::uint8_t to_load_ = 0; // number in the table
     bool moves_all_ = false, is_latched_ = false, is_slow_ = false;
     double push_stick_ = 0.0, turn_stick_ = 0.0;
     std::array<int, control_count> held_{}, to_release_{};

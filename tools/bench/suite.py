@@ -1,51 +1,20 @@
 #!/usr/bin/env python3
 """Measures the window on two processors of this machine, without a graphics card, under a virtual display. Keys are
 real events. The lines that it writes are suite.keys_to_case, suite.tick_late_pct, suite.pictures_per_s and
-suite.hand_to_picture_ms of docs/bench.md."""
+suite.hand_to_picture_ms of docs/bench.md, and suite.pci_actions with --pci (pci_by_hand.py)."""
 
 import argparse
-import contextlib
 import json
 import os
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 
+import pci_by_hand
+from bench_window import focus, shows, window_of
+
 WIRE = "shared/examples/instruments/j_wire.toml"
-
-
-def display():
-    """Starts a virtual display that chooses its own number; returns the server and the number."""
-    reader, writer = os.pipe()
-    server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(writer), "-screen", "0", "1600x900x24", "-nolisten", "tcp", "-noreset"],
-        pass_fds=[writer],
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(writer)
-    with os.fdopen(reader) as number:
-        return server, ":" + number.readline().strip()
-
-
-@contextlib.contextmanager
-def window_of(options, words, has_layout=False, **more):
-    """Runs the window on a display of its own; yields its process, the environment and the folder. With a layout, the
-    file `layout` in this folder lists the controls on the screen; a window that is measured does not write it."""
-    with tempfile.TemporaryDirectory() as folder:
-        server, number = display()
-        environment = dict(os.environ, DISPLAY=number, XDG_STATE_HOME=folder, XDG_DATA_HOME=folder)
-        command = [os.path.join(options.build, "bin", "cournand"), "view", "--no-help-panel", *words]
-        command += ["--timing", os.path.join(folder, "timing.json")]
-        command += ["--layout", os.path.join(folder, "layout")] if has_layout else []
-        window = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, **more)
-        try:
-            yield window, environment, folder
-        finally:
-            window.kill()
-            server.kill()
-            server.wait()
 
 
 def figures_at_end(window, folder):
@@ -59,23 +28,6 @@ def figures_at_end(window, folder):
 def processors():
     """Returns two of the processors that this process may use."""
     return sorted(os.sched_getaffinity(0))[:2]
-
-
-def focus(environment, seconds=30.0):
-    """Gives the window the keyboard."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        found = subprocess.run(
-            ["xdotool", "search", "--onlyvisible", "--name", "^Cournand$"],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        ).stdout.split()
-        if found:
-            subprocess.run(["xdotool", "windowfocus", found[-1]], env=environment, check=False)
-            return
-        time.sleep(0.2)
 
 
 def press(seconds, environment):
@@ -106,19 +58,6 @@ def measure(options, size, pulses, taps):
         return figures_at_end(window, folder)
 
 
-def shows(layout, control, window):
-    """Waits until the window shows a control."""
-    for _ in range(6000):
-        if os.path.exists(layout):
-            with open(layout, encoding="utf-8") as file:
-                if any(line.split("\t")[0] == control for line in file):
-                    return
-        if window.poll() is not None:
-            sys.exit("suite.py: the window ended before it showed '%s'" % control)
-        time.sleep(0.05)
-    sys.exit("suite.py: the window does not show '%s'" % control)
-
-
 def keys_to_case(options):
     """Presses keys from the start screen until the first picture of a case; returns their number."""
     keys = 0
@@ -143,6 +82,7 @@ def main():
     parser.add_argument("--scene", default="out/aorta.scene")
     parser.add_argument("--seconds", type=int, default=60)
     parser.add_argument("--output", default="out/suite.tsv")
+    parser.add_argument("--pci", action="store_true", help="also play a whole angioplasty by hand, 5 to 15 minutes")
     options = parser.parse_args()
     rows = [("suite.keys_to_case", str(keys_to_case(options)), "keys", "case=first_push")]
     quiet = measure(options, 512, 15, False)
@@ -166,6 +106,8 @@ def main():
                     "size=512 pulses=%d share=%s inputs=%d processors=2 %s" % (pulses, share, steered["inputs"], load),
                 )
             )
+    if options.pci:
+        rows.append(pci_by_hand.measure(options))
     text = "".join("\t".join(row) + "\n" for row in rows)
     with open(options.output, "w", encoding="utf-8") as file:
         file.write(text)

@@ -88,11 +88,12 @@ screenshots: packages-build+tools+test
 	$(again) $(SCENE)
 	@tools/docs/screenshots.sh $(BUILD)/bin/cournand $(SCENE) out/screenshots
 
-bench-suite: ## measure the window on two processors, under a virtual display: out/suite.tsv (SECONDS=60 each)
+bench-suite: ## measure the window on two processors: out/suite.tsv (SECONDS=60 each; PCI=1: play an angioplasty, too)
 bench-suite: packages-build+tools+test
 	$(call build,release,run$(comma)window,cournand)
 	$(again) $(SCENE)
-	@tools/bench/suite.py --build $(BUILD) --scene $(SCENE) --seconds $(SECONDS) --output out/suite.tsv
+	@tools/bench/suite.py --build $(BUILD) --scene $(SCENE) --seconds $(SECONDS) --output out/suite.tsv \
+		$(if $(PCI),--pci)
 
 docs-pictures: ## remake the pictures of README and docs, each with its stamp (NAMES=..., minutes)
 docs-pictures: packages-build+tools+pictures

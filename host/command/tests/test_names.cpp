@@ -4,6 +4,7 @@
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/cases/unpack.hpp"
+#include "host/command/cli.hpp"
 #include "host/command/names.hpp"
 #include "host/command/start.hpp"
 #include <algorithm>
@@ -184,9 +185,29 @@ static void the_text_without_a_display_fits_a_screen(void **)
     }
 }
 
+// The line of a session is named by files or by numbers of its table; everything else is wrong usage.
+static void the_option_line_names_tools_of_the_table(void **)
+{
+    const std::vector<std::string> tools = {"a/wire.toml", "b/guide.toml:preset", "guide.toml", "x.toml"};
+    const auto line = [&](const std::vector<std::string> &words) { return line_numbers(words, "", tools); };
+    assert_true(line({"wire", "nothing", "3"}) == (LineNumbers{1, 0, 3}));
+    assert_true(line_numbers({}, "", {"a/wire.toml"}).empty()); // all of them
+    const auto error = [&](const std::vector<std::string> &words) {
+        return error_of([&] { return std::to_string(line(words).size()); });
+    };
+    expect_text(error({}), "4 tools are named: say with --line");
+    expect_text(error({"wir"}), "no tool 'wir'");
+    expect_text(error({"wir"}), "wire");
+    expect_text(error({"guide"}), "two tools 'guide': write 2 or 3");
+    expect_text(error({"wire", "1"}), "names the tool 'wire' twice");
+    expect_text(error({"nothing"}), "names no tool");
+    expect_text(error({"1", "2", "3", "4"}), "at most 3 positions");
+}
+
 int main()
 {
     const CMUnitTest tests[] = {
+        cmocka_unit_test(the_option_line_names_tools_of_the_table),
         cmocka_unit_test(the_scene_that_ships_is_unpacked_with_its_bodies),
         cmocka_unit_test(a_damaged_archive_leaves_nothing),
         cmocka_unit_test(a_cache_that_cannot_be_written_is_named),

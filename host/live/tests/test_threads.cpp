@@ -194,6 +194,55 @@ void the_reference_monitor_shows_copies_and_runs(void **)
     session->finish();
 }
 
+// The line of a session by hand has a wire at its first position, its second one is free, and a guiding
+// catheter lies on the table. The window sees the line of every moment, and the reason of every refusal.
+void a_hand_exchanges_tools_and_hears_why_not(void **)
+{
+    const auto read = [](const char *name) {
+        return crn::read_instrument("shared/examples/instruments/" + std::string(name) + ".toml");
+    };
+    crn::PictureSettings pictures = small_pictures();
+    pictures.line = {1, 0};
+    const std::vector<crn::Instrument> table = {read("amplatz_super_stiff"), read("guide_jl4_6f")};
+    const std::uint32_t inserted_um[] = {20'000, 0};
+    auto session = std::make_unique<crn::LiveSession>(scene, table, crn::entry_of(scene, 2, inserted_um), "",
+                                                      pictures, std::vector<crn::RoomCommand>{});
+    crn::PhysicsThread physics(std::move(session), crn::PhysicsPace::counted);
+    const auto exchange = [&](std::uint8_t position, std::uint8_t tool) {
+        physics.ask([=](crn::LiveSession &live) { live.exchange(position, tool); });
+        physics.run_ticks(60);
+        return physics.state();
+    };
+    physics.run_ticks(20);
+    assert_true(physics.state()->line == (crn::LineNumbers{1, 0}));
+    assert_true(exchange(1, 2)->line == (crn::LineNumbers{1, 2}));
+    const auto refused = exchange(0, 0); // the wire leads, and lies in the patient
+    assert_true(refused->line == (crn::LineNumbers{1, 2}));
+    if (refused->notice.text.find("NO EXCHANGE - the tool at this position is still in the patient") != 0)
+        fail_msg("it says: %s", refused->notice.text.c_str());
+    assert_true(exchange(1, 0)->line == (crn::LineNumbers{1, 0}));
+    physics.stop()->finish();
+}
+
+// Without a balloon on the line, the inflator says so, although the table has a balloon catheter.
+void the_inflator_needs_a_balloon_on_the_line(void **)
+{
+    crn::PictureSettings pictures = small_pictures();
+    pictures.line = {1};
+    std::vector<crn::Instrument> table = tools();
+    table.push_back(crn::read_instrument("shared/examples/instruments/balloon_3x20.toml"));
+    crn::PhysicsThread physics(std::make_unique<crn::LiveSession>(scene, table, crn::entry_of(scene, 1, {}),
+                                                                  "", pictures,
+                                                                  std::vector<crn::RoomCommand>{}),
+                               crn::PhysicsPace::counted);
+    physics.run_ticks(20);
+    physics.ask([](crn::LiveSession &live) { live.inflate(100); });
+    physics.run_ticks(500);
+    assert_true(physics.state()->refused.text.find("NO BALLOON") == 0);
+    assert_true(physics.state()->inflator_kPa == 0.0);
+    physics.stop()->finish();
+}
+
 // The disk is full, or the folder is gone: the reason reaches the window.
 void a_failure_in_the_physics_reaches_the_window(void **)
 {
@@ -218,6 +267,8 @@ int main()
         cmocka_unit_test(a_drag_moves_the_tool_by_its_distance),
         cmocka_unit_test(the_window_may_ask_and_read_at_any_time),
         cmocka_unit_test(the_reference_monitor_shows_copies_and_runs),
+        cmocka_unit_test(a_hand_exchanges_tools_and_hears_why_not),
+        cmocka_unit_test(the_inflator_needs_a_balloon_on_the_line),
         cmocka_unit_test(a_failure_in_the_physics_reaches_the_window),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

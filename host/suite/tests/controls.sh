@@ -19,6 +19,15 @@ lacks() {
     echo "the window still shows '$1'"
     return 1
 }
+# Waits until a control shows a text that matches a pattern, such as the length in a device's row.
+reads() {
+    for _ in $(seq 1200); do
+        awk -F'\t' -v name="$1" '$1 == name {print $6}' "$work/layout" 2>/dev/null | grep -Eq -- "$2" && return 0
+        sleep 0.05
+    done
+    echo "'$1' does not show '$2' but: $(awk -F'\t' -v name="$1" '$1 == name {print $6}' "$work/layout")"
+    return 1
+}
 # Waits until the window, which is process $window, records a session. Its file, without the end that it has meanwhile,
 # is then $recording.
 recording_begins() {
@@ -32,4 +41,4 @@ recording_begins() {
 window_id() { timeout 10 xdotool search --onlyvisible --name Cournand 2>/dev/null | tail -n 1; }
 move_to() { keys mousemove --window "$(window_id)" $(place "$1"); }
 click() { move_to "$1" && keys click 1; }
-export -f place shows lacks recording_begins window_id move_to click
+export -f place shows lacks reads recording_begins window_id move_to click

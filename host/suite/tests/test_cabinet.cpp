@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include "host/suite/prep_page.hpp"
 
@@ -34,12 +35,21 @@ std::size_t device(const crn::DeviceCabinet &cabinet, const std::string &name)
     return static_cast<std::size_t>(found - devices.begin());
 }
 
+// Returns the path of the tool at each position of the line; empty: the position is free.
+std::vector<std::string> tools_at(const crn::DeviceCabinet &cabinet)
+{
+    std::vector<std::string> paths;
+    for (const auto &one : cabinet.positions())
+        paths.push_back(one ? cabinet.devices()[*one].path : std::string());
+    return paths;
+}
+
 void a_case_begins_with_its_own_line(void **)
 {
     const crn::DeviceCabinet cabinet(lad());
     assert_string_equal(cabinet.refusal().c_str(), "");
-    assert_true(cabinet.paths() == lad().start.tools); // from the innermost
-    assert_int_equal(cabinet.inserted_mm().size(), 3);
+    assert_true(tools_at(cabinet) == lad().start.tools); // from the innermost
+    assert_int_equal(cabinet.inserted_mm().size(), lad().start.tools.size());
     for (const crn::DeviceCabinet::Finding &finding : cabinet.findings()) assert_true(finding.is_good);
 }
 
@@ -57,19 +67,56 @@ void another_guiding_catheter_may_take_the_place_of_the_first(void **)
 {
     crn::DeviceCabinet cabinet(lad());
     cabinet.toggle(device(cabinet, "guide_jl3_6f"));
-    assert_non_null(std::strstr(cabinet.refusal().c_str(), "speak of 3 devices"));
     cabinet.toggle(device(cabinet, "guide_jl4_6f"));
     assert_string_equal(cabinet.refusal().c_str(), "");
-    assert_non_null(std::strstr(cabinet.paths().back().c_str(), "guide_jl4_6f"));
+    assert_non_null(std::strstr(tools_at(cabinet).back().c_str(), "guide_jl4_6f"));
 }
 
-void a_stent_needs_its_balloon_on_the_line(void **)
+void what_is_not_on_the_line_lies_on_the_device_table(void **)
+{
+    const crn::DeviceCabinet cabinet(lad());
+    assert_true(cabinet.paths() == lad().offered);
+    const std::vector<std::string> words = cabinet.line_words();
+    const std::vector<std::string> tools = tools_at(cabinet);
+    for (std::size_t k = 0; k < words.size(); ++k)
+        assert_string_equal(lad().offered.at(std::stoul(words[k]) - 1).c_str(), tools[k].c_str());
+}
+
+// The guiding catheter keeps its position when the balloon catheter is taken off, so the goals about it hold.
+void a_device_that_is_taken_off_leaves_its_position_free(void **)
+{
+    crn::DeviceCabinet cabinet(lad());
+    cabinet.toggle(device(cabinet, "balloon_3x20"));
+    assert_string_equal(cabinet.refusal().c_str(), "");
+    assert_string_equal(cabinet.line_words().at(1).c_str(), "nothing");
+    assert_true(cabinet.inserted_mm().at(1) == 0.0);
+    assert_non_null(std::strstr(tools_at(cabinet).at(2).c_str(), "guide_jl3_6f"));
+}
+
+void an_empty_line_cannot_begin(void **)
+{
+    crn::DeviceCabinet cabinet(lad());
+    for (const char *name : {"coronary_014", "balloon_3x20", "guide_jl3_6f"})
+        cabinet.toggle(device(cabinet, name));
+    assert_non_null(std::strstr(cabinet.refusal().c_str(), "No device is on the line"));
+}
+
+void a_stent_may_wait_for_a_balloon_on_the_table(void **)
 {
     crn::DeviceCabinet cabinet(lad());
     cabinet.toggle(device(cabinet, "balloon_3x20"));
     const auto findings = cabinet.findings();
-    assert_true(std::any_of(findings.begin(), findings.end(),
-                            [](const auto &one) { return !one.is_good && one.text.find("The stent") == 0; }));
+    assert_true(std::any_of(findings.begin(), findings.end(), [](const auto &one) {
+        return one.is_good && one.text.find("which stays on the table") != one.text.npos;
+    }));
+}
+
+void a_stent_without_a_balloon_of_its_size_is_named(void **)
+{
+    crn::Case lesson = lad();
+    std::erase_if(lesson.offered, [](const std::string &path) { return path.find("balloon") != path.npos; });
+    const crn::DeviceCabinet cabinet(lesson);
+    assert_non_null(std::strstr(cabinet.refusal().c_str(), "no device carries it"));
 }
 
 void a_fourth_device_does_not_go_on_the_line(void **)
@@ -87,7 +134,11 @@ int main()
         cmocka_unit_test(a_case_begins_with_its_own_line),
         cmocka_unit_test(a_wire_that_is_too_thick_is_refused_with_both_diameters),
         cmocka_unit_test(another_guiding_catheter_may_take_the_place_of_the_first),
-        cmocka_unit_test(a_stent_needs_its_balloon_on_the_line),
+        cmocka_unit_test(what_is_not_on_the_line_lies_on_the_device_table),
+        cmocka_unit_test(a_device_that_is_taken_off_leaves_its_position_free),
+        cmocka_unit_test(an_empty_line_cannot_begin),
+        cmocka_unit_test(a_stent_may_wait_for_a_balloon_on_the_table),
+        cmocka_unit_test(a_stent_without_a_balloon_of_its_size_is_named),
         cmocka_unit_test(a_fourth_device_does_not_go_on_the_line),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

@@ -21,6 +21,7 @@ shows "row 1" || exit 1
 recording_begins || exit 1
 keys keydown space; ticks_pass "$recording" 2 || stuck
 keys keydown Up; ticks_pass "$recording" 6 || stuck; keys keyup Up; keys keyup space
+reads "tip 1" "mm inside" || exit 1 # the tooltip of the device's row
 keys key Escape
 shows assessed || exit 1  # the recording has been replayed
 shows "phase 1" || exit 1

@@ -184,6 +184,63 @@ void the_injection_takes_the_selected_rate(void **)
     assert_true(input.take().commands == (Commands{{RoomAction::inject, {crn::inject_max_ul, 8000, 0}}}));
 }
 
+crn_wire_exchange exchange_of(crn::UserInput &input)
+{
+    const auto orders = input.take().orders;
+    assert_int_equal(orders.size(), 1);
+    assert_int_equal(orders[0].kind, CRN_WIRE_KIND_exchange);
+    return orders[0].exchange;
+}
+
+// The line has the tools 2 and 4 of a table with five, and its middle position is free.
+void keys_load_a_tool_of_the_table_at_the_chosen_position(void **)
+{
+    crn::UserInput input(3);
+    input.see_line({2, 0, 4}, 5);
+    assert_int_equal(input.to_load(), 1);
+    tap(input, GLFW_KEY_SLASH); // the tools on the line are passed over
+    assert_int_equal(input.to_load(), 3);
+    tap(input, GLFW_KEY_SLASH);
+    assert_int_equal(input.to_load(), 5);
+    tap(input, GLFW_KEY_SLASH);
+    assert_int_equal(input.to_load(), 1);
+    tap(input, GLFW_KEY_SLASH, GLFW_MOD_SHIFT);
+    assert_int_equal(input.to_load(), 5);
+    input.select_to_load(4); // it is on the line
+    assert_int_equal(input.to_load(), 5);
+    input.select_to_load(3);
+    tap(input, GLFW_KEY_2);
+    tap(input, GLFW_KEY_INSERT);
+    const crn_wire_exchange load = exchange_of(input);
+    assert_int_equal(load.position, 1);
+    assert_int_equal(load.tool, 3);
+}
+
+void a_key_takes_the_chosen_tool_off_the_line(void **)
+{
+    crn::UserInput input(2);
+    input.see_line({1, 2}, 2);
+    assert_int_equal(input.to_load(), 0); // nothing is on the table
+    tap(input, GLFW_KEY_2);
+    tap(input, GLFW_KEY_DELETE);
+    const crn_wire_exchange off = exchange_of(input);
+    assert_int_equal(off.position, 1);
+    assert_int_equal(off.tool, 0);
+    input.see_line({1, 0}, 2); // it was carried out
+    assert_int_equal(input.to_load(), 2);
+}
+
+void the_tool_that_was_exchanged_is_the_next_one_to_load(void **)
+{
+    crn::UserInput input(1);
+    input.see_line({1}, 4);
+    input.select_to_load(3);
+    tap(input, GLFW_KEY_INSERT);
+    assert_int_equal(exchange_of(input).tool, 3);
+    input.see_line({3}, 4);
+    assert_int_equal(input.to_load(), 1);
+}
+
 void heart_and_breath_are_orders_to_the_core(void **)
 {
     crn::UserInput input(1);
@@ -301,6 +358,9 @@ int main()
         cmocka_unit_test(without_the_keyboard_nothing_stays_pressed),
         cmocka_unit_test(a_new_session_gets_the_pedals_that_are_still_down),
         cmocka_unit_test(the_injection_takes_the_selected_rate),
+        cmocka_unit_test(keys_load_a_tool_of_the_table_at_the_chosen_position),
+        cmocka_unit_test(a_key_takes_the_chosen_tool_off_the_line),
+        cmocka_unit_test(the_tool_that_was_exchanged_is_the_next_one_to_load),
         cmocka_unit_test(heart_and_breath_are_orders_to_the_core),
         cmocka_unit_test(every_standard_view_has_a_control),
         cmocka_unit_test(keys_are_commands_to_the_room),

@@ -1,0 +1,71 @@
+"""Starts the window under a virtual display of its own, gives it the keyboard, and waits for what it shows. The scripts
+that measure the window use this file."""
+
+import contextlib
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+
+def display():
+    """Starts a virtual display that chooses its own number; returns the server and the number."""
+    reader, writer = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(writer), "-screen", "0", "1600x900x24", "-nolisten", "tcp", "-noreset"],
+        pass_fds=[writer],
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(writer)
+    with os.fdopen(reader) as number:
+        return server, ":" + number.readline().strip()
+
+
+@contextlib.contextmanager
+def window_of(options, words, has_layout=False, **more):
+    """Runs the window on a display of its own; yields its process, the environment and the folder. With a layout, the
+    file `layout` in this folder lists the controls on the screen; a window that is measured does not write it."""
+    with tempfile.TemporaryDirectory() as folder:
+        server, number = display()
+        environment = dict(os.environ, DISPLAY=number, XDG_STATE_HOME=folder, XDG_DATA_HOME=folder)
+        command = [os.path.join(options.build, "bin", "cournand"), "view", "--no-help-panel", *words]
+        command += ["--timing", os.path.join(folder, "timing.json")]
+        command += ["--layout", os.path.join(folder, "layout")] if has_layout else []
+        window = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, **more)
+        try:
+            yield window, environment, folder
+        finally:
+            window.kill()
+            server.kill()
+            server.wait()
+
+
+def focus(environment, seconds=30.0):
+    """Gives the window the keyboard."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        found = subprocess.run(
+            ["xdotool", "search", "--onlyvisible", "--name", "^Cournand$"],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        ).stdout.split()
+        if found:
+            subprocess.run(["xdotool", "windowfocus", found[-1]], env=environment, check=False)
+            return
+        time.sleep(0.2)
+
+
+def shows(layout, control, window):
+    """Waits until the window shows a control."""
+    for _ in range(6000):
+        if os.path.exists(layout):
+            with open(layout, encoding="utf-8") as file:
+                if any(line.split("\t")[0] == control for line in file):
+                    return
+        if window.poll() is not None:
+            sys.exit("suite.py: the window ended before it showed '%s'" % control)
+        time.sleep(0.05)
+    sys.exit("suite.py: the window does not show '%s'" % control)
