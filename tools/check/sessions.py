@@ -80,6 +80,8 @@ class Sessions:
         shared/examples/lesions is named, the scene contains this lesion."""
         made = f"{self.folder}/{anatomy}"
         baked = f"{self.folder}/{lesion or anatomy}.scene"
+        if os.path.exists(baked):
+            return baked
         code, said = 0, ""
         if not os.path.exists(made):
             code, said = self.call("anatomy", anatomy, "--no-bodies", "--quiet", "-o", made)
@@ -194,12 +196,16 @@ def aorta(run, test):
     return scene
 
 
+def angioplasty(run, test):
+    """Calls the function `test` for the whole angioplasty of the LAD."""
+    tools = ["j_wire", "coronary_014", "balloon_3x20", "guide_jl3_6f"]
+    test("sessions/pci_lad", run.scene("heart", "lad_middle"), tools, "coronary_3_0x18")
+
+
 def heart(run, test):
-    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart.
-    Returns the path of the heart's scene."""
+    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart but the
+    angioplasty. Returns the path of the heart's scene."""
     scene = run.scene("heart", "lad_middle")
     test("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
     test("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
-    tools = ["j_wire", "coronary_014", "balloon_3x20", "guide_jl3_6f"]
-    test("sessions/pci_lad", scene, tools, "coronary_3_0x18")
     return scene

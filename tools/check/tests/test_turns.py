@@ -15,4 +15,5 @@ if __name__ == "__main__":
     with sessions.Sessions() as run:
         sessions.aorta(run, run.misses)
         sessions.heart(run, run.misses)
+        sessions.angioplasty(run, run.misses)
         run.end()
