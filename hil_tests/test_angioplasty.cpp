@@ -329,7 +329,7 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
     guided.run();
     const StentResult &stent = guided.placed.at(0);
     assert_true(stent.stage == StentStage::on_balloon && !stent.opened_tick);
-    assert_true(guided.result.figures.balloon.pressure_max_kPa == 1000);
+    assert_true(guided.result.figures.balloon.peaks.at(0).pressure_kPa == 1000);
     assert_replays(guided);
 }
 
@@ -425,7 +425,7 @@ void burst_balloon_leaves_its_stent_open(void **)
     burst.run();
     const BalloonFigures &figures = burst.result.figures.balloon;
     assert_true(figures.burst_tick && *figures.burst_tick > 500 && *figures.burst_tick < 620);
-    assert_true(figures.pressure_max_kPa >= 2190 && figures.pressure_max_kPa <= 2250);
+    assert_true(figures.peaks.at(0).pressure_kPa >= 2190 && figures.peaks.at(0).pressure_kPa <= 2250);
     assert_true(burst.placed.at(0).stage == StentStage::deployed);
     assert_true(figures.series.back().pressure_kPa == 0.0f && figures.series.back().diameter_max_mm < 2.0f);
     assert_int_equal(burst.result.faults.entries_count, 0);
@@ -515,7 +515,7 @@ void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
             run_free_session(device, *patient, {{RoomAction::load_stent, {}}}, 2.0, &recorder, nullptr, {});
     }
     assert_string_equal(led.result.stopped_by.c_str(), "");
-    assert_true(led.result.figures.balloon.pressure_max_kPa == 1000);
+    assert_true(led.result.figures.balloon.peaks.at(0).pressure_kPa == 1000);
     assert_true(patient->stents()->stents()[0].stage() == StentStage::deployed);
     assert_true(holds_of(led.recorded()) > 0);
     assert_int_equal(rings_of(led.recorded()), 12);

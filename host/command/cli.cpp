@@ -279,7 +279,7 @@ void add_surface(CLI::App &app, SurfaceOptions &options)
         ->allow_extra_args(false);
     command->add_flag(
         "--stages", options.stages,
-        "The three moments about the highest pressure: balloon positioned, inflated, and down again; "
+        "The three moments about the first inflation: balloon positioned, inflated, and down again; "
         "their seconds are printed");
     command->add_option("--lesion", options.surface.lesion, "Its name; without: the scene's first");
     command

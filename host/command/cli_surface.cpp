@@ -20,21 +20,19 @@ struct Stages {
     std::size_t positioned = 0, inflated = 0, released = 0; // ticks
 };
 
-// Finds three ticks of the inflation with the highest balloon pressure: the last tick before this inflation,
-// the last tick at the highest pressure, and a tick shortly after the pressure has been released.
+// Finds three ticks of the first inflation, which opens a lesion the most: the last tick before it, the last
+// tick at its highest pressure, and a tick shortly after the pressure has been released.
 Stages stages_of(const Recording &recording, const std::string &path)
 {
     const auto pressure = [&](std::size_t tick) { return recording.ticks[tick].input.inflator_raw; };
     const std::size_t count = recording.ticks.size();
-    Stages stages;
-    for (std::size_t tick = 0; tick < count; ++tick)
-        if (pressure(tick) > 0 && pressure(tick) >= pressure(stages.inflated)) stages.inflated = tick;
-    if (count == 0 || pressure(stages.inflated) == 0)
+    std::size_t first = 0;
+    while (first < count && pressure(first) == 0) ++first;
+    if (first == count)
         throw std::runtime_error(path + ": --stages: no balloon is inflated in it; name moments with --at");
-    stages.positioned = stages.inflated;
-    while (stages.positioned > 0 && pressure(stages.positioned) > 0) --stages.positioned;
-    stages.released = stages.inflated;
-    while (stages.released + 1 < count && pressure(stages.released) > 0) ++stages.released;
+    Stages stages{first > 0 ? first - 1 : 0, first, first};
+    for (; stages.released < count && pressure(stages.released) > 0; ++stages.released)
+        if (pressure(stages.released) >= pressure(stages.inflated)) stages.inflated = stages.released;
     stages.released = std::min(stages.released + emptied_ticks, count);
     return stages;
 }

@@ -115,6 +115,14 @@ report "its polygons go from stenosed to the balloon's width and stay healthier"
 
 refuses "a moment behind the end is refused" 1 "is not between its begin and its end" surface "$work/a.rec" --at 1000 \
     -o "$work/b.obj"
+printf '%s\n' 'begin wire inserted 20 mm' 'begin catheter inserted 10 mm' 'inflate to 2 bar at 20 bar/s' 'wait 0.2 s' \
+    'deflate at 20 bar/s' 'wait 0.6 s' 'inflate to 4 bar at 20 bar/s' 'wait 0.2 s' 'deflate at 20 bar/s' 'wait 0.6 s' \
+    >"$work/two.session"
+"$tool" run --scene "$work/a.scene" $line --session "$work/two.session" --record "$work/two.rec" >"$work/said" 2>&1 &&
+    "$tool" surface "$work/two.rec" --stages -o "$work/two.obj" >"$work/said" 2>&1 &&
+    awk '$1 == "inflated" { exit !($2 < 0.5) }' "$work/said" && grep -q '^inflated' "$work/said"
+report "the stages are those of the first inflation, also if a later one is higher" $?
+
 refuses "no moment is a usage error" 2 "name moments with --at, or --stages" surface "$work/a.rec" -o "$work/b.obj"
 refuses "a lesion that is not there is refused" 1 "but plaque" surface "$work/a.rec" --at 0 --lesion lad \
     -o "$work/b.obj"

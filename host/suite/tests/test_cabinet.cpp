@@ -21,7 +21,12 @@ namespace
 
 const crn::Case &lad()
 {
-    static const crn::Case lesson = crn::read_case(crn::example_path(crn::case_files, "bifurcation"));
+    static const crn::Case lesson = [] {
+        crn::Case made = crn::read_case(crn::example_path(crn::case_files, "bifurcation"));
+        for (const char *name : {"guide_jl4_6f", "j_wire"})
+            made.offered.push_back(crn::example_path(crn::instrument_files, name));
+        return made;
+    }();
     return lesson;
 }
 
