@@ -24,6 +24,7 @@ ASTRAY_MM = 8  # in another vessel
 STUCK_S = 6
 LESION_MM = 37  # from the artery's origin to the middle of the narrow place, as the first cine run shows
 BALLOON_MIDDLE_MM = 15  # from its tip
+OFF_MM = 1.5  # that the balloon may be beside the narrow place
 ON_THE_WAY = ("LAD", "LM", "ascending aorta", "aortic arch", "?")
 
 
@@ -267,11 +268,33 @@ def inflate(hand, bar, rest_s):
     hand.hold("shift u", lambda: hand.screen.bar() <= 0.05, 15)
 
 
+def mean_tip_mm(hand):
+    """The balloon moves with the heart, so its place is the mean of two beats; it is 0 beside the artery."""
+    seen = []
+
+    def look():
+        inside_mm, vessel = hand.screen.tip(BALLOON)
+        seen.append(inside_mm if vessel == "LAD" else 0.0)
+        return False
+
+    hand.watch(look, 1.8)
+    return sum(seen) / max(len(seen), 1)
+
+
 def place_balloon(hand):
-    """Pushes the balloon to the end of the guide, and slowly on, until its middle is in the narrow place."""
-    hand.push(BALLOON, 885)
+    """Pushes the balloon to the end of the guide, and slowly on, until its middle is in the narrow place. Then it is
+    looked at for two beats, and corrected if it is off by more than a millimetre and a half."""
     tip_mm = LESION_MM + BALLOON_MIDDLE_MM
+    hand.push(BALLOON, 885)
     hand.hold("shift Up", lambda: is_inside(hand.screen, BALLOON, "LAD", tip_mm), 30)
+    for _ in range(2):
+        off_mm = tip_mm - mean_tip_mm(hand)
+        if abs(off_mm) <= OFF_MM:
+            return
+        if off_mm > 0:
+            hand.push(BALLOON, hand.screen.inserted_mm(BALLOON) + off_mm, 10, "shift Up")
+        else:
+            hand.pull(BALLOON, hand.screen.inserted_mm(BALLOON) + off_mm, 10, "shift Down")
 
 
 def treat(hand):
