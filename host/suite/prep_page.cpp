@@ -42,10 +42,13 @@ std::string mm_text(double mm)
 
 DeviceCabinet::DeviceCabinet(const Case &lesson) : lesson_(lesson)
 {
-    for (const std::string &path : lesson.offered) {
-        const bool is_on =
-            std::find(lesson.start.tools.begin(), lesson.start.tools.end(), path) != lesson.start.tools.end();
-        devices_.push_back({path, read_instrument(path), is_on});
+    for (const std::string &path : lesson.offered) devices_.push_back({path, read_instrument(path), false});
+    // A device may be offered twice, and the line begins with as many of them as the case names.
+    for (const std::string &path : lesson.start.tools) {
+        const auto found = std::find_if(devices_.begin(), devices_.end(), [&](const CabinetDevice &device) {
+            return device.path == path && !device.is_on_line;
+        });
+        if (found != devices_.end()) found->is_on_line = true;
     }
     for (const std::string &path : lesson.stents) stents_.push_back(read_stent(path));
     look_at_line();

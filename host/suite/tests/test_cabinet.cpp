@@ -98,6 +98,22 @@ void a_device_that_is_taken_off_leaves_its_position_free(void **)
     assert_non_null(std::strstr(tools_at(cabinet).at(2).c_str(), "guide_jl3_6f"));
 }
 
+// A second balloon of the same kind lies on the table. A case may also begin with a free position.
+void a_device_that_is_offered_twice_is_on_the_line_once(void **)
+{
+    crn::Case lesson = lad();
+    lesson.offered.push_back(lesson.start.tools.at(1));
+    const crn::DeviceCabinet twice(lesson);
+    assert_int_equal(twice.line().size(), 3);
+    assert_false(twice.devices().back().is_on_line);
+    lesson.start.tools[1].clear();
+    lesson.start.inserted_um[1] = 0;
+    const crn::DeviceCabinet free(lesson);
+    assert_string_equal(free.refusal().c_str(), "");
+    assert_string_equal(free.line_words().at(1).c_str(), "nothing");
+    assert_true(tools_at(free) == lesson.start.tools);
+}
+
 void an_empty_line_cannot_begin(void **)
 {
     crn::DeviceCabinet cabinet(lad());
@@ -141,6 +157,7 @@ int main()
         cmocka_unit_test(another_guiding_catheter_may_take_the_place_of_the_first),
         cmocka_unit_test(what_is_not_on_the_line_lies_on_the_device_table),
         cmocka_unit_test(a_device_that_is_taken_off_leaves_its_position_free),
+        cmocka_unit_test(a_device_that_is_offered_twice_is_on_the_line_once),
         cmocka_unit_test(an_empty_line_cannot_begin),
         cmocka_unit_test(a_stent_may_wait_for_a_balloon_on_the_table),
         cmocka_unit_test(a_stent_without_a_balloon_of_its_size_is_named),

@@ -65,6 +65,15 @@ code=$?
 cat "$work/said" >>"$log"
 result $code "the mouse loads a guide of the device table on a free position, and takes it off"
 
+# --- without a window: the option --line names the line of a free run, and replaces that of a script ---
+names='import json, sys; print(",".join(tool["name"] for tool in json.load(open(sys.argv[1]))["tools"]))'
+"$program" run --free-run 0.2 $devices --line 1,nothing,guide_jr4_6f --json "$work/free.json" --quiet >"$log" 2>&1 &&
+    python3 -c "$names" "$work/free.json" >>"$log" && grep -q "Stiff 0.035 in,nothing,Guide JR4 6F" "$log"
+result $? "a free run begins with the tools that --line names"
+printf 'begin with 1 2\nwait 0.1 s\n' >"$work/a.session"
+"$program" run "$work/a.session" $devices --line 1,guide_jr4_6f --json "$work/a.json" --quiet >"$log" 2>&1 &&
+    python3 -c "$names" "$work/a.json" >>"$log" && grep -q "Stiff 0.035 in,Guide JR4 6F" "$log"
+result $? "the option --line replaces what a script begins with"
 "$program" view $devices --tool pigtail_5f --frames 2 --no-record >"$log" 2>&1
 [ $? = 2 ] && grep -q -- "4 tools are named: say with --line" "$log"
 result $? "more tools than a line holds need the option --line"
