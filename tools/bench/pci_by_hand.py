@@ -225,18 +225,16 @@ def show_artery(hand):
     hand.tell("c")
 
 
-def is_across(screen):
-    return is_inside(screen, WIRE, "LAD", ACROSS_MM)
-
-
 def push_gently(hand):
-    """Pushes the wire slowly until it is across, in another vessel than the artery, or stuck."""
+    """Pushes the wire slowly until it is across, in another vessel than the artery, or stuck. Returns whether it was
+    across; it moves with the heart, so a later look may show less."""
     screen = hand.screen
-    seen = {"best_mm": 0.0, "since_s": screen.clock_s()}
+    seen = {"best_mm": 0.0, "since_s": screen.clock_s(), "is_across": False}
 
     def is_decided():
         inside_mm, vessel = screen.tip(WIRE)
-        if is_across(screen) or (vessel not in ON_THE_WAY and inside_mm > ASTRAY_MM):
+        seen["is_across"] = vessel == "LAD" and inside_mm >= ACROSS_MM
+        if seen["is_across"] or (vessel not in ON_THE_WAY and inside_mm > ASTRAY_MM):
             return True
         if vessel == "LAD" and inside_mm > seen["best_mm"] + 1 or screen.inserted_mm(WIRE) < 905:
             seen["best_mm"] = max(inside_mm if vessel == "LAD" else 0.0, seen["best_mm"])
@@ -244,6 +242,7 @@ def push_gently(hand):
         return screen.clock_s() - seen["since_s"] > STUCK_S
 
     hand.hold("shift Up", is_decided, 60)
+    return seen["is_across"]
 
 
 def cross(hand):
@@ -253,8 +252,7 @@ def cross(hand):
     hand.take(WIRE)
     hand.push(WIRE, 880)
     for _ in range(TRIES_MAX):
-        push_gently(hand)
-        if is_across(screen):
+        if push_gently(hand):
             return
         is_beyond_left_main = screen.tip(WIRE)[1] in ("LAD", "D1", "D2")
         hand.pull(WIRE, screen.inserted_mm(WIRE) - 25 if is_beyond_left_main else 890)
