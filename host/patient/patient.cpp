@@ -1,5 +1,4 @@
 #include "host/patient/patient.hpp"
-#include "host/patient/balloon.hpp"
 #include <algorithm>
 #include <stdexcept>
 
