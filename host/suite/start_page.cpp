@@ -105,7 +105,7 @@ void draw_side(Ui &ui, const StartView &view, std::string &trainee, PageChoice &
     trainee.copy(text, sizeof text - 1);
     if (ImGui::InputTextWithHint("##trainee", "a pseudonym; without one: guest", text, sizeof text))
         trainee = text;
-    ui.note_last_item("trainee");
+    ui.note_last_item("trainee", (ImGui::IsItemActive() ? "typing: " : "") + trainee);
     ui.tooltip("Marks are stored under this pseudonym on this machine (docs/records.md).");
     ImGui::PopItemWidth();
     ImGui::Dummy({1.0f, ui.px(8.0f)});

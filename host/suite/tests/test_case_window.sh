@@ -70,8 +70,8 @@ cat >"$work/mouse.sh" <<'SH'
 "$program" view --start $size --layout "$work/layout" >"$work/said" 2>&1 &
 window=$!
 shows trainee && focus || { stuck; exit 1; }
-click trainee; sleep 0.3
-keys type otter
+click trainee; reads trainee "typing:" || exit 1
+keys type otter; reads trainee otter || exit 1
 keys key Return
 click "card 2"
 shows ready || exit 1
