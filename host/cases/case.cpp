@@ -305,9 +305,7 @@ Session case_session(const Case &lesson, const std::string &script)
 {
     Session session = read_session(script);
     std::copy(lesson.start.inserted_um.begin(), lesson.start.inserted_um.end(), session.inserted_um);
-    session.line_names.clear();
-    for (const std::uint8_t number : lesson.start.numbers)
-        session.line_names.push_back(number == 0 ? std::string(free_position) : std::to_string(int{number}));
+    session.line_names = line_words(lesson.start.numbers);
     session.statements.insert(session.statements.begin(), lesson.start.room.begin(), lesson.start.room.end());
     return session;
 }

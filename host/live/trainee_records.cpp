@@ -168,16 +168,14 @@ StoredSession store_session(const PlayedCase &played, const RecordedScore &score
         record.recording_sha256 = sha256_of_file(record.recording_path).value_or("");
         const std::string place = default_records_place();
         stored.id = save_and_ship(store, record, is_server_url(place) ? place : "", stored.note);
-    } catch (const std::exception &error) {
-        stored.trouble = error.what();
-        return stored;
-    }
-    // The session is stored from here on, so a failure only means that no curve is shown.
-    try {
-        RecordStore store = open_store(own_records_file());
         stored.curve = learning_curve(store.sessions({"", record.case_id, ""}), record.trainee, "score",
                                       members_like(store, record.trainee));
     } catch (const std::exception &error) {
+        if (stored.id.empty()) {
+            stored.trouble = error.what();
+            return stored;
+        }
+        // Once the session is stored, a failure only means that no curve is shown.
         stored.note += std::string(stored.note.empty() ? "" : " ") +
                        "The session is stored, but its curve cannot be shown: " + error.what();
     }
