@@ -227,19 +227,53 @@ Eigen::Vector3f MovingPoints::way_um(std::size_t i, const MotionWeights &weights
     return way;
 }
 
-void MovingPoints::ways_um(const MotionWeights &weights, Eigen::ArrayXf &ways) const
+// Returns what is added before a number is truncated, so that it is rounded half away from zero, as
+// std::lround does, without its call: a heart has 100 000 vertices. This is the largest float below 0.5, so
+// that the sum does not round up a value just below a half. Requires a size below 2^23.
+static float half_of(float value)
 {
-    ways = blend(0, size(), 0, weights);
-    if (breathes_ && weights.breath > 0)
-        ways += static_cast<float>(weights.breath) * blend(0, size(), 1, weights);
+    return std::copysign(0x1.fffffep-2f, value);
 }
 
-// Rounds half away from zero, as std::lround does, without its call: a heart has 100 000 vertices. The addend
-// is the largest float below 0.5, so that the sum does not round up a value just below a half. Requires a
-// size below 2^23.
-static int rounded(float value)
+// The numbers of all points lie one after the other in memory, so a block of a fixed count is computed with
+// vectors.
+void MovingPoints::place(const MotionWeights &weights, std::span<const Eigen::Vector3i> reference_um,
+                         std::span<Eigen::Vector3i> to_um) const
 {
-    return static_cast<int>(value + std::copysign(0x1.fffffep-2f, value));
+    constexpr int block = 16;
+    const bool is_inhaled = breathes_ && weights.breath > 0;
+    const auto breath = static_cast<float>(weights.breath);
+    std::array<float, 3> weight;
+    std::array<const float *, 3> rest, inhaled;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t keyframe = static_cast<std::size_t>(weights.first) + k;
+        weight[k] = static_cast<float>(weights.weights[k]);
+        rest[k] = ways_um_.data() + plane(keyframe, 0);
+        inhaled[k] = is_inhaled ? ways_um_.data() + plane(keyframe, 1) : nullptr;
+    }
+    const int *from = reference_um.data()->data();
+    int *to = to_um.data()->data();
+    const auto blended = [&](const std::array<const float *, 3> &ways, std::size_t i) {
+        return weight[0] * ways[0][i] + weight[1] * ways[1][i] + weight[2] * ways[2][i];
+    };
+    const auto place_numbers = [&](std::size_t begin, std::size_t count) {
+        std::array<float, block> way;
+        for (std::size_t i = 0; i < count; ++i) way[i] = blended(rest, begin + i);
+        if (is_inhaled)
+            for (std::size_t i = 0; i < count; ++i) way[i] += breath * blended(inhaled, begin + i);
+        for (std::size_t i = 0; i < count; ++i) way[i] += half_of(way[i]);
+        if (count == block)
+            Eigen::Array<int, block, 1>::Map(to + begin) =
+                Eigen::Array<int, block, 1>::Map(from + begin) +
+                Eigen::Array<float, block, 1>::Map(way.data()).cast<int>();
+        else
+            for (std::size_t i = 0; i < count; ++i)
+                to[begin + i] = from[begin + i] + static_cast<int>(way[i]);
+    };
+    const std::size_t numbers = 3 * size();
+    std::size_t begin = 0;
+    for (; begin + block <= numbers; begin += block) place_numbers(begin, block);
+    place_numbers(begin, numbers - begin);
 }
 
 MovingBodies::MovingBodies(const Motion &motion, const Bodies &bodies)
@@ -260,11 +294,7 @@ const std::vector<MovingBodies::Moved> &MovingBodies::at(const MotionMoment &mom
     const MotionWeights weights = motion_weights(moment);
     moved_.clear();
     for (Body &body : moving_) {
-        body.points.ways_um(weights, ways_um_);
-        for (std::size_t i = 0; i < body.points.size(); ++i)
-            for (int k = 0; k < 3; ++k)
-                body.vertices_um[i][k] =
-                    body.reference_um[i][k] + rounded(ways_um_[3 * static_cast<Eigen::Index>(i) + k]);
+        body.points.place(weights, body.reference_um, body.vertices_um);
         moved_.push_back({body.index, body.vertices_um});
     }
     return moved_;

@@ -101,8 +101,10 @@ class MovingPoints
     // Returns the displacement of point i from the reference pose, in um; the result is 0 0 0 for a point
     // that never moves.
     Eigen::Vector3f way_um(std::size_t i, const MotionWeights &weights) const;
-    // Computes the displacements of all points, three numbers each.
-    void ways_um(const MotionWeights &weights, Eigen::ArrayXf &ways) const;
+    // Writes the present positions of all points, in whole um: `reference_um` plus the rounded displacements.
+    // Both lists have size() points.
+    void place(const MotionWeights &weights, std::span<const Eigen::Vector3i> reference_um,
+               std::span<Eigen::Vector3i> to_um) const;
     Eigen::Vector3d at(std::size_t i, const MotionWeights &weights) const
     {
         return reference_m_[i] + way_um(i, weights).cast<double>() * 1e-6;
@@ -144,7 +146,6 @@ class MovingBodies
     };
     std::vector<Body> moving_;
     std::vector<Moved> moved_;
-    Eigen::ArrayXf ways_um_; // of the body that was moved last
 };
 
 } // namespace crn

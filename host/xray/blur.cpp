@@ -161,6 +161,12 @@ BlurKernel kernel_of_scintillator(double pixel_mm)
     return fit_kernel([&](double cycles) { return mtf_of_scintillator(cycles / pixel_mm); });
 }
 
+BlurKernels kernels_of(const BlurGeometry &geometry)
+{
+    return {geometry, kernel_before_photons(geometry), kernel_of_focal_spot(geometry),
+            kernel_of_scintillator(geometry.pixel_mm)};
+}
+
 CRN_WIDE void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch,
                        float *out)
 {

@@ -33,6 +33,7 @@ struct BlurGeometry {
     double pixel_mm = 0.6;      // at the detector
     double focal_spot_mm = 0.4; // width
     double magnification = 1.4; // of the blurred object: SID over its distance from the source
+    bool operator==(const BlurGeometry &) const = default;
 };
 
 double mtf_of_focal_spot(const BlurGeometry &geometry, double frequency_per_mm);
@@ -46,6 +47,14 @@ BlurKernel kernel_before_photons(const BlurGeometry &geometry);
 BlurKernel
 kernel_of_focal_spot(const BlurGeometry &geometry); // for signals that are already averaged over each pixel
 BlurKernel kernel_of_scintillator(double pixel_mm);
+
+// Holds the three kernels of one geometry. Fitting them takes longer than blurring a small picture, so they
+// are kept from picture to picture.
+struct BlurKernels {
+    BlurGeometry geometry;
+    BlurKernel before_photons, focal_spot, scintillator;
+};
+BlurKernels kernels_of(const BlurGeometry &geometry);
 
 // Computes one row of a blurred picture of size*size pixels. A pixel beyond an edge of the picture counts
 // with the value of the nearest pixel on that edge. The caller provides the working memory `scratch` with

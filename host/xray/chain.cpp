@@ -89,8 +89,8 @@ void blur_add_and_measure(XrayChain &chain)
     const View &view = chain.paths.view();
     const BlurGeometry geometry{pixel_mm(chain), chain.key.technique.focal_spot_mm,
                                 view.source_detector_m / view.source_isocentre_m};
-    const BlurKernel kernel = kernel_before_photons(geometry);
-    chain.focal_kernel = kernel_of_focal_spot(geometry);
+    if (!chain.kernels || !(chain.kernels->geometry == geometry)) chain.kernels = kernels_of(geometry);
+    const BlurKernel &kernel = chain.kernels->before_photons;
     const std::size_t pixels = static_cast<std::size_t>(chain.size) * chain.size;
     chain.primary.resize(pixels);
     chain.signal.resize(pixels);
@@ -358,7 +358,7 @@ void attenuate_tools(XrayChain &chain)
     // The average over several rays per pixel already includes the blur by the pixel, and the signal of the
     // bodies is already blurred. So the tools' shadow must still be blurred by the focal spot, and by nothing
     // else.
-    chain.tool_blur.run(chain.size, tools.pixels, chain.tool_gain, chain.focal_kernel);
+    chain.tool_blur.run(chain.size, tools.pixels, chain.tool_gain, chain.kernels->focal_spot);
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
     chain.tool_signal.resize(pixels.size());
     for (std::size_t i = 0; i < pixels.size(); ++i) {

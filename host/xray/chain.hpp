@@ -54,13 +54,13 @@ struct XrayChain {
     // The next members hold the signal behind the bodies as a fraction of the open beam's signal behind the
     // grid, and are kept between frames.
     std::vector<OpenColumns> open;
-    std::vector<float> transmission;  // of each pixel's middle
-    std::vector<float> primary;       // the same after blur by focal spot and pixel
-    std::vector<float> scatter_cells; // coarse grid
-    std::vector<float> signal;        // primary and scattered
-    std::vector<float> log_slow;      // slow part of log2(signal), coarse grid
-    double log_mean = 0.0;            // log2(signal) over the measuring field
-    BlurKernel focal_kernel;          // of the focal spot alone
+    std::vector<float> transmission;    // of each pixel's middle
+    std::vector<float> primary;         // the same after blur by focal spot and pixel
+    std::vector<float> scatter_cells;   // coarse grid
+    std::vector<float> signal;          // primary and scattered
+    std::vector<float> log_slow;        // slow part of log2(signal), coarse grid
+    double log_mean = 0.0;              // log2(signal) over the measuring field
+    std::optional<BlurKernels> kernels; // of the view and the focal spot
 
     // The next members describe the tools of this frame: tool_gain holds the factor by which the tools change
     // the signal behind the bodies, minus one, and tool_blur holds this gain after the focal spot's blur.

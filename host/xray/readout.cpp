@@ -72,7 +72,7 @@ void read_out(const XrayChain &chain, const XrayDisplay &display, XrayMemory *me
     picture.shown.resize(pixels);
     picture.grey.resize(pixels);
     const Curve curve = make_curve(chain, display, picture);
-    const BlurKernel kernel = kernel_of_scintillator(chain.paths.view().pixel_m * 1e3);
+    const BlurKernel &kernel = chain.kernels->scintillator;
     const float released = memory ? lag_released_share(picture.tick - memory->tick) : 0.0f;
     const auto gain = static_cast<float>(picture.raw_per_photon);
     run_on_rows(chain.threads, size, 32, [&](const RowRange &rows) {

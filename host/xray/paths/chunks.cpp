@@ -45,7 +45,7 @@ std::vector<std::uint32_t> triangle_order(const Body &body)
     return order;
 }
 
-void set_sphere(const BodyMeshes &meshes, MeshChunk &chunk)
+void set_sphere_of_vertices(const BodyMeshes &meshes, MeshChunk &chunk)
 {
     const Eigen::Vector3f *vertices = meshes.vertices_um.data() + chunk.vertex_begin;
     Eigen::Vector3f low = vertices[0], high = vertices[0];
@@ -53,8 +53,7 @@ void set_sphere(const BodyMeshes &meshes, MeshChunk &chunk)
         low = low.cwiseMin(vertices[i]);
         high = high.cwiseMax(vertices[i]);
     }
-    chunk.centre_um = 0.5f * (low + high);
-    chunk.radius_um = 0.5f * (high - low).norm() + 10.0f; // 10 um cover the rounding of the centre
+    set_sphere(chunk, low, high);
 }
 
 int channel_of(BodyMeshes &meshes, MeshChannel wanted)
@@ -67,6 +66,12 @@ int channel_of(BodyMeshes &meshes, MeshChannel wanted)
 }
 
 } // namespace
+
+void set_sphere(MeshChunk &chunk, const Eigen::Vector3f &low_um, const Eigen::Vector3f &high_um)
+{
+    chunk.centre_um = 0.5f * (low_um + high_um);
+    chunk.radius_um = 0.5f * (high_um - low_um).norm() + 10.0f; // 10 um cover the rounding of the centre
+}
 
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent)
 {
@@ -99,7 +104,7 @@ void append_body(BodyMeshes &meshes, const Body &body, int own, int parent)
             meshes.triangles.push_back(triangle);
         }
         chunk.vertex_count = static_cast<std::uint32_t>(local.size());
-        set_sphere(meshes, chunk);
+        set_sphere_of_vertices(meshes, chunk);
         meshes.chunks.push_back(chunk);
     }
 }
@@ -110,7 +115,7 @@ void move_body(BodyMeshes &meshes, int body, std::span<const Eigen::Vector3i> ve
         if (chunk.body != body) continue;
         for (std::uint32_t i = chunk.vertex_begin; i < chunk.vertex_begin + chunk.vertex_count; ++i)
             meshes.vertices_um[i] = vertices_um[meshes.body_vertex[i]].cast<float>();
-        set_sphere(meshes, chunk);
+        set_sphere_of_vertices(meshes, chunk);
     }
 }
 

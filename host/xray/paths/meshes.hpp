@@ -42,6 +42,9 @@ struct BodyMeshes {
 
 inline constexpr int mesh_chunk_triangles = 128;
 
+// Sets the sphere around a chunk to the sphere around the box of its vertices.
+void set_sphere(MeshChunk &chunk, const Eigen::Vector3f &low_um, const Eigen::Vector3f &high_um);
+
 // Cuts one body into chunks of neighbouring triangles, and appends it to the meshes. `own` is the material of
 // the body, and `parent` is the material around it; a parent of -1 is air.
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);

@@ -1,10 +1,12 @@
 // Determines which parts of the scene have changed since the last frame, and which back end draws them.
 #include "host/xray/paths/path_keeper.hpp"
+#include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/parallel.hpp"
 #include "host/xray/paths/raster_paths.hpp"
 #include "host/xray/paths/tube.hpp"
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace crn
 {
@@ -25,13 +27,41 @@ void size_pictures(const BodyMeshes &meshes, int size, PathPictures &pictures)
     }
 }
 
-bool is_usable(const BodyMeshes &meshes, const MovedBody &moved)
+// Returns the box around a list of points, which must not be empty. The coordinates of eight points are
+// compared together, because a heart has 100 000 points.
+CRN_WIDE PointBox box_around(std::span<const Eigen::Vector3i> points)
 {
-    if (moved.body < 0 || static_cast<std::size_t>(moved.body) >= meshes.vertex_counts.size()) return false;
-    if (moved.vertices_um.size() != meshes.vertex_counts[moved.body]) return false;
-    return std::all_of(moved.vertices_um.begin(), moved.vertices_um.end(), [](const Eigen::Vector3i &v) {
-        return v.minCoeff() >= -far_um && v.maxCoeff() <= far_um;
-    });
+    constexpr std::size_t block = 3 * lane_count;
+    const int *numbers = points.data()->data();
+    const std::size_t count = 3 * points.size();
+    PointBox box{points[0], points[0]};
+    Lanes_i least[3], greatest[3], now[3];
+    std::size_t i = 0;
+    if (count >= block)
+        std::memcpy(least, numbers, sizeof least), std::memcpy(greatest, numbers, sizeof least);
+    for (; i + block <= count; i += block) {
+        std::memcpy(now, numbers + i, sizeof now);
+        for (int k = 0; k < 3; ++k) {
+            least[k] = now[k] < least[k] ? now[k] : least[k];
+            greatest[k] = now[k] > greatest[k] ? now[k] : greatest[k];
+        }
+    }
+    for (std::size_t k = 0; k < (i > 0 ? block : 0); ++k) {
+        const auto axis = static_cast<Eigen::Index>(k % 3);
+        box.low[axis] = std::min(box.low[axis], least[k / lane_count][k % lane_count]);
+        box.high[axis] = std::max(box.high[axis], greatest[k / lane_count][k % lane_count]);
+    }
+    for (; i < count; ++i) {
+        const auto axis = static_cast<Eigen::Index>(i % 3);
+        box.low[axis] = std::min(box.low[axis], numbers[i]);
+        box.high[axis] = std::max(box.high[axis], numbers[i]);
+    }
+    return box;
+}
+
+bool is_near(const PointBox &box)
+{
+    return box.low.minCoeff() >= -far_um && box.high.maxCoeff() <= far_um;
 }
 
 PixelRect around_both(const PixelRect &a, const PixelRect &b)
@@ -41,15 +71,11 @@ PixelRect around_both(const PixelRect &a, const PixelRect &b)
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
-// Returns the rectangle of pixels that the box around the given points can cover. If this box reaches behind
-// the source, the function returns the whole picture.
-PixelRect covered(const View &view, const std::vector<Eigen::Vector3i> &points_um)
+// Returns the rectangle of pixels that this box of points can cover. If the box reaches behind the source,
+// the function returns the whole picture.
+PixelRect covered(const View &view, const PointBox &box_um)
 {
-    Eigen::Vector3i low = points_um.front(), high = low;
-    for (const Eigen::Vector3i &point : points_um) {
-        low = low.cwiseMin(point);
-        high = high.cwiseMax(point);
-    }
+    const auto &[low, high] = box_um;
     Eigen::Vector2d least(1e9, 1e9), greatest(-1e9, -1e9);
     for (int corner = 0; corner < 8; ++corner) {
         const Eigen::Vector3d at_um(corner & 1 ? high.x() : low.x(), corner & 2 ? high.y() : low.y(),
@@ -75,7 +101,7 @@ bool has_material(const BodyMeshes &meshes, Material material)
 
 PathKeeper::PathKeeper(const BodyMeshes &meshes, std::unique_ptr<BodyPaths> back_end, int threads)
     : meshes_(meshes), back_end_(std::move(back_end)), threads_(threads),
-      is_moved_(meshes.vertex_counts.size(), 0), moved_um_(meshes.vertex_counts.size())
+      is_moved_(meshes.vertex_counts.size(), 0), moved_(meshes.vertex_counts.size())
 {
     if (!has_material(meshes, Material::blood) && has_material(meshes, Material::soft_tissue))
         displaced_ = Material::soft_tissue;
@@ -86,8 +112,8 @@ void PathKeeper::draw(std::span<const std::uint8_t> is_drawn, const PixelRect &r
 {
     if (back_end_->draw(view_, is_drawn, rect, form, pictures, error_)) return;
     back_end_ = std::make_unique<RasterPaths>(meshes_, threads_);
-    for (std::size_t i = 0; i < moved_um_.size(); ++i)
-        if (!moved_um_[i].empty()) back_end_->move(static_cast<int>(i), moved_um_[i]);
+    for (std::size_t i = 0; i < moved_.size(); ++i)
+        if (!moved_[i].vertices_um.empty()) back_end_->move(static_cast<int>(i), moved_[i].vertices_um);
     std::string none;
     back_end_->draw(view_, is_drawn, rect, form, pictures, none);
 }
@@ -96,20 +122,26 @@ bool PathKeeper::move(const XrayFrame &frame)
 {
     std::vector<std::uint8_t> wanted(is_moved_.size(), 0);
     bool has_changed = false;
-    for (const MovedBody &moved : frame.bodies) {
-        if (!is_usable(meshes_, moved) || wanted[moved.body]) continue;
-        wanted[moved.body] = 1;
-        std::vector<Eigen::Vector3i> &kept = moved_um_[moved.body];
-        if (std::equal(kept.begin(), kept.end(), moved.vertices_um.begin(), moved.vertices_um.end()))
+    for (const MovedBody &body : frame.bodies) {
+        if (body.body < 0 || static_cast<std::size_t>(body.body) >= moved_.size()) continue;
+        if (body.vertices_um.size() != meshes_.vertex_counts[body.body] || body.vertices_um.empty()) continue;
+        if (wanted[body.body]) continue;
+        const PointBox box_um = box_around(body.vertices_um);
+        if (!is_near(box_um)) continue;
+        wanted[body.body] = 1;
+        Moved &kept = moved_[body.body];
+        if (std::equal(kept.vertices_um.begin(), kept.vertices_um.end(), body.vertices_um.begin(),
+                       body.vertices_um.end()))
             continue;
-        kept.assign(moved.vertices_um.begin(), moved.vertices_um.end());
-        back_end_->move(moved.body, kept);
+        kept.vertices_um.assign(body.vertices_um.begin(), body.vertices_um.end());
+        kept.box_um = box_um;
+        back_end_->move(body.body, kept.vertices_um);
         has_changed = true;
     }
     for (std::size_t i = 0; i < wanted.size(); ++i) {
         if (wanted[i] || !is_moved_[i]) continue;
         back_end_->move(static_cast<int>(i), body_vertices_um(meshes_, static_cast<int>(i)));
-        moved_um_[i].clear();
+        moved_[i].vertices_um.clear();
     }
     if (wanted != is_moved_) is_filled_ = false;
     is_moved_ = std::move(wanted);
@@ -119,8 +151,8 @@ bool PathKeeper::move(const XrayFrame &frame)
 PixelRect PathKeeper::moved_rect() const
 {
     PixelRect rect;
-    for (const std::vector<Eigen::Vector3i> &points_um : moved_um_)
-        if (!points_um.empty()) rect = around_both(rect, covered(view_, points_um));
+    for (const Moved &body : moved_)
+        if (!body.vertices_um.empty()) rect = around_both(rect, covered(view_, body.box_um));
     return rect;
 }
 

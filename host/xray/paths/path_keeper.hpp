@@ -8,6 +8,11 @@
 namespace crn
 {
 
+// The smallest box with sides along the axes that contains all points of a list.
+struct PointBox {
+    Eigen::Vector3i low = Eigen::Vector3i::Zero(), high = Eigen::Vector3i::Zero();
+};
+
 class PathKeeper
 {
   public:
@@ -41,9 +46,13 @@ class PathKeeper
     bool is_filled_ = false;
     CArm carm_;
     View view_;
-    std::vector<std::uint8_t> is_moved_;                 // of each body
-    std::vector<std::vector<Eigen::Vector3i>> moved_um_; // its place; empty: as in the scene
-    PathPictures still_, moving_;                        // axis sums; empty while no body is moved
+    std::vector<std::uint8_t> is_moved_; // of each body
+    struct Moved {
+        std::vector<Eigen::Vector3i> vertices_um; // empty: as in the scene
+        PointBox box_um;
+    };
+    std::vector<Moved> moved_;    // of each body
+    PathPictures still_, moving_; // axis sums; empty while no body is moved
     PixelRect moving_rect_, changed_;
     PathPictures bodies_;
     ToolPaths tools_;

@@ -5,6 +5,7 @@
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace crn
 {
@@ -109,6 +110,42 @@ CRN_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std:
                 kept_count};
 }
 
+// Copies the chosen points of a list of x y z to one array per coordinate.
+CRN_WIDE void gather(const int *points, const std::uint32_t *chosen, std::uint32_t count, float *x, float *y,
+                     float *z)
+{
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const int *point = points + 3 * static_cast<std::size_t>(chosen[k]);
+        x[k] = static_cast<float>(point[0]);
+        y[k] = static_cast<float>(point[1]);
+        z[k] = static_cast<float>(point[2]);
+    }
+}
+
+struct Extent {
+    float low, high;
+};
+
+// Returns the least and the greatest of `count` values; the array is filled up to whole lanes.
+CRN_WIDE Extent extent(const float *values, std::uint32_t count)
+{
+    Lanes_f low, high;
+    std::memcpy(&low, values, sizeof low);
+    high = low;
+    for (std::uint32_t k = lane_count; k < count; k += lane_count) {
+        Lanes_f value;
+        std::memcpy(&value, values + k, sizeof value);
+        low = value < low ? value : low;
+        high = value > high ? value : high;
+    }
+    Extent all = {low[0], high[0]};
+    for (int i = 1; i < lane_count; ++i) {
+        all.low = std::min(all.low, low[i]);
+        all.high = std::max(all.high, high[i]);
+    }
+    return all;
+}
+
 } // namespace
 
 Camera make_camera(const View &view)
@@ -132,22 +169,39 @@ RasterVertices::RasterVertices(const BodyMeshes &meshes)
         count += (chunk.vertex_count + lane_count - 1) / lane_count * lane_count;
     }
     for (auto *coordinate : {&x_um, &y_um, &z_um}) coordinate->resize(count);
-    for (std::size_t i = 0; i < meshes.chunks.size(); ++i) set(meshes, i);
+    for (std::size_t i = 0; i < meshes.chunks.size(); ++i) {
+        const MeshChunk &chunk = meshes.chunks[i];
+        for (std::uint32_t k = 0; k < chunk.vertex_count; ++k) {
+            const Eigen::Vector3f &vertex_um = meshes.vertices_um[chunk.vertex_begin + k];
+            x_um[begin[i] + k] = vertex_um.x();
+            y_um[begin[i] + k] = vertex_um.y();
+            z_um[begin[i] + k] = vertex_um.z();
+        }
+        fill(chunk, begin[i]);
+    }
 }
 
-void RasterVertices::set(const BodyMeshes &meshes, std::size_t index)
+void RasterVertices::fill(const MeshChunk &chunk, std::uint32_t at)
 {
-    const MeshChunk &chunk = meshes.chunks[index];
-    const std::uint32_t end =
-        index + 1 < begin.size() ? begin[index + 1] : static_cast<std::uint32_t>(x_um.size());
-    for (std::uint32_t i = begin[index]; i < end; ++i) {
-        const std::uint32_t in_chunk =
-            std::min(i - begin[index], chunk.vertex_count - 1); // fills the last lanes
-        const Eigen::Vector3f &vertex = meshes.vertices_um[chunk.vertex_begin + in_chunk];
-        x_um[i] = vertex.x();
-        y_um[i] = vertex.y();
-        z_um[i] = vertex.z();
+    const std::uint32_t last = at + chunk.vertex_count - 1;
+    for (std::uint32_t k = last + 1; (k - at) % lane_count != 0; ++k) {
+        x_um[k] = x_um[last];
+        y_um[k] = y_um[last];
+        z_um[k] = z_um[last];
     }
+}
+
+void RasterVertices::move(BodyMeshes &meshes, std::size_t index, std::span<const Eigen::Vector3i> vertices_um)
+{
+    MeshChunk &chunk = meshes.chunks[index];
+    const std::uint32_t at = begin[index];
+    float *x = x_um.data() + at, *y = y_um.data() + at, *z = z_um.data() + at;
+    gather(vertices_um.data()->data(), meshes.body_vertex.data() + chunk.vertex_begin, chunk.vertex_count, x,
+           y, z);
+    fill(chunk, at);
+    const Extent along_x = extent(x, chunk.vertex_count), along_y = extent(y, chunk.vertex_count),
+                 along_z = extent(z, chunk.vertex_count);
+    set_sphere(chunk, {along_x.low, along_y.low, along_z.low}, {along_x.high, along_y.high, along_z.high});
 }
 
 void project_chunk(const BodyMeshes &meshes, const RasterVertices &vertices, std::size_t index,

@@ -56,7 +56,13 @@ struct RasterVertices {
     std::vector<std::uint32_t> begin; // of each chunk
 
     explicit RasterVertices(const BodyMeshes &meshes);
-    void set(const BodyMeshes &meshes, std::size_t chunk); // reads that chunk's vertices again
+    // Moves the vertices of one chunk to the places in the list of its body, and the sphere around the chunk
+    // with them. meshes.vertices_um stays as it is.
+    void move(BodyMeshes &meshes, std::size_t chunk, std::span<const Eigen::Vector3i> vertices_um);
+
+  private:
+    // Copies a chunk's last vertex to the unused entries after it.
+    void fill(const MeshChunk &chunk, std::uint32_t at);
 };
 
 // Holds the projections of all chunks of triangles in one frame.

@@ -85,11 +85,13 @@ RasterPaths::RasterPaths(const BodyMeshes &meshes, int threads)
 
 void RasterPaths::move(int body, std::span<const Eigen::Vector3i> vertices_um)
 {
-    if (!moved_) moved_ = std::make_unique<BodyMeshes>(*meshes_);
-    meshes_ = moved_.get();
-    move_body(*moved_, body, vertices_um);
+    if (!moved_) {
+        moved_ = std::make_unique<BodyMeshes>(*meshes_);
+        moved_->vertices_um = {}; // vertices_ holds them
+        meshes_ = moved_.get();
+    }
     for (std::size_t i = 0; i < moved_->chunks.size(); ++i)
-        if (moved_->chunks[i].body == body) vertices_.set(*moved_, i);
+        if (moved_->chunks[i].body == body) vertices_.move(*moved_, i, vertices_um);
 }
 
 void RasterPaths::project(const Camera &camera, std::span<const std::uint8_t> is_drawn, const PixelRect &rect)
