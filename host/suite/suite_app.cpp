@@ -183,7 +183,7 @@ void SuiteApp::show_suite()
     const SuiteActions actions = screen_->draw(view);
     window_.end_frame();
     shown_number_ = view.live ? view.live->number : 0;
-    timing_.take(*view.state, view.live.get());
+    drawn_ = {view.state, view.live};
     for (const DeviceDrag &drag : actions.drags)
         physics.ask([drag, when = SuiteClock::now()](LiveSession &live) {
             live.drag(drag.tool, drag.push_um, drag.turn_counts);
@@ -202,12 +202,23 @@ bool SuiteApp::is_picture_new() const
     return live && live->number != shown_number_;
 }
 
+// Waits until the screen is drawn, and passes input on meanwhile.
+void SuiteApp::finish_screen()
+{
+    while (window_.is_drawing()) {
+        window_.poll(look_s);
+        pass_input();
+    }
+    if (drawn_) timing_.take(*drawn_->state, drawn_->live.get(), window_.shown_at());
+    drawn_.reset();
+}
+
 // Waits until the next screen is due: a new picture is shown at once, and a screen just before a picture is
-// left out. Input is passed on at once, so its
-// delay does not depend on the rate of the screens.
+// left out. Input is passed on at once, so its delay does not depend on the rate of the screens.
 void SuiteApp::keep_rate(SuiteClock::time_point begin)
 {
     using Seconds = std::chrono::duration<double>;
+    finish_screen();
     const auto drawn = SuiteClock::now() - begin;
     const double drawn_s = Seconds(drawn).count();
     const double pause_s =

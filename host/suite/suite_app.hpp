@@ -53,6 +53,7 @@ class SuiteApp
     RoomStatus predicted(ControlId id);
     bool is_picture_new() const;
     bool waits_for_picture(SuiteClock::time_point now, SuiteClock::duration screen) const;
+    void finish_screen();
     void keep_rate(SuiteClock::time_point begin);
     void write_layout();
     int finish();
@@ -78,6 +79,11 @@ class SuiteApp
     Page before_replay_ = Page::start;
     Gamepad gamepad_;
     SuiteTiming timing_;
+    struct Drawn { // on the screen that is being drawn
+        std::shared_ptr<const SuiteState> state;
+        std::shared_ptr<const MonitorPicture> live;
+    };
+    std::optional<Drawn> drawn_;
     bool shows_help_, is_pixel_by_pixel_ = false, wants_end_ = false, wants_restart_ = false,
                       wants_quit_ = false;
     int reference_run_ = 0, code_ = 0, sessions_ = 0;

@@ -20,9 +20,8 @@ nlohmann::ordered_json quantile(std::vector<double> values, double share)
 } // namespace
 
 // The delay of an input ends with the first screen that shows a pulse which came after the input.
-void SuiteTiming::take(const SuiteState &state, const MonitorPicture *live)
+void SuiteTiming::take(const SuiteState &state, const MonitorPicture *live, SuiteClock::time_point now)
 {
-    const auto now = SuiteClock::now();
     ++screens_;
     last_ = now;
     pace_ = state.pace;
@@ -37,7 +36,7 @@ void SuiteTiming::take(const SuiteState &state, const MonitorPicture *live)
     last_pulse_ = now;
     if (live->asked == SuiteClock::time_point{} || live->asked == asked_) return;
     asked_ = live->asked;
-    delays_ms_.push_back(std::chrono::duration<double, std::milli>(now - asked_).count());
+    inputs_.push_back({asked_, now});
 }
 
 void SuiteTiming::write(const std::string &path) const
@@ -57,9 +56,17 @@ void SuiteTiming::write(const std::string &path) const
     json["pictures_left_out"] = left_out_;
     json["pictures_per_s"] = pulse_s > 0.0 ? static_cast<double>(pulses_ - first_pulses_) / pulse_s : 0.0;
     json["screens_per_s"] = static_cast<double>(screens_) / std::max(Seconds(last_ - begin_).count(), 1e-3);
-    json["hand_to_picture"] = {{"inputs", delays_ms_.size()},
-                               {"p50_ms", quantile(delays_ms_, 0.5)},
-                               {"p95_ms", quantile(delays_ms_, 0.95)}};
+    std::vector<double> delays_ms;
+    nlohmann::ordered_json times = nlohmann::ordered_json::array();
+    for (const Shown &input : inputs_) {
+        delays_ms.push_back(Seconds(input.shown - input.read).count() * 1e3);
+        times.push_back({Seconds(input.read.time_since_epoch()).count(),
+                         Seconds(input.shown.time_since_epoch()).count()});
+    }
+    json["hand_to_picture"] = {{"inputs", delays_ms.size()},
+                               {"p50_ms", quantile(delays_ms, 0.5)},
+                               {"p95_ms", quantile(delays_ms, 0.95)},
+                               {"read_and_shown_s", times}}; // by the machine's monotonic clock
     write_whole_file(path, json.dump(2) + "\n");
 }
 

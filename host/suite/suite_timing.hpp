@@ -13,8 +13,8 @@ namespace crn
 class SuiteTiming
 {
   public:
-    // Call once per screen, after it was shown.
-    void take(const SuiteState &state, const MonitorPicture *live);
+    // Takes one screen, and when it was shown.
+    void take(const SuiteState &state, const MonitorPicture *live, SuiteClock::time_point now);
     // Throws OutputError.
     void write(const std::string &path) const;
 
@@ -24,7 +24,10 @@ class SuiteTiming
     bool has_pulses_ = false;
     SuiteClock::time_point first_pulse_{}, last_pulse_{};
     PaceFigures pace_;
-    std::vector<double> delays_ms_;
+    struct Shown { // an input, and when its first picture was shown
+        SuiteClock::time_point read, shown;
+    };
+    std::vector<Shown> inputs_;
 };
 
 } // namespace crn

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 namespace crn
 {
@@ -35,7 +36,7 @@ class HiddenContext final : public GlContext
     GLFWwindow *window_;
 };
 
-// The window's own context, which is current in its thread all the time.
+// The window's own context, which is current in the thread that draws all the time.
 class ShownContext final : public GlContext
 {
   public:
@@ -116,9 +117,14 @@ SuiteWindow::SuiteWindow(const std::string &title, WindowSize size, const std::s
     }
     open(title, size);
     try {
-        gl_ = load_functions(ShownContext());
+        paint_ = std::make_unique<PaintThread>(window_);
+        paint_->run([this] {
+            glfwSwapInterval(1);
+            gl_ = load_functions(ShownContext());
+        });
         set_up_imgui();
     } catch (...) {
+        paint_.reset();
         glfwTerminate();
         throw;
     }
@@ -126,7 +132,8 @@ SuiteWindow::SuiteWindow(const std::string &title, WindowSize size, const std::s
 
 SuiteWindow::~SuiteWindow()
 {
-    ImGui_ImplOpenGL3_Shutdown();
+    paint_->start([] { ImGui_ImplOpenGL3_Shutdown(); });
+    paint_.reset();
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
     glfwTerminate(); // destroys both windows
@@ -135,8 +142,6 @@ SuiteWindow::~SuiteWindow()
 void SuiteWindow::open(const std::string &title, WindowSize size)
 {
     window_ = open_glfw_window(title, size.width, size.height);
-    glfwMakeContextCurrent(window_);
-    glfwSwapInterval(1);
     glfwSetWindowSizeLimits(window_, 800, 450, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwSetWindowUserPointer(window_, this);
     glfwSetKeyCallback(window_, [](GLFWwindow *window, int key, int, int action, int modifiers) {
@@ -170,7 +175,9 @@ void SuiteWindow::set_up_imgui()
     io.IniFilename = nullptr;
     io.ConfigFlags = ImGuiConfigFlags_None; // keys are controls; they do not walk through buttons
     io.Fonts->FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
-    if (!ImGui_ImplGlfw_InitForOpenGL(window_, true) || !ImGui_ImplOpenGL3_Init("#version 330 core"))
+    bool can_draw = ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    paint_->run([&can_draw] { can_draw = can_draw && ImGui_ImplOpenGL3_Init("#version 330 core"); });
+    if (!can_draw)
         throw std::runtime_error("window: Dear ImGui cannot draw with this OpenGL; install libgl1-mesa-dri");
     fit();
 }
@@ -207,8 +214,8 @@ void SuiteWindow::build_fonts()
     };
     fonts_ = {add(font_file_, text_units), add(font_file_, small_units), add(bold_file_, bold_units),
               add(bold_file_, large_units)};
-    ImGui_ImplOpenGL3_DestroyFontsTexture();
     if (!io.Fonts->Build()) throw std::runtime_error("window: '" + font_file_ + "' cannot be drawn");
+    are_fonts_new_ = true;
 }
 
 void SuiteWindow::poll(double seconds)
@@ -237,74 +244,95 @@ void SuiteWindow::show_button()
     io.MouseDown[ImGuiMouseButton_Left] = is_button_down_;
 }
 
-// The X-ray's context may have been current in this thread, and none is current after it was removed.
+// ImGui makes the texture of the letters only once by itself, together with its shaders.
 void SuiteWindow::begin_frame()
 {
-    glfwMakeContextCurrent(window_);
+    paint_->finish();
     fit();
-    ImGui_ImplOpenGL3_NewFrame();
+    if (are_fonts_new_)
+        paint_->run([] {
+            ImGui_ImplOpenGL3_DestroyFontsTexture();
+            ImGui_ImplOpenGL3_NewFrame();
+            if (!ImGui::GetIO().Fonts->TexID) ImGui_ImplOpenGL3_CreateFontsTexture();
+        });
+    are_fonts_new_ = false;
     ImGui_ImplGlfw_NewFrame();
     show_button();
     ImGui::NewFrame();
 }
 
+// ImGui keeps the lists of what to draw until the next frame begins.
 void SuiteWindow::end_frame()
 {
     ImGui::Render();
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
+    paint_->start([this, width, height, uploads = std::exchange(uploads_, {})] {
+        for (const Upload &picture : uploads) upload(picture);
+        draw(width, height);
+        glfwSwapBuffers(window_);
+        shown_at_ = std::chrono::steady_clock::now();
+    });
+}
+
+void SuiteWindow::draw(int width, int height)
+{
     gl_.Viewport(0, 0, width, height);
     gl_.ClearColor(0.063f, 0.078f, 0.094f, 1.0f);
     gl_.Clear(gl::colour_buffer_bit);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-    glfwSwapBuffers(window_);
 }
 
 // Draws the last frame once more, and reads OpenGL's back buffer before it is shown; OpenGL returns the
 // lowest row first.
 Image SuiteWindow::read_back()
 {
-    gl_.Clear(gl::colour_buffer_bit);
-    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     Image image{0, 0, 3, {}};
     glfwGetFramebufferSize(window_, &image.width, &image.height);
     const std::size_t row = static_cast<std::size_t>(image.width) * 3;
     std::vector<std::uint8_t> upward(row * static_cast<std::size_t>(image.height));
-    gl_.PixelStorei(gl::pack_alignment, 1);
-    gl_.ReadBuffer(gl::back);
-    gl_.ReadPixels(0, 0, image.width, image.height, gl::rgb, gl::type_unsigned_byte, upward.data());
+    paint_->run([&] {
+        draw(image.width, image.height);
+        gl_.PixelStorei(gl::pack_alignment, 1);
+        gl_.ReadBuffer(gl::back);
+        gl_.ReadPixels(0, 0, image.width, image.height, gl::rgb, gl::type_unsigned_byte, upward.data());
+    });
     for (int y = image.height - 1; y >= 0; --y)
         image.bytes.insert(image.bytes.end(), upward.begin() + static_cast<std::ptrdiff_t>(row) * y,
                            upward.begin() + static_cast<std::ptrdiff_t>(row) * (y + 1));
     return image;
 }
 
+// A frame is being composed, so nothing is being drawn.
 void *SuiteWindow::texture(std::size_t slot, int size, const std::vector<std::uint8_t> &grey,
                            std::uint64_t version, bool is_sharp)
 {
     if (textures_.size() <= slot) textures_.resize(slot + 1);
     Texture &texture = textures_[slot];
     const bool is_new = texture.name == 0;
-    if (is_new) gl_.GenTextures(1, &texture.name);
-    gl_.BindTexture(gl::texture_2d, texture.name);
-    if (is_new || texture.is_sharp != is_sharp) {
-        texture.is_sharp = is_sharp;
-        for (unsigned filter : {gl::min_filter, gl::mag_filter})
-            gl_.TexParameteri(gl::texture_2d, filter, is_sharp ? gl::nearest : gl::linear);
-        for (unsigned wrap : {gl::wrap_s, gl::wrap_t})
-            gl_.TexParameteri(gl::texture_2d, wrap, gl::clamp_to_edge);
-    }
-    if (is_new || texture.version != version || texture.size != size) {
-        rgb_.resize(grey.size() * 3);
-        for (std::size_t i = 0; i < grey.size(); ++i)
-            std::fill_n(rgb_.begin() + 3 * static_cast<std::ptrdiff_t>(i), 3, grey[i]);
-        gl_.PixelStorei(gl::unpack_alignment, 1);
-        gl_.TexImage2D(gl::texture_2d, 0, gl::rgb8, size, size, 0, gl::rgb, gl::type_unsigned_byte,
-                       rgb_.data());
-        texture.version = version;
-        texture.size = size;
+    if (is_new) paint_->run([&] { gl_.GenTextures(1, &texture.name); });
+    const bool is_stale = is_new || texture.version != version || texture.size != size;
+    if (is_stale || texture.is_sharp != is_sharp) {
+        const std::vector<std::uint8_t> none;
+        uploads_.push_back({texture.name, size, is_stale ? grey : none, is_sharp});
+        texture = {texture.name, size, version, is_sharp};
     }
     return reinterpret_cast<void *>(static_cast<std::uintptr_t>(texture.name));
+}
+
+void SuiteWindow::upload(const Upload &picture)
+{
+    gl_.BindTexture(gl::texture_2d, picture.name);
+    for (unsigned filter : {gl::min_filter, gl::mag_filter})
+        gl_.TexParameteri(gl::texture_2d, filter, picture.is_sharp ? gl::nearest : gl::linear);
+    for (unsigned wrap : {gl::wrap_s, gl::wrap_t}) gl_.TexParameteri(gl::texture_2d, wrap, gl::clamp_to_edge);
+    if (picture.grey.empty()) return;
+    rgb_.resize(picture.grey.size() * 3);
+    for (std::size_t i = 0; i < picture.grey.size(); ++i)
+        std::fill_n(rgb_.begin() + 3 * static_cast<std::ptrdiff_t>(i), 3, picture.grey[i]);
+    gl_.PixelStorei(gl::unpack_alignment, 1);
+    gl_.TexImage2D(gl::texture_2d, 0, gl::rgb8, picture.size, picture.size, 0, gl::rgb,
+                   gl::type_unsigned_byte, rgb_.data());
 }
 
 std::unique_ptr<GlContext> SuiteWindow::context()
@@ -312,7 +340,6 @@ std::unique_ptr<GlContext> SuiteWindow::context()
     if (!hidden_) {
         glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
         hidden_ = glfwCreateWindow(16, 16, "Cournand X-ray", nullptr, nullptr);
-        glfwMakeContextCurrent(window_);
         if (!hidden_) throw std::runtime_error("window: no second OpenGL context (" + glfw_reason() + ")");
     }
     return std::make_unique<HiddenContext>(hidden_);

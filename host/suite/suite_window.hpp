@@ -1,8 +1,11 @@
 // Opens the suite's window with GLFW and draws it with Dear ImGui: fonts, textures for the monitors, and the
-// size of everything. One thread uses the window, the one that made it.
+// size of everything. One thread uses the window, the one that made it. A thread of the window's own draws,
+// so that keys are read meanwhile.
 #pragma once
 #include "host/picture/picture.hpp"
+#include "host/screen/paint_thread.hpp"
 #include "host/xray/gl/gl_context.hpp"
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -41,8 +44,11 @@ class SuiteWindow
     // Handles events; waits for the first one up to `seconds`.
     void poll(double seconds);
     bool wants_close() const;
-    void begin_frame();
-    void end_frame();  // draws and shows
+    void begin_frame(); // waits until the frame before is shown
+    void end_frame();   // hands the frame to the thread that draws and shows it
+    bool is_drawing() const { return !paint_->is_idle(); }
+    // Returns when the last frame was shown; only while none is being drawn.
+    std::chrono::steady_clock::time_point shown_at() const { return shown_at_; }
     Image read_back(); // the window as last shown
 
     float scale() const { return scale_; } // pixels per unit of the layout, which is about 1600 x 900 units
@@ -64,11 +70,19 @@ class SuiteWindow
         std::uint64_t version = 0;
         bool is_sharp = false;
     };
+    struct Upload { // that waits for the frame which shows it
+        unsigned name = 0;
+        int size = 0;
+        std::vector<std::uint8_t> grey; // empty: only the filter changes
+        bool is_sharp = false;
+    };
     void open(const std::string &title, WindowSize size);
     void set_up_imgui();
     void fit();
     void show_button();
     void build_fonts();
+    void upload(const Upload &upload);
+    void draw(int width, int height);
 
     // A press or a release of the mouse's left button, and where the pointer was then.
     struct ButtonEvent {
@@ -87,8 +101,11 @@ class SuiteWindow
     UiFonts fonts_;
     float scale_ = 0.0f, width_ = 0.0f, height_ = 0.0f;
     std::vector<Texture> textures_;
+    std::vector<Upload> uploads_;
     std::vector<std::uint8_t> rgb_;
-    Image last_;
+    bool are_fonts_new_ = false;
+    std::chrono::steady_clock::time_point shown_at_{};
+    std::unique_ptr<PaintThread> paint_; // OpenGL belongs to it
 };
 
 } // namespace crn

@@ -2,6 +2,7 @@
 that measure the window use this file."""
 
 import contextlib
+import ctypes
 import os
 import subprocess
 import sys
@@ -39,6 +40,31 @@ def window_of(options, words, has_layout=False, **more):
             window.kill()
             server.kill()
             server.wait()
+
+
+class Keyboard:
+    """Presses and releases keys of a display by XTEST, and knows when it did."""
+
+    def __init__(self, display_name):
+        self.x11 = ctypes.CDLL("libX11.so.6")
+        self.xtst = ctypes.CDLL("libXtst.so.6")
+        self.x11.XOpenDisplay.restype = ctypes.c_void_p
+        self.x11.XStringToKeysym.restype = ctypes.c_ulong
+        self.display = ctypes.c_void_p(self.x11.XOpenDisplay(display_name.encode()))
+        if not self.display:
+            sys.exit("suite.py: no display '%s'" % display_name)
+
+    def send(self, key, is_down):
+        """Sends one press or release; returns the second of the monotonic clock at which it was sent."""
+        symbol = ctypes.c_ulong(self.x11.XStringToKeysym(key.encode()))
+        code = self.x11.XKeysymToKeycode(self.display, symbol) & 0xFF
+        sent = time.monotonic()
+        self.xtst.XTestFakeKeyEvent(self.display, code, int(is_down), 0)
+        self.x11.XSync(self.display, 0)
+        return sent
+
+    def close(self):
+        self.x11.XCloseDisplay(self.display)
 
 
 def focus(environment, seconds=30.0):

@@ -100,6 +100,33 @@ result $? "a gamepad's stick pushes the device, and its trigger is the pedal of 
 "$program" replay "$work/pad.rec" --verify >"$log" 2>&1
 result $? "what the gamepad did replays bit for bit"
 
+# --- another size ---
+# The letters are drawn anew for every size of the window, so a window that was made larger must look like one that
+# opened so large.
+cat >"$work/resize.sh" <<'SH'
+for begin in "900 560" "1300 800"; do
+    rm -f "$work/layout"
+    "$program" view --start --width ${begin% *} --height ${begin#* } --layout "$work/layout" \
+        --screenshot "$work/from_${begin% *}.png" >"$work/said" 2>&1 &
+    window=$!
+    shows "card 1" && focus || { stuck; exit 1; }
+    keys mousemove 2 2
+    keys windowsize "$(window_id)" 1300 800
+    until [ "$(place "practice 1" | cut -d' ' -f1)" -gt 1000 ] 2>/dev/null; do
+        kill -0 $window 2>/dev/null || exit 1
+        sleep 0.05
+    done
+    sleep 0.5
+    keys key Escape
+    wait $window || exit 1
+done
+cmp "$work/from_900.png" "$work/from_1300.png"
+SH
+timeout 120 bash "$work/resize.sh" >"$log" 2>&1
+code=$?
+cat "$work/said" >>"$log"
+result $code "a window that was made larger shows the same pixels as one that opened so large"
+
 # --- what cannot be opened ---
 "$program" view --replay "$work/none.rec" >"$log" 2>&1
 [ $? = 1 ] && grep -q "none.rec" "$log"

@@ -1,0 +1,50 @@
+// Draws a window in a thread of its own, so that the thread of the events can read keys while a picture is
+// being drawn: without a graphics card that takes tens of milliseconds.
+//
+//   PaintThread paint(window);
+//   paint.run([] { load textures });              waits for the end
+//   paint.start([] { draw; swap buffers });       returns at once
+//   if (paint.is_idle()) ...                      begin the next picture
+//
+// The window's OpenGL context belongs to this thread; no other thread may call OpenGL for the window.
+#pragma once
+#include <condition_variable>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+struct GLFWwindow;
+
+namespace crn
+{
+
+class PaintThread
+{
+  public:
+    explicit PaintThread(GLFWwindow *window);
+    ~PaintThread(); // waits for the end of the work
+    PaintThread(const PaintThread &) = delete;
+    PaintThread &operator=(const PaintThread &) = delete;
+
+    // Begins a piece of work, after the one before has ended. When it ends, an empty event wakes the thread
+    // that waits for events.
+    void start(std::function<void()> work);
+    bool is_idle() const;
+    // Waits for the end of the work, and throws what the work threw.
+    void finish();
+    void run(std::function<void()> work);
+
+  private:
+    void serve();
+
+    GLFWwindow *window_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::function<void()> work_; // empty: idle
+    std::exception_ptr failure_;
+    bool must_end_ = false;
+    std::thread thread_; // the last member, because it uses the others
+};
+
+} // namespace crn
