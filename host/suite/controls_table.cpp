@@ -47,8 +47,7 @@ constexpr std::array<Control, control_count> rows = {{
     {rack_previous, press, devices, "previous to load", GLFW_KEY_SLASH, shift, "Shift /",
      "click a device of the device table", -1, "", "Selects the device before it of the device table."},
     {load_tool, press, devices, "load", GLFW_KEY_INSERT, 0, "Insert", button, -1, "",
-     "Loads the selected device at the chosen position, whose device must be withdrawn and goes to the "
-     "table."},
+     "Loads the selected device at the chosen position; a device there must be withdrawn."},
     {take_off, press, devices, "take off", GLFW_KEY_DELETE, 0, "Delete", button, -1, "",
      "Takes the chosen device off the line, when it is withdrawn, and puts it on the device table."},
     {fluoro, hold, xray, "fluoro", GLFW_KEY_SPACE, 0, "Space", button, -1, "right trigger",

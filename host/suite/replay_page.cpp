@@ -197,7 +197,10 @@ void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplaySh
         ui_.note(name, {at.x, at.y, edge, edge});
     }
     ImGui::SetCursorScreenPos({place.x + ui_.px(12.0f), place.y + ui_.px(8.0f)});
-    if (slot == expert_slot) draw_expert_text();
+    if (slot == expert_slot)
+        draw_expert_text();
+    else if (shows_expert_)
+        ui_.text(tint::text, "TRAINEE");
     if (shown && !shown->trouble.empty()) {
         ImGui::SetCursorScreenPos({place.x + ui_.px(20.0f), place.y + ui_.px(40.0f)});
         ui_.text(tint::red, "%s", shown->trouble.c_str());
@@ -244,8 +247,8 @@ void ReplayPage::draw_side(const UiRect &place)
     row({table_right, table_left}, (width - 6.0f) / 2.0f);
     row({field_smaller, field_larger}, (width - 6.0f) / 2.0f);
     if (ui_.plain_button("as recorded", "Angle of the session", -1.0f)) carm_.reset();
-    if (lesson_ && ui_.plain_button("expert", shows_expert_ ? "Hide the expert (X)" : "Expert beside it (X)",
-                                    -1.0f, "Shows the expert's run at the same time of the session."))
+    if (lesson_ && ui_.screen_button(ScreenControlId::expert,
+                                     shows_expert_ ? "Hide the expert" : "Expert beside it", -1.0f))
         toggle_expert();
     ImGui::Dummy({1.0f, ui_.px(8.0f)});
     if (shown) {
@@ -254,7 +257,7 @@ void ReplayPage::draw_side(const UiRect &place)
             if (tools[k].name.empty()) continue; // a free position
             const ToolReading &reading = shown->picture.frame.tools[k];
             ui_.text(tint::text, "%zu  %s", k + 1, tools[k].name.c_str());
-            ui_.small_text(tint::dim, "%.0f mm  %+.0f\u00b0  %.2f N  %.1f mNm",
+            ui_.small_text(tint::dim, "%.0f mm  %+.0f\u00b0  %.2f N  %.1f mN\u00b7m",
                            rounded_to(reading.inserted_m * 1e3, 1.0), rounded_to(reading.turned_deg, 1.0),
                            rounded_to(reading.axial_N, 100.0), rounded_to(reading.torque_N_m * 1e3, 10.0));
         }
@@ -269,16 +272,16 @@ void ReplayPage::draw_side(const UiRect &place)
 
 void ReplayPage::draw_scrub_buttons(double ticks)
 {
-    if (ui_.plain_button("play", is_playing_ ? "Pause" : "Play", 90.0f, "Key: Space")) toggle_play();
+    if (ui_.screen_button(ScreenControlId::play, is_playing_ ? "Pause" : "Play", 130.0f)) toggle_play();
     ImGui::SameLine();
-    if (ui_.plain_button("back 1 s", "- 1 s", 64.0f, "Key: Left")) jump(-1.0);
+    if (ui_.screen_button(ScreenControlId::second_back, "- 1 s", 64.0f)) jump(-1.0);
     ImGui::SameLine();
-    if (ui_.plain_button("on 1 s", "+ 1 s", 64.0f, "Key: Right")) jump(1.0);
+    if (ui_.screen_button(ScreenControlId::second_on, "+ 1 s", 64.0f)) jump(1.0);
     ImGui::SameLine();
     if (!errors_.empty()) {
-        if (ui_.plain_button("error before", "< error", 76.0f, "Key: P")) go_to_error(false);
+        if (ui_.screen_button(ScreenControlId::error_before, "< Error", 76.0f)) go_to_error(false);
         ImGui::SameLine();
-        if (ui_.plain_button("next error", "error >", 76.0f, "Key: N")) go_to_error(true);
+        if (ui_.screen_button(ScreenControlId::next_error, "Error >", 76.0f)) go_to_error(true);
         ImGui::SameLine();
     }
     ui_.text(tint::text, "   %s of %s", session_clock(tick_ * 1e-3).c_str(),

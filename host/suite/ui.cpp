@@ -51,8 +51,11 @@ void Ui::tooltip(const std::string &text)
 void Ui::button(ControlId id, const char *label, float width, bool is_lit)
 {
     const Control &found = control(id);
-    const std::string text =
-        std::string(label ? std::string_view(label) : found.name) + "##" + std::string(found.name);
+    std::string shown(label ? std::string_view(label) : found.name);
+    if (!shown.empty() && shown[0] >= 'a' && shown[0] <= 'z')
+        shown[0] = static_cast<char>(shown[0] - 'a' + 'A');
+    const bool is_cut = width > 0.0f && ImGui::CalcTextSize(shown.c_str()).x > px(width);
+    const std::string text = shown + "##" + std::string(found.name);
     if (is_lit) {
         ImGui::PushStyleColor(ImGuiCol_Button, tint::orange);
         ImGui::PushStyleColor(ImGuiCol_ButtonHovered, tint::orange);
@@ -62,15 +65,25 @@ void Ui::button(ControlId id, const char *label, float width, bool is_lit)
     if (is_lit) ImGui::PopStyleColor(3);
     if (ImGui::IsItemActivated()) input_->press(id);
     if (ImGui::IsItemDeactivated()) input_->release(id);
-    note_last_item(std::string(found.name));
+    note_last_item(std::string(found.name), is_cut ? "its label does not fit" : "");
     tooltip(tooltip_of(found));
+}
+
+bool Ui::screen_button(ScreenControlId id, const std::string &label, float width)
+{
+    const ScreenControl &row = screen_control(id);
+    const std::string key(row.key_text);
+    const std::string text = width < 0.0f || width > 120.0f ? label + " (" + key + ")" : label;
+    return plain_button(std::string(row.name).c_str(), text.c_str(), width,
+                        (std::string(row.what) + "\nKey: " + key).c_str());
 }
 
 bool Ui::plain_button(const char *name, const char *label, float width, const char *hint)
 {
     const bool is_pressed = ImGui::Button((std::string(label) + "##" + name).c_str(),
                                           {width > 0.0f ? px(width) : width, px(28.0f)});
-    note_last_item(name);
+    const bool is_cut = width > 0.0f && ImGui::CalcTextSize(label).x > px(width);
+    note_last_item(name, is_cut ? "its label does not fit" : "");
     if (hint) tooltip(hint);
     return is_pressed;
 }
@@ -102,7 +115,7 @@ void Ui::bar(float share, ImU32 colour, const char *label, float width)
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float high = px(14.0f), half = 0.5f * width;
     ImDrawList *draw = ImGui::GetWindowDrawList();
-    draw->AddRectFilled(at, {at.x + width, at.y + high}, tint::background, px(3.0f));
+    draw->AddRectFilled(at, {at.x + width, at.y + high}, tint::line, px(3.0f));
     const float end = at.x + half + std::clamp(share, -1.0f, 1.0f) * half;
     draw->AddRectFilled({std::min(at.x + half, end), at.y + px(2.0f)},
                         {std::max(at.x + half, end), at.y + high - px(2.0f)}, colour);
