@@ -35,7 +35,7 @@ double inner_mm(const Instrument &tool)
 
 std::string mm_text(double mm)
 {
-    return number_text(mm, 3) + " mm";
+    return decimals_text(mm, 2) + " mm";
 }
 
 } // namespace

@@ -16,6 +16,7 @@ namespace
 constexpr std::size_t replay_slot = 2, expert_slot = 3;
 constexpr std::uint32_t before_error_ticks = 1000; // that an error is shown with
 constexpr float side_width = 330.0f, scrub_height = 92.0f;
+constexpr float side_band = 20.0f; // round a picture, for the letters of the patient's sides
 
 bool is_same(const CArm &a, const CArm &b)
 {
@@ -187,7 +188,7 @@ void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplaySh
                               const UiRect &place)
 {
     ui_.begin_panel(name, place, "");
-    const float edge = std::min(place.width, place.height) - ui_.px(12.0f);
+    const float edge = std::min(place.width, place.height) - 2.0f * ui_.px(side_band);
     const ImVec2 at{place.x + 0.5f * (place.width - edge), place.y + 0.5f * (place.height - edge)};
     ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + edge, at.y + edge}, IM_COL32(8, 10, 12, 255));
     if (shown && !shown->picture.grey.empty()) {
@@ -195,6 +196,7 @@ void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplaySh
             ui_.window().texture(slot, shown->picture.size, shown->picture.grey, shown->number, false);
         ImGui::GetWindowDrawList()->AddImage(texture, at, {at.x + edge, at.y + edge});
         ui_.note(name, {at.x, at.y, edge, edge});
+        draw_sides(shown->picture.carm, {at.x, at.y, edge, edge});
     }
     ImGui::SetCursorScreenPos({place.x + ui_.px(12.0f), place.y + ui_.px(8.0f)});
     if (slot == expert_slot)
@@ -206,6 +208,23 @@ void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplaySh
         ui_.text(tint::red, "%s", shown->trouble.c_str());
     }
     ui_.end_panel();
+}
+
+// Writes the patient's sides beside the picture.
+void ReplayPage::draw_sides(const CArm &carm, const UiRect &picture)
+{
+    const View view = make_view(clamp_carm(carm), 16);
+    const auto letter = [&](float x, float y, const Eigen::Vector3d &direction) {
+        const std::string text = patient_side(direction);
+        const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+        ImGui::GetWindowDrawList()->AddText({x - 0.5f * size.x, y - 0.5f * size.y}, tint::text, text.c_str());
+    };
+    const float x = picture.x + 0.5f * picture.width, y = picture.y + 0.5f * picture.height;
+    const float out = 0.5f * picture.width + 0.5f * ui_.px(side_band);
+    letter(x, y - out, view.up);
+    letter(x, y + out, -view.up);
+    letter(x - out, y, -view.right);
+    letter(x + out, y, view.right);
 }
 
 // Says beside the expert's picture how far its making is, or when the expert was finished.

@@ -1,6 +1,7 @@
 // Draws the start screen: cards of the cases, free practice, kept recordings, the trainee, and the rig.
 #include "host/base/format.hpp"
 #include "host/suite/pages.hpp"
+#include "host/suite/ui_text.hpp"
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
@@ -13,33 +14,27 @@ namespace
 constexpr float side_units = 320.0f, card_width = 356.0f, card_height = 196.0f, card_gap = 14.0f;
 constexpr float picture_units = 104.0f;
 
-// Returns as much of a text as fits into some lines of this width; three dots say that more follows.
-std::string shortened(ImFont *font, const std::string &text, float width, int lines)
-{
-    const float size = font->FontSize;
-    const char *at = text.data(), *end = at + text.size();
-    for (int line = 1; line < lines && at < end; ++line) {
-        at = font->CalcWordWrapPositionA(1.0f, at, end, width);
-        while (at < end && *at == ' ') ++at;
-    }
-    if (font->CalcWordWrapPositionA(1.0f, at, end, width) >= end) return text;
-    const float dots = font->CalcTextSizeA(size, FLT_MAX, 0.0f, "\u2026").x;
-    const char *cut = font->CalcWordWrapPositionA(1.0f, at, end, width - dots);
-    while (cut > at && (cut[-1] == ' ' || cut[-1] == ',')) --cut;
-    return std::string(text.data(), cut) + "\u2026";
-}
-
-// Draws text in a rectangle, wrapped at its width; what does not fit is cut off at the lower edge. Returns
-// the height of the text.
+// Draws text in a rectangle, in lines of its width and at most as many as fit; three dots say that more
+// follows. Returns the height of the lines.
 float wrapped(ImDrawList *draw, ImFont *font, const UiRect &place, ImU32 colour, const std::string &text)
 {
-    if (place.height <= 0.0f) return 0.0f;
-    const ImVec2 size =
-        font->CalcTextSizeA(font->FontSize, FLT_MAX, place.width, text.data(), text.data() + text.size());
-    const ImVec4 clip{place.x, place.y, place.x + place.width, place.y + place.height};
-    draw->AddText(font, font->FontSize, {place.x, place.y}, colour, text.data(), text.data() + text.size(),
-                  place.width, &clip);
-    return size.y;
+    const float line = font->FontSize;
+    const auto most = static_cast<std::size_t>(std::max(place.height / line, 0.0f));
+    const auto width_of = [&](const std::string &part) {
+        return font->CalcTextSizeA(line, FLT_MAX, 0.0f, part.c_str()).x;
+    };
+    std::vector<std::string> lines = lines_of(text, place.width, width_of);
+    if (lines.size() > most) {
+        lines.resize(most);
+        if (!lines.empty()) {
+            std::string &last = lines.back();
+            while (!last.empty() && width_of(last + "\u2026") > place.width) last.pop_back();
+            while (!last.empty() && (last.back() == ' ' || last.back() == ',')) last.pop_back();
+            last += "\u2026";
+        }
+    }
+    draw->AddText(font, line, {place.x, place.y}, colour, joined_lines(lines).c_str());
+    return static_cast<float>(lines.size()) * line;
 }
 
 struct CardState {
@@ -76,12 +71,9 @@ CardState draw_card(Ui &ui, const CaseCard &card, std::size_t index, float width
     // The story goes below the picture, over the whole width.
     const float story_y = std::max(
         y + ui.px(4.0f), at.y + pad + (card.picture.bytes.empty() ? 0.0f : ui.px(picture_units + 6.0f)));
-    const float line = ui.fonts().small_text->FontSize;
-    const int lines = static_cast<int>((bottom - foot - story_y) / line);
     ImFont *small_font = ui.fonts().small_text;
     const float story_w = right - at.x - pad;
-    wrapped(draw, small_font, {at.x + pad, story_y, story_w, static_cast<float>(lines) * line}, tint::dim,
-            lines > 0 ? shortened(small_font, card.story, story_w, lines) : "");
+    wrapped(draw, small_font, {at.x + pad, story_y, story_w, bottom - foot - story_y}, tint::dim, card.story);
     const std::string key = "key " + screen_key_text(ScreenControlId::card, index % cards_per_page());
     draw->AddText(small_font, small_font->FontSize, {at.x + pad, bottom - small_font->FontSize}, tint::dim,
                   key.c_str());

@@ -1,6 +1,9 @@
 #include "host/suite/ui.hpp"
+#include "host/suite/ui_text.hpp"
 #include <algorithm>
 #include <cstdarg>
+#include <cstdio>
+#include <imgui_internal.h>
 
 namespace crn
 {
@@ -43,7 +46,7 @@ void Ui::tooltip(const std::string &text)
     if (!ImGui::IsItemHovered()) return;
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(px(380.0f));
-    ImGui::TextUnformatted(text.c_str());
+    this->text(tint::text, "%s", text.c_str());
     ImGui::PopTextWrapPos();
     ImGui::EndTooltip();
 }
@@ -88,13 +91,32 @@ bool Ui::plain_button(const char *name, const char *label, float width, const ch
     return is_pressed;
 }
 
+// Draws the text with a font; where a wrapping width is set, the lines are broken here.
+void Ui::draw_text(ImFont *font, ImU32 colour, const char *format, va_list arguments)
+{
+    va_list again;
+    va_copy(again, arguments);
+    std::string text(static_cast<std::size_t>(std::max(std::vsnprintf(nullptr, 0, format, again), 0)), '\0');
+    va_end(again);
+    std::vsnprintf(text.data(), text.size() + 1, format, arguments);
+    if (font) ImGui::PushFont(font);
+    const float wrap = ImGui::GetCurrentWindow()->DC.TextWrapPos;
+    if (wrap >= 0.0f) {
+        const float width = ImGui::CalcWrapWidthForPos(ImGui::GetCursorScreenPos(), wrap);
+        text = joined_lines(lines_of(
+            text, width, [](const std::string &line) { return ImGui::CalcTextSize(line.c_str()).x; }));
+    }
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopStyleColor();
+    if (font) ImGui::PopFont();
+}
+
 void Ui::text(ImU32 colour, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextV(format, arguments);
-    ImGui::PopStyleColor();
+    draw_text(nullptr, colour, format, arguments);
     va_end(arguments);
 }
 
@@ -102,11 +124,7 @@ void Ui::small_text(ImU32 colour, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::PushFont(fonts().small_text);
-    ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextV(format, arguments);
-    ImGui::PopStyleColor();
-    ImGui::PopFont();
+    draw_text(fonts().small_text, colour, format, arguments);
     va_end(arguments);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include "host/suite/suite_window.hpp"
 #include "host/suite/user_input.hpp"
+#include <cstdarg>
 #include <imgui.h>
 #include <string>
 #include <vector>
@@ -72,6 +73,8 @@ class Ui
     const std::vector<PlacedControl> &placed() const { return placed_; }
 
   private:
+    void draw_text(ImFont *font, ImU32 colour, const char *format, va_list arguments);
+
     SuiteWindow *window_;
     UserInput *input_ = nullptr;
     std::vector<PlacedControl> placed_;

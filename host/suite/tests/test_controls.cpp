@@ -18,6 +18,7 @@
 #include "host/live/oximeter.hpp"
 #include "host/room/presets.hpp"
 #include "host/suite/pages.hpp"
+#include "host/suite/ui_text.hpp"
 #include "host/suite/user_input.hpp"
 
 // This header comes last, because its macros (fail, ...) would change other headers.
@@ -116,6 +117,20 @@ void every_card_is_on_a_page_with_a_key_for_it(void **)
     assert_int_equal(crn::turned_page(0, 1, 9), 0);
     assert_int_equal(crn::turned_page(1, 0, 9), 0); // five cards are gone
     assert_int_equal(crn::turned_page(3, 1, 0), 0);
+}
+
+// A line breaks at a blank, never inside "3.0"; a word that is too wide stays whole, and an indentation
+// stays.
+void lines_break_at_blanks_only(void **)
+{
+    const auto lines = [](const char *text) {
+        return crn::joined_lines(crn::lines_of(
+            text, 12.0f, [](const std::string &line) { return static_cast<float>(line.size()); }));
+    };
+    assert_string_equal(lines("a stent of 3.0 by 18 mm").c_str(), "a stent of\n3.0 by 18 mm");
+    assert_string_equal(lines("/tmp/folder/name.rec is written").c_str(), "/tmp/folder/name.rec\nis written");
+    assert_string_equal(lines("  one\ntwo  three").c_str(), "  one\ntwo  three");
+    assert_string_equal(lines("").c_str(), "");
 }
 
 void keys_choose_the_tool_they_move(void **)
@@ -397,6 +412,7 @@ int main()
         cmocka_unit_test(every_control_of_the_other_screens_has_keys_of_its_own),
         cmocka_unit_test(the_document_has_the_table_of_the_other_screens),
         cmocka_unit_test(every_card_is_on_a_page_with_a_key_for_it),
+        cmocka_unit_test(lines_break_at_blanks_only),
         cmocka_unit_test(keys_choose_the_tool_they_move),
         cmocka_unit_test(a_held_key_moves_only_the_chosen_tool_until_it_is_released),
         cmocka_unit_test(a_pedal_that_is_tapped_between_two_screens_acts_once),
