@@ -2,6 +2,7 @@
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/suite/suite_screen.hpp"
+#include "host/suite/ui_text.hpp"
 #include <algorithm>
 #include <imgui_internal.h>
 
@@ -55,7 +56,7 @@ void SuiteScreen::toast(const RoomNotice &notice)
     if (is_told) return;
     told_.push_back(notice);
     if (told_.size() > 32) told_.erase(told_.begin());
-    toasts_.push_back({notice.text, ImGui::GetTime() + toast_s, notice.from});
+    toasts_.push_back({without_moment(notice.text), ImGui::GetTime() + toast_s, notice.from});
     if (toasts_.size() > toasts_max) toasts_.pop_front();
 }
 

@@ -1,8 +1,8 @@
 #include "host/suite/ui.hpp"
+#include "host/base/format.hpp"
 #include "host/suite/ui_text.hpp"
 #include <algorithm>
 #include <cstdarg>
-#include <cstdio>
 #include <imgui_internal.h>
 
 namespace crn
@@ -94,11 +94,7 @@ bool Ui::plain_button(const char *name, const char *label, float width, const ch
 // Draws the text with a font; where a wrapping width is set, the lines are broken here.
 void Ui::draw_text(ImFont *font, ImU32 colour, const char *format, va_list arguments)
 {
-    va_list again;
-    va_copy(again, arguments);
-    std::string text(static_cast<std::size_t>(std::max(std::vsnprintf(nullptr, 0, format, again), 0)), '\0');
-    va_end(again);
-    std::vsnprintf(text.data(), text.size() + 1, format, arguments);
+    std::string text = formatted_with(format, arguments);
     if (font) ImGui::PushFont(font);
     const float wrap = ImGui::GetCurrentWindow()->DC.TextWrapPos;
     if (wrap >= 0.0f) {

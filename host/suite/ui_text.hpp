@@ -54,6 +54,14 @@ inline std::string joined_lines(const std::vector<std::string> &lines)
     return text;
 }
 
+// Leaves out the moment behind a notice, " (at 4569 ms)": it is written for the report.
+inline std::string without_moment(const std::string &notice)
+{
+    const std::size_t at = notice.rfind(" (at ");
+    const bool is_moment = at != std::string::npos && notice.size() >= 4 && notice.ends_with(" ms)");
+    return is_moment ? notice.substr(0, at) : notice;
+}
+
 // Leaves out the remedy of a condition that does not hold: it is written for the author of a script.
 inline std::string without_remedy(const std::string &found)
 {

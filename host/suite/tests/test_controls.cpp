@@ -133,6 +133,14 @@ void lines_break_at_blanks_only(void **)
     assert_string_equal(lines("").c_str(), "");
 }
 
+void a_notice_in_the_window_has_no_tick(void **)
+{
+    assert_string_equal(crn::without_moment("NO STENT LEFT to load (at 70 ms)").c_str(),
+                        "NO STENT LEFT to load");
+    assert_string_equal(crn::without_moment("refused (at once)").c_str(), "refused (at once)");
+    assert_string_equal(crn::without_moment(" ms)").c_str(), " ms)");
+}
+
 void keys_choose_the_tool_they_move(void **)
 {
     crn::UserInput input(2);
@@ -413,6 +421,7 @@ int main()
         cmocka_unit_test(the_document_has_the_table_of_the_other_screens),
         cmocka_unit_test(every_card_is_on_a_page_with_a_key_for_it),
         cmocka_unit_test(lines_break_at_blanks_only),
+        cmocka_unit_test(a_notice_in_the_window_has_no_tick),
         cmocka_unit_test(keys_choose_the_tool_they_move),
         cmocka_unit_test(a_held_key_moves_only_the_chosen_tool_until_it_is_released),
         cmocka_unit_test(a_pedal_that_is_tapped_between_two_screens_acts_once),
