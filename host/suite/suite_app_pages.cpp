@@ -202,7 +202,7 @@ void SuiteApp::save_debrief()
     said_ = "written " + page + "\nwritten " + figures;
 }
 
-// Returns what a key chooses on a screen without a session (screen_controls.cpp). A key of a range, such as
+// Returns what a key chooses on a screen without a session (controls_table.cpp). A key of a range, such as
 // "1 to 9", chooses by its place in the range.
 PageChoice SuiteApp::choice_of_key(int key) const
 {
