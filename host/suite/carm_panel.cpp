@@ -187,7 +187,11 @@ void SuiteScreen::draw_carm(const UiRect &place)
     };
     using enum ControlId;
     row({rao, lao, cranial, caudal}, quarter);
-    row({view_ap, view_lateral, angles_zero, halt}, quarter);
+    row({view_ap, view_lateral}, quarter);
+    ImGui::SameLine();
+    ui_.button(angles_zero, "0\u00b0 / 0\u00b0", quarter);
+    ImGui::SameLine();
+    ui_.button(halt, nullptr, quarter);
     ImGui::PushFont(ui_.fonts().small_text);
     row({view_spider, view_rao_caudal, view_rao_cranial}, third);
     row({view_lao_cranial, view_rca_lao, view_rca_rao}, third);

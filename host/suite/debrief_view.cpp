@@ -184,7 +184,7 @@ class DebriefView
         for (const Json &tool : report["assessment"]["tools"])
             ui_.small_text(
                 tint::text,
-                "%s: path of the hand %.0f mm, of the tip %.0f mm; submovements: %d; smoothness (SPARC): %s",
+                "%s: path of the hand %.0f mm, of the tip %.0f mm\n  submovements %d, smoothness (SPARC) %s",
                 tool.value("name", "").c_str(), tool.value("hand_path_mm", 0.0),
                 tool.value("tip_path_mm", 0.0), tool.value("submovements", 0),
                 value_text(tool["sparc"], "").c_str());

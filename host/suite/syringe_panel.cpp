@@ -41,12 +41,12 @@ void SuiteScreen::draw_dose(const UiRect &place)
     const bool is_dsa = state.program == RunKind::dsa;
     const bool is_roadmap = view_->live && view_->live->status.roadmap != RoadmapState::off;
     ImGui::PushFont(ui_.fonts().small_text);
-    ui_.button(fluoro_rate, formatted("Fluoro %g/s", state.fluoro_pulses_per_s).c_str(), 82.0f);
+    ui_.button(fluoro_rate, formatted("Fluoro %g/s", state.fluoro_pulses_per_s).c_str(), 88.0f);
     ImGui::SameLine();
     ui_.button(acquire_rate,
                formatted("%s %g/s", is_dsa ? "DSA" : "Cine", state.program_pulses_per_s).c_str(), 72.0f);
     ImGui::SameLine();
-    ui_.button(program, is_dsa ? "To cine" : "To DSA", 56.0f);
+    ui_.button(program, is_dsa ? "To cine" : "To DSA", 54.0f);
     ImGui::SameLine();
     ui_.button(roadmap, nullptr, -1.0f, is_roadmap);
     ImGui::PopFont();
@@ -160,15 +160,11 @@ void SuiteScreen::draw_chart(const UiRect &place, const Instrument &tool)
         points.push_back(at(table.balloon[i].pressure_kPa, table.balloon[i].diameter_um * 1e-3));
     draw->AddPolyline(points.data(), static_cast<int>(points.size()), tint::sky, 0, ui_.px(2.0f));
     ImGui::PushFont(ui_.fonts().small_text);
-    const auto mark = [&](double kPa, ImU32 colour, const char *name, float row) {
+    const auto mark = [&](double kPa, ImU32 colour, const char *name) {
         const float x = at(kPa, low_mm).x;
         draw->AddLine({x, place.y}, {x, place.y + place.height}, colour);
-        const std::string text = formatted("%s %.0f bar", name, kPa / kPa_per_bar);
-        const float width = ImGui::CalcTextSize(text.c_str()).x;
-        const bool is_left = x + width + ui_.px(5.0f) > place.x + place.width;
-        draw->AddText({is_left ? x - width - ui_.px(3.0f) : x + ui_.px(3.0f),
-                       place.y + place.height - ui_.px(16.0f + 14.0f * row)},
-                      colour, text.c_str());
+        draw->AddText({x + ui_.px(3.0f), place.y + place.height - ui_.px(30.0f)}, colour,
+                      formatted("%s\n%.0f bar", name, kPa / kPa_per_bar).c_str());
     };
     // The largest and the smallest diameter of the table, at their height.
     const float line = ImGui::GetFontSize();
@@ -180,8 +176,8 @@ void SuiteScreen::draw_chart(const UiRect &place, const Instrument &tool)
                       tint::dim, formatted("%.2f mm", mm).c_str());
     }
     if (tool.balloon) {
-        mark(tool.balloon->nominal_kPa, tint::green, "nominal", 0.0f);
-        mark(tool.balloon->rated_burst_kPa, tint::red, "rated burst", 1.0f);
+        mark(tool.balloon->nominal_kPa, tint::green, "nominal");
+        mark(tool.balloon->rated_burst_kPa, tint::red, "rated burst");
     }
     ImGui::PopFont();
     const crn_wire_tick_state &core = view_->state->core;

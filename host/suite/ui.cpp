@@ -57,14 +57,18 @@ void Ui::button(ControlId id, const char *label, float width, bool is_lit)
     std::string shown(label ? std::string_view(label) : found.name);
     if (!shown.empty() && shown[0] >= 'a' && shown[0] <= 'z')
         shown[0] = static_cast<char>(shown[0] - 'a' + 'A');
-    const bool is_cut = width > 0.0f && ImGui::CalcTextSize(shown.c_str()).x > px(width);
+    // A button of a fixed width leaves less room beside its label than one that is as wide as its label.
+    const float beside = width > 0.0f ? px(3.0f) : ImGui::GetStyle().FramePadding.x;
+    const bool is_cut = width > 0.0f && ImGui::CalcTextSize(shown.c_str()).x > px(width) - 2.0f * beside;
     const std::string text = shown + "##" + std::string(found.name);
     if (is_lit) {
         ImGui::PushStyleColor(ImGuiCol_Button, tint::orange);
         ImGui::PushStyleColor(ImGuiCol_ButtonHovered, tint::orange);
         ImGui::PushStyleColor(ImGuiCol_Text, tint::background);
     }
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {beside, ImGui::GetStyle().FramePadding.y});
     ImGui::Button(text.c_str(), {width > 0.0f ? px(width) : width, px(26.0f)});
+    ImGui::PopStyleVar();
     if (is_lit) ImGui::PopStyleColor(3);
     if (ImGui::IsItemActivated()) input_->press(id);
     if (ImGui::IsItemDeactivated()) input_->release(id);
@@ -85,7 +89,8 @@ bool Ui::plain_button(const char *name, const char *label, float width, const ch
 {
     const bool is_pressed = ImGui::Button((std::string(label) + "##" + name).c_str(),
                                           {width > 0.0f ? px(width) : width, px(28.0f)});
-    const bool is_cut = width > 0.0f && ImGui::CalcTextSize(label).x > px(width);
+    const bool is_cut =
+        width > 0.0f && ImGui::CalcTextSize(label).x > px(width) - 2.0f * ImGui::GetStyle().FramePadding.x;
     note_last_item(name, is_cut ? "its label does not fit" : "");
     if (hint) tooltip(hint);
     return is_pressed;
