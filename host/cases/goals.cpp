@@ -133,7 +133,8 @@ Json case_result(const Case &lesson, const std::vector<GoalResult> &goals, const
         const std::optional<double> value = measured(limit.measure, report);
         // A session without the value, such as an angioplasty without a treated lesion, gets no marks for it.
         const double share =
-            value ? std::clamp((*value - limit.none_at) / (limit.full_at - limit.none_at), 0.0, 1.0) : 0.0;
+            value ? std::clamp((*value - limit.none_at) / (limit.full_at - limit.none_at), 0.0, 1.0) + 0.0
+                  : 0.0; // + 0.0: no marks are 0, not -0
         points += share * limit.marks;
         marks += limit.marks;
         limit_list.push_back({{"measure", limit.measure},
@@ -161,14 +162,16 @@ void print_case_result(const Json &entry)
                     printable(goal.at("text").get<std::string>()).c_str(),
                     printable(goal.at("expected").get<std::string>()).c_str(),
                     printable(goal.at("found").get<std::string>()).c_str());
-    for (const Json &limit : entry.at("limits"))
-        std::printf("limit                 %s: %s %s, %s of %s marks\n",
+    for (const Json &limit : entry.at("limits")) {
+        const std::string unit = limit.at("unit").get<std::string>();
+        std::printf("limit                 %s: %s%s%s, %s of %s marks\n",
                     limit.at("title").get<std::string>().c_str(),
                     limit.at("value").is_number() ? number_text(limit.at("value").get<double>(), 3).c_str()
                                                   : "not known",
-                    limit.at("unit").get<std::string>().c_str(),
+                    unit.empty() ? "" : " ", unit.c_str(),
                     number_text(limit.at("points").get<double>(), 3).c_str(),
                     number_text(limit.at("marks").get<double>(), 3).c_str());
+    }
     std::printf("score of the case     %.0f of 100\n", entry.at("score").get<double>());
 }
 

@@ -68,7 +68,7 @@ class PulseMonitor
     double ejection_ml_per_s(const crn_wire_tick_state &state) const;
 
     std::array<Sample, sample_count> samples_{};
-    std::size_t newest_ = 0;
+    std::size_t newest_ = sample_count - 1; // so that the first sample is written to the left edge
     std::uint32_t ticks_ = 0, beats_ = 0, premature_beats_ = 0;
     double ecg_mV_ = 0.0;
     std::uint8_t bits_ = 0;

@@ -200,6 +200,11 @@ void PatientStents::load(std::uint32_t tick)
         refusals_.push_back("NO STENT LEFT to load" + at);
         return;
     }
+    if (!tool_) {
+        refusals_.push_back(
+            "NO STENT LOADED - no tool on the line has a balloon: load the balloon catheter first" + at);
+        return;
+    }
     if (tick > 0 && inserted_m_ > folded_end_m_) {
         refusals_.push_back("NO STENT LOADED - the balloon is in the patient: withdraw it" + at);
         return;

@@ -1,5 +1,6 @@
 // Draws the C-arm: a small view of arm, table and patient in space, the dial of its angles, the standard
 // views, the table's cross and the field.
+#include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/suite/suite_screen.hpp"
 #include "host/suite/ui_text.hpp"
@@ -186,7 +187,11 @@ void SuiteScreen::draw_carm(const UiRect &place)
     };
     using enum ControlId;
     row({rao, lao, cranial, caudal}, quarter);
-    row({view_ap, view_lateral, angles_zero, halt}, quarter);
+    row({view_ap, view_lateral}, quarter);
+    ImGui::SameLine();
+    ui_.button(angles_zero, "0\u00b0 / 0\u00b0", quarter);
+    ImGui::SameLine();
+    ui_.button(halt, nullptr, quarter);
     ImGui::PushFont(ui_.fonts().small_text);
     row({view_spider, view_rao_caudal, view_rao_cranial}, third);
     row({view_lao_cranial, view_rca_lao, view_rca_rao}, third);
@@ -223,23 +228,27 @@ void SuiteScreen::draw_table(const UiRect &place)
     ImGui::SameLine();
     ui_.button(table_down, "down", third);
     const Eigen::Vector3d &at_m = room.carm.isocentre_m;
-    ui_.small_text(tint::text, "left %+.0f  head %+.0f  front %+.0f mm", at_m.x() * 1e3, at_m.y() * 1e3,
-                   at_m.z() * 1e3);
-    ui_.button(field_larger, "field +", third);
+    const auto towards = [](double along_m, const char *plus, const char *minus) {
+        return formatted("%s %.0f", along_m < 0.0 ? minus : plus, std::fabs(along_m) * 1e3);
+    };
+    ui_.small_text(tint::text, "centre: %s, %s, %s mm", towards(at_m.x(), "left", "right").c_str(),
+                   towards(at_m.y(), "head", "feet").c_str(), towards(at_m.z(), "front", "back").c_str());
+    ui_.tooltip("Where the middle of the picture lies, from the middle of the patient.");
+    ui_.button(field_smaller, nullptr, third);
     ImGui::SameLine();
-    ui_.button(field_smaller, "field -", third);
+    ui_.button(field_larger, nullptr, third);
     ImGui::SameLine();
     ui_.button(round, "round", third, room.is_round);
-    ui_.small_text(tint::text, "field %.0f cm   blades %.0f %% x %.0f %%", room.carm.field_m * 100.0,
+    ui_.small_text(tint::text, "field %.0f cm;  blades %.0f %% x %.0f %%", room.carm.field_m * 100.0,
                    room.open_width_share * 100.0, room.open_height_share * 100.0);
     ImGui::PushFont(ui_.fonts().small_text);
-    ui_.button(blades_narrower, "narrow", quarter);
+    ui_.button(blades_narrower, "width -", quarter);
     ImGui::SameLine();
-    ui_.button(blades_wider, "wide", quarter);
+    ui_.button(blades_wider, "width +", quarter);
     ImGui::SameLine();
-    ui_.button(blades_lower, "low", quarter);
+    ui_.button(blades_lower, "height -", quarter);
     ImGui::SameLine();
-    ui_.button(blades_higher, "high", quarter);
+    ui_.button(blades_higher, "height +", quarter);
     ImGui::PopFont();
     ui_.end_panel();
 }

@@ -1,5 +1,6 @@
 // Lists every control of the suite in one table: its name, key, mouse and gamepad binding, and one sentence
-// about it. The keys, the tooltips, the help and the table in docs/suite.md come from this table.
+// about it; a second table has those of the screens without a session. The keys, the tooltips, the help and
+// the tables in docs/suite.md come from these tables.
 #pragma once
 #include "host/room/room_screen.hpp"
 #include "shared/wire/wire.h"
@@ -136,6 +137,52 @@ const Control *control_of_pad(int button);
 
 // Returns the table of docs/suite.md, in Markdown.
 std::string controls_document();
+
+// --- the screens without a session, and the replay ---
+
+enum class ScreenId : std::uint8_t { start, prep, debrief, replay, rig };
+enum class ScreenControlId : std::uint8_t {
+    card,
+    cards_on,
+    cards_back,
+    practice,
+    recording,
+    to_rig,
+    quit,
+    begin,
+    leave_prep,
+    to_replay,
+    again,
+    save,
+    leave_debrief,
+    play,
+    second_back,
+    second_on,
+    next_error,
+    error_before,
+    expert,
+    leave_replay,
+    leave_rig
+};
+inline constexpr std::size_t screen_control_count = static_cast<std::size_t>(ScreenControlId::leave_rig) + 1;
+
+// A key of a screen, or a range of neighbouring keys: the key after `key` is then the second choice.
+struct ScreenControl {
+    ScreenControlId id;
+    ScreenId screen;
+    std::string_view name; // in the layout file
+    int key = 0, key_last = 0;
+    std::string_view key_text, what;
+    int keys() const { return key_last - key + 1; }
+};
+
+std::span<const ScreenControl> screen_controls();
+const ScreenControl &screen_control(ScreenControlId id);
+// Returns the control of a key on a screen; null: the key has none there.
+const ScreenControl *screen_control_of_key(ScreenId screen, int key);
+// Returns the text of one key of a range: "F2" for the second of "F1 to F7".
+std::string screen_key_text(ScreenControlId id, std::size_t index);
+std::string screen_controls_document();
 
 // Returns the commands to the X-ray room that a control stands for, if its effect depends on the present
 // state of the room. `screen` is the state of the live monitor. Controls that are no such command give none.

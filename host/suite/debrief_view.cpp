@@ -6,6 +6,7 @@
 #include "host/suite/pages.hpp"
 #include "host/suite/ui_text.hpp"
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 
 namespace crn
@@ -25,6 +26,7 @@ std::string clock_of(const Json &tick)
 std::string value_text(const Json &value, const std::string &unit)
 {
     if (!value.is_number()) return "not known";
+    if (unit == "min") return decimals_text(value.get<double>(), 1) + " min";
     return number_text(value.get<double>(), 3) + (unit.empty() ? "" : " " + unit);
 }
 
@@ -167,7 +169,7 @@ class DebriefView
                  report.value(Pointer("/room/total/kap_Gy_cm2"), 0.0));
         if (!report_) return;
         if (report.contains("case")) draw_case_marks(report["case"]);
-        heading("ASSESSMENT (docs/assessment.md)");
+        heading("ASSESSMENT");
         for (const Json &part : report["assessment"]["score"]["parts"])
             if (part["share"].is_number())
                 ui_.text(tint::text, "%5.1f of %.0f   %s",
@@ -180,10 +182,12 @@ class DebriefView
                                value_text(metric["value"], metric.value("unit", "")).c_str());
         heading("MOTION");
         for (const Json &tool : report["assessment"]["tools"])
-            ui_.small_text(tint::text, "%s: hand %.0f mm, tip %.0f mm, %d submovements, SPARC %s",
-                           tool.value("name", "").c_str(), tool.value("hand_path_mm", 0.0),
-                           tool.value("tip_path_mm", 0.0), tool.value("submovements", 0),
-                           value_text(tool["sparc"], "").c_str());
+            ui_.small_text(
+                tint::text,
+                "%s: path of the hand %.0f mm, of the tip %.0f mm\n  submovements %d, smoothness (SPARC) %s",
+                tool.value("name", "").c_str(), tool.value("hand_path_mm", 0.0),
+                tool.value("tip_path_mm", 0.0), tool.value("submovements", 0),
+                value_text(tool["sparc"], "").c_str());
     }
 
     void draw_case_marks(const Json &marks)
@@ -195,7 +199,8 @@ class DebriefView
                      is_reached ? "\u25cf" : "\u25cb", goal["points"].get<double>(),
                      goal["marks"].get<double>(), goal.value("text", "").c_str());
             if (!is_reached)
-                ui_.small_text(tint::dim, "      %s", without_remedy(goal.value("found", "")).c_str());
+                ui_.small_text(tint::dim, "wanted: %s\nfound: %s", goal.value("expected", "").c_str(),
+                               without_remedy(goal.value("found", "")).c_str());
         }
         for (const Json &limit : marks["limits"])
             ui_.text(tint::text, "%.1f of %.0f  %s: %s", limit["points"].get<double>(),
@@ -225,15 +230,13 @@ class DebriefView
             ui_.small_text(tint::text, "%s", teaching.c_str());
         }
         ImGui::Dummy({1.0f, ui_.px(8.0f)});
-        if (!debrief_.recording.empty() &&
-            ui_.plain_button("replay", "Replay (1)", -1.0f, "Shows any moment from any angle."))
+        if (!debrief_.recording.empty() && ui_.screen_button(ScreenControlId::to_replay, "Replay", -1.0f))
             choice_ = {PageChoice::Kind::replay, 0, debrief_.recording, 0};
-        if (ui_.plain_button("again", "Again (2)", -1.0f)) choice_.kind = PageChoice::Kind::again;
-        if (report_ &&
-            ui_.plain_button("save", "Save page and figures (S)", -1.0f,
-                             "Writes the debrief as HTML, and the figures as JSON, beside the recording."))
+        if (ui_.screen_button(ScreenControlId::again, "Again", -1.0f)) choice_.kind = PageChoice::Kind::again;
+        if (report_ && ui_.screen_button(ScreenControlId::save, "Save page and figures", -1.0f))
             choice_.kind = PageChoice::Kind::save;
-        if (ui_.plain_button("start", "Start screen (Esc)", -1.0f)) choice_.kind = PageChoice::Kind::start;
+        if (ui_.screen_button(ScreenControlId::leave_debrief, "Start screen", -1.0f))
+            choice_.kind = PageChoice::Kind::start;
         if (!said_.empty()) ui_.small_text(tint::sky, "%s", said_.c_str());
         for (const std::string &file : debrief_.files) ui_.small_text(tint::dim, "written %s", file.c_str());
     }
@@ -261,20 +264,28 @@ class DebriefView
         draw->AddRectFilled({place.x, place.y}, {place.x + place.width, place.y + place.height},
                             tint::background, ui_.px(4.0f));
         const LearningCurve &curve = stored_->curve;
-        const float pad = ui_.px(8.0f),
+        const float pad = ui_.px(8.0f), scale = ui_.px(34.0f),
                     count = static_cast<float>(std::max<std::size_t>(curve.points.size(), 2));
         const auto x_of = [&](std::size_t i) {
-            return place.x + pad + (place.width - 2.0f * pad) * static_cast<float>(i) / (count - 1.0f);
+            const float left = place.x + scale + pad, right = place.x + place.width - 2.0f * pad;
+            return left + (right - left) * static_cast<float>(i) / (count - 1.0f);
         };
         const auto y_of = [&](double value) {
             const float share = static_cast<float>(std::clamp(value / 100.0, 0.0, 1.0));
             return place.y + pad + (place.height - 2.0f * pad) * (1.0f - share);
         };
-        for (const double level : {0.0, 50.0, 100.0})
-            draw->AddLine({place.x + pad, y_of(level)}, {place.x + place.width - pad, y_of(level)},
+        ImFont *font = ui_.fonts().small_text;
+        for (const double level : {0.0, 50.0, 100.0}) {
+            draw->AddLine({place.x + scale, y_of(level)}, {place.x + place.width - pad, y_of(level)},
                           tint::line);
+            const std::string text = formatted("%.0f", level);
+            const float text_w = font->CalcTextSizeA(font->FontSize, FLT_MAX, 0.0f, text.c_str()).x;
+            draw->AddText(font, font->FontSize,
+                          {place.x + scale - text_w - ui_.px(4.0f), y_of(level) - 0.5f * font->FontSize},
+                          tint::dim, text.c_str());
+        }
         if (curve.expert)
-            draw->AddRectFilled({place.x + pad, y_of(curve.expert->high) - 1.0f},
+            draw->AddRectFilled({place.x + scale, y_of(curve.expert->high) - 1.0f},
                                 {place.x + place.width - pad, y_of(curve.expert->low) + 1.0f},
                                 IM_COL32(0, 200, 130, 60));
         for (std::size_t i = 0; i + 1 < curve.points.size(); ++i) {
@@ -305,6 +316,11 @@ class DebriefView
         ImGui::SetCursorScreenPos({place.x, place.y});
         ui_.small_text(tint::dim,
                        "TIMELINE: X-ray yellow, phases blue, errors as triangles. A click shows the moment.");
+        const std::string length = session_clock(ticks * 1e-3);
+        ImFont *font = ui_.fonts().small_text;
+        const float length_w = font->CalcTextSizeA(font->FontSize, FLT_MAX, 0.0f, length.c_str()).x;
+        draw->AddText(font, font->FontSize, {place.x + place.width - length_w, place.y}, tint::dim,
+                      length.c_str());
         draw->AddRectFilled({place.x, y}, {place.x + place.width, y + height}, tint::background,
                             ui_.px(4.0f));
         draw_xray(assessment["curves"], x_of, y, height);

@@ -15,6 +15,7 @@ namespace
 {
 
 constexpr double force_full_N = 2.0, torque_full_mN_m = 2.0;
+constexpr float force_share = 0.66f, torque_share = 0.83f; // of a row's width, where their bars begin
 // A drag of one unit moves a tool by half a millimetre or turns it by one degree; with Shift a fifth of that.
 constexpr double um_per_unit = 500.0, counts_per_unit = counts_per_turn / 360.0, slow_share = 0.2;
 const std::string free_text = "free: load a device of the device table";
@@ -58,8 +59,14 @@ void SuiteScreen::draw_devices(const UiRect &place)
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {ui_.px(6.0f), ui_.px(2.0f)});
     ImGui::SetCursorScreenPos({place.x + ui_.px(9.0f), place.y + ui_.px(4.0f)});
     ui_.small_text(tint::dim,
-                   "DEVICES, innermost first     drag a row: right and left to push and pull, up and "
-                   "down to turn");
+                   "DEVICES, innermost first     drag a row: sideways to push and pull, up and down to turn");
+    ImFont *font = ui_.fonts().small_text;
+    const float inner = place.width - ui_.px(12.0f);
+    for (const auto &[share, name] :
+         {std::pair(force_share, "force on the hand"), std::pair(torque_share, "torque on the hand")})
+        ImGui::GetWindowDrawList()->AddText(font, font->FontSize,
+                                            {place.x + ui_.px(6.0f) + share * inner, place.y + ui_.px(4.0f)},
+                                            tint::dim, name);
     for (std::size_t k = 0; k < view_->tools->size(); ++k) {
         ImGui::SetCursorScreenPos(
             {place.x + ui_.px(6.0f), place.y + ui_.px(25.0f + 34.0f * static_cast<float>(k))});
@@ -104,7 +111,9 @@ void SuiteScreen::draw_device(std::size_t tool, float width)
     const std::string name = "row " + std::to_string(tool + 1);
     const std::string moved = formatted("%.0f mm  %+.0f\u00b0", rounded_to(reading.inserted_m * 1e3, 1.0),
                                         rounded_to(reading.turned_deg, 1.0));
-    ui_.note_last_item(name, is_free ? free_text : instrument.name + "  " + moved);
+    const bool is_out = reading.inserted_m <= 0.0; // and may be exchanged
+    ui_.note_last_item(name,
+                       is_free ? free_text : instrument.name + "  " + moved + (is_out ? "  withdrawn" : ""));
     if (view_->tips && tool < view_->tips->size() && !(*view_->tips)[tool].empty() && !is_free) {
         ui_.note_last_item("tip " + std::to_string(tool + 1), (*view_->tips)[tool]);
         ui_.tooltip("The tip is " + (*view_->tips)[tool] + ".");
@@ -140,18 +149,19 @@ void SuiteScreen::draw_device(std::size_t tool, float width)
                   {knob.x + ui_.px(6.0f) * static_cast<float>(std::sin(turn_rad)),
                    knob.y - ui_.px(6.0f) * static_cast<float>(std::cos(turn_rad))},
                   tint::background, ui_.px(2.0f));
-    draw->AddText({rail_x + rail_w + ui_.px(14.0f), text_y}, tint::text, moved.c_str());
+    draw->AddText({rail_x + rail_w + ui_.px(14.0f), text_y}, is_out ? tint::green : tint::text,
+                  is_out ? "withdrawn" : moved.c_str());
 
     const double torque_mN_m = reading.torque_N_m * 1e3;
-    const float bars_x = at.x + 0.66f * width, bar_w = 0.09f * width;
+    const float bars_x = at.x + force_share * width, bar_w = 0.09f * width;
     const double force = std::fabs(reading.axial_N) / force_full_N,
                  torque = std::fabs(torque_mN_m) / torque_full_mN_m;
     ImGui::SetCursorScreenPos({bars_x, at.y + ui_.px(9.0f)});
     const std::string force_text = formatted("%.2f N", rounded_to(reading.axial_N, 100.0));
     ui_.bar(static_cast<float>(reading.axial_N / force_full_N), load_colour(force), force_text.c_str(),
             bar_w);
-    ImGui::SetCursorScreenPos({bars_x + 0.17f * width, at.y + ui_.px(9.0f)});
-    const std::string torque_text = formatted("%.1f mNm", rounded_to(torque_mN_m, 10.0));
+    ImGui::SetCursorScreenPos({at.x + torque_share * width, at.y + ui_.px(9.0f)});
+    const std::string torque_text = formatted("%.1f mN\u00b7m", rounded_to(torque_mN_m, 10.0));
     ui_.bar(static_cast<float>(torque_mN_m / torque_full_mN_m), load_colour(torque), torque_text.c_str(),
             bar_w);
     ImGui::PopID();

@@ -13,7 +13,8 @@ namespace
 {
 
 constexpr std::size_t live_slot = 0, reference_slot = 1;
-constexpr float gutter = 148.0f, case_gutter = 262.0f; // beside the live picture; with a case
+constexpr float gutter = 148.0f, case_gutter = 240.0f; // beside the live picture; with a case
+constexpr float letter_band = 18.0f;                   // for the letters of the patient's sides
 constexpr double window_min = 0.05, window_max = 4.0;
 constexpr double wheel_um = 2000.0;
 
@@ -87,8 +88,12 @@ void SuiteScreen::draw_live(const UiRect &place)
                         place.height - ui_.px(36.0f)};
     const MonitorPicture none;
     const MonitorPicture &picture = view_->live ? *view_->live : none;
-    draw_picture(live_slot, picture, middle, view_->is_pixel_by_pixel, shown);
-    if (!picture.grey.empty()) draw_orientation(middle);
+    ImGui::GetWindowDrawList()->AddRectFilled(
+        {middle.x, middle.y}, {middle.x + middle.width, middle.y + middle.height}, IM_COL32(8, 10, 12, 255));
+    const float band = ui_.px(letter_band);
+    draw_picture(live_slot, picture, {middle.x + band, middle.y, middle.width - 2.0f * band, middle.height},
+                 view_->is_pixel_by_pixel, shown);
+    if (!picture.grey.empty()) draw_orientation(middle, shown);
     if (picture.status.is_beam_on) {
         ImDrawList *draw = ImGui::GetWindowDrawList();
         draw->AddRect({middle.x - 2.0f, middle.y - 2.0f},
@@ -138,21 +143,25 @@ void SuiteScreen::draw_grey_range(const UiRect &place)
                                         tint::sky, text.c_str());
 }
 
-void SuiteScreen::draw_orientation(const UiRect &shown)
+// Writes the patient's sides beside the picture: to the left and the right in bands that the picture leaves
+// free, above and below in the margin of the panel.
+void SuiteScreen::draw_orientation(const UiRect &place, const UiRect &picture)
 {
     const View view = make_view(clamp_carm(view_->live->status.carm), 16);
-    ImDrawList *draw = ImGui::GetWindowDrawList();
-    const auto letter = [&](float x, float y, const std::string &text) {
+    const float band = ui_.px(letter_band), half_line = 0.5f * ImGui::GetFontSize();
+    const auto letter = [&](const char *name, float x, float y, const std::string &text) {
         const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-        draw->AddText({x - 0.5f * size.x, y - 0.5f * size.y}, tint::dim, text.c_str());
+        const UiRect at{x - 0.5f * size.x, y - half_line, size.x, 2.0f * half_line};
+        ImGui::GetWindowDrawList()->AddText({at.x, at.y}, tint::text, text.c_str());
+        ui_.note(name, at, text);
     };
-    const float edge = std::min(shown.width, shown.height);
-    const float x = shown.x + 0.5f * shown.width, y = shown.y + 0.5f * shown.height, out = ui_.px(12.0f);
-    const float half_x = 0.5f * (view_->is_pixel_by_pixel ? shown.width : edge), half_y = 0.5f * shown.height;
-    letter(x, y - half_y - ui_.px(9.0f), patient_side(view.up));
-    letter(x, y + half_y + ui_.px(9.0f), patient_side(-view.up));
-    letter(x - half_x - out, y, patient_side(-view.right));
-    letter(x + half_x + out, y, patient_side(view.right));
+    const float left = std::max(picture.x, place.x + band) - 0.5f * band;
+    const float right = std::min(picture.x + picture.width, place.x + place.width - band) + 0.5f * band;
+    const float x = place.x + 0.5f * place.width, y = place.y + 0.5f * place.height;
+    letter("side above", x, place.y - ui_.px(9.0f), patient_side(view.up));
+    letter("side below", x, place.y + place.height + ui_.px(9.0f), patient_side(-view.up));
+    letter("side left", left, y, patient_side(-view.right));
+    letter("side right", right, y, patient_side(view.right));
 }
 
 void SuiteScreen::draw_live_texts(const UiRect &left, const UiRect &right)
@@ -171,7 +180,10 @@ void SuiteScreen::draw_live_texts(const UiRect &left, const UiRect &right)
         ImGui::EndChild();
     };
     begin("live left", left);
-    ui_.text(room.is_beam_on ? tint::yellow : tint::dim, "%s", state_text(status).c_str());
+    // The kind and the rate of live pictures stand in the next line.
+    const bool is_live = status.source == ScreenSource::live;
+    ui_.text(room.is_beam_on ? tint::yellow : tint::dim, "%s",
+             is_live ? "X-RAY ON" : state_text(status).c_str());
     for (const std::string &line : processing_texts(status)) ui_.text(tint::sky, "%s", line.c_str());
     if (status.source != ScreenSource::nothing) {
         ui_.small_text(tint::text, "%s  %g/s", name_of(status.kind), status.pulses_per_s);

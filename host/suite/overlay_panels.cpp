@@ -2,6 +2,7 @@
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/suite/suite_screen.hpp"
+#include "host/suite/ui_text.hpp"
 #include <algorithm>
 #include <imgui_internal.h>
 
@@ -55,7 +56,7 @@ void SuiteScreen::toast(const RoomNotice &notice)
     if (is_told) return;
     told_.push_back(notice);
     if (told_.size() > 32) told_.erase(told_.begin());
-    toasts_.push_back({notice.text, ImGui::GetTime() + toast_s, notice.from});
+    toasts_.push_back({without_moment(notice.text), ImGui::GetTime() + toast_s, notice.from});
     if (toasts_.size() > toasts_max) toasts_.pop_front();
 }
 
@@ -125,12 +126,15 @@ void SuiteScreen::draw_toasts(const UiRect &live)
 
 void SuiteScreen::draw_help()
 {
-    const float w = std::min(ui_.window().width() - ui_.px(40.0f), ui_.px(1240.0f));
-    const float h = std::min(ui_.window().height() - ui_.px(60.0f), ui_.px(830.0f));
+    const float w = std::min(ui_.window().width() - ui_.px(40.0f), ui_.px(1360.0f));
+    const float h = std::min(ui_.window().height() - ui_.px(60.0f), ui_.px(840.0f));
     ImGui::SetNextWindowPos({0.5f * ui_.window().width(), 0.5f * ui_.window().height() + ui_.px(14.0f)},
                             ImGuiCond_Always, {0.5f, 0.5f});
     ImGui::SetNextWindowSize({w, h});
-    ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(16, 20, 24, 248));
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(16, 20, 24, 255));
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {ui_.px(6.0f), ui_.px(4.0f)}); // so that all rows fit
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {ui_.px(4.0f), 0.0f});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {ui_.px(16.0f), ui_.px(12.0f)});
     ImGui::Begin("help", nullptr,
                  ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
@@ -158,12 +162,16 @@ void SuiteScreen::draw_help()
             }
             ui_.text(tint::text, "%-11s", std::string(row.key_text).c_str());
             ImGui::SameLine(ui_.px(92.0f));
+            ImGui::PushTextWrapPos(0.0f);
             ui_.text(tint::dim, "%s", std::string(row.what).c_str());
+            ImGui::PopTextWrapPos();
         }
         ImGui::PopFont();
         ImGui::EndTable();
     }
+    ui_.note("help", {0.0f, 0.0f, w, h}, ImGui::GetScrollMaxY() > 0.0f ? "it does not fit" : "");
     ImGui::End();
+    ImGui::PopStyleVar(3);
     ImGui::PopStyleColor();
 }
 

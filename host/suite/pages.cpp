@@ -1,8 +1,16 @@
 #include "host/suite/pages.hpp"
 #include "host/link/usb_devices.hpp"
+#include <algorithm>
 
 namespace crn
 {
+
+std::size_t turned_page(std::size_t page, int step, std::size_t cards)
+{
+    const std::size_t last = cards == 0 ? 0 : (cards - 1) / cards_per_page();
+    if (step < 0) return page == 0 ? 0 : std::min(page - 1, last);
+    return std::min(page + (step > 0 ? 1 : 0), last);
+}
 
 ImU32 severity_colour(int weight)
 {
@@ -51,7 +59,8 @@ PageChoice draw_rig(Ui &ui, const std::vector<RigRow> &rows, const std::string &
             device.c_str());
     ui.text(tint::dim, "`cournand rig selftest` tests a rig, and `cournand rig calibrate` calibrates it.");
     ImGui::Dummy({1.0f, ui.px(14.0f)});
-    if (ui.plain_button("start", "Start screen (Esc)", 190.0f)) choice.kind = PageChoice::Kind::start;
+    if (ui.screen_button(ScreenControlId::leave_rig, "Start screen", 190.0f))
+        choice.kind = PageChoice::Kind::start;
     ImGui::EndGroup();
     ui.end_panel();
     return choice;

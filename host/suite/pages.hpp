@@ -21,7 +21,9 @@ inline constexpr std::size_t prep_slot = 4, card_slot = 8;
 struct PageChoice {
     enum class Kind {
         none,
-        prepare,    // the case of card number `card`
+        prepare,  // the case of card number `card`
+        cards_on, // the next page of cards
+        cards_back,
         practise,   // free practice number `card`
         start_case, // that is prepared
         again,
@@ -46,7 +48,15 @@ struct StartView {
     const std::vector<CaseCard> *cases = nullptr, *practice = nullptr;
     const std::vector<KeptRecording> *kept = nullptr;
     std::string trouble;
+    std::size_t page = 0; // of the cards
 };
+// A page has as many cards as there are keys for them.
+inline std::size_t cards_per_page()
+{
+    return static_cast<std::size_t>(screen_control(ScreenControlId::card).keys());
+}
+// Returns the page after (+1) or before (-1) a page of the cards; the first and the last one stay.
+std::size_t turned_page(std::size_t page, int step, std::size_t cards);
 // `trainee` is the pseudonym, which the user may change here.
 PageChoice draw_start(Ui &ui, const StartView &view, std::string &trainee);
 

@@ -35,7 +35,7 @@ double inner_mm(const Instrument &tool)
 
 std::string mm_text(double mm)
 {
-    return number_text(mm, 3) + " mm";
+    return decimals_text(mm, 2) + " mm";
 }
 
 } // namespace
@@ -217,8 +217,12 @@ PageChoice PrepPage::draw()
     const float middle = w - 2.0f * margin - side - 2.0f * gap - left;
     const float height = h - top - ui_.px(24.0f);
     draw_patient({margin, top, left, height});
-    draw_goals({margin + left + gap, top, middle, 0.42f * height});
-    draw_cabinet({margin + left + gap, top + 0.44f * height, middle, 0.56f * height});
+    ImGui::SetCursorScreenPos({margin + left + gap, top});
+    ImGui::BeginChild("task", {middle, height}); // scrolls in a small window
+    draw_goals();
+    ImGui::Dummy({1.0f, ui_.px(14.0f)});
+    draw_cabinet();
+    ImGui::EndChild();
     draw_side({w - margin - side, top, side, height}, choice);
     ui_.end_panel();
     return choice;
@@ -251,11 +255,9 @@ void PrepPage::draw_patient(const UiRect &place)
     ImGui::EndChild();
 }
 
-void PrepPage::draw_goals(const UiRect &place)
+void PrepPage::draw_goals()
 {
     const Case &lesson = *card_.options.lesson;
-    ImGui::SetCursorScreenPos({place.x, place.y});
-    ImGui::BeginChild("goals", {place.width, place.height});
     ImGui::PushTextWrapPos(0.0f);
     ui_.small_text(tint::dim, "GOALS");
     for (const CaseGoal &goal : lesson.goals)
@@ -266,7 +268,6 @@ void PrepPage::draw_goals(const UiRect &place)
         for (const CaseLimit &limit : lesson.limits) ui_.text(tint::text, "%s", limit_text(limit).c_str());
     }
     ImGui::PopTextWrapPos();
-    ImGui::EndChild();
 }
 
 void PrepPage::draw_device(std::size_t device, const std::vector<std::optional<std::size_t>> &line)
@@ -306,10 +307,8 @@ void PrepPage::draw_device(std::size_t device, const std::vector<std::optional<s
     ui_.text(tint::dim, "%.0f cm", tool.length_m * 100.0);
 }
 
-void PrepPage::draw_cabinet(const UiRect &place)
+void PrepPage::draw_cabinet()
 {
-    ImGui::SetCursorScreenPos({place.x, place.y});
-    ImGui::BeginChild("cabinet", {place.width, place.height});
     ui_.small_text(tint::dim,
                    "DEVICES     what is not on the line stays on the device table, and can be loaded later");
     const std::vector<std::optional<std::size_t>> line = cabinet_.positions();
@@ -330,7 +329,6 @@ void PrepPage::draw_cabinet(const UiRect &place)
     const std::string refusal = cabinet_.refusal();
     if (!refusal.empty()) ui_.text(tint::orange, "%s", refusal.c_str());
     ImGui::PopTextWrapPos();
-    ImGui::EndChild();
 }
 
 void PrepPage::draw_scene_state()
@@ -368,11 +366,11 @@ void PrepPage::draw_side(const UiRect &place, PageChoice &choice)
     ImGui::PushStyleColor(ImGuiCol_Button, can_begin ? tint::orange : tint::raised);
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, can_begin ? tint::orange : tint::raised);
     ImGui::PushStyleColor(ImGuiCol_Text, can_begin ? tint::background : tint::dim);
-    const bool is_pressed = ui_.plain_button("start case", "Start (Enter)", -1.0f);
+    const bool is_pressed = ui_.screen_button(ScreenControlId::begin, "Start", -1.0f);
     ImGui::PopStyleColor(3);
     if (can_begin) ui_.note("ready", {at.x, at.y, edge, edge});
     if (is_pressed && can_begin) choice.kind = PageChoice::Kind::start_case;
-    if (ui_.plain_button("back", scene_.is_done() ? "Back (Esc)" : "Cancel (Esc)", -1.0f))
+    if (ui_.screen_button(ScreenControlId::leave_prep, scene_.is_done() ? "Back" : "Cancel", -1.0f))
         choice.kind = PageChoice::Kind::start;
     if (!card_.best.empty()) ui_.small_text(tint::green, "Best score: %s", card_.best.c_str());
     ImGui::EndChild();
@@ -382,9 +380,10 @@ std::string limit_text(const CaseLimit &limit)
 {
     const Measure &measure = measure_named(limit.measure);
     const std::string unit = *measure.unit ? std::string(" ") + measure.unit : std::string();
-    return formatted("%s: %s%s for all %.0f marks, %s%s for none", measure.title,
-                     number_text(limit.full_at, 3).c_str(), unit.c_str(), limit.marks,
-                     number_text(limit.none_at, 3).c_str(), unit.c_str());
+    const bool is_little_good = limit.full_at < limit.none_at;
+    return formatted("%s: %.0f marks %s %s%s, none %s %s%s", measure.title, limit.marks,
+                     is_little_good ? "up to" : "from", number_text(limit.full_at, 3).c_str(), unit.c_str(),
+                     is_little_good ? "from" : "up to", number_text(limit.none_at, 3).c_str(), unit.c_str());
 }
 
 } // namespace crn

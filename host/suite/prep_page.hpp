@@ -66,7 +66,7 @@ class DeviceCabinet
     std::vector<Finding> findings_;
 };
 
-// Returns "largest hand force: 4 N for all 5 marks, 10 N for none".
+// Returns "largest hand force: 5 marks up to 4 N, none from 10 N".
 std::string limit_text(const CaseLimit &limit);
 
 class PrepPage
@@ -85,8 +85,8 @@ class PrepPage
 
   private:
     void draw_patient(const UiRect &place);
-    void draw_goals(const UiRect &place);
-    void draw_cabinet(const UiRect &place);
+    void draw_goals();
+    void draw_cabinet();
     void draw_device(std::size_t device, const std::vector<std::optional<std::size_t>> &line);
     void draw_side(const UiRect &place, PageChoice &choice);
     void draw_scene_state();

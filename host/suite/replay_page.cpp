@@ -16,6 +16,7 @@ namespace
 constexpr std::size_t replay_slot = 2, expert_slot = 3;
 constexpr std::uint32_t before_error_ticks = 1000; // that an error is shown with
 constexpr float side_width = 330.0f, scrub_height = 92.0f;
+constexpr float side_band = 20.0f; // round a picture, for the letters of the patient's sides
 
 bool is_same(const CArm &a, const CArm &b)
 {
@@ -187,7 +188,7 @@ void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplaySh
                               const UiRect &place)
 {
     ui_.begin_panel(name, place, "");
-    const float edge = std::min(place.width, place.height) - ui_.px(12.0f);
+    const float edge = std::min(place.width, place.height) - 2.0f * ui_.px(side_band);
     const ImVec2 at{place.x + 0.5f * (place.width - edge), place.y + 0.5f * (place.height - edge)};
     ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + edge, at.y + edge}, IM_COL32(8, 10, 12, 255));
     if (shown && !shown->picture.grey.empty()) {
@@ -195,14 +196,35 @@ void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplaySh
             ui_.window().texture(slot, shown->picture.size, shown->picture.grey, shown->number, false);
         ImGui::GetWindowDrawList()->AddImage(texture, at, {at.x + edge, at.y + edge});
         ui_.note(name, {at.x, at.y, edge, edge});
+        draw_sides(shown->picture.carm, {at.x, at.y, edge, edge});
     }
     ImGui::SetCursorScreenPos({place.x + ui_.px(12.0f), place.y + ui_.px(8.0f)});
-    if (slot == expert_slot) draw_expert_text();
+    if (slot == expert_slot)
+        draw_expert_text();
+    else if (shows_expert_)
+        ui_.text(tint::text, "TRAINEE");
     if (shown && !shown->trouble.empty()) {
         ImGui::SetCursorScreenPos({place.x + ui_.px(20.0f), place.y + ui_.px(40.0f)});
         ui_.text(tint::red, "%s", shown->trouble.c_str());
     }
     ui_.end_panel();
+}
+
+// Writes the patient's sides beside the picture.
+void ReplayPage::draw_sides(const CArm &carm, const UiRect &picture)
+{
+    const View view = make_view(clamp_carm(carm), 16);
+    const auto letter = [&](float x, float y, const Eigen::Vector3d &direction) {
+        const std::string text = patient_side(direction);
+        const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+        ImGui::GetWindowDrawList()->AddText({x - 0.5f * size.x, y - 0.5f * size.y}, tint::text, text.c_str());
+    };
+    const float x = picture.x + 0.5f * picture.width, y = picture.y + 0.5f * picture.height;
+    const float out = 0.5f * picture.width + 0.5f * ui_.px(side_band);
+    letter(x, y - out, view.up);
+    letter(x, y + out, -view.up);
+    letter(x - out, y, -view.right);
+    letter(x + out, y, view.right);
 }
 
 // Says beside the expert's picture how far its making is, or when the expert was finished.
@@ -244,8 +266,8 @@ void ReplayPage::draw_side(const UiRect &place)
     row({table_right, table_left}, (width - 6.0f) / 2.0f);
     row({field_smaller, field_larger}, (width - 6.0f) / 2.0f);
     if (ui_.plain_button("as recorded", "Angle of the session", -1.0f)) carm_.reset();
-    if (lesson_ && ui_.plain_button("expert", shows_expert_ ? "Hide the expert (X)" : "Expert beside it (X)",
-                                    -1.0f, "Shows the expert's run at the same time of the session."))
+    if (lesson_ && ui_.screen_button(ScreenControlId::expert,
+                                     shows_expert_ ? "Hide the expert" : "Expert beside it", -1.0f))
         toggle_expert();
     ImGui::Dummy({1.0f, ui_.px(8.0f)});
     if (shown) {
@@ -254,7 +276,7 @@ void ReplayPage::draw_side(const UiRect &place)
             if (tools[k].name.empty()) continue; // a free position
             const ToolReading &reading = shown->picture.frame.tools[k];
             ui_.text(tint::text, "%zu  %s", k + 1, tools[k].name.c_str());
-            ui_.small_text(tint::dim, "%.0f mm  %+.0f\u00b0  %.2f N  %.1f mNm",
+            ui_.small_text(tint::dim, "%.0f mm  %+.0f\u00b0  %.2f N  %.1f mN\u00b7m",
                            rounded_to(reading.inserted_m * 1e3, 1.0), rounded_to(reading.turned_deg, 1.0),
                            rounded_to(reading.axial_N, 100.0), rounded_to(reading.torque_N_m * 1e3, 10.0));
         }
@@ -269,16 +291,16 @@ void ReplayPage::draw_side(const UiRect &place)
 
 void ReplayPage::draw_scrub_buttons(double ticks)
 {
-    if (ui_.plain_button("play", is_playing_ ? "Pause" : "Play", 90.0f, "Key: Space")) toggle_play();
+    if (ui_.screen_button(ScreenControlId::play, is_playing_ ? "Pause" : "Play", 130.0f)) toggle_play();
     ImGui::SameLine();
-    if (ui_.plain_button("back 1 s", "- 1 s", 64.0f, "Key: Left")) jump(-1.0);
+    if (ui_.screen_button(ScreenControlId::second_back, "- 1 s", 64.0f)) jump(-1.0);
     ImGui::SameLine();
-    if (ui_.plain_button("on 1 s", "+ 1 s", 64.0f, "Key: Right")) jump(1.0);
+    if (ui_.screen_button(ScreenControlId::second_on, "+ 1 s", 64.0f)) jump(1.0);
     ImGui::SameLine();
     if (!errors_.empty()) {
-        if (ui_.plain_button("error before", "< error", 76.0f, "Key: P")) go_to_error(false);
+        if (ui_.screen_button(ScreenControlId::error_before, "< Error", 76.0f)) go_to_error(false);
         ImGui::SameLine();
-        if (ui_.plain_button("next error", "error >", 76.0f, "Key: N")) go_to_error(true);
+        if (ui_.screen_button(ScreenControlId::next_error, "Error >", 76.0f)) go_to_error(true);
         ImGui::SameLine();
     }
     ui_.text(tint::text, "   %s of %s", session_clock(tick_ * 1e-3).c_str(),

@@ -45,6 +45,7 @@ class ReplayPage
     void draw_pictures(const UiRect &place);
     void draw_picture(const char *name, std::size_t slot, const ReplayShown *shown, const UiRect &place);
     void draw_expert_text();
+    void draw_sides(const CArm &carm, const UiRect &picture);
     void draw_side(const UiRect &place);
     void draw_scrub(const UiRect &place);
     void draw_scrub_buttons(double ticks);

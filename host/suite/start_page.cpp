@@ -1,6 +1,7 @@
 // Draws the start screen: cards of the cases, free practice, kept recordings, the trainee, and the rig.
 #include "host/base/format.hpp"
 #include "host/suite/pages.hpp"
+#include "host/suite/ui_text.hpp"
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
@@ -11,27 +12,40 @@ namespace
 {
 
 constexpr float side_units = 320.0f, card_width = 356.0f, card_height = 196.0f, card_gap = 14.0f;
-constexpr float picture_units = 112.0f;
-constexpr std::size_t keyed_cards = 9; // the number keys
+constexpr float picture_units = 104.0f;
 
-// Draws text in a rectangle, wrapped at its width; what does not fit is cut off at the lower edge. Returns
-// the height of the text.
+// Draws text in a rectangle, in lines of its width and at most as many as fit; three dots say that more
+// follows. Returns the height of the lines.
 float wrapped(ImDrawList *draw, ImFont *font, const UiRect &place, ImU32 colour, const std::string &text)
 {
-    if (place.height <= 0.0f) return 0.0f;
-    const ImVec2 size =
-        font->CalcTextSizeA(font->FontSize, FLT_MAX, place.width, text.data(), text.data() + text.size());
-    const ImVec4 clip{place.x, place.y, place.x + place.width, place.y + place.height};
-    draw->AddText(font, font->FontSize, {place.x, place.y}, colour, text.data(), text.data() + text.size(),
-                  place.width, &clip);
-    return size.y;
+    const float line = font->FontSize;
+    const auto most = static_cast<std::size_t>(std::max(place.height / line, 0.0f));
+    const auto width_of = [&](const std::string &part) {
+        return font->CalcTextSizeA(line, FLT_MAX, 0.0f, part.c_str()).x;
+    };
+    std::vector<std::string> lines = lines_of(text, place.width, width_of);
+    if (lines.size() > most) {
+        lines.resize(most);
+        if (!lines.empty()) {
+            std::string &last = lines.back();
+            while (!last.empty() && width_of(last + "\u2026") > place.width) last.pop_back();
+            while (!last.empty() && (last.back() == ' ' || last.back() == ',')) last.pop_back();
+            last += "\u2026";
+        }
+    }
+    draw->AddText(font, line, {place.x, place.y}, colour, joined_lines(lines).c_str());
+    return static_cast<float>(lines.size()) * line;
 }
 
-// Draws one card. The whole card is a button; returns true when it was pressed.
-bool draw_card(Ui &ui, const CaseCard &card, std::size_t index, float width)
+struct CardState {
+    bool is_pressed = false, is_hovered = false;
+};
+
+// Draws one card. The whole card is a button.
+CardState draw_card(Ui &ui, const CaseCard &card, std::size_t index, float width, float height)
 {
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float height = ui.px(card_height), pad = ui.px(12.0f);
+    const float pad = ui.px(12.0f);
     const std::string name = "card " + std::to_string(index + 1);
     const bool is_pressed = ImGui::InvisibleButton(name.c_str(), {width, height});
     const bool is_hovered = ImGui::IsItemHovered() && card.trouble.empty();
@@ -57,12 +71,10 @@ bool draw_card(Ui &ui, const CaseCard &card, std::size_t index, float width)
     // The story goes below the picture, over the whole width.
     const float story_y = std::max(
         y + ui.px(4.0f), at.y + pad + (card.picture.bytes.empty() ? 0.0f : ui.px(picture_units + 6.0f)));
-    const float line = ui.fonts().small_text->FontSize;
-    const float story_h = std::floor((bottom - foot - story_y) / line) * line;
-    wrapped(draw, ui.fonts().small_text, {at.x + pad, story_y, right - at.x - pad, story_h}, tint::dim,
-            card.story);
     ImFont *small_font = ui.fonts().small_text;
-    const std::string key = index < keyed_cards ? formatted("key %zu", index + 1) : std::string();
+    const float story_w = right - at.x - pad;
+    wrapped(draw, small_font, {at.x + pad, story_y, story_w, bottom - foot - story_y}, tint::dim, card.story);
+    const std::string key = "key " + screen_key_text(ScreenControlId::card, index % cards_per_page());
     draw->AddText(small_font, small_font->FontSize, {at.x + pad, bottom - small_font->FontSize}, tint::dim,
                   key.c_str());
     if (!card.best.empty()) {
@@ -71,14 +83,17 @@ bool draw_card(Ui &ui, const CaseCard &card, std::size_t index, float width)
         draw->AddText(small_font, small_font->FontSize, {right - size.x, bottom - size.y}, tint::green,
                       best.c_str());
     }
-    if (is_hovered) ui.tooltip(card.story);
-    return is_pressed && card.trouble.empty();
+    return {is_pressed && card.trouble.empty(), is_hovered};
 }
 
-// Draws the cards of the cases as a grid that scrolls. Returns the card that was pressed, if any.
-std::optional<std::size_t> draw_cards(Ui &ui, const std::vector<CaseCard> &cards, const UiRect &place)
+struct CardsState {
+    std::optional<std::size_t> pressed, hovered;
+};
+
+// Draws one page of the cards of the cases, as a grid that scrolls in a small window.
+CardsState draw_cards(Ui &ui, const std::vector<CaseCard> &cards, std::size_t page, const UiRect &place)
 {
-    std::optional<std::size_t> pressed;
+    CardsState state;
     ImGui::SetCursorScreenPos({place.x, place.y});
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {ui.px(card_gap), ui.px(card_gap)});
     ImGui::BeginChild("cards", {place.width, place.height});
@@ -87,16 +102,45 @@ std::optional<std::size_t> draw_cards(Ui &ui, const std::vector<CaseCard> &cards
         std::max(1, static_cast<int>((available + ui.px(card_gap)) / ui.px(card_width + card_gap)));
     const float width =
         (available - ui.px(card_gap) * static_cast<float>(columns - 1)) / static_cast<float>(columns);
-    for (std::size_t i = 0; i < cards.size(); ++i) {
-        if (i % static_cast<std::size_t>(columns) != 0) ImGui::SameLine();
-        if (draw_card(ui, cards[i], i, width)) pressed = i;
+    // The rows of a full page share the height, so that the cards have more of their stories in a large
+    // window.
+    const auto rows = static_cast<float>((cards_per_page() + static_cast<std::size_t>(columns) - 1) /
+                                         static_cast<std::size_t>(columns));
+    const float height =
+        std::max(ui.px(card_height), std::floor((place.height - ui.px(card_gap) * (rows - 1.0f)) / rows));
+    const std::size_t first = page * cards_per_page();
+    for (std::size_t i = first; i < std::min(cards.size(), first + cards_per_page()); ++i) {
+        if ((i - first) % static_cast<std::size_t>(columns) != 0) ImGui::SameLine();
+        const CardState card = draw_card(ui, cards[i], i, width, height);
+        if (card.is_pressed) state.pressed = i;
+        if (card.is_hovered) state.hovered = i;
     }
     ImGui::EndChild();
     ImGui::PopStyleVar();
-    return pressed;
+    return state;
 }
 
-void draw_side(Ui &ui, const StartView &view, std::string &trainee, PageChoice &choice)
+// Which cards are shown, and the buttons that show others; nothing if one page holds all.
+void draw_pager(Ui &ui, const StartView &view, float right, PageChoice &choice)
+{
+    const std::size_t count = view.cases->size(), first = view.page * cards_per_page();
+    if (count <= cards_per_page()) return;
+    constexpr float button_units = 150.0f;
+    const std::string shown =
+        formatted("cases %zu to %zu of %zu", first + 1, std::min(count, first + cards_per_page()), count);
+    const float y = ui.px(66.0f), left = right - ui.px(2.0f * button_units + 6.0f);
+    ImGui::SetCursorScreenPos({left - ImGui::CalcTextSize(shown.c_str()).x - ui.px(14.0f), y + ui.px(5.0f)});
+    ui.text(tint::dim, "%s", shown.c_str());
+    ImGui::SetCursorScreenPos({left, y});
+    if (ui.screen_button(ScreenControlId::cards_back, "Before", button_units))
+        choice = {PageChoice::Kind::cards_back, 0, "", 0};
+    ImGui::SameLine();
+    if (ui.screen_button(ScreenControlId::cards_on, "Next", button_units))
+        choice = {PageChoice::Kind::cards_on, 0, "", 0};
+}
+
+void draw_side(Ui &ui, const StartView &view, const CaseCard *hovered, std::string &trainee,
+               PageChoice &choice)
 {
     const float width = side_units - 20.0f;
     ui.text(tint::text, "Trainee");
@@ -113,7 +157,7 @@ void draw_side(Ui &ui, const StartView &view, std::string &trainee, PageChoice &
     for (std::size_t i = 0; i < view.practice->size(); ++i) {
         const CaseCard &card = (*view.practice)[i];
         const std::string name = "practice " + std::to_string(i + 1);
-        const std::string label = card.name + "  (" + static_cast<char>('A' + i) + ")";
+        const std::string label = card.name + " (" + screen_key_text(ScreenControlId::practice, i) + ")";
         const std::string hint = card.trouble.empty() ? card.story + " " + card.goal : card.trouble;
         if (ui.plain_button(name.c_str(), label.c_str(), width, hint.c_str()))
             choice = {PageChoice::Kind::practise, i, "", 0};
@@ -124,30 +168,37 @@ void draw_side(Ui &ui, const StartView &view, std::string &trainee, PageChoice &
     for (std::size_t i = 0; i < view.kept->size(); ++i) {
         const KeptRecording &kept = (*view.kept)[i];
         const std::string name = "replay " + std::to_string(i + 1);
-        const std::string label = kept.when + formatted("   %.1f MB", static_cast<double>(kept.bytes) * 1e-6);
+        const std::string label = kept.when +
+                                  formatted("   %.1f MB", static_cast<double>(kept.bytes) * 1e-6) + " (" +
+                                  screen_key_text(ScreenControlId::recording, i) + ")";
         if (ui.plain_button(name.c_str(), label.c_str(), width, kept.path.c_str()))
             choice = {PageChoice::Kind::replay, 0, kept.path, 0};
     }
     ImGui::Dummy({1.0f, ui.px(8.0f)});
-    if (ui.plain_button("rig", "Rig", width, "Shows which rigs are plugged in."))
-        choice.kind = PageChoice::Kind::rig;
-    if (ui.plain_button("quit", "End (Esc)", width)) choice.kind = PageChoice::Kind::quit;
+    if (ui.screen_button(ScreenControlId::to_rig, "Rig", width)) choice.kind = PageChoice::Kind::rig;
+    if (ui.screen_button(ScreenControlId::quit, "End", width)) choice.kind = PageChoice::Kind::quit;
+    if (!hovered) return;
+    // The story of the card under the pointer stands here, because a tooltip would cover other cards.
+    ImGui::Dummy({1.0f, ui.px(8.0f)});
+    ui.text(tint::text, "%s", hovered->name.c_str());
+    ui.note_last_item("story", hovered->name);
+    ui.small_text(tint::dim, "%s", hovered->story.c_str());
 }
 
 } // namespace
 
 PageChoice draw_start(Ui &ui, const StartView &view, std::string &trainee)
 {
-    begin_page(ui, "start", "Cournand",
-               "Choose a case: click its card, or press its number. Esc ends the program.");
+    begin_page(ui, "start", "Cournand", "Choose a case: click its card, or press its number.");
     PageChoice choice;
     const float margin = ui.px(page_margin), top = ui.px(112.0f),
                 bottom = ui.window().height() - ui.px(24.0f);
     const float side_x = ui.window().width() - ui.px(side_units + 20.0f);
     const float trouble_h = view.trouble.empty() ? 0.0f : ui.px(60.0f);
-    if (const auto pressed = draw_cards(
-            ui, *view.cases, {margin, top, side_x - margin - ui.px(24.0f), bottom - trouble_h - top}))
-        choice = {PageChoice::Kind::prepare, *pressed, "", 0};
+    draw_pager(ui, view, side_x - ui.px(24.0f), choice);
+    const CardsState cards = draw_cards(
+        ui, *view.cases, view.page, {margin, top, side_x - margin - ui.px(24.0f), bottom - trouble_h - top});
+    if (cards.pressed) choice = {PageChoice::Kind::prepare, *cards.pressed, "", 0};
     if (!view.trouble.empty()) {
         ImGui::SetCursorScreenPos({margin, bottom - trouble_h + ui.px(8.0f)});
         ImGui::PushTextWrapPos(side_x - ui.px(24.0f));
@@ -156,7 +207,9 @@ PageChoice draw_start(Ui &ui, const StartView &view, std::string &trainee)
     }
     ImGui::SetCursorScreenPos({side_x, ui.px(40.0f)});
     ImGui::BeginChild("side", {ui.px(side_units), bottom - ui.px(40.0f)});
-    draw_side(ui, view, trainee, choice);
+    ImGui::PushTextWrapPos(0.0f);
+    draw_side(ui, view, cards.hovered ? &(*view.cases)[*cards.hovered] : nullptr, trainee, choice);
+    ImGui::PopTextWrapPos();
     ImGui::EndChild();
     ui.end_panel();
     return choice;

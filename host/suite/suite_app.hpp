@@ -67,7 +67,7 @@ class SuiteApp
     std::vector<CaseCard> cards_, practice_;
     std::string trainee_, said_;
     std::unique_ptr<PrepPage> prep_;
-    std::size_t hints_shown_ = 0;
+    std::size_t hints_shown_ = 0, card_page_ = 0;
     std::vector<KeptRecording> kept_;
     std::vector<RigRow> rigs_;
     std::string trouble_;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
+#include <algorithm>
 
 namespace crn
 {
@@ -42,7 +43,8 @@ void SuiteApp::go_on(Page page)
     if (page == Page::start) {
         cards_ = case_cards(options_, best_scores(trainee_));
         practice_ = practice_cards(options_);
-        kept_ = kept_recordings(7);
+        card_page_ = turned_page(card_page_, 0, cards_.size());
+        kept_ = kept_recordings(static_cast<std::size_t>(screen_control(ScreenControlId::recording).keys()));
     }
     if (page == Page::rig) rigs_ = rig_rows();
 }
@@ -115,7 +117,7 @@ void SuiteApp::show_page()
     window_.begin_frame();
     ui_.begin_screen();
     if (page_ == Page::start)
-        choice = draw_start(ui_, {&cards_, &practice_, &kept_, trouble_}, trainee_);
+        choice = draw_start(ui_, {&cards_, &practice_, &kept_, trouble_, card_page_}, trainee_);
     else if (page_ == Page::prep)
         choice = prep_->draw();
     else if (page_ == Page::debrief)
@@ -154,6 +156,11 @@ void SuiteApp::carry_out(const PageChoice &choice)
     case PageChoice::Kind::practise:
         if (choice.card < practice_.size() && practice_[choice.card].trouble.empty())
             begin_opening(practice_[choice.card].options);
+        break;
+    case PageChoice::Kind::cards_on:
+    case PageChoice::Kind::cards_back:
+        card_page_ =
+            turned_page(card_page_, choice.kind == PageChoice::Kind::cards_on ? 1 : -1, cards_.size());
         break;
     case PageChoice::Kind::start_case:
         if (prep_->is_ready()) begin_opening(prep_->options());
@@ -195,39 +202,58 @@ void SuiteApp::save_debrief()
     said_ = "written " + page + "\nwritten " + figures;
 }
 
-// Keys of the screens without a session: numbers and letters choose, Enter begins, Esc goes back.
+// Returns what a key chooses on a screen without a session (controls_table.cpp). A key of a range, such as
+// "1 to 9", chooses by its place in the range.
 PageChoice SuiteApp::choice_of_key(int key) const
 {
     using Kind = PageChoice::Kind;
-    PageChoice choice;
-    const bool is_number = key >= GLFW_KEY_1 && key <= GLFW_KEY_9;
-    const auto number = static_cast<std::size_t>(key - GLFW_KEY_1);
-    const bool is_letter = key >= GLFW_KEY_A && key < GLFW_KEY_A + static_cast<int>(practice_.size());
-    if (key == GLFW_KEY_ESCAPE)
-        choice.kind = page_ == Page::start ? Kind::quit : Kind::start;
-    else if (page_ == Page::start && is_number)
-        choice = {Kind::prepare, number, "", 0};
-    else if (page_ == Page::start && is_letter)
-        choice = {Kind::practise, static_cast<std::size_t>(key - GLFW_KEY_A), "", 0};
-    else if (page_ == Page::prep && (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER))
-        choice.kind = Kind::start_case;
-    else if (page_ == Page::debrief && key == GLFW_KEY_1)
-        choice = {Kind::replay, 0, host_->debrief().recording, 0};
-    else if (page_ == Page::debrief && key == GLFW_KEY_2)
-        choice.kind = Kind::again;
-    else if (page_ == Page::debrief && key == GLFW_KEY_S)
-        choice.kind = Kind::save;
-    return choice;
+    const ScreenId screen = page_ == Page::start     ? ScreenId::start
+                            : page_ == Page::prep    ? ScreenId::prep
+                            : page_ == Page::debrief ? ScreenId::debrief
+                                                     : ScreenId::rig;
+    const ScreenControl *row = screen_control_of_key(screen, key);
+    if (!row) return {};
+    const auto place = static_cast<std::size_t>(std::max(key - row->key, 0));
+    switch (row->id) {
+    case ScreenControlId::card:
+        return {Kind::prepare, card_page_ * cards_per_page() + place, "", 0};
+    case ScreenControlId::cards_on:
+        return {Kind::cards_on, 0, "", 0};
+    case ScreenControlId::cards_back:
+        return {Kind::cards_back, 0, "", 0};
+    case ScreenControlId::practice:
+        return {Kind::practise, place, "", 0};
+    case ScreenControlId::recording:
+        return {Kind::replay, 0, place < kept_.size() ? kept_[place].path : "", 0};
+    case ScreenControlId::to_rig:
+        return {Kind::rig, 0, "", 0};
+    case ScreenControlId::quit:
+        return {Kind::quit, 0, "", 0};
+    case ScreenControlId::begin:
+        return {Kind::start_case, 0, "", 0};
+    case ScreenControlId::to_replay:
+        return {Kind::replay, 0, host_->debrief().recording, 0};
+    case ScreenControlId::again:
+        return {Kind::again, 0, "", 0};
+    case ScreenControlId::save:
+        return {Kind::save, 0, "", 0};
+    default: // the screens' ways back
+        return {Kind::start, 0, "", 0};
+    }
 }
 
 void SuiteApp::take_page_key(int key)
 {
     if (opening_) return; // the screen is about to change
     if (page_ != Page::replay) return follow(choice_of_key(key));
-    if (key == GLFW_KEY_SPACE) replay_->toggle_play();
-    if (key == GLFW_KEY_X) replay_->toggle_expert();
-    if (key == GLFW_KEY_N || key == GLFW_KEY_P) replay_->go_to_error(key == GLFW_KEY_N);
-    if (key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT) replay_->jump(key == GLFW_KEY_LEFT ? -1.0 : 1.0);
+    const ScreenControl *row = screen_control_of_key(ScreenId::replay, key);
+    if (!row) return; // Esc is a control of the session as well, and act_own() carries it out
+    if (row->id == ScreenControlId::play) replay_->toggle_play();
+    if (row->id == ScreenControlId::expert) replay_->toggle_expert();
+    if (row->id == ScreenControlId::next_error) replay_->go_to_error(true);
+    if (row->id == ScreenControlId::error_before) replay_->go_to_error(false);
+    if (row->id == ScreenControlId::second_back) replay_->jump(-1.0);
+    if (row->id == ScreenControlId::second_on) replay_->jump(1.0);
 }
 
 } // namespace crn

@@ -75,7 +75,7 @@ class SuiteScreen
                       UiRect &shown);
     void draw_live_texts(const UiRect &left, const UiRect &right);
     void draw_grey_range(const UiRect &place);
-    void draw_orientation(const UiRect &shown);
+    void draw_orientation(const UiRect &place, const UiRect &picture);
     // case_panel.cpp
     void draw_case(const UiRect &place);
     // strip_panel.cpp

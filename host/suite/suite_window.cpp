@@ -2,6 +2,7 @@
 #include "host/screen/glfw_window.hpp"
 #include <imgui.h>
 #include <imgui_freetype.h>
+#include <imgui_internal.h>
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -146,7 +147,11 @@ void SuiteWindow::open(const std::string &title, WindowSize size)
     glfwSetWindowUserPointer(window_, this);
     glfwSetKeyCallback(window_, [](GLFWwindow *window, int key, int, int action, int modifiers) {
         auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
-        const bool is_typing = ImGui::GetIO().WantTextInput && action != GLFW_RELEASE;
+        // A field that was clicked in the last frame sets WantTextInput in the next one only; a key that
+        // comes before belongs to the field as well.
+        const bool has_field =
+            ImGui::GetIO().WantTextInput || ImGui::GetCurrentContext()->WantTextInputNextFrame == 1;
+        const bool is_typing = has_field && action != GLFW_RELEASE;
         if (self->key_handler_ && !is_typing) self->key_handler_(key, action, modifiers);
     });
     glfwSetCursorPosCallback(window_, [](GLFWwindow *window, double x, double y) {

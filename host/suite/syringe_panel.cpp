@@ -24,26 +24,32 @@ void SuiteScreen::draw_dose(const UiRect &place)
     const DoseMeter &dose = room.dose();
     const RoomState state = room.state();
     using enum ControlId;
-    ui_.text(tint::text, "%.1f mGy   %.2f Gy cm\u00b2   %.1f min", dose.total().air_kerma_uGy * 1e-3,
-             dose.total().kap_Gy_cm2, dose.fluoro_ticks() / 60e3);
     if (dose.kerma_rate_mGy_min() > 0.0) {
         ImGui::SameLine();
-        ui_.small_text(tint::yellow, "%.1f mGy/min", dose.kerma_rate_mGy_min());
+        ui_.small_text(tint::yellow, "   %.1f mGy/min", dose.kerma_rate_mGy_min());
     }
+    const double kerma_mGy = dose.total().air_kerma_uGy * 1e-3;
+    ui_.text(tint::text, "%.*f mGy   %.2f Gy cm\u00b2   %.1f min", kerma_mGy < 100.0 ? 1 : 0, kerma_mGy,
+             dose.total().kap_Gy_cm2, dose.fluoro_ticks() / 60e3);
+    ui_.tooltip("Reference air kerma, kerma-area product, and time of fluoroscopy, since the session began.");
     const float third = (place.width / ui_.px(1.0f) - 30.0f) / 3.0f;
     ui_.button(fluoro, "Fluoro", third, state.is_beam_on);
     ImGui::SameLine();
     ui_.button(acquire, state.program == RunKind::dsa ? "DSA" : "Cine", third);
     ImGui::SameLine();
     ui_.button(fluoro_latch, "stays on", third, ui_.input().is_latched());
-    ui_.button(fluoro_rate, formatted("%g/s", state.fluoro_pulses_per_s).c_str(), 62.0f);
-    ImGui::SameLine();
-    ui_.button(acquire_rate, formatted("%g/s", state.program_pulses_per_s).c_str(), 62.0f);
-    ImGui::SameLine();
-    ui_.button(program, state.program == RunKind::dsa ? "DSA" : "Cine", 62.0f);
-    ImGui::SameLine();
+    const bool is_dsa = state.program == RunKind::dsa;
     const bool is_roadmap = view_->live && view_->live->status.roadmap != RoadmapState::off;
+    ImGui::PushFont(ui_.fonts().small_text);
+    ui_.button(fluoro_rate, formatted("Fluoro %g/s", state.fluoro_pulses_per_s).c_str(), 88.0f);
+    ImGui::SameLine();
+    ui_.button(acquire_rate,
+               formatted("%s %g/s", is_dsa ? "DSA" : "Cine", state.program_pulses_per_s).c_str(), 72.0f);
+    ImGui::SameLine();
+    ui_.button(program, is_dsa ? "To cine" : "To DSA", 54.0f);
+    ImGui::SameLine();
     ui_.button(roadmap, nullptr, -1.0f, is_roadmap);
+    ImGui::PopFont();
     ui_.end_panel();
 }
 
@@ -60,7 +66,7 @@ void SuiteScreen::draw_syringe(const UiRect &place)
     ImGui::SameLine();
     ui_.button(inject_rate, formatted("%g ml/s", flow_ml_s).c_str(), half);
     if (!state.injection_kPa_per_ml_s) {
-        ui_.small_text(tint::dim, "no tool has a lumen");
+        ui_.small_text(tint::dim, "no device on the line has a lumen");
     } else {
         const double needed_kPa = *state.injection_kPa_per_ml_s * flow_ml_s;
         const double most_ml_s = injection_pressure_max_kPa / *state.injection_kPa_per_ml_s;
@@ -68,10 +74,11 @@ void SuiteScreen::draw_syringe(const UiRect &place)
         if (!std::isfinite(needed_kPa))
             ui_.small_text(tint::red, "the lumen is closed: nothing passes");
         else
-            ui_.small_text(is_too_much ? tint::red : tint::text,
-                           "%.3g ml given; needs %.0f of %.0f psi\nat most %.2g ml/s through this lumen",
-                           state.contrast_ml, needed_kPa / kPa_per_psi,
-                           injection_pressure_max_kPa / kPa_per_psi, most_ml_s);
+            ui_.small_text(
+                is_too_much ? tint::red : tint::text,
+                "given %.3g ml;  %g ml/s needs %.0f of %.0f psi\nthis lumen passes at most %.2g ml/s",
+                state.contrast_ml, flow_ml_s, needed_kPa / kPa_per_psi,
+                injection_pressure_max_kPa / kPa_per_psi, most_ml_s);
     }
     const float quarter = (place.width / ui_.px(1.0f) - 36.0f) / 4.0f;
     ImGui::SetCursorScreenPos({place.x + ui_.px(9.0f), place.y + place.height - ui_.px(33.0f)});
@@ -107,7 +114,7 @@ void SuiteScreen::draw_inflator(const UiRect &place)
     ui_.note_last_item("pressure", is_burst ? "BURST" : formatted("%.1f bar   %.2f mm", bar, widest_mm));
     if (!is_burst && widest_mm - waist_mm > 0.05) {
         ImGui::SameLine();
-        ui_.small_text(tint::text, "waist %.2f", waist_mm);
+        ui_.small_text(tint::text, "waist %.2f mm", waist_mm);
     }
     if (!state.stent.empty()) {
         ui_.small_text(tint::text, "stent %s", state.stent.c_str());
@@ -153,18 +160,24 @@ void SuiteScreen::draw_chart(const UiRect &place, const Instrument &tool)
         points.push_back(at(table.balloon[i].pressure_kPa, table.balloon[i].diameter_um * 1e-3));
     draw->AddPolyline(points.data(), static_cast<int>(points.size()), tint::sky, 0, ui_.px(2.0f));
     ImGui::PushFont(ui_.fonts().small_text);
-    const auto mark = [&](double kPa, ImU32 colour, const char *name, float row) {
+    const auto mark = [&](double kPa, ImU32 colour, const char *name) {
         const float x = at(kPa, low_mm).x;
         draw->AddLine({x, place.y}, {x, place.y + place.height}, colour);
-        const std::string text = formatted("%s %.0f", name, kPa / kPa_per_bar);
-        const float width = ImGui::CalcTextSize(text.c_str()).x;
-        draw->AddText({std::min(x + ui_.px(3.0f), place.x + place.width - width - ui_.px(2.0f)),
-                       place.y + place.height - ui_.px(16.0f + 14.0f * row)},
-                      colour, text.c_str());
+        draw->AddText({x + ui_.px(3.0f), place.y + place.height - ui_.px(30.0f)}, colour,
+                      formatted("%s\n%.0f bar", name, kPa / kPa_per_bar).c_str());
     };
+    // The largest and the smallest diameter of the table, at their height.
+    const float line = ImGui::GetFontSize();
+    for (const crn_wire_balloon_point *point : {&first, &last}) {
+        const double mm = point->diameter_um * 1e-3;
+        const float y = at(0.0, mm).y;
+        draw->AddLine({place.x, y}, {place.x + ui_.px(6.0f), y}, tint::dim);
+        draw->AddText({place.x + ui_.px(9.0f), point == &last ? std::max(y - 0.5f * line, place.y) : y},
+                      tint::dim, formatted("%.2f mm", mm).c_str());
+    }
     if (tool.balloon) {
-        mark(tool.balloon->nominal_kPa, tint::green, "nominal", 0.0f);
-        mark(tool.balloon->rated_burst_kPa, tint::red, "rated burst", 1.0f);
+        mark(tool.balloon->nominal_kPa, tint::green, "nominal");
+        mark(tool.balloon->rated_burst_kPa, tint::red, "rated burst");
     }
     ImGui::PopFont();
     const crn_wire_tick_state &core = view_->state->core;

@@ -1,6 +1,9 @@
 #include "host/suite/ui.hpp"
+#include "host/base/format.hpp"
+#include "host/suite/ui_text.hpp"
 #include <algorithm>
 #include <cstdarg>
+#include <imgui_internal.h>
 
 namespace crn
 {
@@ -43,7 +46,7 @@ void Ui::tooltip(const std::string &text)
     if (!ImGui::IsItemHovered()) return;
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(px(380.0f));
-    ImGui::TextUnformatted(text.c_str());
+    this->text(tint::text, "%s", text.c_str());
     ImGui::PopTextWrapPos();
     ImGui::EndTooltip();
 }
@@ -51,37 +54,70 @@ void Ui::tooltip(const std::string &text)
 void Ui::button(ControlId id, const char *label, float width, bool is_lit)
 {
     const Control &found = control(id);
-    const std::string text =
-        std::string(label ? std::string_view(label) : found.name) + "##" + std::string(found.name);
+    std::string shown(label ? std::string_view(label) : found.name);
+    if (!shown.empty() && shown[0] >= 'a' && shown[0] <= 'z')
+        shown[0] = static_cast<char>(shown[0] - 'a' + 'A');
+    // A button of a fixed width leaves less room beside its label than one that is as wide as its label.
+    const float beside = width > 0.0f ? px(3.0f) : ImGui::GetStyle().FramePadding.x;
+    const bool is_cut = width > 0.0f && ImGui::CalcTextSize(shown.c_str()).x > px(width) - 2.0f * beside;
+    const std::string text = shown + "##" + std::string(found.name);
     if (is_lit) {
         ImGui::PushStyleColor(ImGuiCol_Button, tint::orange);
         ImGui::PushStyleColor(ImGuiCol_ButtonHovered, tint::orange);
         ImGui::PushStyleColor(ImGuiCol_Text, tint::background);
     }
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {beside, ImGui::GetStyle().FramePadding.y});
     ImGui::Button(text.c_str(), {width > 0.0f ? px(width) : width, px(26.0f)});
+    ImGui::PopStyleVar();
     if (is_lit) ImGui::PopStyleColor(3);
     if (ImGui::IsItemActivated()) input_->press(id);
     if (ImGui::IsItemDeactivated()) input_->release(id);
-    note_last_item(std::string(found.name));
+    note_last_item(std::string(found.name), is_cut ? "its label does not fit" : "");
     tooltip(tooltip_of(found));
+}
+
+bool Ui::screen_button(ScreenControlId id, const std::string &label, float width)
+{
+    const ScreenControl &row = screen_control(id);
+    const std::string key(row.key_text);
+    const std::string text = width < 0.0f || width > 120.0f ? label + " (" + key + ")" : label;
+    return plain_button(std::string(row.name).c_str(), text.c_str(), width,
+                        (std::string(row.what) + "\nKey: " + key).c_str());
 }
 
 bool Ui::plain_button(const char *name, const char *label, float width, const char *hint)
 {
     const bool is_pressed = ImGui::Button((std::string(label) + "##" + name).c_str(),
                                           {width > 0.0f ? px(width) : width, px(28.0f)});
-    note_last_item(name);
+    const bool is_cut =
+        width > 0.0f && ImGui::CalcTextSize(label).x > px(width) - 2.0f * ImGui::GetStyle().FramePadding.x;
+    note_last_item(name, is_cut ? "its label does not fit" : "");
     if (hint) tooltip(hint);
     return is_pressed;
+}
+
+// Draws the text with a font; where a wrapping width is set, the lines are broken here.
+void Ui::draw_text(ImFont *font, ImU32 colour, const char *format, va_list arguments)
+{
+    std::string text = formatted_with(format, arguments);
+    if (font) ImGui::PushFont(font);
+    const float wrap = ImGui::GetCurrentWindow()->DC.TextWrapPos;
+    if (wrap >= 0.0f) {
+        const float width = ImGui::CalcWrapWidthForPos(ImGui::GetCursorScreenPos(), wrap);
+        text = joined_lines(lines_of(
+            text, width, [](const std::string &line) { return ImGui::CalcTextSize(line.c_str()).x; }));
+    }
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopStyleColor();
+    if (font) ImGui::PopFont();
 }
 
 void Ui::text(ImU32 colour, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextV(format, arguments);
-    ImGui::PopStyleColor();
+    draw_text(nullptr, colour, format, arguments);
     va_end(arguments);
 }
 
@@ -89,11 +125,7 @@ void Ui::small_text(ImU32 colour, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::PushFont(fonts().small_text);
-    ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextV(format, arguments);
-    ImGui::PopStyleColor();
-    ImGui::PopFont();
+    draw_text(fonts().small_text, colour, format, arguments);
     va_end(arguments);
 }
 
@@ -102,7 +134,7 @@ void Ui::bar(float share, ImU32 colour, const char *label, float width)
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float high = px(14.0f), half = 0.5f * width;
     ImDrawList *draw = ImGui::GetWindowDrawList();
-    draw->AddRectFilled(at, {at.x + width, at.y + high}, tint::background, px(3.0f));
+    draw->AddRectFilled(at, {at.x + width, at.y + high}, tint::line, px(3.0f));
     const float end = at.x + half + std::clamp(share, -1.0f, 1.0f) * half;
     draw->AddRectFilled({std::min(at.x + half, end), at.y + px(2.0f)},
                         {std::max(at.x + half, end), at.y + high - px(2.0f)}, colour);

@@ -3,6 +3,7 @@
 #pragma once
 #include "host/suite/suite_window.hpp"
 #include "host/suite/user_input.hpp"
+#include <cstdarg>
 #include <imgui.h>
 #include <string>
 #include <vector>
@@ -46,9 +47,13 @@ class Ui
     // Begins a panel at a fixed place; `title` may be empty. Call end_panel() afterwards.
     void begin_panel(const char *name, const UiRect &place, const char *title);
     void end_panel();
-    // Draws the button of a control. `label` replaces its name. A lit button shows that its state is on.
-    // `width` is in units; 0: as wide as the label; below 0: as wide as is left.
+    // Draws the button of a control. `label` replaces its name, and begins with a capital letter. A lit
+    // button shows that its state is on. `width` is in units; 0: as wide as the label; below 0: as wide as is
+    // left. The layout file says of a button with a fixed width if its label does not fit.
     void button(ControlId id, const char *label = nullptr, float width = 0.0f, bool is_lit = false);
+    // Draws the button of a screen's control; a wide one also shows its key. Returns true when it was
+    // pressed.
+    bool screen_button(ScreenControlId id, const std::string &label, float width);
     // Draws a button that is no control of the session, such as a card. Returns true when it was pressed.
     bool plain_button(const char *name, const char *label, float width, const char *tooltip = nullptr);
     // Shows a tooltip for the last item, if the pointer rests on it.
@@ -68,6 +73,8 @@ class Ui
     const std::vector<PlacedControl> &placed() const { return placed_; }
 
   private:
+    void draw_text(ImFont *font, ImU32 colour, const char *format, va_list arguments);
+
     SuiteWindow *window_;
     UserInput *input_ = nullptr;
     std::vector<PlacedControl> placed_;

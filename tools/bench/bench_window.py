@@ -85,13 +85,14 @@ def focus(environment, seconds=30.0):
 
 
 def shows(layout, control, window):
-    """Waits until the window shows a control."""
+    """Waits until the window shows a control. A message names the script that was called."""
+    script = os.path.basename(sys.argv[0])
     for _ in range(6000):
         if os.path.exists(layout):
             with open(layout, encoding="utf-8") as file:
                 if any(line.split("\t")[0] == control for line in file):
                     return
         if window.poll() is not None:
-            sys.exit("suite.py: the window ended before it showed '%s'" % control)
+            sys.exit("%s: the window ended before it showed '%s'" % (script, control))
         time.sleep(0.05)
-    sys.exit("suite.py: the window does not show '%s'" % control)
+    sys.exit("%s: the window does not show '%s'" % (script, control))

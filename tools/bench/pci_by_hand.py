@@ -171,9 +171,11 @@ def lay_out(hand):
 
 def open_case(hand):
     """Start, card of the case, preparation, session."""
-    hand.screen.wait("card 10", 60)
+    hand.screen.wait("card 1", 60)
     focus(hand.environment)
     time.sleep(0.5)
+    hand.key("Next")  # the second page of cards; X names the key Page Down so
+    hand.screen.wait("card 10", 60)
     hand.click("card 10")
     hand.screen.wait("cabinet 1", 60)
     lay_out(hand)

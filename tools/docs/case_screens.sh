@@ -20,6 +20,7 @@ shows() { # the window's layout file has this control
 go_to() { # from the start screen, as far as this screen
     shows "card 2"
     xdotool windowfocus --sync "$(xdotool search --onlyvisible --name '^Cournand$' | tail -n 1)"
+    xdotool mousemove "$width" "$height" # the pointer rests on nothing
     [ "$1" != start ] || return 0
     xdotool key 2
     shows ready

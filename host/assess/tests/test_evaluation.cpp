@@ -124,6 +124,32 @@ void an_unknown_vessel_is_refused_with_a_suggestion(void **)
     }
 }
 
+// A wire that follows inside a catheter is out of sight only if the tip of the catheter is: from 2 s on, the
+// wire moves below the picture. The catheter's tip is ahead of it in the picture, then ahead of it below the
+// picture, then in the picture but behind it.
+void a_wire_inside_a_catheter_is_watched_by_the_catheters_tip(void **)
+{
+    const auto errors = [](bool has_catheter, bool is_catheter_shown, double ahead_mm) {
+        crn::SessionLog log = session([&](double s, crn::SessionMoment &moment) {
+            moment.is_xray_on = true;
+            moment.tools[0].is_in_picture = s < 2.0;
+            moment.tools[0].tip_mm.y() = 20.0 * s; // 20 mm/s
+            moment.tools[1].has_tip = true;
+            moment.tools[1].is_in_picture = is_catheter_shown;
+            moment.tools[1].ahead_mm = ahead_mm;
+        });
+        if (has_catheter) log.tools.push_back("catheter");
+        int found = 0;
+        for (const crn::FoundError &error : crn::evaluate(crn::standard_plan(false), log).errors)
+            found += crn::standard_plan(false).errors[error.kind].name == "tip_out_of_picture";
+        return found;
+    };
+    assert_int_equal(errors(true, true, 30.0), 0);
+    assert_int_equal(errors(true, false, 30.0), 1);
+    assert_int_equal(errors(true, true, -30.0), 1);
+    assert_int_equal(errors(false, true, 30.0), 1); // without a catheter, the rule is that of the wire
+}
+
 // The transducer decides, not the geometry: the pressure is damped from 2 s to 4 s.
 void an_injection_while_the_pressure_is_damped_is_found(void **)
 {
@@ -279,6 +305,7 @@ int main()
         cmocka_unit_test(errors_beyond_the_limit_are_listed_and_do_not_count),
         cmocka_unit_test(a_rule_for_a_tool_that_is_not_there_does_not_apply),
         cmocka_unit_test(an_unknown_vessel_is_refused_with_a_suggestion),
+        cmocka_unit_test(a_wire_inside_a_catheter_is_watched_by_the_catheters_tip),
         cmocka_unit_test(an_injection_while_the_pressure_is_damped_is_found),
         cmocka_unit_test(each_injection_without_aspiration_is_one_error),
         cmocka_unit_test(a_move_while_no_wire_is_on_the_line_is_found),

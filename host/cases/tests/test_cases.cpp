@@ -336,6 +336,7 @@ void marks_fall_in_proportion_between_the_values_of_a_limit(void **)
     const double points[] = {5.0, 10.0, 10.0, 5.0, 0.0, 0.0};
     for (std::size_t i = 0; i < 6; ++i)
         assert_true(std::abs(entry["limits"][i]["points"].get<double>() - points[i]) < 1e-9);
+    assert_false(std::signbit(entry["limits"][4]["points"].get<double>())); // 0, not -0
     assert_true(entry["limits"][5]["value"].is_null());
     assert_true(std::abs(entry["score"].get<double>() - 100.0 * 40.0 / 80.0) < 1e-9);
     assert_false(entry["is_reached"].get<bool>());

@@ -76,6 +76,17 @@ void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
     assert_true(patient.monitor.diastolic_mmHg() < diastolic - 5);
 }
 
+// The curve begins at the left edge with the first pressure. A place that was never written would be drawn as
+// a fall to 0 mmHg.
+void the_curve_begins_with_the_first_sample(void **)
+{
+    Patient patient;
+    patient.run(1000);
+    assert_int_equal(patient.monitor.newest(), 199); // 1000 ms, a sample every 5 ms
+    for (std::size_t i = 0; i <= patient.monitor.newest(); ++i)
+        assert_true(patient.monitor.samples()[i].pressure_mmHg > 60.0f);
+}
+
 // Without beats the windkessel empties: P - 6 mmHg falls by a factor of e in R C = 1.42 s, and the
 // electrocardiogram is flat.
 void asystole_is_a_flat_line_and_a_falling_pressure(void **)
@@ -246,6 +257,7 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_resting_adult_has_the_usual_pressures),
+        cmocka_unit_test(the_curve_begins_with_the_first_sample),
         cmocka_unit_test(a_premature_beat_is_weak_and_the_pause_after_it_long),
         cmocka_unit_test(asystole_is_a_flat_line_and_a_falling_pressure),
         cmocka_unit_test(the_waves_stand_where_the_beat_says),

@@ -301,6 +301,20 @@ void a_stent_holds_no_more_than_is_open(void **)
     assert_false(next_hold(stents).has_value());
 }
 
+// A line may begin without the balloon; the refusal says what a trainee can do, not how the program was
+// called.
+void without_a_balloon_on_the_line_the_refusal_says_what_to_do(void **)
+{
+    const std::vector<Instrument> tools = wire_and_balloon();
+    PatientStents stents(read_stents({stent_file}, tools), beating_artery(true), nullptr,
+                         {{stations, 12e-3 / (stations - 1)}}, {tools[0]}, true);
+    stents.command(50, load);
+    assert_int_equal(stents.loaded(), 0);
+    assert_string_equal(stents.refusals().at(0).c_str(),
+                        "NO STENT LOADED - no tool on the line has a balloon: "
+                        "load the balloon catheter first (at 50 ms)");
+}
+
 void another_one_is_loaded_outside_only(void **)
 {
     PatientStents stents = session_stents(2);
@@ -455,6 +469,7 @@ int main()
         cmocka_unit_test(stents_share_the_rings_of_the_core),
         cmocka_unit_test(what_the_core_did_not_confirm_is_asked_for_again),
         cmocka_unit_test(a_stent_holds_no_more_than_is_open),
+        cmocka_unit_test(without_a_balloon_on_the_line_the_refusal_says_what_to_do),
         cmocka_unit_test(another_one_is_loaded_outside_only),
         cmocka_unit_test(the_filling_holds_as_much_as_the_balloon),
         cmocka_unit_test(a_balloon_outside_of_the_patient_is_not_seen),

@@ -22,6 +22,11 @@ recording_begins || exit 1
 keys keydown space; ticks_pass "$recording" 2 || stuck
 keys keydown Up; ticks_pass "$recording" 6 || stuck; keys keyup Up; keys keyup space
 reads "tip 1" "mm inside" || exit 1 # the tooltip of the device's row
+shows "side left" && cp "$work/layout" "$work/layout.case"
+for _ in 1 2 3 4 5 6 7; do # every rate of fluoroscopy and of runs
+    keys key p o; sleep 0.2
+    cat "$work/layout" >>"$work/layout.rates"
+done
 keys key Escape
 shows assessed || exit 1  # the recording has been replayed
 shows "phase 1" || exit 1
@@ -41,6 +46,22 @@ timeout 300 bash "$work/keys.sh" >"$log" 2>&1
 code=$?
 cat "$work/said" >>"$log"
 result $code "three keys lead from the start screen to the pictures of a case, and its debrief to the replay"
+python3 - "$work/layout.case" "$work/layout.rates" >"$log" 2>&1 <<'PY'
+import sys
+rows = {}
+for line in open(sys.argv[2]):
+    assert "does not fit" not in line, line
+for line in open(sys.argv[1]):
+    name, *place = line.rstrip("\n").split("\t")
+    rows[name] = [float(word) for word in place[:4]] + [place[4] if len(place) > 4 else ""]
+    assert "does not fit" not in rows[name][4], line
+x, y, width, height, _ = rows["live picture"]
+for side in ("side left", "side right"):
+    left, _, wide, _, letter = rows[side]
+    print(side, letter, left, wide, "beside", x, width)
+    assert letter in ("R", "L") and x < left and left + wide < x + width
+PY
+result $? "the letters of the patient's sides lie in the live monitor, and every label fits its button"
 "$program" records list --json >"$work/list.json" 2>"$log"
 result $? "the session is in the records"
 recording=$(ls "$work"/state/cournand/*.rec)

@@ -17,6 +17,8 @@
 #include "host/base/text.hpp"
 #include "host/live/oximeter.hpp"
 #include "host/room/presets.hpp"
+#include "host/suite/pages.hpp"
+#include "host/suite/ui_text.hpp"
 #include "host/suite/user_input.hpp"
 
 // This header comes last, because its macros (fail, ...) would change other headers.
@@ -73,6 +75,70 @@ void the_document_has_the_table_of_controls(void **)
     const char *wanted = "/tmp/cournand_controls.md";
     std::ofstream(wanted) << table;
     fail_msg("docs/suite.md differs from the table of controls; it must contain what is in %s", wanted);
+}
+
+// On each screen a key has one control, and each control a key and a sentence.
+void every_control_of_the_other_screens_has_keys_of_its_own(void **)
+{
+    std::set<std::pair<crn::ScreenId, int>> keys;
+    for (const crn::ScreenControl &row : crn::screen_controls()) {
+        const std::string name(row.name);
+        if (row.key == 0 || row.keys() < 1) fail_msg("'%s' has no key", name.c_str());
+        for (int key = row.key; key <= row.key_last; ++key) {
+            if (!keys.insert({row.screen, key}).second)
+                fail_msg("a key of '%s' has two controls", name.c_str());
+            assert_ptr_equal(crn::screen_control_of_key(row.screen, key), &row);
+        }
+        if (row.what.size() < 15 || row.what.back() != '.') fail_msg("'%s' has no sentence", name.c_str());
+    }
+    assert_null(crn::screen_control_of_key(crn::ScreenId::prep, GLFW_KEY_9));
+    assert_string_equal(crn::screen_key_text(crn::ScreenControlId::card, 8).c_str(), "9");
+    assert_string_equal(crn::screen_key_text(crn::ScreenControlId::card, 9).c_str(), "");
+    assert_string_equal(crn::screen_key_text(crn::ScreenControlId::recording, 1).c_str(), "F2");
+    assert_string_equal(crn::screen_key_text(crn::ScreenControlId::practice, 2).c_str(), "C");
+}
+
+void the_document_has_the_table_of_the_other_screens(void **)
+{
+    const std::string table = crn::screen_controls_document();
+    if (crn::read_text_file("docs/suite.md").find(table) != std::string::npos) return;
+    fail_msg("docs/suite.md differs from the controls of the other screens; it must contain:\n%s",
+             table.c_str());
+}
+
+// 14 cards: the tenth is the first card of the second page, and the pages end there.
+void every_card_is_on_a_page_with_a_key_for_it(void **)
+{
+    assert_int_equal(crn::cards_per_page(), 9);
+    assert_int_equal(crn::turned_page(0, 1, 14), 1);
+    assert_int_equal(crn::turned_page(1, 1, 14), 1);
+    assert_int_equal(crn::turned_page(1, -1, 14), 0);
+    assert_int_equal(crn::turned_page(0, -1, 14), 0);
+    assert_int_equal(crn::turned_page(0, 1, 9), 0);
+    assert_int_equal(crn::turned_page(1, 0, 9), 0); // five cards are gone
+    assert_int_equal(crn::turned_page(3, 1, 0), 0);
+}
+
+// A line breaks at a blank, never inside "3.0"; a word that is too wide stays whole, and an indentation
+// stays.
+void lines_break_at_blanks_only(void **)
+{
+    const auto lines = [](const char *text) {
+        return crn::joined_lines(crn::lines_of(
+            text, 12.0f, [](const std::string &line) { return static_cast<float>(line.size()); }));
+    };
+    assert_string_equal(lines("a stent of 3.0 by 18 mm").c_str(), "a stent of\n3.0 by 18 mm");
+    assert_string_equal(lines("/tmp/folder/name.rec is written").c_str(), "/tmp/folder/name.rec\nis written");
+    assert_string_equal(lines("  one\ntwo  three").c_str(), "  one\ntwo  three");
+    assert_string_equal(lines("").c_str(), "");
+}
+
+void a_notice_in_the_window_has_no_tick(void **)
+{
+    assert_string_equal(crn::without_moment("NO STENT LEFT to load (at 70 ms)").c_str(),
+                        "NO STENT LEFT to load");
+    assert_string_equal(crn::without_moment("refused (at once)").c_str(), "refused (at once)");
+    assert_string_equal(crn::without_moment(" ms)").c_str(), " ms)");
 }
 
 void keys_choose_the_tool_they_move(void **)
@@ -351,6 +417,11 @@ int main()
         cmocka_unit_test(every_control_has_a_key_of_its_own_and_says_what_it_does),
         cmocka_unit_test(a_gamepad_button_has_one_control),
         cmocka_unit_test(the_document_has_the_table_of_controls),
+        cmocka_unit_test(every_control_of_the_other_screens_has_keys_of_its_own),
+        cmocka_unit_test(the_document_has_the_table_of_the_other_screens),
+        cmocka_unit_test(every_card_is_on_a_page_with_a_key_for_it),
+        cmocka_unit_test(lines_break_at_blanks_only),
+        cmocka_unit_test(a_notice_in_the_window_has_no_tick),
         cmocka_unit_test(keys_choose_the_tool_they_move),
         cmocka_unit_test(a_held_key_moves_only_the_chosen_tool_until_it_is_released),
         cmocka_unit_test(a_pedal_that_is_tapped_between_two_screens_acts_once),

@@ -15,6 +15,11 @@ cat >"$work/start.sh" <<'SH'
 "$program" view --start $size --layout "$work/layout" >"$work/said" 2>&1 &
 window=$!
 shows "practice 3" && focus || { stuck; exit 1; }
+keys key Next              # Page Down: the second page of cards
+shows "card 10" && lacks "card 1" || exit 1
+keys key Prior
+shows "card 1" && lacks "card 10" || exit 1
+move_to "card 2"; reads story "First push" || exit 1
 keys key c # free space
 shows "row 1" || exit 1
 recording_begins || exit 1
