@@ -247,7 +247,8 @@ typedef struct cournand_input {
     cournand_order orders[COURNAND_ORDERS_MAX];
 } cournand_input;
 
-/* Advances by one tick per input, 1 .. COURNAND_TICKS_MAX. The inputs of a recording give its state hash. */
+/* Advances by one tick per input, 1 .. COURNAND_TICKS_MAX. From one tick to the next a hand moves by at most
+ * 5 mm and a quarter turn. The inputs of a recording give its state hash. */
 COURNAND_API cournand_status cournand_world_advance(cournand_world *world, const cournand_input *inputs,
                                                     size_t input_count);
 

@@ -2,7 +2,9 @@
 // status and keeps the text for cournand_error_text().
 #pragma once
 #include "host/library/cournand.h"
+#include <algorithm>
 #include <cstring>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -54,14 +56,19 @@ template <class Work> auto with_files(Work work)
     }
 }
 
+// The size that a struct had in the first version of the library, which callers of that version pass. When a
+// struct grows, a specialisation keeps this number.
+template <class Struct> inline constexpr std::size_t first_bytes = sizeof(Struct);
+inline constexpr std::size_t struct_bytes_max = 4096;
+
 // Copies a struct that the caller passes, which may be older or newer than the library's (cournand.h,
-// "STRUCTS").
+// "STRUCTS"). What an older one does not have is zero.
 template <class Struct> Struct read_struct(const Struct *from, const char *name)
 {
     Struct own{};
-    require(from != nullptr, (std::string(name) + " is NULL: pass a struct").c_str());
+    if (from == nullptr) throw Refused(COURNAND_BAD_ARGUMENT, std::string(name) + " is NULL: pass a struct");
     const std::size_t bytes = from->struct_bytes;
-    if (bytes < sizeof own || bytes > 4096)
+    if (bytes < first_bytes<Struct> || bytes > struct_bytes_max)
         throw Refused(COURNAND_BAD_ARGUMENT,
                       std::string(name) + ": struct_bytes is " + std::to_string(bytes) + ", not " +
                           std::to_string(sizeof own) + ": set it to the size of the struct");
@@ -69,15 +76,15 @@ template <class Struct> Struct read_struct(const Struct *from, const char *name)
     for (std::size_t i = sizeof own; i < bytes; i++)
         require(raw[i] == 0,
                 "a struct has members that this version of the library does not know: set them to 0");
-    std::memcpy(&own, from, sizeof own);
+    std::memcpy(&own, from, std::min(bytes, sizeof own));
     return own;
 }
 
-// Fills a struct of the caller. The part that the library does not know becomes zero.
+// Fills a struct of the caller, which has passed read_struct().
 template <class Struct> void write_struct(Struct *to, const Struct &own, const char *name)
 {
     const Struct asked = read_struct(to, name);
-    std::memcpy(to, &own, sizeof own);
+    std::memcpy(to, &own, std::min<std::size_t>(asked.struct_bytes, sizeof own));
     to->struct_bytes = asked.struct_bytes;
 }
 

@@ -14,6 +14,7 @@ namespace
 {
 
 constexpr std::int64_t parts_per_count = 1'000'000;
+constexpr std::int64_t push_step_max = 5000, turn_step_max = 16384; // counts in one tick
 constexpr double push_max_m_per_s = 1.0, turn_max_rad_per_s = 100.0;
 
 // Rounds down, so that equal steps give equal counts on both sides of zero. Counts may wrap, as encoders do.
@@ -72,6 +73,19 @@ crn_wire_order wire_order(const cournand_order &order)
     default:
         throw Refused(COURNAND_BAD_ARGUMENT, "there is no order of kind " + std::to_string(order.kind));
     }
+}
+
+// Faster hands than these stop the device, which takes them for a broken encoder (docs/faults.md).
+void check_step(const crn_wire_hand &from, const crn_wire_hand &to)
+{
+    const auto way = [](std::int32_t a, std::int32_t b) { // counts may wrap
+        return std::abs(std::int64_t{
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(b) - static_cast<std::uint32_t>(a))});
+    };
+    require(way(from.translation_counts, to.translation_counts) <= push_step_max,
+            "an input pushes by more than 5 mm in one tick");
+    require(way(from.rotation_counts, to.rotation_counts) <= turn_step_max,
+            "an input turns by more than a quarter turn in one tick");
 }
 
 crn_wire_order_list wire_orders(const cournand_input &input)
@@ -172,7 +186,15 @@ void World::order(const cournand_order &order)
 void World::advance(std::span<const cournand_input> given)
 {
     check_ticks(given.size());
+    crn_wire_tick_input before = present_input();
+    bool has_before = tick() > 0; // the first input of a world gives the zero of the hands
     for (const cournand_input &input : given) {
+        for (std::size_t k = 0; k < positions(); k++) {
+            const crn_wire_hand hand = {input.push_um[k], input.turn_counts[k]};
+            if (has_before) check_step(before.hands[k], hand);
+            before.hands[k] = hand;
+        }
+        has_before = true;
         require(input.inflator_kPa >= 0 && input.inflator_kPa <= 4000,
                 "inflator_kPa is not within 0 and 4000");
         require(input.buttons <= 255, "buttons has a bit that is reserved");

@@ -109,6 +109,12 @@ void wrong_inputs_and_orders_change_nothing(void **)
     inputs[199].buttons = 1u << 20;
     refused(cournand_world_advance(kept, inputs.data(), inputs.size()), COURNAND_BAD_ARGUMENT, "buttons");
     inputs[199] = {};
+    inputs[199].push_um[0] = 100000; // would stop the device
+    refused(cournand_world_advance(kept, inputs.data(), inputs.size()), COURNAND_BAD_ARGUMENT, "5 mm");
+    inputs[199] = {};
+    inputs[199].turn_counts[0] = INT32_MIN;
+    refused(cournand_world_advance(kept, inputs.data(), inputs.size()), COURNAND_BAD_ARGUMENT, "quarter");
+    inputs[199] = {};
     inputs[199].push_um[2] = 1;
     refused(cournand_world_advance(kept, inputs.data(), inputs.size()), COURNAND_BAD_ARGUMENT, "position");
     refused(cournand_world_advance(kept, inputs.data(), 0), COURNAND_BAD_ARGUMENT, "ticks");
