@@ -5,10 +5,11 @@ that has one (host/library/cournand.abi), and before there is such a tag, with t
   test_library_abi.py            prints TAP
   test_library_abi.py --write    writes the description of the present header
 
-The description is made of a small object with variables: one of the type of every function; for every constant an array
-of as many bytes; for every member of a struct one of its type, and an array of as many bytes as its offset. In the types
-of functions the structs that begin with struct_bytes are opaque, because these may grow at their end. The size of every
-other struct counts. The test of the installed library shows that it exports exactly the functions of the header."""
+The description is made of a small object with variables: one of the type of every function; for every constant an
+array of as many bytes; for every member of a struct one of its type, and an array of as many bytes as its offset. In
+the types of functions the structs that begin with struct_bytes are opaque, because these may grow at their end. The
+size of every other struct counts. The test of the installed library shows that it exports exactly the functions of the
+header."""
 
 import os
 import re
