@@ -47,7 +47,7 @@ test: packages-build+tools+test+matrix+usb+bench
 
 install: ## install programs, man pages, completion, libraries, headers, pkg-config files (PREFIX=, DESTDIR=)
 install: packages-build+tools
-	$(call build,release,run$(comma)tools,cournand bake anatomy centreline)
+	$(call build,release,run$(comma)tools,cournand bake anatomy centreline cournand_library)
 	@cmake --install $(BUILD) --prefix $(or $(PREFIX),/usr/local)
 
 docs: ## build the docs as a site with search: out/site/index.html

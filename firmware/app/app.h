@@ -220,6 +220,13 @@ bool crn_app_order(crn_app *app, uint8_t action);
  * afterwards app->setup.tracks contains the accepted values. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
+/* These two functions are for a program that has the device in its own memory, such as the simulated port.
+ * They take and put the same CRN_APP_SNAPSHOT_BYTES bytes as the messages of a snapshot, without frames and
+ * checksums. The mode must be LOCKSTEP, and the state ARMED or RUNNING. crn_app_snapshot_put checks the bytes
+ * as those of a host. When a function returns false, nothing has changed. */
+bool crn_app_snapshot_take(crn_app *app, uint8_t *bytes);
+bool crn_app_snapshot_put(crn_app *app, const uint8_t *bytes);
+
 /* Returns the force in mN that a track's sensor measures at this timer edge, or 0 without a working sensor.
  */
 int32_t crn_app_force_measured(const crn_app *app, uint32_t track);

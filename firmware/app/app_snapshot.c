@@ -226,6 +226,28 @@ static bool read_head(const crn_app *app, snapshot_head *head)
     return ok;
 }
 
+/* Restores the snapshot that lies in the scratch memory. Returns false, and changes nothing, if it is not a
+ * valid snapshot of this session. */
+static bool restore(crn_app *app)
+{
+    snapshot_head head;
+    const uint8_t *words = app->core.scratch.spare + CRN_APP_SNAPSHOT_HEAD_BYTES;
+    crn_wire_reader core_tick = crn_wire_reader_make(words, 4); /* the state's first word */
+    if (!read_head(app, &head) || crn_wire_read(&core_tick, 4) != head.tick ||
+        !crn_state_restore(&app->model, &app->core, words))
+        return false;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        app->hands.counts[k] = head.hands[k];
+        app->haptics.motors[k] = head.motors[k];
+        app->haptics.springs[k][0] = head.springs[k][0];
+        app->haptics.springs[k][1] = head.springs[k][1];
+        app->haptics.energies[k] = head.energies[k];
+        app->haptics.releases[k] = head.releases[k];
+    }
+    app->faults.core_bits_seen = app->core.words.fault_bits;
+    return true;
+}
+
 void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_snapshot_end;
@@ -240,21 +262,32 @@ void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length)
     CRN_REJECT_IF(app, type,
                   crn_wire_crc32(0, app->core.scratch.spare, CRN_APP_SNAPSHOT_BYTES) != upload.crc32,
                   CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
-    snapshot_head head;
-    const uint8_t *words = app->core.scratch.spare + CRN_APP_SNAPSHOT_HEAD_BYTES;
-    crn_wire_reader core_tick = crn_wire_reader_make(words, 4); /* the state's first word */
-    CRN_REJECT_IF(app, type,
-                  !read_head(app, &head) || crn_wire_read(&core_tick, 4) != head.tick ||
-                      !crn_state_restore(&app->model, &app->core, words),
-                  CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        app->hands.counts[k] = head.hands[k];
-        app->haptics.motors[k] = head.motors[k];
-        app->haptics.springs[k][0] = head.springs[k][0];
-        app->haptics.springs[k][1] = head.springs[k][1];
-        app->haptics.energies[k] = head.energies[k];
-        app->haptics.releases[k] = head.releases[k];
-    }
-    app->faults.core_bits_seen = app->core.words.fault_bits;
+    CRN_REJECT_IF(app, type, !restore(app), CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes,
+                  upload.expected_bytes);
     crn_app_send_status(app, type);
+}
+
+/* --- for a program that has the device in its own memory --- */
+bool crn_app_snapshot_take(crn_app *app, uint8_t *bytes)
+{
+    if (app->mode != CRN_WIRE_MODE_LOCKSTEP ||
+        (app->state != CRN_WIRE_STATE_ARMED && app->state != CRN_WIRE_STATE_RUNNING))
+        return false;
+    app->session.snapshot_upload.open = false;
+    save(app);
+    for (size_t i = 0; i < CRN_APP_SNAPSHOT_BYTES; i++) bytes[i] = app->core.scratch.spare[i];
+    return true;
+}
+
+bool crn_app_snapshot_put(crn_app *app, const uint8_t *bytes)
+{
+    if (app->mode != CRN_WIRE_MODE_LOCKSTEP ||
+        (app->state != CRN_WIRE_STATE_ARMED && app->state != CRN_WIRE_STATE_RUNNING))
+        return false;
+    app->session.snapshot_upload.open = false;
+    for (size_t i = 0; i < CRN_APP_SNAPSHOT_BYTES; i++) app->core.scratch.spare[i] = bytes[i];
+    if (!restore(app)) return false;
+    app->session.has_stop = false;
+    app->session.inflator_raw = 0;
+    return true;
 }

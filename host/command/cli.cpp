@@ -413,14 +413,6 @@ std::vector<RoomCommand> entry_commands(const SceneFile &scene)
     return {table, {RoomAction::follow, {1, 0, 0}}};
 }
 
-std::string bodies_beside(const std::string &scene)
-{
-    if (scene.empty()) return "";
-    const std::filesystem::path path = std::filesystem::path(scene).replace_extension(".bodies");
-    std::error_code ignored;
-    return std::filesystem::exists(path, ignored) ? path.string() : "";
-}
-
 void choose_defaults(WindowOptions &options)
 {
     if (!options.tools.empty() || !options.instrument.empty()) return;

@@ -119,10 +119,6 @@ void name_range_branch(RangeWatch &range, const std::string &bodies_path);
 // 0.
 int exit_of_range(const RangeWatch &range);
 
-// Returns the path of the bodies that belong to a scene: for "x.scene" it is "x.bodies". If that file does
-// not exist, the path is empty.
-std::string bodies_beside(const std::string &scene);
-
 // Fills in what `cournand view` needs when the user has named nothing: the scene that comes with the program,
 // and a J wire. If a tool or a scene is named, only the missing tool is filled in.
 void choose_defaults(WindowOptions &options);

@@ -114,6 +114,12 @@ class Link
     crn_wire_sensors read_sensors(); // the rig's last sample
     std::vector<std::uint8_t> read_snapshot();
     void write_snapshot(std::span<const std::uint8_t> snapshot); // LOCKSTEP, armed
+    // The device was set to a snapshot of this tick without this conversation (SimTransport::put_snapshot).
+    void continue_at(std::uint32_t tick)
+    {
+        tick_ = tick;
+        hash64_.reset();
+    }
 
   private:
     void send(std::uint16_t type, const crn_wire_writer &payload);

@@ -32,6 +32,21 @@ void SimTransport::pass_time_ms(std::uint32_t milliseconds)
     crn_sim_timer(sim_.get(), milliseconds);
 }
 
+std::size_t SimTransport::snapshot_bytes()
+{
+    return crn_sim_snapshot_bytes();
+}
+
+bool SimTransport::take_snapshot(std::span<std::uint8_t> bytes)
+{
+    return crn_sim_take_snapshot(sim_.get(), bytes.data(), bytes.size());
+}
+
+bool SimTransport::put_snapshot(std::span<const std::uint8_t> bytes)
+{
+    return crn_sim_put_snapshot(sim_.get(), bytes.data(), bytes.size());
+}
+
 void SimTransport::attach_rig()
 {
     const crn_port_inputs inputs = crn_sim_healthy_inputs();

@@ -18,6 +18,11 @@ class SimTransport final : public Transport
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
     bool has_own_clock() const override { return false; }
+    // Copy the state of a session in LOCKSTEP, and put such a state back, in microseconds (sim.h). The Link
+    // of this device must then be told the tick (Link::continue_at). Both return false if the device refuses.
+    static std::size_t snapshot_bytes();
+    bool take_snapshot(std::span<std::uint8_t> bytes);
+    bool put_snapshot(std::span<const std::uint8_t> bytes);
     // Attaches a rig with three tracks, whose sensors are healthy and whose user's hands are at rest.
     void attach_rig();
 

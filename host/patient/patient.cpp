@@ -20,16 +20,13 @@ const XrayScene &filled(XrayScene &scene, const SceneAnatomy &anatomy, const Pat
 Patient::Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
                  const PatientSettings &settings)
     : table_(tools), line_(line_or_table(settings.line, tools.size())), tools_(tools_on(table_, line_)),
-      opened_(anatomy.bodies, LesionOpening(anatomy.bodies.vessels, anatomy.stations),
-              anatomy.motion_or_null()),
-      meter_(filled(scene_, anatomy, settings), settings.threads),
+      poses_(anatomy), meter_(filled(scene_, anatomy, settings), settings.threads),
       contrast_(anatomy.bodies.vessels, tools_, anatomy.motion_or_null(),
                 LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
       catheter_pressure_(anatomy.bodies.vessels, tools_, anatomy.motion_or_null(),
                          LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
       catheter_air_(tools_)
 {
-    if (anatomy.motion) moving_.emplace(*anatomy.motion, anatomy.bodies);
     if (settings.stents.empty()) return;
     stents_ =
         std::make_unique<PatientStents>(settings.stents, anatomy.bodies.vessels, anatomy.motion_or_null(),
@@ -163,22 +160,6 @@ void Patient::advance_room(std::uint32_t tick, const WireFrame &wire)
     settings.beam = request.beam;
     room_.expose(meter_.expose(settings, bodies_at(wire),
                                request.settles_at_once ? MeterPace::settles : MeterPace::follows));
-}
-
-// The bodies are in the heart phase of that tick, and their walls are as wide as the lesions have opened in
-// the core.
-std::span<const MovedBody> Patient::bodies_at(const WireFrame &wire)
-{
-    const MotionMoment moment{wire.heart_phase32, wire.breath_phase32};
-    if (moved_at_ == moment && moved_open_ == wire.lesions_open) return moved_;
-    moved_at_ = moment;
-    moved_open_ = wire.lesions_open;
-    std::span<const MovingBodies::Moved> beating;
-    if (moving_ && !moving_->is_empty()) beating = moving_->at(moment);
-    moved_.clear();
-    for (const MovingBodies::Moved &body : opened_.at(moment, wire.lesions_open, beating))
-        moved_.push_back({body.body, body.vertices_um});
-    return moved_;
 }
 
 void Patient::give_orders(crn_wire_order_list &orders)

@@ -14,9 +14,9 @@
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/model/instrument.hpp"
-#include "host/model/opened_bodies.hpp"
 #include "host/model/scene_anatomy.hpp"
 #include "host/model/tool_line.hpp"
+#include "host/patient/body_poses.hpp"
 #include "host/patient/catheter_air.hpp"
 #include "host/patient/catheter_pressure.hpp"
 #include "host/patient/contrast.hpp"
@@ -102,7 +102,7 @@ class Patient
     const XrayScene &scene() const { return scene_; }
     // Returns the bodies that heart, breath and open lesions move, at the moment of this shape. The returned
     // list is valid until the next call.
-    std::span<const MovedBody> bodies_at(const WireFrame &wire);
+    std::span<const MovedBody> bodies_at(const WireFrame &wire) { return poses_.at(wire); }
 
   private:
     void follow_line(const crn_wire_tick_state &state);
@@ -116,11 +116,7 @@ class Patient
     LineNumbers line_;
     std::vector<Instrument> tools_; // on the line
     XrayScene scene_;
-    std::optional<MovingBodies> moving_;
-    OpenedBodies opened_;
-    std::vector<MovedBody> moved_;
-    std::optional<MotionMoment> moved_at_; // moment to which they were last moved
-    std::vector<double> moved_open_;
+    BodyPoses poses_;
     XrayMeter meter_; // created after the scene has its bodies
     Room room_;
     PatientContrast contrast_;

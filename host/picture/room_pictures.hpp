@@ -10,6 +10,7 @@
 #include "host/model/instrument.hpp"
 #include "host/model/scene_anatomy.hpp"
 #include "host/patient/patient.hpp"
+#include "host/patient/pulse_shot.hpp"
 #include "host/picture/dicom_export.hpp"
 #include "host/picture/path_choice.hpp"
 #include "host/room/room_screen.hpp"
@@ -21,9 +22,6 @@
 
 namespace crn
 {
-
-// Throws std::runtime_error if a material is unknown; the message names the section and the known materials.
-RadiopaqueInstrument instrument_look(const Instrument &instrument);
 
 struct PictureSettings {
     std::string bodies_path;    // empty: air
@@ -46,32 +44,12 @@ struct PictureSettings {
     LineNumbers line{};                      // tools on the line at the start (tool_line.hpp); empty: all
 };
 
-// Returns what X-rays see of the tools on the line, one for each position (tool_line.hpp). Nothing is seen at
-// a free position.
-std::vector<RadiopaqueInstrument> looks_on(std::span<const RadiopaqueInstrument> table,
-                                           std::span<const std::uint8_t> line);
-
-// Holds everything that the picture of one X-ray pulse needs from the patient.
-struct PulseShot {
-    WireFrame shape;  // the tools, with the concentration of iodine around them
-    LineNumbers line; // which tools these are
-    std::vector<SweptCurve> curves;
-    // The vertices of the bodies that move belong to the patient until own() has copied them.
-    std::vector<MovedBody> bodies;
-    void own();
-
-    PulseShot() = default;
-    PulseShot(PulseShot &&) = default; // a copy would refer to the vertices of the original
-    PulseShot &operator=(PulseShot &&) = default;
-
-  private:
-    std::vector<std::vector<Eigen::Vector3i>> vertices_um_;
-};
-
-// Returns what a pulse at `tick` sees. The result refers to the patient's bodies until they move, unless
-// PulseShot::own() is called. `shape` holds the tools at the pulse.
-PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick,
-                  const PictureSettings &settings);
+// Returns what a pulse at `tick` sees, with the settings' filling of balloons (pulse_shot.hpp).
+inline PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick,
+                         const PictureSettings &settings)
+{
+    return shot_of(patient, shape, tick, settings.balloon_iodine_mg_per_ml);
+}
 
 class RoomPictures
 {

@@ -3,6 +3,7 @@
 #include "host/model/units.hpp"
 #include "host/script/hand_motion.hpp"
 #include "host/script/session.hpp"
+#include "host/session/set_up.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -22,38 +23,6 @@ crn_wire_rig host_rig()
     }
     return rig;
 }
-
-namespace
-{
-
-// Returns a text with the names of the tools that caused a refusal, as they are in the tools' files; the text
-// is empty if no tool caused the refusal.
-std::string tool_at_fault(const std::vector<Instrument> &tools, const LineNumbers &line,
-                          const crn_wire_reject &reject)
-{
-    const std::size_t tool = reject.detail1;
-    switch (reject.code) {
-    case CRN_REJECT_TOOL_KNOTS:
-    case CRN_REJECT_TOOL_RANGE:
-    case CRN_REJECT_TOOL_LENGTH:
-    case CRN_REJECT_TOOL_ELEMENTS:
-    case CRN_REJECT_TOOL_OVERFLOW:
-    case CRN_REJECT_TOOL_BALLOON:
-    case CRN_REJECT_LENGTH_INSERTED:
-        return tool < tools.size() ? "'" + tools[tool].name + "'" : "";
-    case CRN_REJECT_TOOL_NESTING:
-        for (std::size_t k = 1, inner = line.empty() ? 0 : line[0]; k < line.size(); k++) {
-            if (line[k] == 0) continue;
-            if (line[k] == tool + 1 && inner > 0) return nesting_refusal(tools[inner - 1], tools[tool]);
-            inner = line[k];
-        }
-        return "";
-    default:
-        return "";
-    }
-}
-
-} // namespace
 
 RecordingHeader Device::recording_header(const std::string &session,
                                          const std::vector<StentDesign> &stents) const
@@ -82,9 +51,7 @@ Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_
         has_started_ = true;
         call_witness();
     } catch (const LinkError &error) {
-        const std::string who = tool_at_fault(tools_, line_, error.reject);
-        if (who.empty()) throw;
-        throw LinkError(who + ": " + error.what(), error.reject);
+        throw with_tool_names(error, tools_, line_);
     }
     if (!choice_.free_run) return;
     link_->stop();

@@ -3,6 +3,7 @@
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
+#include "host/session/set_up.hpp"
 #include <algorithm>
 #include <cstdio>
 
@@ -74,15 +75,7 @@ void Device::call_witness()
 
 void Device::set_up()
 {
-    std::vector<crn_wire_instrument> tables;
-    for (const Instrument &tool : tools_) tables.push_back(tool.table);
-    link_->load_scene(scene_.bytes);
-    link_->load_tools(tables, line_);
-    link_->set_entry(entry_);
-    link_->set_rig(rig_);
-    link_->use_lockstep();
-    link_->arm();
-    link_->start();
+    set_up_session(*link_, {scene_, tools_, line_, entry_, rig_});
 }
 
 Device::~Device()

@@ -1,5 +1,6 @@
 #include "host/session/witness.hpp"
 #include "host/base/number_text.hpp"
+#include "host/session/set_up.hpp"
 #include <algorithm>
 
 namespace crn
@@ -47,16 +48,8 @@ Witness::Witness(const SceneFile &scene, const std::vector<Instrument> &tools, c
                  const crn_wire_entry &entry, const crn_wire_rig &rig, const std::string &who)
     : link_(pipe_), who_(who)
 {
-    std::vector<crn_wire_instrument> tables;
-    for (const Instrument &tool : tools) tables.push_back(tool.table);
     link_.hello();
-    link_.load_scene(scene.bytes);
-    link_.load_tools(tables, line);
-    link_.set_entry(entry);
-    link_.set_rig(rig);
-    link_.use_lockstep();
-    link_.arm();
-    link_.start();
+    set_up_session(link_, {scene, tools, line, entry, rig});
 }
 
 void Witness::differ(const char *what, std::uint32_t tick, const std::string &told,

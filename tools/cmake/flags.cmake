@@ -16,7 +16,15 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_C_EXTENSIONS OFF)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
-set(CMAKE_POSITION_INDEPENDENT_CODE OFF)
+# All objects can become part of a shared library, so that libcournand needs no second compilation. With hidden symbols
+# such code is as fast as the compiler's usual code for programs (docs/library.md).
+if(CMAKE_CROSSCOMPILING)
+    set(CMAKE_POSITION_INDEPENDENT_CODE OFF)
+else()
+    set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+    set(CMAKE_C_VISIBILITY_PRESET hidden)
+    set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+endif()
 
 find_program(CRN_CCACHE ccache)
 if(CRN_CCACHE AND NOT CMAKE_C_COMPILER_LAUNCHER AND NOT CMAKE_CROSSCOMPILING) # call graphs (.ci) are not cached

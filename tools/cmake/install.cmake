@@ -1,11 +1,13 @@
 # `cmake --install` (make install) installs below PREFIX: programs with man pages and completion scripts, libraries
 # with their headers, scenes and instruments. For other projects it installs pkg-config files and a CMake package for
-# the core and the host:
+# the C library (docs/library.md), the core and the host:
 #
-#   find_package(cournand CONFIG REQUIRED)            pkg-config --cflags --libs cournand-core
+#   find_package(cournand CONFIG REQUIRED)            pkg-config --cflags --libs cournand
+#   target_link_libraries(mine cournand::cournand)    pkg-config --cflags --libs cournand-core
 #   target_link_libraries(mine cournand::core)        pkg-config --cflags --libs --static cournand-host
 #
-# Headers keep their paths: #include "firmware/core/core.h" below include/cournand.
+# The C library has one header, cournand.h. Those of core and host keep their paths: #include "firmware/core/core.h"
+# below include/cournand.
 include_guard()
 set(CMAKE_INSTALL_LIBDIR lib CACHE PATH "libraries below PREFIX")
 include(GNUInstallDirs)
@@ -66,6 +68,16 @@ endforeach()
 foreach(library ${host_archives})
     string(APPEND CRN_HOST_LIBRARIES " -l${library}")
 endforeach()
+# What a program needs besides the static C library.
+set(CRN_LIBRARY_NEEDS "-lccd -lusb-1.0 -lstdc++ -lm -ldl -pthread")
+# `cmake --install build --component library` installs the C library alone.
+install(TARGETS cournand_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library
+    NAMELINK_COMPONENT library PUBLIC_HEADER DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library)
+install(FILES ${PROJECT_BINARY_DIR}/lib/libcournand.a DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+install(DIRECTORY host/library/examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand/examples/library
+    COMPONENT library)
+configure_file(tools/cmake/cournand.pc.in ${PROJECT_BINARY_DIR}/cournand.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/cournand.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT library)
 foreach(part core host)
     configure_file(tools/cmake/cournand-${part}.pc.in ${PROJECT_BINARY_DIR}/cournand-${part}.pc @ONLY)
     install(FILES ${PROJECT_BINARY_DIR}/cournand-${part}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
@@ -75,3 +87,5 @@ configure_package_config_file(tools/cmake/cournand-config.cmake.in ${PROJECT_BIN
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cournand-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/cournand-config.cmake ${PROJECT_BINARY_DIR}/cournand-config-version.cmake
     DESTINATION ${package_folder})
+install(FILES ${PROJECT_BINARY_DIR}/cournand-config.cmake ${PROJECT_BINARY_DIR}/cournand-config-version.cmake
+    DESTINATION ${package_folder} COMPONENT library EXCLUDE_FROM_ALL)

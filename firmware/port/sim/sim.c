@@ -141,6 +141,21 @@ size_t crn_sim_read(crn_sim *sim, uint8_t *bytes, size_t capacity)
     return count;
 }
 
+size_t crn_sim_snapshot_bytes(void)
+{
+    return CRN_APP_SNAPSHOT_BYTES;
+}
+
+bool crn_sim_take_snapshot(crn_sim *sim, uint8_t *bytes, size_t count)
+{
+    return count == CRN_APP_SNAPSHOT_BYTES && crn_app_snapshot_take(&sim->app, bytes);
+}
+
+bool crn_sim_put_snapshot(crn_sim *sim, const uint8_t *bytes, size_t count)
+{
+    return count == CRN_APP_SNAPSHOT_BYTES && crn_app_snapshot_put(&sim->app, bytes);
+}
+
 void crn_sim_set_pipe(crn_sim *sim, size_t bytes)
 {
     sim->pipe_bytes = bytes < sizeof sim->pipe ? bytes : sizeof sim->pipe;

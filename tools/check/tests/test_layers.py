@@ -172,6 +172,18 @@ ALLOWED = {
     "host/live": ["host", "shared"],  # sessions in threads, without a window
     "host/suite": ["host", "shared"],
     # The command line as a library, so that tests run whole commands in their process; the window comes as a function.
+    # The C library needs no window, no OpenGL, no DICOM and no command line.
+    "host/library": [
+        "host/session",
+        "host/script",
+        "host/patient",
+        "host/link",
+        "host/xray",
+        "host/model",
+        "host/base",
+        "shared",
+    ],
+    "host/library/tests": HOST_TESTS,
     "host/command": ["host", "shared", "firmware/core/core.h"],
     "host/app": ["host/suite", "host/command"],  # the program: main
     "host/app/tests": HOST_TESTS,

@@ -22,6 +22,7 @@ LONG_LINES = {
     ".csv": "a row is a line",
     ".json": "written by programs",
     ".golden": "written by a program",
+    ".abi": "written by libabigail",
     ".rec": "a recording, which is no text",
     ".checked": "written by a program",
     ".corpus": "an input of a fuzzer in base64 is a line",

@@ -1,0 +1,263 @@
+// The functions of cournand.h for scenes, tools, recordings, pools and renderers. Each checks its pointers
+// and handles, and does its work in guarded(). Those of worlds are in api_world.cpp.
+#include "host/library/pool.hpp"
+#include "host/library/recordings.hpp"
+#include "host/library/renderer.hpp"
+#include "host/session/witness.hpp"
+#include "shared/version.h"
+#include <algorithm>
+
+using namespace crn;
+using namespace crn::library;
+
+const char *cournand_status_name(cournand_status status)
+{
+    static constexpr const char *names[] = {"OK",        "BAD_ARGUMENT", "BAD_HANDLE", "BAD_STATE",
+                                            "BUSY",      "BAD_FILE",     "REFUSED",    "BAD_SNAPSHOT",
+                                            "DIFFERENT", "NO_MEMORY",    "INTERNAL"};
+    const auto number = static_cast<std::size_t>(status);
+    return number < std::size(names) ? names[number] : "UNKNOWN";
+}
+
+const char *cournand_error_text(void)
+{
+    return last_text();
+}
+
+const char *cournand_version_text(void)
+{
+    return CRN_VERSION;
+}
+
+uint32_t cournand_version(void)
+{
+    return COURNAND_VERSION_MAJOR * 1000000u + COURNAND_VERSION_MINOR * 1000u + COURNAND_VERSION_PATCH;
+}
+
+uint32_t cournand_core_version(void)
+{
+    uint32_t version = 0;
+    guarded([&] { version = own_core_version(); });
+    return version;
+}
+
+// --- scenes ---
+
+cournand_status cournand_scene_open(const char *scene_path, const char *bodies_path, cournand_scene **scene)
+{
+    return guarded([&] {
+        require(scene != nullptr, "scene is NULL: pass where the handle goes");
+        *scene = make_handle<cournand_scene>(std::make_shared<Scene>(
+            std::string(scene_path ? scene_path : ""), std::string(bodies_path ? bodies_path : "")));
+    });
+}
+
+cournand_status cournand_scene_free(cournand_scene *scene)
+{
+    return free_handle(scene);
+}
+
+cournand_status cournand_scene_describe(const cournand_scene *scene, cournand_scene_info *info)
+{
+    return guarded([&] {
+        cournand_scene_info own{};
+        object_of(scene)->describe(own);
+        write_struct(info, own, "info");
+    });
+}
+
+cournand_status cournand_scene_vessel(const cournand_scene *scene, uint32_t vessel,
+                                      cournand_vessel *description)
+{
+    return guarded([&] {
+        cournand_vessel own{};
+        object_of(scene)->describe(vessel, own);
+        write_struct(description, own, "description");
+    });
+}
+
+cournand_status cournand_scene_find_vessel(const cournand_scene *scene, const char *name, uint32_t *vessel)
+{
+    return guarded([&] {
+        const auto found_in = object_of(scene);
+        require(name != nullptr && vessel != nullptr, "name or vessel is NULL");
+        const VesselMap &map = found_in->tips().map();
+        const std::optional<std::size_t> found = map.find(name);
+        if (!found)
+            throw Refused(COURNAND_BAD_ARGUMENT,
+                          map.is_empty()
+                              ? std::string("the scene has no vessels: open its bodies")
+                              : "there is no vessel '" + std::string(name) + "'" + map.suggestion(name));
+        *vessel = static_cast<std::uint32_t>(*found);
+    });
+}
+
+// --- tools ---
+
+cournand_status cournand_tool_open(const char *path, cournand_tool **tool)
+{
+    return guarded([&] {
+        require(path != nullptr && tool != nullptr, "path or tool is NULL");
+        *tool = make_handle<cournand_tool>(
+            std::make_shared<Instrument>(with_files([&] { return read_instrument(path); })));
+    });
+}
+
+cournand_status cournand_tool_free(cournand_tool *tool)
+{
+    return free_handle(tool);
+}
+
+cournand_status cournand_tool_describe(const cournand_tool *tool, cournand_tool_info *info)
+{
+    return guarded([&] {
+        cournand_tool_info own{};
+        describe(*object_of(tool), own);
+        write_struct(info, own, "info");
+    });
+}
+
+cournand_status cournand_tool_scaled(const cournand_tool *tool, const cournand_tool_scales *scales,
+                                     cournand_tool **made)
+{
+    return guarded([&] {
+        const auto from = object_of(tool);
+        require(made != nullptr, "scaled is NULL: pass where the handle goes");
+        *made = make_handle<cournand_tool>(
+            std::make_shared<Instrument>(scaled(*from, read_struct(scales, "scales"))));
+    });
+}
+
+// --- pools ---
+
+cournand_status cournand_pool_create(uint32_t threads, cournand_pool **pool)
+{
+    return guarded([&] {
+        require(pool != nullptr, "pool is NULL: pass where the handle goes");
+        require(threads >= 1 && threads <= COURNAND_THREADS_MAX, "threads is not within 1 and 256");
+        *pool = make_handle<cournand_pool>(std::make_shared<Pool>(threads));
+    });
+}
+
+cournand_status cournand_pool_free(cournand_pool *pool)
+{
+    return free_handle(pool);
+}
+
+cournand_status cournand_pool_run(cournand_pool *pool, size_t count,
+                                  void (*work)(void *context, size_t index), void *context)
+{
+    return guarded([&] {
+        const auto with = object_of(pool);
+        require(work != nullptr, "work is NULL");
+        const OneAtATime::Inside inside(with->door, "pool");
+        std::atomic<bool> has_thrown = false;
+        with->run(count, [&](std::size_t index) {
+            if (guarded([&] { work(context, index); }) != COURNAND_OK) has_thrown = true;
+        });
+        if (has_thrown)
+            throw Refused(COURNAND_BAD_ARGUMENT, "the function has thrown an exception: catch it there");
+    });
+}
+
+cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *worlds, size_t count,
+                                   const float *actions, uint32_t ticks, int32_t *statuses)
+{
+    cournand_status worst = COURNAND_OK;
+    const cournand_status status = guarded([&] {
+        const auto with = object_of(pool);
+        require(count <= 1000000, "count is above a million");
+        require(count == 0 || (worlds != nullptr && actions != nullptr), "worlds or actions is NULL");
+        std::vector<const cournand_world *> sorted(worlds, worlds + count);
+        std::sort(sorted.begin(), sorted.end());
+        require(std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end(), "worlds has a world twice");
+        const OneAtATime::Inside inside(with->door, "pool");
+        std::vector<std::int32_t> results(count, COURNAND_OK);
+        with->run(count, [&](std::size_t i) {
+            results[i] = cournand_world_move(worlds[i], actions + i * COURNAND_ACTION_FLOATS, ticks);
+        });
+        if (statuses) std::copy(results.begin(), results.end(), statuses);
+        const auto bad =
+            std::find_if(results.begin(), results.end(), [](std::int32_t one) { return one != 0; });
+        if (bad == results.end()) return;
+        worst = static_cast<cournand_status>(*bad);
+        const auto index = static_cast<std::size_t>(bad - results.begin());
+        const char *why = cournand_world_error_text(worlds[index]);
+        throw Refused(worst, "world " + std::to_string(index) + ": " +
+                                 (*why ? why : "the handle is NULL, freed, or of another kind"));
+    });
+    return status;
+}
+
+// --- pictures ---
+
+cournand_status cournand_renderer_create(const cournand_scene *scene, uint32_t threads,
+                                         cournand_renderer **renderer)
+{
+    return guarded([&] {
+        const auto of = object_of(scene);
+        require(renderer != nullptr, "renderer is NULL: pass where the handle goes");
+        require(threads >= 1 && threads <= 16, "threads is not within 1 and 16");
+        *renderer = make_handle<cournand_renderer>(std::make_shared<Renderer>(of, threads));
+    });
+}
+
+cournand_status cournand_renderer_free(cournand_renderer *renderer)
+{
+    return free_handle(renderer);
+}
+
+cournand_status cournand_view_matrix(const cournand_view *view, double matrix[12])
+{
+    return guarded([&] {
+        require(matrix != nullptr, "matrix is NULL");
+        write_matrix(read_struct(view, "view"), matrix);
+    });
+}
+
+// --- recordings ---
+
+cournand_status cournand_recording_open(const char *path, cournand_recording **recording)
+{
+    return guarded([&] {
+        require(path != nullptr && recording != nullptr, "path or recording is NULL");
+        *recording = make_handle<cournand_recording>(std::make_shared<Recording>(read_recording(path)));
+    });
+}
+
+cournand_status cournand_recording_free(cournand_recording *recording)
+{
+    return free_handle(recording);
+}
+
+cournand_status cournand_recording_describe(const cournand_recording *recording,
+                                            cournand_recording_info *info)
+{
+    return guarded([&] {
+        cournand_recording_info own{};
+        describe(*object_of(recording), own);
+        write_struct(info, own, "info");
+    });
+}
+
+cournand_status cournand_recording_inputs(const cournand_recording *recording, uint32_t first, uint32_t count,
+                                          cournand_input *inputs)
+{
+    return guarded([&] {
+        const auto from = object_of(recording);
+        require(count == 0 || inputs != nullptr, "inputs is NULL");
+        copy_inputs(*from, first, {inputs, count});
+    });
+}
+
+cournand_status cournand_recording_world(const cournand_recording *recording, const cournand_scene *scene,
+                                         uint32_t flags, cournand_world **world)
+{
+    return guarded([&] {
+        const auto from = object_of(recording);
+        auto in = object_of(scene);
+        require(world != nullptr, "world is NULL: pass where the handle goes");
+        *world =
+            make_handle<cournand_world>(std::make_shared<World>(settings_of(*from, std::move(in), flags)));
+    });
+}

@@ -1,0 +1,517 @@
+/* The C library of Cournand: scenes, worlds, snapshots, pictures with labels, and recordings. C11 and C++.
+ *
+ *   cournand_scene *scene;
+ *   cournand_tool *tool;
+ *   cournand_world *world;
+ *   cournand_scene_open("aorta.scene", NULL, &scene);
+ *   cournand_tool_open("j_wire.toml", &tool);
+ *   cournand_world_create(scene, &tool, 1, NULL, &world);
+ *   float push_and_turn[COURNAND_ACTION_FLOATS] = {0.03f};       30 mm/s
+ *   cournand_world_move(world, push_and_turn, 133);              133 ticks of 1 ms
+ *
+ * STATUS. Every function returns a status, 0 for success. If a call is refused, nothing has changed, and
+ * cournand_error_text() says what, where, and the remedy. No function ends the program, prints, or throws.
+ *
+ * HANDLES are numbers in the form of pointers. Each is freed by its own function. A scene, a tool or a
+ * recording may be freed while a world made of it lives on. A freed handle, NULL, and a handle of another
+ * kind are refused (COURNAND_BAD_HANDLE). Memory that the caller passes must be valid; that cannot be
+ * checked.
+ *
+ * STRUCTS with a first member `struct_bytes` can grow in a later version. Set it before the call:
+ * `cournand_pose pose = {.struct_bytes = sizeof pose};` in C,
+ * `cournand_pose pose = {}; pose.struct_bytes = sizeof pose;` in C++. A larger size than the library's is
+ * accepted if the rest is zero.
+ *
+ * VIEWS. Pointers in cournand_pose, cournand_contacts and cournand_picture refer to memory of the library,
+ * without a copy. They stay valid until the next call that changes the same world (move, advance, replay,
+ * restore, free), or for a picture until the next picture of the same renderer. Texts stay valid until their
+ * handle is freed.
+ *
+ * THREADS. Scenes, tools and recordings do not change, and any number of threads may use them. A world and a
+ * renderer belong to one thread at a time; a call while another thread is inside the same one is refused
+ * (COURNAND_BUSY). Different worlds run in parallel and give the same bits with any number of threads. The
+ * library starts threads only in cournand_pool_create().
+ *
+ * UNITS are m, s, N, N m, rad, kPa and mg/ml. The patient frame has +x to the patient's left, +y to the head
+ * and +z to the front. Tools are numbered from the innermost; node 0 is the leading tip. One tick is 1 ms. */
+#ifndef COURNAND_H
+#define COURNAND_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define COURNAND_API __attribute__((visibility("default")))
+#else
+#define COURNAND_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The version of this header. Functions and members may be added with a higher minor version; nothing is
+ * removed or changed before the next major version. */
+#define COURNAND_VERSION_MAJOR 0
+#define COURNAND_VERSION_MINOR 1
+#define COURNAND_VERSION_PATCH 0
+
+/* --- status -----------------------------------------------------------------------------------------------
+ */
+
+typedef enum cournand_status {
+    COURNAND_OK = 0,
+    COURNAND_BAD_ARGUMENT, /* NULL, not a number, out of its range, or a struct of a wrong size */
+    COURNAND_BAD_HANDLE,   /* NULL, freed, or of another kind */
+    COURNAND_BAD_STATE,    /* not possible now */
+    COURNAND_BUSY,         /* another thread is inside the same world, renderer or pool */
+    COURNAND_BAD_FILE,     /* a file cannot be read or written, or its content is wrong */
+    COURNAND_REFUSED,      /* the simulated device or patient refuses the request */
+    COURNAND_BAD_SNAPSHOT, /* damaged, of another version, or of a world with another set-up */
+    COURNAND_DIFFERENT,    /* a replay differs from its recording */
+    COURNAND_NO_MEMORY,
+    COURNAND_INTERNAL, /* a fault of the library; please report it with the text */
+} cournand_status;
+
+enum {
+    COURNAND_POSITIONS_MAX = 3, /* tools on the line at once */
+    COURNAND_TOOLS_MAX = 8,     /* tools of a world, on the line and beside it */
+    COURNAND_STENTS_MAX = 8,
+    COURNAND_ORDERS_MAX = 4,     /* of one tick, at most one of each kind */
+    COURNAND_ACTION_FLOATS = 8,  /* of cournand_world_move */
+    COURNAND_TICKS_MAX = 600000, /* of one call: ten minutes */
+    COURNAND_THREADS_MAX = 256,
+};
+
+/* The name of a status, such as "BAD_HANDLE". Unknown numbers give "UNKNOWN". */
+COURNAND_API const char *cournand_status_name(cournand_status status);
+
+/* The text of the last refusal in this thread: what, where, and the remedy. "" if none was refused yet. Valid
+ * until the next refusal in this thread. */
+COURNAND_API const char *cournand_error_text(void);
+
+/* The library's version as text, "0.1.0", and as a number, major * 1000000 + minor * 1000 + patch. */
+COURNAND_API const char *cournand_version_text(void);
+COURNAND_API uint32_t cournand_version(void);
+
+/* The version of the core. Equal versions give equal bits from equal inputs, and replay each other's
+ * recordings. */
+COURNAND_API uint32_t cournand_core_version(void);
+
+/* --- scenes -----------------------------------------------------------------------------------------------
+ */
+
+typedef struct cournand_scene cournand_scene;
+
+/* Opens a baked scene with its bodies. `scene_path` is NULL or "" for free space without vessels.
+ * `bodies_path` is NULL for the file X.bodies beside X.scene, if there is one; without bodies a scene has no
+ * vessel names, and its pictures show the tools in air. Status: BAD_FILE. */
+COURNAND_API cournand_status cournand_scene_open(const char *scene_path, const char *bodies_path,
+                                                 cournand_scene **scene);
+COURNAND_API cournand_status cournand_scene_free(cournand_scene *scene);
+
+typedef struct cournand_scene_info {
+    uint32_t struct_bytes;
+    uint32_t crc32;      /* of the scene's file; 0: free space */
+    const char *name;    /* valid until the scene is freed */
+    double entry_m[3];   /* centre of the introducer's opening */
+    double direction[3]; /* unit vector into the vessel */
+    double start_m; /* length of the tools beyond the opening at tick 0, unless the world states another */
+    uint32_t vessel_count; /* 0: the vessels are not known */
+    uint32_t moves;        /* 1: heart or breath move the vessels */
+} cournand_scene_info;
+COURNAND_API cournand_status cournand_scene_describe(const cournand_scene *scene, cournand_scene_info *info);
+
+/* A vessel. Its centreline has `point_count` rows of x, y, z and the radius of the lumen, in m: float [n][4],
+ * contiguous, in the direction of the blood flow and in the reference pose (heart and breath at rest). */
+typedef struct cournand_vessel {
+    uint32_t struct_bytes;
+    int32_t parent;   /* number of an earlier vessel; -1: the root */
+    const char *name; /* name and points are valid until the scene is freed */
+    const float *points_m;
+    uint32_t point_count;
+    uint32_t reserved;
+    double length_m;
+} cournand_vessel;
+/* `vessel` is 0 .. vessel_count - 1. */
+COURNAND_API cournand_status cournand_scene_vessel(const cournand_scene *scene, uint32_t vessel,
+                                                   cournand_vessel *description);
+/* Finds a vessel by its name, ignoring case, spaces and "artery". Status: BAD_ARGUMENT with a suggestion. */
+COURNAND_API cournand_status cournand_scene_find_vessel(const cournand_scene *scene, const char *name,
+                                                        uint32_t *vessel);
+
+/* --- tools ------------------------------------------------------------------------------------------------
+ */
+
+typedef struct cournand_tool cournand_tool;
+
+/* Opens an instrument file (docs/instruments.md): "j_wire.toml", or "j_wire.toml:PRESET". Status: BAD_FILE.
+ */
+COURNAND_API cournand_status cournand_tool_open(const char *path, cournand_tool **tool);
+COURNAND_API cournand_status cournand_tool_free(cournand_tool *tool);
+
+typedef struct cournand_tool_info {
+    uint32_t struct_bytes;
+    uint32_t is_catheter; /* 1: it has a lumen */
+    const char *name;     /* valid until the tool is freed */
+    double length_m;
+    double radius_max_m; /* outer radius at its widest point, balloon folded */
+    uint32_t has_balloon;
+    uint32_t reserved;
+} cournand_tool_info;
+COURNAND_API cournand_status cournand_tool_describe(const cournand_tool *tool, cournand_tool_info *info);
+
+/* Factors on a tool's properties, 0.1 .. 10 each; 1 changes nothing. */
+typedef struct cournand_tool_scales {
+    uint32_t struct_bytes;
+    uint32_t reserved;
+    double bend_stiffness, twist_stiffness, mass, friction;
+    double rest_curvature; /* of a preformed tip; may be negative, -10 .. 10 */
+} cournand_tool_scales;
+/* Makes another tool with scaled properties, for domain randomisation. What leaves the range of the core is
+ * refused when a world is created. */
+COURNAND_API cournand_status cournand_tool_scaled(const cournand_tool *tool,
+                                                  const cournand_tool_scales *scales, cournand_tool **scaled);
+
+/* --- worlds -----------------------------------------------------------------------------------------------
+ */
+
+typedef struct cournand_world cournand_world;
+
+enum {
+    COURNAND_WITH_PATIENT = 1, /* blood flow, contrast medium and stents; such a world has no snapshots */
+};
+
+typedef struct cournand_world_options {
+    uint32_t struct_bytes;
+    uint32_t flags; /* COURNAND_WITH_PATIENT */
+    /* Number in `tools`, from 1, of the tool at each position of the line, from the innermost; 0: the
+     * position is free. line_count 0: the tools are the line, at most three. */
+    uint32_t line_count;
+    uint32_t line[COURNAND_POSITIONS_MAX];
+    /* Length beyond the introducer's opening at tick 0 of the tool at each position, 0 .. 2 m. Not a number,
+     * or inserted_count 0: the scene's start length. */
+    uint32_t inserted_count;
+    float inserted_m[COURNAND_POSITIONS_MAX];
+    /* Ticks between two samples of the wall forces, for cournand_reading::wall_force_peak_N: 1 .. 1000; 0:
+     * none. */
+    uint32_t contact_ticks;
+    uint32_t stent_count; /* stents that the patient may get, in this order; needs COURNAND_WITH_PATIENT */
+    const char *const *stents; /* paths of stent files (docs/stent.md) */
+} cournand_world_options;
+
+/* Makes a world at tick 0. `tools` has tool_count handles, 1 .. COURNAND_TOOLS_MAX, from the innermost
+ * outwards; `options` may be NULL. The same scene, tools and options give the same world bit for bit. Status:
+ * REFUSED with the names of tools that do not fit into each other. */
+COURNAND_API cournand_status cournand_world_create(const cournand_scene *scene, cournand_tool *const *tools,
+                                                   size_t tool_count, const cournand_world_options *options,
+                                                   cournand_world **world);
+COURNAND_API cournand_status cournand_world_free(cournand_world *world);
+
+/* The text of the last refusal of this world, in whichever thread it happened. Valid until its next call. */
+COURNAND_API const char *cournand_world_error_text(const cournand_world *world);
+
+/* Moves the hands at steady speeds for `ticks` ticks, 1 .. COURNAND_TICKS_MAX. `action` is float
+ * [COURNAND_ACTION_FLOATS]: push of the hands at positions 0, 1, 2 in m/s (-1 .. 1, + into the patient), turn
+ * in rad/s (-100 .. 100, + right-handed about the direction of insertion), pressure of the inflator in kPa (0
+ * .. 4000), and 0. Entries of positions that the line does not have must be 0. Hands hold their tools
+ * rigidly. */
+COURNAND_API cournand_status cournand_world_move(cournand_world *world, const float *action, uint32_t ticks);
+
+/* An order to the core: what can happen in a tick besides the hands. `values` are those of docs/wire.md in
+ * their order; the rest is 0. */
+typedef enum cournand_order_kind {
+    COURNAND_ORDER_RHYTHM = 1,   /* action, value: heart rate, premature beat, breath (docs/heart.md) */
+    COURNAND_ORDER_SCAFFOLD = 2, /* lesion, first, last, open_q15 */
+    COURNAND_ORDER_STRUT = 3,    /* number, joined, x_um, y_um, z_um, inside_um, thickness_um */
+    COURNAND_ORDER_EXCHANGE =
+        4, /* position, tool: takes tools off the line and puts others on (docs/session.md) */
+} cournand_order_kind;
+typedef struct cournand_order {
+    uint32_t kind;
+    int32_t values[7];
+} cournand_order;
+
+/* Gives an order for the next tick; a second one of the same kind waits for the tick after. The core tries
+ * the order first on a copy of its state. Status: REFUSED with the core's reason. */
+COURNAND_API cournand_status cournand_world_order(cournand_world *world, const cournand_order *order);
+
+/* The exact input of one tick, 168 bytes without padding: int32 counts of the hands since tick 0. */
+typedef struct cournand_input {
+    int32_t push_um[COURNAND_POSITIONS_MAX];     /* + into the patient */
+    int32_t turn_counts[COURNAND_POSITIONS_MAX]; /* 65536 per turn */
+    int32_t inflator_kPa;                        /* 0 .. 4000 */
+    uint32_t buttons;                            /* bit 0: X-ray pedal, 1: cine pedal; at most 255 */
+    uint32_t order_count;
+    uint32_t reserved;
+    cournand_order orders[COURNAND_ORDERS_MAX];
+} cournand_input;
+
+/* Advances by one tick per input, 1 .. COURNAND_TICKS_MAX. From one tick to the next a hand moves by at most
+ * 5 mm and a quarter turn. The inputs of a recording give its state hash. */
+COURNAND_API cournand_status cournand_world_advance(cournand_world *world, const cournand_input *inputs,
+                                                    size_t input_count);
+
+/* The shape of the tools. All arrays have node_count rows, contiguous, node 0 at the leading tip; the last
+ * node is the first one inside the introducer. */
+typedef struct cournand_pose {
+    uint32_t struct_bytes;
+    uint32_t tick;
+    uint32_t node_count;          /* 2 .. 384 */
+    uint32_t position_count;      /* positions of the line, 1 .. 3 */
+    const int32_t *positions_q30; /* int32 [n][3] in 2^-30 m: the exact state */
+    const float *positions_m;     /* float [n][3] */
+    const float *arcs_m;          /* float [n]: rest arc length from the leading tip */
+    const float *radii_m;         /* float [n]: outer radius of the outermost tool there */
+    const float *tip_arcs_m; /* float [position_count]: arc length of each tool's tip from the leading tip */
+    const float *inserted_m; /* float [position_count]: length beyond the introducer's opening */
+} cournand_pose;
+COURNAND_API cournand_status cournand_world_pose(cournand_world *world, cournand_pose *pose);
+
+/* What was measured after the last tick; zeros before the first one, except for lengths and phases. */
+typedef struct cournand_reading {
+    uint32_t struct_bytes;
+    uint32_t tick;
+    uint32_t position_count;
+    uint32_t contact_count;                /* nodes in contact with the wall */
+    uint32_t line[COURNAND_POSITIONS_MAX]; /* number of the tool at each position, from 1; 0: free */
+    uint32_t
+        fault_bits; /* sticky: 1 saturated, 2 hand too fast, 4 step capped, 8 end of the tool, 16 outside */
+    float inserted_m[COURNAND_POSITIONS_MAX];
+    float force_N[COURNAND_POSITIONS_MAX];    /* on the hand, + pushes back out */
+    float torque_N_m[COURNAND_POSITIONS_MAX]; /* on the hand, + opposes positive rotation */
+    float penetration_m;                      /* of the deepest contact */
+    float length_error;                       /* relative, of the part beyond the introducer */
+    float
+        wall_force_peak_N; /* largest sum of all contact forces in the samples of the last move or advance */
+    float wall_force_N;    /* the same in the last sample; both 0 without contact_ticks */
+    float heart_phase, breath_phase; /* 0 .. 1 of the cycle */
+    float balloon_kPa, balloon_diameter_max_m, balloon_diameter_min_m, balloon_wall_N;
+    uint32_t balloon_has_burst;
+    uint32_t exchange; /* answer to an exchange in the last tick: 0 none, 1 done, else docs/faults.md */
+    uint32_t
+        is_out_of_range; /* 1: physics left its valid range; results since out_of_range_tick are not valid */
+    uint32_t out_of_range_tick;
+} cournand_reading;
+COURNAND_API cournand_status cournand_world_read(cournand_world *world, cournand_reading *reading);
+
+/* The forces of the wall on the nodes, now: `count` rows. */
+typedef struct cournand_contacts {
+    uint32_t struct_bytes;
+    uint32_t tick;
+    uint32_t count;
+    uint32_t reserved;
+    const uint32_t *nodes; /* uint32 [count], ascending */
+    const float *forces_N; /* float [count][3]: normal force and friction */
+} cournand_contacts;
+COURNAND_API cournand_status cournand_world_contacts(cournand_world *world, cournand_contacts *contacts);
+
+/* Where the tip of the tool at a position is. */
+typedef struct cournand_place {
+    uint32_t struct_bytes;
+    int32_t vessel;   /* -1: not known: no vessels, or the position is free */
+    const char *name; /* of the vessel, "" if not known; valid until the world is freed */
+    double tip_m[3];
+    double along_m;  /* from the vessel's beginning */
+    double inside_m; /* along the way from the introducer, beyond the vessel's ostium */
+    double radii;    /* distance from the centreline in radii of the lumen; above 1: outside */
+} cournand_place;
+COURNAND_API cournand_status cournand_world_tip(cournand_world *world, uint32_t position,
+                                                cournand_place *place);
+
+/* The full hash of the core's state, FNV-1a, as `cournand run` prints it. */
+COURNAND_API cournand_status cournand_world_hash(cournand_world *world, uint64_t *hash);
+
+/* A fault that the device has counted; texts are valid for ever. */
+typedef struct cournand_fault {
+    uint32_t code; /* docs/faults.md */
+    uint32_t tick_first, tick_last, count;
+    int32_t value1, value2;
+    const char *text, *remedy;
+} cournand_fault;
+/* Writes the first `capacity` faults and their number in all. */
+COURNAND_API cournand_status cournand_world_faults(cournand_world *world, cournand_fault *faults,
+                                                   size_t capacity, size_t *count);
+
+/* --- the patient: worlds with COURNAND_WITH_PATIENT
+ * --------------------------------------------------------- */
+
+/* Injects contrast medium from the next tick on: 0 .. 200 ml at 0.001 .. 50 ml/s; 0 ml ends an injection.
+ * `position` is that of the injecting tool; -1 takes the outermost one with a lumen. `iodine` is the strength
+ * of the medium, 10 .. 350 mg/ml. Status: REFUSED with the reason. */
+COURNAND_API cournand_status cournand_world_inject(cournand_world *world, double volume_ml,
+                                                   double flow_ml_per_s, int32_t position,
+                                                   double iodine_mg_per_ml);
+/* Mounts the next stent of the options on the balloon that is on the line. */
+COURNAND_API cournand_status cournand_world_load_stent(cournand_world *world);
+
+typedef struct cournand_patient_reading {
+    uint32_t struct_bytes;
+    uint32_t stents_loaded;
+    double injected_ml;
+    double injection_flow_ml_per_s;
+    double pressure_mmHg; /* at the catheter's tip if one lies in the vessels, else in the aorta */
+    double heart_rate_per_min;
+    const char *stent_stage; /* of the last loaded stent, "" for none; valid until the next call */
+    const char *notice; /* the last refusal of syringe and stents, "" for none; valid until the next call */
+} cournand_patient_reading;
+COURNAND_API cournand_status cournand_world_read_patient(cournand_world *world,
+                                                         cournand_patient_reading *reading);
+
+/* --- snapshots: worlds without a patient
+ * ---------------------------------------------------------------------- */
+
+/* The size of every snapshot of this world, about 37 kB. */
+COURNAND_API cournand_status cournand_world_snapshot_bytes(cournand_world *world, size_t *bytes);
+/* Writes a snapshot, with version and check, to `bytes`; `capacity` is at least its size. */
+COURNAND_API cournand_status cournand_world_save(cournand_world *world, void *bytes, size_t capacity);
+/* Sets the world to a snapshot of any world with the same scene, tools and options, also of another process
+ * or machine. It then continues bit for bit. Status: BAD_SNAPSHOT; BAD_STATE while a recording is written. */
+COURNAND_API cournand_status cournand_world_restore(cournand_world *world, const void *bytes, size_t count);
+
+/* --- many worlds
+ * -------------------------------------------------------------------------------------------- */
+
+typedef struct cournand_pool cournand_pool;
+
+/* Starts threads - 1 threads, 1 .. COURNAND_THREADS_MAX; the calling thread works, too. After a fork() the
+ * child cannot use its parent's pool (BAD_STATE). */
+COURNAND_API cournand_status cournand_pool_create(uint32_t threads, cournand_pool **pool);
+COURNAND_API cournand_status cournand_pool_free(cournand_pool *pool);
+
+/* Moves `count` different worlds in parallel, each as cournand_world_move(). `actions` is float
+ * [count][COURNAND_ACTION_FLOATS], contiguous. `statuses` is int32 [count] and receives the status of each
+ * world, or is NULL. Returns OK if every world has moved, otherwise the first status that is not OK; other
+ * worlds have moved.
+ */
+COURNAND_API cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *worlds,
+                                                size_t count, const float *actions, uint32_t ticks,
+                                                int32_t *statuses);
+
+/* Calls work(context, i) once for every i below count, in parallel and in any order; returns when all are
+ * done. The function may call the library, except for this pool. */
+COURNAND_API cournand_status cournand_pool_run(cournand_pool *pool, size_t count,
+                                               void (*work)(void *context, size_t index), void *context);
+
+/* --- pictures
+ * ----------------------------------------------------------------------------------------------- */
+
+typedef struct cournand_renderer cournand_renderer;
+
+/* Makes a renderer for worlds of this scene. It uses `threads` threads while it renders, 1 .. 16; the
+ * pictures do not depend on their number. */
+COURNAND_API cournand_status cournand_renderer_create(const cournand_scene *scene, uint32_t threads,
+                                                      cournand_renderer **renderer);
+COURNAND_API cournand_status cournand_renderer_free(cournand_renderer *renderer);
+
+enum {
+    COURNAND_VIEW_LABELS = 1, /* also the label image */
+    COURNAND_VIEW_NO_NOISE = 2,
+    COURNAND_VIEW_NO_SCATTER = 4,
+    COURNAND_VIEW_SEQUENCE = 8,     /* exposure and lag follow the renderer's last picture */
+    COURNAND_VIEW_LABELS_ONLY = 16, /* no picture: only the label image */
+};
+
+/* Geometry and beam of one picture. Zeros stand for the defaults, except for the angles and the isocentre. */
+typedef struct cournand_view {
+    uint32_t struct_bytes;
+    uint32_t flags;
+    double primary_deg;        /* + LAO, - RAO: -120 .. 120 */
+    double secondary_deg;      /* + cranial, - caudal: -50 .. 50 */
+    double isocentre_m[3];     /* point of the patient at the isocentre, each -1.9 .. 1.9 */
+    double source_detector_m;  /* 0.9 .. 1.3; 0: 1.05 */
+    double source_isocentre_m; /* 0.6 .. 0.85; 0: 0.75 */
+    double field_m;            /* width of the square field at the detector, 0.1 .. 0.45; 0: 0.32 */
+    double dose_nGy;           /* at the detector per picture, 1 .. 10000; 0: 40 */
+    uint32_t size;             /* pixels along each edge: a multiple of 16, 64 .. 2048; 0: 512 */
+    uint32_t reserved;
+    uint64_t seed; /* of the noise */
+} cournand_view;
+
+/* Bits of the label image. A pixel can have several. A tool, stent or balloon marks a pixel if at least one
+ * of nine rays through the pixel meets it; medium marks it if its mean path is at least 1/32 mm of undiluted
+ * medium. */
+enum {
+    COURNAND_LABEL_TOOL_0 = 1, /* the tool at position 0, and 2 and 4 for positions 1 and 2 */
+    COURNAND_LABEL_TOOL_1 = 2,
+    COURNAND_LABEL_TOOL_2 = 4,
+    COURNAND_LABEL_MEDIUM = 8, /* contrast medium in a vessel */
+    COURNAND_LABEL_STENT = 16,
+    COURNAND_LABEL_BALLOON = 32, /* the medium in a balloon */
+};
+
+/* A picture: size x size pixels, rows contiguous, row 0 on top. */
+typedef struct cournand_picture {
+    uint32_t struct_bytes;
+    uint32_t size;
+    uint32_t tick;
+    uint32_t is_underexposed;
+    const uint8_t *grey;   /* uint8 [size][size]: on the screen; NULL with LABELS_ONLY */
+    const uint16_t *raw;   /* uint16 [size][size]: of the detector, 0 .. 16383, in proportion to the dose */
+    const uint8_t *labels; /* uint8 [size][size]: COURNAND_LABEL_*; NULL without labels */
+    double tube_voltage_kV, tube_current_mA, pulse_ms;
+    double air_kerma_uGy; /* at the reference point */
+    double kap_Gy_cm2;
+} cournand_picture;
+
+/* Renders the world as it is now. Equal worlds, views and seeds give equal pictures bit for bit. */
+COURNAND_API cournand_status cournand_render(cournand_renderer *renderer, cournand_world *world,
+                                             const cournand_view *view, cournand_picture *picture);
+
+/* The projection of a view as a matrix P, double [3][4], by rows: P (x, y, z, 1) in m gives (u w, v w, w),
+ * where u is the column and v the row in pixels, with pixel centres at .5. */
+COURNAND_API cournand_status cournand_view_matrix(const cournand_view *view, double matrix[12]);
+
+/* --- recordings
+ * ---------------------------------------------------------------------------------------------- */
+
+/* Begins a recording of the world as a file for `cournand replay`. The world is at tick 0. The file gets its
+ * name when cournand_world_end_recording() has closed it. `session` names what leads the session, for the
+ * file. */
+COURNAND_API cournand_status cournand_world_record(cournand_world *world, const char *path,
+                                                   const char *session);
+COURNAND_API cournand_status cournand_world_end_recording(cournand_world *world);
+
+typedef struct cournand_recording cournand_recording;
+
+/* Reads a recording, of `cournand run`, `view` or this library. Status: BAD_FILE. */
+COURNAND_API cournand_status cournand_recording_open(const char *path, cournand_recording **recording);
+COURNAND_API cournand_status cournand_recording_free(cournand_recording *recording);
+
+typedef struct cournand_recording_info {
+    uint32_t struct_bytes;
+    uint32_t core_version;
+    uint32_t tick_count;
+    uint32_t is_complete; /* 0: it was cut off; it is whole up to tick_count */
+    uint32_t tool_count, position_count;
+    uint32_t scene_crc32; /* 0: free space */
+    uint32_t reserved;
+    const char *scene_path, *session; /* valid until the recording is freed */
+    uint64_t last_hash;               /* the last recorded full hash, and its tick; 0: none */
+    uint32_t last_hash_tick;
+    uint32_t reserved2;
+} cournand_recording_info;
+COURNAND_API cournand_status cournand_recording_describe(const cournand_recording *recording,
+                                                         cournand_recording_info *info);
+
+/* Copies the inputs of the ticks first .. first + count - 1, counted from 0, to `inputs`. */
+COURNAND_API cournand_status cournand_recording_inputs(const cournand_recording *recording, uint32_t first,
+                                                       uint32_t count, cournand_input *inputs);
+
+/* Makes a world with the recording's tools, line, entry and stents, at tick 0. `scene` is the scene of the
+ * recording: its file has the same size and checksum. `flags` as in the options. */
+COURNAND_API cournand_status cournand_recording_world(const cournand_recording *recording,
+                                                      const cournand_scene *scene, uint32_t flags,
+                                                      cournand_world **world);
+
+/* Replays the recording in such a world up to `tick`, which is not before the world's own tick, and compares
+ * every tick with the recording. Without a patient it starts from the last recorded snapshot on the way.
+ * Status: DIFFERENT; the world then stands at the first tick that differs. */
+COURNAND_API cournand_status cournand_world_replay(cournand_world *world, const cournand_recording *recording,
+                                                   uint32_t tick);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,46 @@
+// Renders pictures and label images of worlds. The picture is that of the X-ray room (host/xray).
+#pragma once
+#include "host/library/world.hpp"
+#include "host/patient/body_poses.hpp"
+#include "host/patient/pulse_shot.hpp"
+#include "host/xray/paths/paths.hpp"
+#include <memory>
+
+namespace crn::library
+{
+
+// Returns the settings of a view. Throws Refused.
+XraySettings xray_settings(const cournand_view &view);
+// Writes the projection of a view, by rows.
+void write_matrix(const cournand_view &view, double matrix[12]);
+
+class Renderer
+{
+  public:
+    Renderer(std::shared_ptr<const Scene> scene, std::uint32_t threads);
+    void render(World &world, const cournand_view &view, cournand_picture &picture);
+
+    OneAtATime door;
+
+  private:
+    PulseShot shot_at(World &world);
+    void draw_labels(World &world, const PulseShot &shot, const XraySettings &settings);
+    // Sets `bit` in the pixels that the frame's tools and curves meet.
+    void mark(const XrayFrame &frame, const View &view, std::uint8_t bit);
+
+    std::shared_ptr<const Scene> scene_;
+    Xray xray_;
+    BodyPoses poses_;
+    XrayMemory memory_;
+    XrayPicture picture_;
+    ToolPaths paths_;
+    std::vector<std::uint8_t> labels_;
+};
+
+template <> struct HandleOf<cournand_renderer> {
+    using Object = Renderer;
+    static constexpr HandleKind kind = HandleKind::renderer;
+    static constexpr char name[] = "renderer";
+};
+
+} // namespace crn::library

@@ -1,0 +1,142 @@
+// Snapshots of worlds. All numbers are little-endian:
+//
+//   magic u32 | version u32 | bytes u32 | out of range: tick + 1, or 0, u32 | fingerprint u64 | check u64 |
+//   hands i64 x 6 in 1e-6 counts | inflator i32 | bytes of the tick's result u32 | result of the last tick,
+//   padded | the device's snapshot (docs/wire.md)
+//
+// The check covers everything behind it. The device checks its own part once more.
+#include "host/library/world.hpp"
+#include <algorithm>
+#include <bit>
+
+namespace crn::library
+{
+
+namespace
+{
+
+constexpr std::uint32_t magic = 0x534e5243; // "CRNS"
+constexpr std::uint32_t version = 1;
+constexpr std::size_t head_bytes = 32, hands_bytes = 6 * 8 + 4 + 4;
+constexpr std::size_t state_bytes = (CRN_WIRE_BYTES_tick_state + 7u) / 8u * 8u;
+// The hands of the longest session stay within this; beyond it, sums could overflow.
+constexpr std::uint64_t parts_max = 4'000'000'000'000'000'000;
+constexpr std::size_t device_at = head_bytes + hands_bytes + state_bytes;
+
+std::uint64_t word(const std::uint8_t *bytes)
+{
+    std::uint64_t value;
+    std::memcpy(&value, bytes, sizeof value);
+    if constexpr (std::endian::native == std::endian::big) value = __builtin_bswap64(value);
+    return value;
+}
+
+// Four lanes of multiplications keep the processor busy: a checksum of bytes would take longer than the
+// restoring.
+std::uint64_t check_of(std::span<const std::uint8_t> bytes)
+{
+    constexpr std::uint64_t prime = 0x9e3779b97f4a7c15ull;
+    std::uint64_t lanes[4] = {1, 2, 3, 4};
+    std::size_t at = 0;
+    for (; at + 32 <= bytes.size(); at += 32)
+        for (int i = 0; i < 4; i++) {
+            const std::uint64_t mixed = (lanes[i] ^ word(bytes.data() + at + 8 * i)) * prime;
+            lanes[i] = mixed ^ mixed >> 29;
+        }
+    std::uint64_t hash = bytes.size();
+    for (; at < bytes.size(); at++) hash = (hash ^ bytes[at]) * prime;
+    for (const std::uint64_t lane : lanes) hash = std::rotl((hash ^ lane) * prime, 31);
+    return hash;
+}
+
+[[noreturn]] void refuse(const std::string &why)
+{
+    throw Refused(COURNAND_BAD_SNAPSHOT, "the snapshot " + why);
+}
+
+} // namespace
+
+std::size_t World::snapshot_bytes()
+{
+    return device_at + SimTransport::snapshot_bytes();
+}
+
+void World::save(std::span<std::uint8_t> bytes)
+{
+    if (patient_)
+        throw Refused(COURNAND_BAD_STATE, "a world with a patient has no snapshots: make it without one");
+    if (!orders_.is_empty())
+        throw Refused(COURNAND_BAD_STATE, "an order waits for the next tick: advance the world first");
+    const std::size_t count = snapshot_bytes();
+    require(bytes.size() >= count, "the memory is smaller than cournand_world_snapshot_bytes()");
+    bytes = bytes.first(count);
+    if (!pipe_.take_snapshot(bytes.subspan(device_at)))
+        throw Refused(COURNAND_INTERNAL, "the device gives no snapshot");
+    std::fill_n(bytes.begin(), device_at, std::uint8_t{0});
+    crn_wire_writer hands = crn_wire_writer_make(bytes.data() + head_bytes, hands_bytes + state_bytes);
+    for (std::size_t k = 0; k < COURNAND_POSITIONS_MAX; k++) {
+        crn_wire_write(&hands, static_cast<std::uint64_t>(push_[k]), 8);
+        crn_wire_write(&hands, static_cast<std::uint64_t>(turn_[k]), 8);
+    }
+    crn_wire_write(&hands, static_cast<std::uint32_t>(inflator_kPa_), 4);
+    std::uint8_t state[CRN_WIRE_BYTES_tick_state];
+    crn_wire_writer result = crn_wire_writer_make(state, sizeof state);
+    crn_wire_put_tick_state(&result, &state_);
+    crn_wire_write(&hands, result.length, 4);
+    std::copy_n(state, result.length, bytes.data() + head_bytes + hands_bytes);
+    crn_wire_writer head = crn_wire_writer_make(bytes.data(), head_bytes);
+    crn_wire_write(&head, magic, 4);
+    crn_wire_write(&head, version, 4);
+    crn_wire_write(&head, count, 4);
+    crn_wire_write(&head, out_of_range_tick_ ? *out_of_range_tick_ + 1u : 0u, 4);
+    crn_wire_write(&head, fingerprint_, 8);
+    crn_wire_write(&head, check_of(bytes.subspan(head_bytes)), 8);
+}
+
+void World::restore(std::span<const std::uint8_t> bytes)
+{
+    if (patient_)
+        throw Refused(COURNAND_BAD_STATE, "a world with a patient has no snapshots: make it without one");
+    if (recorder_) throw Refused(COURNAND_BAD_STATE, "the world is being recorded: end its recording first");
+    if (bytes.size() != snapshot_bytes())
+        refuse("has " + std::to_string(bytes.size()) + " bytes, not " + std::to_string(snapshot_bytes()));
+    crn_wire_reader head = crn_wire_reader_make(bytes.data(), head_bytes);
+    if (crn_wire_read(&head, 4) != magic) refuse("is none of this library");
+    if (crn_wire_read(&head, 4) != version) refuse("has another version: save it with this release");
+    if (crn_wire_read(&head, 4) != bytes.size()) refuse("is damaged: its size differs");
+    const auto range_tick = static_cast<std::uint32_t>(crn_wire_read(&head, 4));
+    if (crn_wire_read(&head, 8) != fingerprint_)
+        refuse("is of a world with another scene, other tools or options");
+    if (crn_wire_read(&head, 8) != check_of(bytes.subspan(head_bytes)))
+        refuse("is damaged: its check differs");
+    crn_wire_reader hands = crn_wire_reader_make(bytes.data() + head_bytes, hands_bytes);
+    std::uint64_t counts[6];
+    for (std::uint64_t &count : counts) {
+        count = crn_wire_read(&hands, 8);
+        if (count + parts_max > 2 * parts_max) refuse("is damaged: a hand is out of range"); // either sign
+    }
+    const auto inflator = static_cast<std::int32_t>(crn_wire_read(&hands, 4));
+    const std::uint64_t result_bytes = crn_wire_read(&hands, 4);
+    crn_wire_tick_state state{};
+    if (result_bytes > state_bytes || inflator < 0 || inflator > 4000)
+        refuse("is damaged: a number is out of range");
+    crn_wire_reader result = crn_wire_reader_make(bytes.data() + head_bytes + hands_bytes, result_bytes);
+    if (!crn_wire_get_tick_state(&result, &state)) refuse("is damaged: its last result cannot be read");
+    const std::span<const std::uint8_t> device = bytes.subspan(device_at);
+    crn_wire_reader tick = crn_wire_reader_make(device.data() + 4, 4); // behind the version
+    put_device(device, static_cast<std::uint32_t>(crn_wire_read(&tick, 4)));
+    // From here on nothing fails.
+    for (std::size_t k = 0; k < COURNAND_POSITIONS_MAX; k++) {
+        push_[k] = static_cast<std::int64_t>(counts[2 * k]);
+        turn_[k] = static_cast<std::int64_t>(counts[2 * k + 1]);
+    }
+    inflator_kPa_ = inflator;
+    state_ = state;
+    orders_.clear();
+    range_ = {};
+    out_of_range_tick_.reset();
+    if (range_tick != 0) out_of_range_tick_ = range_tick - 1;
+    wall_N_ = wall_peak_N_ = 0.0;
+}
+
+} // namespace crn::library

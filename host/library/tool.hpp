@@ -1,0 +1,19 @@
+// A tool of the API: an instrument as its file states it, or scaled.
+#pragma once
+#include "host/library/handles.hpp"
+#include "host/model/instrument.hpp"
+
+namespace crn::library
+{
+
+void describe(const Instrument &tool, cournand_tool_info &info);
+// Throws Refused if a factor is out of its range.
+Instrument scaled(const Instrument &tool, const cournand_tool_scales &scales);
+
+template <> struct HandleOf<cournand_tool> {
+    using Object = Instrument;
+    static constexpr HandleKind kind = HandleKind::tool;
+    static constexpr char name[] = "tool";
+};
+
+} // namespace crn::library

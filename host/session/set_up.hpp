@@ -1,0 +1,29 @@
+// Sets a device up for a session in LOCKSTEP, up to its START. Sessions, replays, witnesses and the worlds of
+// the C library use it.
+#pragma once
+#include "host/link/link.hpp"
+#include "host/model/tool_line.hpp"
+#include "host/session/scene_file.hpp"
+#include <vector>
+
+namespace crn
+{
+
+// Holds what determines a session, besides its inputs.
+struct SessionSetUp {
+    const SceneFile &scene;
+    const std::vector<Instrument> &tools; // the table
+    const LineNumbers &line;              // the tool at each position from the innermost (tool_line.hpp)
+    const crn_wire_entry &entry;
+    const crn_wire_rig &rig;
+};
+
+// Sends the set-up to a device that has answered HELLO, and starts the session. Throws LinkError.
+void set_up_session(Link &link, const SessionSetUp &set_up);
+
+// Returns the error with the names of the tools that caused the refusal, as they are in the tools' files. If
+// no tool caused it, the error stays as it is.
+LinkError with_tool_names(const LinkError &error, const std::vector<Instrument> &tools,
+                          const LineNumbers &line);
+
+} // namespace crn
