@@ -2,15 +2,16 @@
 """Simulates scripted scenes with every machine, compiler and optimisation level, and checks that all results have the
 same hash. If a hash differs, the script finds the first difference.
 
-  matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE]
+  matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE] [--programs FOLDER]
 
 For each variant, the script builds tools/check/core_hash.c with the simulation core, and runs it natively, in QEMU, or
 on an emulated Cortex-M7 board. The script prints a table and also writes this table to out/matrix.tsv. If the results
 of a variant differ from those of the first variant, the script finds the first tick, the first part of this tick, and
 the first node with a difference. The parts of a tick are feed, stretch, twist, contact, force, solve, angle, friction
 and motion. --short runs one variant per machine and writes no table. --break flips one bit in one variant, to
-demonstrate the search. The exit code is 0 if all variants give the same hash, 1 if a hash differs, and 2 for a usage
-error.
+demonstrate the search. --programs keeps the built programs in FOLDER, and a later call with the same FOLDER runs these
+programs; without this option, every call builds anew. The exit code is 0 if all variants give the same hash, 1 if a
+hash differs, and 2 for a usage error.
 """
 
 import argparse
@@ -133,6 +134,9 @@ def compile_commands(variant, program):
 
 def build(variant, folder):
     program = os.path.join(folder, variant.name.replace(" ", "_"))
+    if os.path.exists(program):
+        variant.program = program
+        return
     for command in compile_commands(variant, program):
         try:
             code, output, errors = run(command)
@@ -241,13 +245,15 @@ def main():
     parser.add_argument("--short", action="store_true", help="gcc -O2 of every machine only; no table is written")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="variants at a time (default: cores)")
     parser.add_argument("--only", default="", help="only variants whose name holds this text, and the reference")
+    parser.add_argument("--programs", metavar="FOLDER", help="build into this folder, and build nothing that is there")
     parser.add_argument("--break", dest="broken", metavar="VARIANT:TICK:PART:NODE", help="flip a bit in one variant")
     options = parser.parse_args()
     chosen = variants(options.short)
     chosen = chosen[:1] + [v for v in chosen[1:] if options.only in v.name]
     if options.broken and (options.broken.count(":") != 3 or not break_one(chosen[1:], options.broken)):
         parser.error("--break: no variant but the first begins with that name, or not VARIANT:TICK:PART:NODE")
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as made:
+        folder = options.programs or made
         with concurrent.futures.ThreadPoolExecutor(max(1, options.jobs)) as pool:
             for index, variant in enumerate(pool.map(lambda v: make(v, folder), chosen), 1):
                 print("[%d/%d] %s" % (index, len(chosen), variant.name), file=sys.stderr, flush=True)

@@ -7,6 +7,8 @@ import subprocess
 import sys
 import tempfile
 
+import made_scenes
+
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 BUILD = os.environ.get("BUILD", "build")
 TURN = re.compile(r"^\s*(steer|engage|rotate)\b")
@@ -18,27 +20,6 @@ def without_turns(text):
     """Returns the script of a session after removing every command that turns or steers a tool or engages a vessel."""
     kept = [WITH_TURN.sub("", line) for line in text.splitlines() if not TURN.match(line)]
     return "\n".join(kept) + "\n"
-
-
-def scene_text(made, lesion):
-    """Writes the text of a scene, which is the anatomy's text followed by the lesion's text, and returns the path of
-    the written file."""
-    path = f"{made}/scene.toml"
-    if not lesion:
-        return path
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
-    text += lesion_text(lesion)
-    path = f"{made}/{lesion}.toml"
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text)
-    return path
-
-
-def lesion_text(lesion):
-    """Returns the lesion's table for a scene that has no bodies: the line `inside`, which names a body, is left out."""
-    with open(os.path.join(ROOT, "shared/examples/lesions", lesion + ".toml"), encoding="utf-8") as file:
-        return re.sub(r"(?m)^inside = .*\n", "", file.read())
 
 
 def unpack_shipped(folder):
@@ -76,21 +57,13 @@ class Sessions:
         return done.returncode, done.stdout
 
     def scene(self, anatomy, lesion=None):
-        """Makes the scene of the shipped anatomy without its bodies, and returns the scene's path. If a lesion of
+        """Returns the path of the scene of the shipped anatomy without its bodies (made_scenes.py). If a lesion of
         shared/examples/lesions is named, the scene contains this lesion."""
-        made = f"{self.folder}/{anatomy}"
-        baked = f"{self.folder}/{lesion or anatomy}.scene"
-        if os.path.exists(baked):
-            return baked
-        code, said = 0, ""
-        if not os.path.exists(made):
-            code, said = self.call("anatomy", anatomy, "--no-bodies", "--quiet", "-o", made)
-        if code == 0:
-            code, said = self.call("bake", scene_text(made, lesion), "--points", "1000", "--poses", "0", "-o", baked)
-        if code != 0:
-            self.result(False, f"{anatomy}_is_made", said)
+        try:
+            return made_scenes.scene(BUILD, anatomy, lesion)
+        except made_scenes.CannotMake as problem:
+            self.result(False, f"{anatomy}_is_made", str(problem))
             self.end()
-        return baked
 
     def run(self, script, scene, tools, stent=None):
         """Runs one session without pictures, and returns its exit code and its whole output."""

@@ -88,7 +88,8 @@ if(CRN_SANITIZE)
 else()
     set(CRN_PIXELS "-O3 -fno-math-errno -fno-trapping-math")
 endif()
-# Sanitized rooms are compiled without optimisation, which takes two thirds of the time, except these, which compute.
+# Sanitized rooms are compiled without optimisation, which takes two thirds of the time, except these, which compute,
+# and their tests: the linker takes an inline function of Eigen from the first object that has it, which is the test's.
 set(CRN_COMPUTING host/model host/effects host/stent host/patient hil_tests/plant)
 # Fuzzers enter these rooms first. Elsewhere they learn little from comparisons, and tracing those doubles the time.
 set(CRN_FUZZED firmware/app firmware/app/safety firmware/app/haptics firmware/app/usb shared/scene host/base host/link

@@ -36,6 +36,7 @@ import tempfile
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "check"))
+import made_scenes  # noqa: E402
 import sessions  # noqa: E402
 from command_blocks import CLASSES, MarkError, commands  # noqa: E402
 
@@ -293,7 +294,7 @@ class Stock:
         text = os.path.join(made, "scene.toml")
         if lesion:
             with open(text, "a", encoding="utf-8") as file:
-                file.write(sessions.lesion_text(lesion))
+                file.write(made_scenes.lesion_text(lesion))
         self.call("bake", text, "--points", "1000", "--poses", "0", "-o", scene)
         return scene
 

@@ -1,3 +1,3 @@
 #!/bin/sh
-# test_matrix.py with every broken variant, for `make test-lab`. Prints TAP.
-exec "$(dirname "$0")/test_matrix.py" all
+# The broken variants that test_matrix.py leaves to `make test-lab`. Prints TAP.
+exec "$(dirname "$0")/test_matrix.py" breaks
