@@ -198,7 +198,7 @@ class PostgresDatabase : public Database
 
 } // namespace crn
 
-extern "C" crn::Database *crn_open_postgres(const char *url)
+extern "C" __attribute__((visibility("default"))) crn::Database *crn_open_postgres(const char *url)
 {
     return new crn::PostgresDatabase(url);
 }
