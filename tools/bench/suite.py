@@ -32,8 +32,8 @@ def processors():
 
 
 def press(seconds, environment):
-    """Gives the window the keyboard, and taps keys as a hand that steers, at random moments so that they are not in step
-    with the pulses. Returns when each key went down and up."""
+    """Gives the window the keyboard, and taps keys as a hand that steers. The moments are random, so that they are not
+    in step with the pulses. Returns when each key went down and up."""
     end = time.monotonic() + seconds
     focus(environment, seconds)
     keyboard = Keyboard(environment["DISPLAY"])
