@@ -42,6 +42,11 @@ def window_of(options, words, has_layout=False, **more):
             server.wait()
 
 
+def script():
+    """The name of the script that was called, for messages."""
+    return os.path.basename(sys.argv[0])
+
+
 class Keyboard:
     """Presses and releases keys of a display by XTEST, and knows when it did."""
 
@@ -52,7 +57,7 @@ class Keyboard:
         self.x11.XStringToKeysym.restype = ctypes.c_ulong
         self.display = ctypes.c_void_p(self.x11.XOpenDisplay(display_name.encode()))
         if not self.display:
-            sys.exit("suite.py: no display '%s'" % display_name)
+            sys.exit("%s: no display '%s'" % (script(), display_name))
 
     def send(self, key, is_down):
         """Sends one press or release; returns the second of the monotonic clock at which it was sent."""
@@ -86,13 +91,12 @@ def focus(environment, seconds=30.0):
 
 def shows(layout, control, window):
     """Waits until the window shows a control. A message names the script that was called."""
-    script = os.path.basename(sys.argv[0])
     for _ in range(6000):
         if os.path.exists(layout):
             with open(layout, encoding="utf-8") as file:
                 if any(line.split("\t")[0] == control for line in file):
                     return
         if window.poll() is not None:
-            sys.exit("%s: the window ended before it showed '%s'" % (script, control))
+            sys.exit("%s: the window ended before it showed '%s'" % (script(), control))
         time.sleep(0.05)
-    sys.exit("%s: the window does not show '%s'" % (script, control))
+    sys.exit("%s: the window does not show '%s'" % (script(), control))

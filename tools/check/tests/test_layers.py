@@ -171,7 +171,6 @@ ALLOWED = {
     "host/screen": ["host/picture/picture.hpp", "host/xray/gl"],
     "host/live": ["host", "shared"],  # sessions in threads, without a window
     "host/suite": ["host", "shared"],
-    # The command line as a library, so that tests run whole commands in their process; the window comes as a function.
     # The C library needs no window, no OpenGL, no DICOM and no command line.
     "host/library": [
         "host/session",
@@ -184,6 +183,7 @@ ALLOWED = {
         "shared",
     ],
     "host/library/tests": HOST_TESTS,
+    # The command line as a library, so that tests run whole commands in their process; the window comes as a function.
     "host/command": ["host", "shared", "firmware/core/core.h"],
     "host/app": ["host/suite", "host/command"],  # the program: main
     "host/app/tests": HOST_TESTS,
