@@ -223,7 +223,8 @@ void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 /* These two functions are for a program that has the device in its own memory, such as the simulated port.
  * They take and put the same CRN_APP_SNAPSHOT_BYTES bytes as the messages of a snapshot, without frames and
  * checksums. The mode must be LOCKSTEP, and the state ARMED or RUNNING. crn_app_snapshot_put checks the bytes
- * as those of a host. When a function returns false, nothing has changed. */
+ * as those of a host. When a function returns false, the session has not changed, but an unfinished upload
+ * may have ended. */
 bool crn_app_snapshot_take(crn_app *app, uint8_t *bytes);
 bool crn_app_snapshot_put(crn_app *app, const uint8_t *bytes);
 

@@ -268,11 +268,15 @@ void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length)
 }
 
 /* --- for a program that has the device in its own memory --- */
+static bool has_lockstep_session(const crn_app *app)
+{
+    return app->mode == CRN_WIRE_MODE_LOCKSTEP &&
+           (app->state == CRN_WIRE_STATE_ARMED || app->state == CRN_WIRE_STATE_RUNNING);
+}
+
 bool crn_app_snapshot_take(crn_app *app, uint8_t *bytes)
 {
-    if (app->mode != CRN_WIRE_MODE_LOCKSTEP ||
-        (app->state != CRN_WIRE_STATE_ARMED && app->state != CRN_WIRE_STATE_RUNNING))
-        return false;
+    if (!has_lockstep_session(app)) return false;
     app->session.snapshot_upload.open = false;
     save(app);
     for (size_t i = 0; i < CRN_APP_SNAPSHOT_BYTES; i++) bytes[i] = app->core.scratch.spare[i];
@@ -281,9 +285,7 @@ bool crn_app_snapshot_take(crn_app *app, uint8_t *bytes)
 
 bool crn_app_snapshot_put(crn_app *app, const uint8_t *bytes)
 {
-    if (app->mode != CRN_WIRE_MODE_LOCKSTEP ||
-        (app->state != CRN_WIRE_STATE_ARMED && app->state != CRN_WIRE_STATE_RUNNING))
-        return false;
+    if (!has_lockstep_session(app)) return false;
     app->session.snapshot_upload.open = false;
     for (size_t i = 0; i < CRN_APP_SNAPSHOT_BYTES; i++) app->core.scratch.spare[i] = bytes[i];
     if (!restore(app)) return false;

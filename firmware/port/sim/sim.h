@@ -47,8 +47,8 @@ void crn_sim_set_tick_us(crn_sim *sim, uint32_t tick_us);
 
 /* Copy the state of a session in LOCKSTEP as a snapshot, and set the device to the state of a snapshot,
  * without the conversation over the pipe. The bytes are those of the messages of a snapshot (docs/wire.md).
- * Both functions return false, and change nothing, when the device has no session in LOCKSTEP, `count` is not
- * crn_sim_snapshot_bytes(), or the bytes are not a valid snapshot of this session. */
+ * Both functions return false, and leave the session as it is, when the device has no session in LOCKSTEP,
+ * `count` is not crn_sim_snapshot_bytes(), or the bytes are not a valid snapshot of this session. */
 size_t crn_sim_snapshot_bytes(void);
 bool crn_sim_take_snapshot(crn_sim *sim, uint8_t *bytes, size_t count);
 bool crn_sim_put_snapshot(crn_sim *sim, const uint8_t *bytes, size_t count);
