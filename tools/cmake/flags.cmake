@@ -16,12 +16,9 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_C_EXTENSIONS OFF)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
-# All objects can become part of a shared library, so that libcournand needs no second compilation. With hidden symbols
-# such code is as fast as the compiler's usual code for programs (docs/library.md).
-if(CMAKE_CROSSCOMPILING)
-    set(CMAKE_POSITION_INDEPENDENT_CODE OFF)
-else()
-    set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+# With hidden symbols, code that can become part of a shared library is as fast as the compiler's usual code for
+# programs (docs/library.md).
+if(NOT CMAKE_CROSSCOMPILING)
     set(CMAKE_C_VISIBILITY_PRESET hidden)
     set(CMAKE_CXX_VISIBILITY_PRESET hidden)
 endif()
@@ -53,6 +50,11 @@ target_compile_options(crn_common INTERFACE
     $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
 target_include_directories(crn_common SYSTEM INTERFACE /usr/include/eigen3)
 target_link_options(crn_common INTERFACE -pthread)
+# All objects can become part of a shared library, so that libcournand needs no second compilation. CMake's own property
+# would compile programs with -fPIE, and the compiler refuses a precompiled header of the libraries there.
+if(NOT CMAKE_CROSSCOMPILING)
+    target_compile_options(crn_common INTERFACE -fPIC)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     # gcc 12 at -O3 warns of overlapping copies in std::string's operator+ that do not exist (its bug 105329). With a
     # precompiled header it no longer recognises that they are in its own library. clang still reports real ones.

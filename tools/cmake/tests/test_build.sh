@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A build folder keeps the values of its preset, such as the sanitizers, when the path to the compiler changes. The path
-# changes, for example, when ccache's folder of compilers is put first into PATH. Prints TAP.
+# changes, for example, when ccache's folder of compilers is put first into PATH. Precompiled headers, which are used
+# where there is no ccache, fit the code that includes them. Prints TAP.
 set -u
 cd "$(dirname "$0")/../../.." || exit 1
 programs="" # it builds none
@@ -29,5 +30,20 @@ else
     grep -q no-such-compiler "$work/said"
     report "a configuration that fails is reported" $?
 fi
+# gcc accepts a precompiled header only where the code's addresses are compiled in the same way (-fPIC, -fPIE).
+export CMAKE_ARGS=-DCRN_PREFIX_HEADERS=ON BUILD="$work/prefix"
+tools/build.sh release run,tools,tests build.ninja >"$work/said" 2>&1 &&
+    python3 - "$work/prefix/compile_commands.json" >"$work/said" 2>&1 <<'PYTHON'
+import json, re, sys
+uses, kinds = 0, set()
+for entry in json.load(open(sys.argv[1])):
+    command = entry["command"]
+    if "cmake_pch.hxx" in command:
+        uses += 1
+        kinds.add(tuple(re.findall(r" (-f(?:no-)?(?:PIC|PIE|pic|pie))\b", command)))
+print("%d commands with precompiled headers, flags %s" % (uses, sorted(kinds)))
+sys.exit(0 if uses > 100 and kinds == {("-fPIC",)} else 1)
+PYTHON
+report "all code with a precompiled header, and the header, are compiled with the same kind of addresses" $?
 echo "1..$number"
 exit $failed
