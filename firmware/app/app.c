@@ -40,18 +40,18 @@ static void host_spoke(crn_app *app)
     if (crn_watchdog_feed(&app->watchdog)) crn_app_notice(app, CRN_WIRE_EVENT_HOST, 0, 0, 0);
 }
 
-/* Returns true while the motors have power and the host has not yet been silent so long that the motors'
- * forces have faded to zero. */
+/* Returns true while the motors have power, unless the host has been silent so long that the motors' forces
+ * have faded to zero. */
 static bool is_led(const crn_app *app)
 {
     return app->safety.is_driving && crn_watchdog_left_ticks(&app->watchdog) > 0;
 }
 
-/* A second program may send HELLO while a first program is in control of powered motors. The second program's
- * next message, RESET, would end the first program's conversation with the device. The device therefore
- * refuses the second program's HELLO, and does not count it as a sign of life of the program in control. A
- * host that speaks another version of the protocol may not give the device any command, even in the middle of
- * a session. */
+/* A second program may send HELLO while a first program is in control of powered motors. The next message of
+ * such a second program, RESET, would end the first program's session with the device. While one program is
+ * in control of powered motors, the device therefore refuses another program's HELLO, and does not count this
+ * HELLO as a sign of life of the program in control. A host that speaks another version of the protocol may
+ * not give the device any command, even in the middle of a session. */
 static void hello(crn_app *app, const uint8_t *payload, size_t length)
 {
     crn_wire_hello hello;

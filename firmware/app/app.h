@@ -54,8 +54,8 @@ typedef struct crn_app_encoders {
     int32_t syringe_counts, inflator_raw;
 } crn_app_encoders;
 
-/* How one track is configured. The parts of the app (hands, haptics and safety) keep the values that follow
- * from this configuration of the tracks. */
+/* How one track is configured. The parts of the app (hands, haptics and safety) keep the values that they
+ * derive from the configuration of the tracks. */
 typedef struct crn_app_track {
     crn_wire_track wire;         /* in force, as read back */
     crn_wire_track built;        /* as the rig's builder stated it */
@@ -81,7 +81,7 @@ typedef struct crn_app_queue {
 } crn_app_queue;
 
 /* Holds the commands to the core for one tick, already checked and converted to the form that the core
- * accepts. The positions of the user's hands are stored elsewhere. */
+ * accepts. The struct crn_app_order_set does not contain the positions of the user's hands. */
 typedef struct crn_app_order_set {
     crn_rhythm_order rhythm;
     crn_scaffold scaffold;
@@ -210,7 +210,7 @@ void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count);
 
 /* A host may also send requests without frames, as HID reports. The app checks a HID request as if it had
  * come in a frame. A frame of which only a part has arrived is not disturbed by a HID request. The app
- * answers a HID request by a frame whose field for the number of the answered request is 0. */
+ * answers a HID request by a frame in which the field `answers`, the number of the answered request, is 0. */
 
 /* The function accepts only STOP and RESET, and returns true when the state is then no longer RUNNING, or is
  * READY after RESET. */
@@ -220,11 +220,13 @@ bool crn_app_order(crn_app *app, uint8_t action);
  * afterwards app->setup.tracks contains the accepted values. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
-/* These two functions are for a program that has the device in its own memory, such as the simulated port.
- * They take and put the same CRN_APP_SNAPSHOT_BYTES bytes as the messages of a snapshot, without frames and
- * checksums. The mode must be LOCKSTEP, and the state ARMED or RUNNING. crn_app_snapshot_put checks the bytes
- * as those of a host. When a function returns false, the session has not changed, but an unfinished upload
- * may have ended. */
+/* A program that runs the device in its own process, such as the simulated port, can take a snapshot by
+ * crn_app_snapshot_take and restore a snapshot by crn_app_snapshot_put. A snapshot has the same
+ * CRN_APP_SNAPSHOT_BYTES bytes as in the messages of the wire protocol, without frames and checksums. To take
+ * or put a snapshot, the mode must be LOCKSTEP, and the state must be ARMED or RUNNING. The function
+ * crn_app_snapshot_put checks the bytes in the same way as bytes that a host sends. When
+ * crn_app_snapshot_take or crn_app_snapshot_put returns false, the session has not changed, but an unfinished
+ * upload may have ended. */
 bool crn_app_snapshot_take(crn_app *app, uint8_t *bytes);
 bool crn_app_snapshot_put(crn_app *app, const uint8_t *bytes);
 

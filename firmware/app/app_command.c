@@ -112,8 +112,8 @@ static void confirm(crn_app *app, uint32_t code)
 
 /* --- START, STOP, RESET, modes --- */
 
-/* Makes the hands' positions at the next reading the new zero position of the coupling, at which the
- * coupling's force is zero. */
+/* Makes the next reading of the hands' positions the new zero position of the coupling, where the coupling
+ * gives no force. */
 static void forget_hands(crn_app *app)
 {
     crn_hands_take_reference(&app->hands);
@@ -122,9 +122,9 @@ static void forget_hands(crn_app *app)
 
 /* In FREE_RUN the app does not read the hands before START, so FREE_RUN begins with a new zero position of
  * the coupling and with zero motor forces. In LOCKSTEP, a session continues after a STOP from exactly the
- * state in which it stopped. A change of mode also makes the hands' positions at the next reading the new
- * zero position of the coupling. START then begins with exactly the state of a snapshot taken in the state
- * ARMED, so a session of FREE_RUN that is resumed from such a snapshot replays bit for bit. */
+ * state in which it stopped. After a change of mode, too, the next reading of the hands' positions becomes
+ * the new zero position of the coupling. START begins with exactly the state of a snapshot that was taken in
+ * the state ARMED, so a session of FREE_RUN that is resumed from such a snapshot replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
     app->watchdog.silent_ticks = 0;

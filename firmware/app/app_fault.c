@@ -14,8 +14,8 @@ static bool fault_stops(crn_fault_code code)
     return false;
 }
 
-/* The fault log has one entry for each fault code, with the first and last tick, the count, and the last
- * values. */
+/* The fault log has one entry for each fault code, with the ticks of the first and the last occurrence, the
+ * number of occurrences, and the last values. */
 void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     uint16_t i = 0;
@@ -32,8 +32,8 @@ void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_
     app->faults.entries[i].value2 = value2;
 }
 
-/* The first fault that stops the device is the cause that the message `status` reports; faults that follow
- * from it are only in the log. */
+/* The message `status` reports the first fault that stops the device as the cause; faults that follow from
+ * the first one are only in the log. */
 void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     crn_app_fault_log(app, code, value1, value2);

@@ -5,15 +5,15 @@
 
 #include "firmware/app/app.h"
 
-/* If this check finds an error in the app itself, the app logs the error, switches the motors off, and goes
- * to the state FAULT; release builds contain the check, too. */
+/* If the check CRN_REQUIRE finds an error in the app itself, the app logs the error, switches the motors off,
+ * and goes to the state FAULT; release builds contain the check, too. */
 #define CRN_REQUIRE(app, condition, value)                                                                   \
     do {                                                                                                     \
         if (!(condition)) crn_app_internal_error(app, __LINE__, (int32_t)(value));                           \
     } while (0)
 
-/* If the host has made an error, this macro refuses the message with a typed code, changes nothing, and
- * returns from the function that handles the message. */
+/* If the host has made an error, the macro CRN_REJECT_IF refuses the message with an error code, changes
+ * nothing, and returns from the function that handles the message. */
 #define CRN_REJECT_IF(app, type, condition, code, detail1, detail2)                                          \
     do {                                                                                                     \
         if (condition) {                                                                                     \
@@ -45,7 +45,8 @@ void crn_app_scene_end(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place);
-/* Builds the model from the table, the line and this entry. */
+/* Builds the model from the table of tools, the line (the tools in each other), the lumen and the place of
+ * entry. */
 crn_build_status crn_app_build(crn_app *app, const crn_lumen *lumen, const crn_entry *entry,
                                crn_build_place *place);
 
@@ -74,14 +75,14 @@ void crn_app_log_core_faults(crn_app *app, uint32_t bits);
 
 /* app_orders.c: the orders of a tick besides the hands */
 void crn_app_orders(crn_app *app, const uint8_t *payload, size_t length);
-/* Checks the commands to the core for one tick and converts them for the core. Returns a refusal code.
- * `place` receives the list index of the command at fault. */
+/* Checks the commands to the core for one tick and converts them for the core. Returns a refusal code. The
+ * output `place` receives the index of the faulty command in the list. */
 uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list, crn_app_order_set *taken,
                              uint32_t *place);
 /* Returns the commands for this tick of FREE_RUN; they are valid until the next message. */
 const crn_app_tick_orders *crn_app_orders_next(crn_app *app);
-/* Carries out the exchange of this tick, if it has one, before the tick, and keeps the answer for the host.
- */
+/* Carries out the exchange of tools that is ordered for this tick, if there is one, before the tick runs, and
+ * keeps the answer for the host. */
 void crn_app_exchange(crn_app *app, const crn_app_order_set *orders);
 
 /* app_stream.c: what the device sends unasked, with back-pressure */

@@ -36,7 +36,8 @@ static bool take_strut(const crn_app *app, const crn_wire_order *order, crn_app_
     return wire->number != 0 && crn_strut_order_is_valid(&taken->strut);
 }
 
-/* Whether an exchange is possible depends on the state of its tick. Here only the numbers are checked. */
+/* This function checks only the numbers in an order to exchange tools, because the state of the tick decides
+ * whether the exchange is possible. */
 static bool take_exchange(const crn_app *app, const crn_wire_order *order, crn_app_order_set *taken)
 {
     taken->has_exchange = true;
@@ -68,7 +69,8 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
 
 /* --- an exchange, between two ticks --- */
 
-/* The core and the wire have the same answers. The program does not compile when they differ. */
+/* The core and the wire protocol list the same answers to an exchange of tools. The program does not compile
+ * when the two lists of answers differ. */
 #define EXCHANGE(NAME, number, text, remedy)                                                                 \
     _Static_assert((int)CRN_EXCHANGE_##NAME + 1 == (int)(number), "core and wire agree about " #NAME);
 #include "shared/wire/wire_exchanges.def"

@@ -15,8 +15,8 @@ void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
         app->link.transmit_dropped++;
 }
 
-/* Sends a message like crn_app_send. A message for which the pipe had no space may be sent again, because its
- * frame number is not used up. */
+/* Sends a message like crn_app_send. A message for which the pipe to the host had no space may be sent again,
+ * because the message has not used up a frame number. */
 bool crn_app_offer(crn_app *app, uint16_t type, size_t payload_bytes)
 {
     uint16_t before = app->link.sequence_out;

@@ -154,8 +154,9 @@ static bool track_is_good(const crn_wire_track *wire, const crn_app_track *prese
 {
     const crn_wire_track *limits =
         rights.raises_limits ? &first : &present->wire; /* the largest allowed now */
-    /* If a person at the rig has entered the travel per count, this value counts as true. Otherwise the true
-     * travel per count may be smaller than the value that the host sent. */
+    /* If a person at the rig has entered the travel per count, this value is taken as true. If nobody at the
+     * rig has entered the travel per count, its true value may be smaller than the value that the host
+     * sent. */
     const uint64_t along_milli = loop_milli(wire, rights.states_all ? 0 : wire->translation_pm_per_count,
                                             present->scale_pm_per_count),
                    about_milli = loop_milli(wire, rights.states_all ? 0 : present->scale_counts_per_turn,

@@ -12,8 +12,8 @@
 
 enum { SNAPSHOT_VERSION = 4 };
 
-/* A snapshot being sent or received lies in the core's scratch memory, which no tick needs. If a tick runs
- * while a snapshot is received, the snapshot's CRC no longer matches. */
+/* While a snapshot is sent or received, its bytes lie in the core's scratch memory, which holds nothing that
+ * a later tick needs. If a tick runs while a snapshot is received, the snapshot's CRC no longer matches. */
 _Static_assert((int)CRN_APP_SNAPSHOT_BYTES <= (int)sizeof(((crn_scratch *)0)->spare), "a snapshot fits");
 
 /* --- to bytes --- */
@@ -226,8 +226,8 @@ static bool read_head(const crn_app *app, snapshot_head *head)
     return ok;
 }
 
-/* Restores the snapshot that lies in the scratch memory. Returns false, and changes nothing, if it is not a
- * valid snapshot of this session. */
+/* Restores the snapshot that lies in the scratch memory. Returns false, and changes nothing, if the bytes are
+ * not a valid snapshot of this session. */
 static bool restore(crn_app *app)
 {
     snapshot_head head;

@@ -1,6 +1,6 @@
 /* This file sends the messages that no request caused, while there is space in the pipe to the host: first
- * the ticks of FREE_RUN, then notices, then pictures. Ticks and notices wait in queues; a newer picture
- * replaces an older picture for which there was no space. */
+ * the ticks of FREE_RUN, then notices, then pictures. Ticks and notices wait in queues; a newer picture of
+ * the tools replaces an older picture for which there was no space. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -124,8 +124,8 @@ static bool send_notice(crn_app *app)
 
 /* --- pictures --- */
 
-/* Runs after a tick of FREE_RUN. If an older picture of the tools still waits for space in the pipe, the
- * picture that is due now replaces the older one. */
+/* The function crn_app_stream_tick runs after each tick of FREE_RUN. If an older picture of the tools still
+ * waits for space in the pipe, the picture that is due now replaces the older one. */
 void crn_app_stream_tick(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -135,8 +135,8 @@ void crn_app_stream_tick(crn_app *app)
     queue->is_picture_due = true;
 }
 
-/* The app sends a picture of the tools only if enough space remains for the next ticks. The picture shows the
- * core's state at the moment of sending. */
+/* The app sends a picture of the tools only if enough space remains for the next ticks. A picture of the
+ * tools shows the core's state at the moment when the picture is sent. */
 static void send_picture(crn_app *app)
 {
     if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;
@@ -152,8 +152,8 @@ void crn_app_stream_hash64(crn_app *app)
 
 /* --- the stream --- */
 
-/* Runs once per edge of the timer, after the outputs are written. A batch of ticks waits until the batch is
- * full or no further tick will come. */
+/* The function crn_app_stream_flush runs once per edge of the timer, after the outputs are written. A batch
+ * of ticks waits until the batch is full or no further tick will come. */
 void crn_app_stream_flush(crn_app *app)
 {
     bool is_last = app->state != CRN_WIRE_STATE_RUNNING || app->mode != CRN_WIRE_MODE_FREE_RUN;

@@ -74,8 +74,8 @@ static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t 
 
 /* Returns the travel of the tool in this tick, as the coupling predicts it. The tool moves to the position
  * where spring, rod and friction balance again, if the rod is as stiff as in the last ticks (implicit Euler
- * of a tool without mass). While spring and rod differ by less than the friction, the tool does not move at
- * all. */
+ * of a tool without mass). While the forces of spring and rod differ by less than the friction, the tool does
+ * not move at all. */
 static int32_t step_of(const crn_haptics_axis *axis, const crn_haptics_spring *spring, int32_t force)
 {
     int64_t rest = (int64_t)force - spring->force;
@@ -116,8 +116,8 @@ static void rest(crn_haptics *haptics, uint32_t k, const crn_haptics_tool *tool,
 }
 
 /* In each tick the core feeds the tool by a quarter of the distance by which the tool lags behind its
- * commanded position. If the hand is four steps ahead of its tool, the tool therefore moves by one step in
- * this tick. */
+ * commanded position. To move the tool by one step in this tick, the code therefore gives the core a position
+ * four steps ahead of the tool. */
 void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
                         crn_hand_position followed[CRN_PORT_TOOL_MAX])
 {
@@ -145,8 +145,8 @@ void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
     }
 }
 
-/* Updates the estimate of the stiffness with which the tool resists. The estimate rises to a larger observed
- * stiffness at once, and falls again as the tool travels. */
+/* Updates the estimate of the stiffness with which the tool resists. The estimate of the tool's stiffness
+ * rises at once to a larger observed stiffness, and falls again as the tool travels. */
 static void settle_spring(const crn_haptics_axis *axis, crn_haptics_spring *spring, int32_t position,
                           int32_t force)
 {

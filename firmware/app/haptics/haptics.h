@@ -82,7 +82,7 @@ typedef struct crn_haptics_input {
     crn_haptics_tool tools[CRN_PORT_TOOL_MAX];
 } crn_haptics_input;
 
-/* How a track's force ends when its tool is exchanged. Part of the snapshot. */
+/* Describes how the force of a track ends when the track's tool is exchanged. Part of the snapshot. */
 typedef struct crn_haptics_release {
     uint32_t left_ticks; /* until no force is left; 0: the track is not being released */
     int32_t from[2];     /* the motor's force and torque at the exchange */
@@ -110,8 +110,9 @@ void crn_haptics_reset(crn_haptics *haptics);
 /* Sets the forces requested from the motors to zero. */
 void crn_haptics_rest(crn_haptics *haptics);
 
-/* The tool of a track is exchanged. The track's force goes to zero within CRN_HAPTICS_RELEASE_ticks, as when
- * a hand lets go, and the new tool rests meanwhile. Then the coupling takes hand and tool as they are. */
+/* When the tool of a track is exchanged, the track's force goes to zero within CRN_HAPTICS_RELEASE_ticks, as
+ * when a hand lets go, and the new tool rests meanwhile. After the force has ended, the coupling takes the
+ * present positions of hand and new tool as its zero position. */
 void crn_haptics_let_go(crn_haptics *haptics, uint32_t track);
 
 /* Runs before the core's tick. The caller fills `followed` with the hands' positions; for each track with a
@@ -124,8 +125,8 @@ void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
  * applies gain, passivity, slew limit, force limit and fade. */
 void crn_haptics_after(crn_haptics *haptics, const crn_haptics_input *input, crn_findings *findings);
 
-/* Computes the forces of the virtual coupling from the motion of the tools (coupling.c). This step is the
- * first half of crn_haptics_after. */
+/* Computes the forces of the virtual coupling from the motion of the tools (coupling.c). The function
+ * crn_haptics_settle is the first half of crn_haptics_after. */
 void crn_haptics_settle(crn_haptics *haptics, const crn_haptics_input *input);
 
 #endif

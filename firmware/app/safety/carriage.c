@@ -16,8 +16,8 @@ enum {
        may still accelerate to 0.25 m/s. */
     DRIVEN_FULL_um_s = 30000,
     DRIVEN_NONE_um_s = 100000,
-    /* When a carriage moves against its motor's force, the limits BRAKED_FULL_um_s and BRAKED_NONE_um_s apply
-     * instead, provided that the encoder works correctly. */
+    /* When a carriage moves against its motor's force, the limits are BRAKED_FULL_um_s and BRAKED_NONE_um_s
+     * instead of DRIVEN_FULL_um_s and DRIVEN_NONE_um_s, provided that the encoder works correctly. */
     BRAKED_FULL_um_s = 80000,
     BRAKED_NONE_um_s = 180000,
     SPEED_MAX_um_s = 250000,

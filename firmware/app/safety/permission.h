@@ -1,6 +1,6 @@
 /* Before START may power the motors, the host must take two steps: it sends ARM_MOTORS, to which the device
- * replies with a code, and then sends this code back in CONFIRM. Code and permission are meant for a person
- * who is about to press START, so both expire. */
+ * replies with a code, and then sends this code back in CONFIRM. Both the code and the permission to power
+ * the motors expire, because they are meant for a person who is about to press START. */
 #ifndef CRN_PERMISSION_H
 #define CRN_PERMISSION_H
 
@@ -22,8 +22,8 @@ void crn_permission_offer(crn_permission *permission, uint32_t now_us);
  * wrong answer. */
 bool crn_permission_answer(crn_permission *permission, uint32_t code);
 
-/* Gives the permission to power the motors at the next START, because the answer was right and the rig is
- * ready. */
+/* Gives the permission to power the motors at the next START; the caller has checked that the answer was
+ * right and that the rig is ready. */
 void crn_permission_give(crn_permission *permission);
 
 /* Counts one edge of the timer (1 ms). Both the confirmation code and the permission expire after a time. */

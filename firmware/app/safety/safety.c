@@ -54,7 +54,7 @@ static bool lasts(uint32_t *ticks, bool is_so, uint32_t limit)
 
 /* The check for forces that nobody requested runs in every state, because such a force comes from a broken
  * driver. If a requested force is missing, the hand may have released the carriage; the function
- * check_balance decides whether it has. */
+ * check_balance finds out whether this is the reason. */
 static crn_fault_code check_force(crn_safety *safety, uint32_t k, int32_t measured)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -89,9 +89,8 @@ static void restart_watch(crn_safety_watch *watch, int32_t speed_counts)
 }
 
 /* An unbalanced force must move the heaviest carriage by CARRIAGE_TRAVEL_nm against its friction before this
- * check decides. After this travel, the check finds that the encoder has not moved (a fault), that the
- * encoder shows a speed against the force (a fault), or that there is no fault. Format: mN / kg = nm / ms^2;
- * travel in nm. */
+ * check decides. After a travel of CARRIAGE_TRAVEL_nm, the check reports a fault if the encoder has not
+ * moved, or if the encoder shows a speed against the force. Format: mN / kg = nm / ms^2; travel in nm. */
 static crn_fault_code check_balance(crn_safety *safety, const crn_port_inputs *rig, uint32_t k,
                                     int32_t measured)
 {
@@ -194,8 +193,8 @@ static void check_rig(crn_safety *safety, const crn_safety_input *input, crn_fin
     }
 }
 
-/* A fault is reported once. In the state FAULT the motors have no power that could be removed, but a power
- * stage that does not switch off is reported even in this state, whatever caused it. */
+/* A fault is reported once. In the state FAULT the motors have no power that could be removed, but the check
+ * still reports a power stage that does not switch off, whatever the cause. */
 void crn_safety_check(crn_safety *safety, const crn_safety_input *input, crn_findings *findings)
 {
     safety->drive_ticks = safety->is_driving ? safety->drive_ticks + 1 : 0;
@@ -223,8 +222,8 @@ crn_fault_code crn_safety_ready(const crn_safety *safety, const crn_safety_input
     for (uint32_t k = 0; k < input->tool_count; k++) {
         const crn_port_track *track = &rig->tracks[k];
         if (encoder_is_lost(track)) return CRN_FAULT_CODE_ENCODER_LOST;
-        /* Without a force sensor no force is checked. For a track without a force sensor, motor power needs
-         * the permission of a person at the rig, who knows that no forces are checked. */
+        /* For a track without a force sensor, no force is checked. For a track without a force sensor, motor
+         * power needs the permission of a person at the rig, who knows that no forces are checked. */
         const bool has_none = track->force_sensor == CRN_PORT_SENSOR_ABSENT;
         if (has_none ? !rig->local_unlock : force_sensor_is_lost(safety, rig, k))
             return CRN_FAULT_CODE_FORCE_SENSOR_LOST;

@@ -1,6 +1,6 @@
-/* The functions of this header control the power of the motors and everything else that can hurt a finger.
- * The files of the safety code use only one set of readings of the rig, a few plain numbers and their own
- * memory. The safety code uses neither the app, nor the wire protocol, nor the core.
+/* The functions of this header control the power of the motors and everything else that can injure the user's
+ * hand. The files of the safety code use only one set of readings of the rig, a few plain numbers and their
+ * own memory. The safety code uses neither the app, nor the wire protocol, nor the core.
  *
  *   sample, tool count, energies -> crn_safety_check -> findings
  *   forces that the haptics ask for -> crn_safety_drive -> what the port writes
@@ -96,12 +96,12 @@ crn_fault_code crn_safety_ready(const crn_safety *safety, const crn_safety_input
 void crn_safety_on(crn_safety *safety, const crn_safety_input *input);
 
 /* Removes the motor power at once: the motors give no force, and the signal on the drive line, which keeps
- * the power stage on, no longer changes. The caller, not this function, sets the rig's lamp. */
+ * the power stage on, no longer changes. The caller of crn_safety_off sets the rig's lamp. */
 void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs);
 
 /* Computes, once per edge of the timer, the motors' forces from the forces that the haptics request. While
  * the motors have power, the drive line changes its level at each timer edge, which keeps the power stage on
- * for another CRN_PORT_DRIVE_HOLD_ms. The caller, not this function, sets the rig's lamp. */
+ * for another CRN_PORT_DRIVE_HOLD_ms. The caller of crn_safety_drive sets the rig's lamp. */
 void crn_safety_drive(crn_safety *safety, const crn_safety_input *input,
                       const crn_port_motor asked[CRN_PORT_TOOL_MAX], crn_port_outputs *outputs);
 

@@ -9,8 +9,8 @@
  *
  * The stream (bulk pair) carries frames as bytes, and the borders of packets have no meaning:
  *
- * - In the direction to the host, a frame is queued whole or refused. When the queue to the host runs empty
- *   after a full packet, the device sends an empty packet, so that a host's longer read ends.
+ * - In the direction to the host, the queue takes a frame whole or refuses it. When the queue to the host
+ * runs empty after a full packet, the device sends an empty packet, so that a host's longer read ends.
  *
  * - In the direction to the device, an empty packet has no meaning. The app receives bytes frame by frame,
  *   and only while the queue has space for the longest answer (`reply_bytes`). Otherwise the packet is held
@@ -78,9 +78,9 @@ typedef struct crn_usb_config {
     const char *serial; /* ASCII, 1 .. CRN_USB_SERIAL_MAX characters; it distinguishes two rigs */
     uint8_t *queue;     /* frames on their way to the host */
     uint32_t queue_bytes;
-    uint32_t reply_bytes; /* This number of bytes must be free in the queue before the app receives a request,
-                             so that all frames of the reply fit. At least CRN_WIRE_FRAME_MAX, at most half of
-                             the queue */
+    uint32_t reply_bytes; /* At least `reply_bytes` must be free in the queue to the host before the app
+                             receives a request, so that all frames of the reply fit. At least
+                             CRN_WIRE_FRAME_MAX, at most half of the queue */
 } crn_usb_config;
 
 /* Lists the endpoints in the order of usb_table.def. */
@@ -152,7 +152,7 @@ bool crn_usb_init(crn_usb *usb, const crn_usb_config *config);
 void crn_usb_connect(crn_usb *usb, bool connected);
 
 /* Does a bounded amount of work for the bus: at most CRN_USB_EVENTS_PER_POLL events and one frame for the
- * app. Returns true if more work may be left. */
+ * app. Returns true if the USB stack may have more work to do. */
 bool crn_usb_poll(crn_usb *usb);
 
 /* One millisecond has passed. Makes a HID state report from `state` and queues it behind the waiting reports.
@@ -164,8 +164,8 @@ void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
  * queue has no space. */
 bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes);
 
-/* Returns how many more bytes the queue to the host can take. A caller that knows this number can drop a
- * picture before a frame is refused. */
+/* Returns how many more bytes the queue to the host can take. A caller that knows how much space the queue
+ * has can drop a picture of the tools before the queue refuses a frame. */
 uint32_t crn_usb_queue_room(const crn_usb *usb);
 
 #endif

@@ -56,8 +56,8 @@ static bool get_report(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
     }
 }
 
-/* The device stores the idle rates that a host sets, and the host can read them back. These idle rates change
- * nothing, because every state report differs from the last one by its tick. */
+/* The device stores the idle rates that a host sets, and the host can read them back. The idle rates of a
+ * host have no effect, because every state report differs from the last one by its tick. */
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
     const bool to_host = (setup->type & CRN_USB_TYPE_IN) != 0;

@@ -80,8 +80,8 @@ void crn_usb_control_reset(crn_usb *usb);
 void crn_usb_control_setup(crn_usb *usb, const uint8_t bytes[CRN_UDC_SETUP_BYTES]);
 void crn_usb_control_done(crn_usb *usb, uint8_t endpoint, uint32_t bytes);
 
-/* If a handler in usb_standard.c or usb_hid.c returns false, the device answers with STALL. `reply` is empty
- * at first and receives the data of IN requests. */
+/* If the function that handles a request in usb_standard.c or usb_hid.c returns false, the device answers
+ * with STALL. The struct `reply` is empty at first and receives the data of IN requests. */
 bool crn_usb_standard(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_takes(const crn_usb *usb, const crn_usb_setup *setup);

@@ -12,9 +12,9 @@ static void queue_byte(crn_usb *usb, uint8_t byte)
     usb->queue_count++;
 }
 
-/* Starts the byte stream anew: a zero byte ends an incomplete frame, and messages of an earlier conversation
- * are dropped. The zero byte for the app is stored as if the host had sent it, before the bytes of the first
- * packet. */
+/* Starts the byte stream anew: a zero byte ends an incomplete frame, and messages that were meant for an
+ * earlier host are dropped. The zero byte for the app is stored as if the host had sent it, before the bytes
+ * of the first packet. */
 void crn_usb_stream_begin(crn_usb *usb, bool to_host)
 {
     if (to_host) {
