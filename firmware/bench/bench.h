@@ -12,7 +12,7 @@ extern "C" {
 #define BENCH_NORETURN _Noreturn
 #endif
 
-/* Marks a function so that callgrind can find it by name: the function is neither inlined nor cloned. */
+/* Marks a function that callgrind must find by name: the compiler neither inlines nor clones it. */
 #if defined(__clang__)
 #define BENCH_MEASURED __attribute__((noinline, used))
 #else

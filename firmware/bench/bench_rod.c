@@ -1,5 +1,5 @@
-/* This benchmark measures the cost of one tick and the accuracy of large bending by the elastica
- * (docs/bench.md names the rows).
+/* This benchmark measures the cost of one tick, and the error of large bending in comparison with the
+ * elastica, the exact curve (docs/bench.md names the rows).
  *
  * In the scene `bends`, a very stiff wire (EI 1.85e-3 N m^2, 3 mm elements) is pushed through a tube of 2 mm
  * radius with three bends. In the scene `floor`, a soft wire (EI 2e-6 N m^2) lies on the floor of a straight
@@ -49,9 +49,9 @@ static const scene scenes[] = {{256, 0, 57, 1, 0, 0, 0},
                                {256, 0, 50, 2, 0, 800, 1},
                                {256, 0, 50, 2, HEART_BEATS, 800, 1}};
 
-/* The tool callgrind counts crn_step as called from this file, which excludes the ticks of the insertion. The
- * tools slide and turn against each other, so that the core must compute their combined properties anew in
- * every tick. */
+/* The program callgrind counts the instructions of crn_step only when measured_step calls it, so the ticks of
+ * the insertion are not counted. In the measured ticks the tools slide and turn against each other, so that
+ * the core must compute their combined properties anew in every tick. */
 static BENCH_MEASURED void measured_step(void)
 {
     crn_step(&model, &state, &input, &output);
@@ -161,8 +161,8 @@ static void begin_beating(void)
     input.rhythm = (crn_rhythm_order){0, 0};
 }
 
-/* Pushes the wire in at 0.1 m/s until the scene's number of mesh edges is outside the sheath, then waits for
- * half a second. */
+/* Pushes the wire in at 0.1 m/s until the number of mesh edges outside the sheath is the one that the scene
+ * states, then waits for half a second. */
 static void insert(const scene *s)
 {
     const reference_piece straight = {0.85, 0, 0};
@@ -207,7 +207,7 @@ static void insert(const scene *s)
 }
 
 /* Returns the depth in mm of the deepest contact of the coronary wire. The benchmark's argument 0 selects the
- * insertion at rest, and argument 1 the following 60 s at 90 beats a minute. */
+ * insertion into the vessel at rest, and argument 1 selects the following 60 s at 90 beats a minute. */
 static double run_coronary(const bench_case *self)
 {
     reference_tube *tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);
@@ -238,9 +238,9 @@ static double run_coronary(const bench_case *self)
     return beating_mm;
 }
 
-/* Returns the longest time, in ms, of an exchange and the tick behind it, in which the core combines the
- * tools of the line anew: no tick is done meanwhile. A wire and a guide are inserted by 256 elements, and two
- * catheters take turns between them. */
+/* Returns the longest time, in ms, that an exchange of tools and the next tick take together; in this tick
+ * the core combines the tools of the line anew. The device cannot compute any other tick in this time. A wire
+ * and a guide are inserted by 256 elements, and the position between them gets two catheters in turn. */
 static double run_exchange(const bench_case *self)
 {
     enum { TABLE = 8, EXCHANGES = 200 };
@@ -300,8 +300,8 @@ static double run_us(const bench_case *self)
     return fastest;
 }
 
-/* Returns the largest error of the tip's position over the six tip loads PL2/EI of 0.5 .. 10. The benchmark's
- * argument is the number of elements * 10 + the index of the stiffness. */
+/* Returns the largest error of the tip's position for the six tip loads P L^2 / EI from 0.5 to 10. The
+ * benchmark's argument is ten times the number of elements, plus the index of the stiffness. */
 static double run_elastica(const bench_case *self)
 {
     static const double bend_N_m2[] = {2e-6, 1e-5, 1e-4, 1.85e-3, 4.9e-3};

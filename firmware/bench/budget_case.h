@@ -1,7 +1,7 @@
 /* This header describes the file of one measured case, which budget_make.c (on the PC) writes and
- * budget_image.c (on the Cortex-M7) reads. The two programs use the same words, namely structs of 32-bit
- * words, little-endian. This header contains all calls of the core that measure its budget of instructions.
- */
+ * budget_image.c (on the Cortex-M7) reads. Both programs read and write the file as structs of 32-bit words,
+ * little-endian. Both programs build the model by the functions of this header, so both measure and compute
+ * the same case. */
 #ifndef CRN_BUDGET_CASE_H
 #define CRN_BUDGET_CASE_H
 
@@ -9,8 +9,8 @@
 
 enum { BUDGET_MAGIC = 0x42444731, BUDGET_TICKS_MAX = 1000 };
 
-/* After the file's header follow index (padded to words), children (padded), samples (padded), state, and one
- * crn_input per tick. */
+/* After the file's header come the lumen's index (padded to words), children (padded) and samples (padded),
+ * then the state, and one crn_input per tick. */
 typedef struct budget_case {
     uint32_t magic;
     uint32_t ticks;

@@ -1,7 +1,7 @@
 /* This program prepares, on the PC, the cases that the Cortex-M7 measures. The program puts a wire into a
- * lumen, and lets the wire settle or moves it until a tick needs a second solve. Then it writes the state
- * before the measured ticks with everything they need (budget_case.h). usage: budget_make list | make CASE
- * FILE */
+ * lumen, and either lets the wire settle or moves it until a tick needs a second solve (a second solution of
+ * the linear system). Then it writes the state before the measured ticks with everything they need
+ * (budget_case.h). usage: budget_make list | make CASE FILE */
 #include "firmware/bench/bench.h"
 #include "firmware/bench/budget_case.h"
 #include "firmware/tests/reference/random.h"
@@ -50,8 +50,8 @@ static crn_instrument make_wire(const scene *s)
                                : reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
 }
 
-/* Makes tool k of three. The tool is thin, and tapers over 200 mm to a shaft that is 1.5 times as stiff (as
- * in bench_rod.c). */
+/* Makes tool k of three. Makes a thin tool that tapers over 200 mm to a shaft 1.5 times as stiff (as in
+ * bench_rod.c). */
 static crn_instrument make_coaxial(const scene *s, uint32_t k)
 {
     static const uint32_t radius_um[] = {300, 370, 445};
@@ -111,7 +111,8 @@ static void feed(int32_t step_m_q30)
     for (int k = 0; k < CRN_TOOL_MAX; k++) input.hands[k].feed_m_q30 += step_m_q30;
 }
 
-/* Pushes the tools in at 0.1 m/s until the scene's number of mesh edges is outside the sheath, then waits. */
+/* Pushes the tools in at 0.1 m/s until the number of mesh edges outside the sheath is the one that the scene
+ * states, then waits. */
 static void insert(const scene *s)
 {
     for (int rest = 0; rest < REST_TICKS;) {

@@ -122,8 +122,8 @@ void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tool)
 /* --- the maker's table ---------------------------------------------------------------------------------- */
 
 /* Returns y at x on the straight line through two points. Overflow is impossible: neighbouring points of a
- * table differ by less than 2^23 in x and in y. Beyond the last point of the table, the result is at most a
- * few times as large as the last y. */
+ * table differ by less than 2^23 in x and in y. Beyond the last point of the table, the line continues, and
+ * the result is at most a few times as large as the last y. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
     return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
@@ -310,7 +310,7 @@ static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_l
 
 /* Moves the ball away from the two parts of the vessel wall that lie on opposite sides of the ball along one
  * direction. Returns half of the difference between the ball's diameter and the clearance between the two
- * walls. The value is negative where the vessel is wider than the ball. */
+ * walls. The returned value is negative where the vessel is wider than the ball. */
 static int32_t fit_between(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
@@ -379,7 +379,8 @@ static void fold(const crn_model *model, crn_balloon_state *words, uint32_t numb
 
 /* Adds to the matrix the spring that ties a ball of the balloon to the tools' centreline. The spring's
  * stiffness is divided between the two nodes beside the ball. The code leaves out the matrix entries that
- * couple the two nodes, and the spring in the matrix is never softer than the exact spring. */
+ * couple the two nodes; without these entries the spring in the matrix is at least as stiff as the exact
+ * spring. */
 static void tie(const crn_model *model, crn_state *state, const place *at)
 {
     const int32_t stiffness = STIFFNESS_N_m << model->stiffness_exponent;

@@ -29,9 +29,9 @@ int32_t crn_balloon_free_radius(const crn_balloon_model *balloon, int32_t pressu
  * the balloon's own wall bears. Format: Q30 m -> Pa; 0 while it unfolds. */
 int32_t crn_balloon_own_pressure(const crn_balloon_model *balloon, int32_t radius_m_q30);
 
-/* The function crn_balloon_find runs before the solve, after the contacts with the wall were found. The
- * function lets the balloon's balls grow against the wall at the predicted configuration, and adds the
- * springs between balls and centreline to the matrix. Then crn_balloon_forces adds the forces of these
+/* The function crn_balloon_find runs before the solve, after the contacts with the wall were found. In
+ * crn_balloon_find the balloon's balls grow against the wall at the predicted configuration, and the springs
+ * between balls and centreline are added to the matrix. Then crn_balloon_forces adds the forces of these
  * springs to the right side of the linear system. After the solve, crn_balloon_finish moves each ball along
  * the tools' centreline where the force on the ball exceeds the friction of the wall. */
 void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator_Pa);

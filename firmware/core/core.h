@@ -73,7 +73,8 @@ typedef struct crn_instrument {
     uint32_t element_tip_um;        /* shortest element, 200 .. 8 000 (1 000 usual) */
     uint32_t element_shaft_um;      /* longest element, >= element_tip_um, <= 8 000 (4 000 usual) */
     uint32_t element_fine_um;       /* arc length from the tip meshed with element_tip_um */
-    /* Only crn_exchange() reads these two lengths; 0 means that a length is not known and not checked. */
+    /* Only crn_exchange() reads the lengths whole_um and rail_um; a whole_um of 0 means that the length is
+     * not known and not checked. */
     uint32_t whole_um; /* length of the real tool from tip to end, at most 4 m; the knots may describe less */
     uint32_t rail_um;  /* part, from the tip, that runs over a wire; 0: all of it (over the wire) */
     crn_balloon balloon;
@@ -120,8 +121,8 @@ typedef struct crn_hand_pose {
 /* Commands a stent to hold the points `first` to `last` of a lesion open to the extent `open_q30`. */
 typedef struct crn_scaffold {
     uint32_t lesion, first, last;
-    int32_t open_q30; /* 0 means that this command has no effect, and 1 opens the points completely. An order
-                         for a station that does not exist has no effect */
+    int32_t open_q30; /* The value 0 means that the command has no effect, and the value 1 in Q30 opens the
+                         points completely. An order for a station that does not exist has no effect */
 } crn_scaffold;
 
 /* Commands the position of one strut ring of a deployed stent. A ring is a circle in the lumen's reference
@@ -145,8 +146,8 @@ typedef struct crn_input {
                             CRN_PRESSURE_MAX_Pa */
 } crn_input;
 
-/* Holds the force and the torque that one tool exerts on the user's hand, and the length of the tool that is
- * inserted. */
+/* Holds the force and the torque that one tool exerts on the user's hand, and the inserted length of this
+ * tool. */
 typedef struct crn_handle {
     int32_t axial_N_q22;    /* force on the hand, + pushes it back out */
     int32_t torque_N_m_q24; /* torque on the hand, + opposes positive rotation */
@@ -191,27 +192,29 @@ enum { CRN_BALLOON_BURST = 1u << 0 };
 size_t crn_model_size(void);
 size_t crn_state_size(void);
 
-/* Derives all constants of `tool_count` tools, which are listed from the innermost to the outermost. `lumen`
- * may be NULL (free space) and must outlive the model; the tools are copied. On any status other than
- * CRN_BUILD_OK, nothing may use the model, and *place names the tool and the knot that caused the refusal. */
+/* Derives all constants of `tool_count` tools, which are listed from the innermost to the outermost. The
+ * pointer `lumen` may be NULL (free space), and its target must exist as long as the model; the tools are
+ * copied. If the status is not CRN_BUILD_OK, the model must not be used, and *place names the tool and the
+ * knot that caused the refusal. */
 crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, uint32_t tool_count,
                                  const crn_lumen *lumen, const crn_entry *entry, crn_build_place *place);
 
-/* Sets the gravity of the model, mm/s^2 along each axis (patient frame). The default is (0, 0, -9810), for a
- * patient who lies on the back. */
+/* Sets the gravity of the model, mm/s^2 along each axis (patient frame). The default gravity is (0, 0, -9810)
+ * mm/s^2, for a patient who lies on the back. */
 void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2);
 
-/* Does the same for a session that exchanges tools. The table has `table_count` tools in any order, and the
- * line has `line_count` positions from the innermost to the outermost. line[k] is the number of the tool at
- * position k, counted from 1; 0 means that the position is free. All tools of the table share one mesh, so an
- * exchange moves no node. In crn_build_place, `tool` counts the tools of the table from 0. */
+/* Builds a model, as crn_model_build does, for a session in which tools are exchanged. The table has
+ * `table_count` tools in any order, and the line has `line_count` positions from the innermost to the
+ * outermost. line[k] is the number of the tool at position k, counted from 1; 0 means that the position is
+ * free. All tools of the table share one mesh, so an exchange moves no node. The index `tool` of
+ * crn_build_place counts the tools of the table from 0. */
 crn_build_status crn_model_build_table(crn_model *model, const crn_instrument *table, uint32_t table_count,
                                        const uint32_t *line, uint32_t line_count, const crn_lumen *lumen,
                                        const crn_entry *entry, crn_build_place *place);
 
 /* Makes a state in which nothing moves. The length inserted_um[k] of each tool k lies beyond the introducer
  * sheath, straight along the sheath's axis. The inserted length of the tool that reaches farthest is limited
- * to the range that the tools allow; the lower limit is the length of a few elements. */
+ * to the range that the tools allow, which begins at the length of a few elements. */
 void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *inserted_um);
 
 /* Advances the state by one tick. The function crn_step never fails: a value that its number format cannot
@@ -220,15 +223,16 @@ void crn_step(const crn_model *model, crn_state *state, const crn_input *input, 
 
 /* An exchange takes the tool at a position off the line, puts a tool of the table on a free position, or does
  * both at once. A tool is put on the line with its tip in the introducer sheath, CRN_WITHDRAWN behind the
- * sheath's end. A tool leaves the line only after its tip was withdrawn into the sheath; the tool that leads
- * alone can only be replaced, at the shortest length that the line can have. */
+ * sheath's end. A tool leaves the line only after its tip was withdrawn into the sheath. The leading tool
+ * cannot leave the line without a replacement, and is replaced only at the shortest length that the line can
+ * have. */
 typedef struct crn_exchange_order {
     uint32_t position; /* 0: innermost */
     uint32_t tool;     /* number in the table, from 1; 0: the tool at this position leaves the line */
 } crn_exchange_order;
 
-/* The reasons for a refusal, in the order in which they are checked. The wire gives each reason its text
- * (shared/wire/wire_exchanges.def). */
+/* Lists the reasons for which an exchange of tools is refused, in the order in which the code checks them.
+ * The wire protocol has a text for each reason (shared/wire/wire_exchanges.def). */
 typedef enum crn_exchange_status {
     CRN_EXCHANGE_DONE = 0,
     CRN_EXCHANGE_NO_POSITION, /* the line does not have this position */
@@ -246,19 +250,21 @@ typedef enum crn_exchange_status {
     CRN_EXCHANGE_BURST,       /* the balloon of the new tool has burst */
 } crn_exchange_status;
 
-/* The function crn_exchange_check changes nothing. The function crn_exchange carries an order out between two
- * ticks, or changes nothing when it does not return CRN_EXCHANGE_DONE. It changes nothing of the other tools,
- * and its duration has a bound: it copies one tool, and the next tick combines the tools of the line anew. */
+/* The function crn_exchange_check changes nothing. The function crn_exchange carries out an order to exchange
+ * tools between two ticks, and changes nothing when it does not return CRN_EXCHANGE_DONE. An exchange changes
+ * nothing of the other tools. The duration of an exchange has a bound: crn_exchange copies one tool, and the
+ * next tick combines the tools of the line anew. */
 crn_exchange_status crn_exchange_check(const crn_model *model, const crn_state *state,
                                        const crn_exchange_order *order);
 crn_exchange_status crn_exchange(crn_model *model, crn_state *state, const crn_exchange_order *order);
-/* Returns the number in the table of the tool at a position, from 1; 0: the position is free. */
+/* Returns the number, counted from 1, that the tool at a position of the line has in the table; returns 0 if
+ * the position is free. */
 uint32_t crn_state_tool_at(const crn_state *state, uint32_t position);
 
 /* These functions save the state as 32-bit words, stored as little-endian bytes, and restore the state from
  * such bytes. The function crn_state_restore checks the ranges and the structure of the bytes, which may come
- * from an attacker, and leaves the state unchanged when it returns false. The model then has the same tools
- * on the line as the state. */
+ * from an attacker, and leaves the state unchanged when it returns false. After crn_state_restore has
+ * returned true, the model's line has the same tools as the restored state. */
 size_t crn_state_bytes(void);
 void crn_state_save(const crn_state *state, uint8_t *bytes);
 bool crn_state_restore(crn_model *model, crn_state *state, const uint8_t *bytes);
@@ -286,8 +292,8 @@ bool crn_state_contact_force(const crn_model *model, const crn_state *state, uin
 
 /* Returns the contact depth (in Q30 m) of the free node that is deepest in the wall. The depth is negative
  * while all free nodes are inside the lumen; it is INT32_MIN when the model has no lumen. During set-up,
- * crn_state_depth shows whether a start would put a tool into the wall; tests use the function, too. The
- * function crn_step reports its own contact depth in the output. */
+ * crn_state_depth shows whether a tool would be inside the wall when the session starts; tests use the
+ * function, too. The function crn_step reports its own contact depth in the output. */
 int32_t crn_state_depth(const crn_model *model, const crn_state *state);
 /* Reports the balloon's shape for pictures: the radii of its balls (spheres), beginning at the distal end,
  * and in `arc_m_q30` the arc length from the leading tip to the balloon's distal end. Returns the number of

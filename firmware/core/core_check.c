@@ -63,8 +63,8 @@ static crn_build_status check_tool(const crn_instrument *tool, crn_build_place *
     return crn_balloon_check(tool) ? CRN_BUILD_OK : CRN_BUILD_BALLOON;
 }
 
-/* Returns whether the thickest part of the tool `inner` passes through the narrowest part of the tool
- * `outer`. *knot receives the number of the narrowest knot. */
+/* Returns whether the thickest part of the tool `inner` fits through the narrowest part of the tool `outer`.
+ * *knot receives the number of the narrowest knot. */
 static bool fits_inside(const crn_instrument *inner, const crn_instrument *outer, uint32_t *knot)
 {
     uint32_t thickest_um = 0;

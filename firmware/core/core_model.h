@@ -1,6 +1,6 @@
 /* The model holds the constants of one set of nested tools in one lumen, that is, all data that crn_step()
- * reads and never writes. Only crn_exchange() and crn_state_restore() change it: they copy tools of the table
- * to the line.
+ * reads and never writes. Only crn_exchange() and crn_state_restore() change a model that has been built:
+ * they copy tools of the table to the line.
  *
  *      leading tip                                                 inserter
  *   node 0 --edge 0-- node 1 --edge 1-- node 2  ...  node na-1 --edge na-1-- node na --edge na-- node na+1
@@ -104,8 +104,8 @@ typedef struct crn_mesh_node {
                                   to the next tool */
 } crn_mesh_node;
 
-/* Springs of 2e5 N/m hold the tip in validation cases that need such an end condition (Euler and Greenhill).
- */
+/* Springs of 2e5 N/m hold the tip in those validation cases (Euler and Greenhill buckling) in which the tip
+ * must not move. */
 typedef struct crn_tip_hold {
     bool pinned;     /* node 0 is held at position_m_q30[0] */
     uint32_t second; /* when not 0: this node is held too, at position_m_q30[1]; the farther away it is, the
@@ -176,10 +176,10 @@ enum {
 
 /* The functions of this header check the tools of the table (number and ranges of their values), the tools
  * that the line begins with (their numbers, nesting and balloons) and the place of entry. *place receives the
- * tool and the knot that caused a refusal. The line is checked after the table. */
+ * tool and the knot that caused a refusal. The tools on the line are checked after the tools of the table. */
 crn_build_status crn_check_table(const crn_instrument *table, uint32_t table_count, crn_build_place *place);
-/* Returns whether the line has one tool at least, and each of its numbers is 0 or that of a tool and occurs
- * once. */
+/* Returns whether the line has at least one tool, contains only the number 0 and numbers of tools in the
+ * table, and contains no tool twice. */
 bool crn_line_numbers_are_valid(uint32_t table_count, const uint32_t *line, uint32_t line_count);
 crn_build_status crn_check_line(const crn_instrument *table, uint32_t table_count, const uint32_t *line,
                                 uint32_t line_count, crn_build_place *place);

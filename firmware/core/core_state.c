@@ -1,6 +1,6 @@
 /* This file initialises, saves, restores, hashes and reads the core's state, which consists of 32-bit words.
  *
- * Nodes with numbers above free_count + 2 are in the introducer sheath, and their values follow from the
+ * Nodes with numbers above free_count + 2 are inside the introducer sheath, and their values follow from the
  * other words of the state. The values of the nodes inside the introducer sheath are zero in a saved state
  * and are not hashed. */
 #include "firmware/core/balloon.h"
@@ -265,8 +265,8 @@ bool crn_state_restore(crn_model *model, crn_state *state, const uint8_t *bytes)
 /* --- hashes --------------------------------------------------------------------------------------------- */
 
 /* Names the ranges of the state's words over which a hash is computed. Strut rings that do not exist are left
- * out of the hash, and their words are 0 (`used` gives the number of rings). The tools on the line enter the
- * hash once they have been exchanged. */
+ * out of the hash, and their words are 0 (`used` gives the number of rings). The numbers of the tools on the
+ * line are part of the hash only after the first exchange of tools. */
 typedef struct hashed_range {
     size_t first, end;
 } hashed_range;

@@ -1,9 +1,9 @@
 /* The state of one line. `crn_state_words` holds all data that pass from one tick to the next. The 32-bit
  * words of `crn_state_words`, which contain no pointers or padding, are hashed, saved and compared directly.
- * The state also contains two work areas, so that the core needs neither a heap nor a large stack. `crn_line`
- * holds the combined properties of all tools at their present positions. The combined properties are derived
- * from the state's words and the model, and are kept while no tool slides against another. `crn_scratch` is
- * dead between ticks. */
+ * Besides the saved words, the state contains two work areas, so that the core needs neither a heap nor a
+ * large stack. `crn_line` holds the combined properties of all tools at their present positions. The combined
+ * properties are derived from the state's words and the model, and stay unchanged while no tool slides
+ * against another. `crn_scratch` is dead between ticks. */
 #ifndef CRN_CORE_STATE_H
 #define CRN_CORE_STATE_H
 
@@ -58,7 +58,7 @@ typedef struct crn_lesion_state {
 } crn_lesion_state;
 
 /* For each strut ring, this structure holds the present position and the position that a command has
- * requested. All fields of a strut ring are 0 when the ring does not exist. */
+ * requested. If a strut ring does not exist, all its fields are 0. */
 typedef struct crn_strut_ring {
     crn_vec3 centre_m_q30, wanted_m_q30;
     int32_t inside_m_q30, wanted_inside_m_q30;
@@ -71,7 +71,8 @@ typedef struct crn_strut_state {
     crn_strut_ring rings[CRN_STRUT_RING_MAX]; /* rings from `used` on do not enter a hash */
 } crn_strut_state;
 
-/* Which tools are on the line. These words enter the hashes only after the first exchange. */
+/* Says which tools are on the line. The words of crn_exchange_state are part of the hashes only after the
+ * first exchange of tools. */
 typedef struct crn_exchange_state {
     uint32_t count;              /* exchanges so far */
     uint32_t line[CRN_TOOL_MAX]; /* number of the tool in the table, from 1; 0: free */

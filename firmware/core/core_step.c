@@ -33,7 +33,8 @@ static void scale_step(crn_state *state, int32_t share_q30)
  * where no contact was found. One scale factor for all nodes keeps the shape; a separate limit for each node
  * would add energy (docs/rod.md, "contact"). When consecutive ticks miss a contact, the deviation is scaled
  * down only in the first of these ticks. If the deviation were scaled down in every tick that misses a
- * contact, the tools would be held back tick after tick. Returns whether a contact was missed. */
+ * contact, the tools would be held back tick after tick. The function returns whether the solve missed a
+ * contact. */
 static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =
@@ -58,9 +59,9 @@ static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m
 }
 
 /* Solves the tick. If a contact with a moving wall was missed, the linear system of the tick is solved a
- * second time. If the code scaled the step down instead of solving again, the tools would be held back in
- * every tick of a heartbeat. Returns the largest component by which any node deviates from its slide along
- * the tool. */
+ * second time. If the code scaled the nodes' deviation down instead of solving a second time, the tools would
+ * be held back in every tick of a heartbeat. Returns the largest component by which any node deviates from
+ * its slide along the tool. */
 static int32_t solve(const crn_model *model, crn_state *state, crn_output *output)
 {
     crn_rod_solve(model, state);

@@ -1,6 +1,7 @@
 /* This file takes tools off the line and puts tools of the table on it, between two ticks. All tools of the
- * table share one mesh, and a tool is exchanged only while its tip is inside the introducer sheath. There the
- * tool adds nothing to any free node, so an exchange moves no node and changes nothing of the other tools. */
+ * table share one mesh, and a tool is exchanged only while its tip is inside the introducer sheath. A tool
+ * whose tip is inside the sheath adds nothing to any free node, so an exchange moves no node and changes
+ * nothing of the other tools. */
 #include "firmware/core/rod.h"
 
 /* --- the model's line ----------------------------------------------------------------------------------- */
@@ -50,7 +51,8 @@ bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words)
     if (!crn_line_numbers_are_valid(model->table_count, exchange->line, model->tool_count)) {
         return false;
     }
-    /* Before the first exchange, the hash does not contain the line. */
+    /* Before the first exchange, the hash does not contain the tools on the line, so the line must still be
+     * the one of the model. */
     if (exchange->count == 0 && !is_first_line(model, exchange)) {
         return false;
     }
@@ -93,7 +95,7 @@ uint32_t crn_exchange_balls(const crn_model *model, const crn_state_words *words
 
 /* --- what is possible ----------------------------------------------------------------------------------- */
 
-/* Returns the tool at a position; NULL: the position is free. */
+/* Returns the tool at a position of the line, or NULL if the position is free. */
 static const crn_table_tool *tool_at(const crn_model *model, const crn_state_words *words, uint32_t position)
 {
     const uint32_t number = words->exchange.line[position];
@@ -120,9 +122,9 @@ static crn_exchange_status check_numbers(const crn_model *model, const crn_state
     return CRN_EXCHANGE_DONE;
 }
 
-/* Checks that the tool may be taken out of the set of nested tools (the line). If it is the leading tool, it
- * can only be replaced, and only at the shortest length that the line can have; the other tools are then
- * inside the introducer sheath. */
+/* Checks that the tool may be taken out of the set of nested tools (the line). The leading tool can only be
+ * replaced, and only at the shortest length that the line can have; the other tools are then inside the
+ * introducer sheath. */
 static crn_exchange_status check_leaving(const crn_model *model, const crn_state_words *words,
                                          const crn_exchange_order *order)
 {
@@ -163,14 +165,15 @@ static crn_exchange_status check_nesting(const crn_model *model, const crn_state
     return CRN_EXCHANGE_DONE;
 }
 
-/* Returns the length of a tool outside the introducer sheath, in um; Q30 m x 1e6. */
+/* Returns the length, in um, of the part of a tool that is outside the patient and the introducer sheath. */
 static int64_t outside_um(const crn_table_tool *tool, int32_t inserted_m_q30)
 {
     return (int64_t)tool->whole_um - (((int64_t)inserted_m_q30 * 1000000) >> 30);
 }
 
-/* Checks that a tool can pass over the end of a tool inside it. A tube ends in a hub. A wire must reach out
- * of the patient at least as far as the tool runs on it, because somebody has to hold the wire meanwhile. */
+/* Checks that a tool can pass over the end of a tool inside it. No tool can pass over the hub in which a tube
+ * ends. A wire must reach out of the patient by at least the length that the passing tool needs on the wire,
+ * because somebody has to hold the wire meanwhile. */
 static crn_exchange_status check_passing(const crn_table_tool *inner, int32_t inserted_m_q30,
                                          const crn_table_tool *tool)
 {
@@ -182,7 +185,8 @@ static crn_exchange_status check_passing(const crn_table_tool *inner, int32_t in
     return is_short ? CRN_EXCHANGE_SHORT : CRN_EXCHANGE_DONE;
 }
 
-/* Checks whether the tool that leaves, and the tool that comes, can pass over all tools inside them. */
+/* Checks whether the tool that leaves the line, and the tool that is put on the line, can pass over all tools
+ * inside them. */
 static crn_exchange_status check_inner(const crn_model *model, const crn_state_words *words,
                                        const crn_exchange_order *order)
 {
@@ -237,9 +241,9 @@ crn_exchange_status crn_exchange_check(const crn_model *model, const crn_state *
 
 /* --- an exchange ---------------------------------------------------------------------------------------- */
 
-/* Forgets everything that the state knew of the tool at a position, except the angle at which the hand holds
- * it. The elastic displacement against the tool inside it stays, if that tool still reaches beyond the
- * sheath: it is bounded, and the new tool's first slip replaces it. */
+/* Clears everything that the state contains about the tool at a position, except the angle at which the hand
+ * holds the tool. The elastic friction displacement against the inner tool is not cleared if the inner tool
+ * still reaches beyond the sheath: the displacement is bounded, and the new tool's first slip replaces it. */
 static void forget_tool(const crn_model *model, crn_state_words *words, uint32_t position)
 {
     crn_tool_state *tool = &words->tools[position];
@@ -261,9 +265,8 @@ static void forget_tool(const crn_model *model, crn_state_words *words, uint32_t
     }
 }
 
-/* Puts the tip of the tool at a position into the introducer sheath. The hand keeps its distance from the
- * tool.
- */
+/* Puts the tip of the tool at a position into the introducer sheath. The distance between the hand and the
+ * tool does not change. */
 static void withdraw(crn_tool_state *tool)
 {
     const int32_t change = CRN_WITHDRAWN_M_Q30 - tool->inserted_m_q30;

@@ -87,7 +87,7 @@ void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30
     }
 }
 
-/* Computes asin x = x + x z p(z) with z = x^2 for 0 <= x <= 1/2. All these values of x fit Q31. Format: Q31
+/* Computes asin x = x + x z p(z) with z = x^2 for 0 <= x <= 1/2. Every x from 0 to 1/2 fits Q31. Format: Q31
  * -> Q31 radians, at most pi/6. */
 static int32_t asin_small_q31(int32_t x_q31)
 {

@@ -4,7 +4,7 @@
  * The functions crn_lumen_distance and crn_lumen_contact find a sample by the same steps. The code first
  * finds the coarse brick that contains a world point, then a finer brick where the lattice is refined, and
  * then the point's position in this brick in voxels (Q20). Last, the code reads the 27 int8 coefficients
- * around this position. Every sample takes the same amount of work, whatever the data are: the code makes two
+ * around the point. Every sample takes the same amount of work, whatever the data are: the code makes two
  * refinement steps and reads 27 coefficients (taps). */
 #include "firmware/core/lumen.h"
 
@@ -36,9 +36,9 @@ static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint3
 }
 
 /* Finds the brick. Returns false if the point lies in no brick; in this case `far_m_q30` is the distance to
- * the wall. Overflow: the lattice, which was checked before, lies within the Q30 range. Computed modulo 2^32,
- * a coordinate difference is therefore correct for a point inside the lattice; for a point outside, the
- * difference is too large in the comparison with the lattice's size. */
+ * the wall. Overflow: the lattice, which was checked before, lies within the Q30 range. A coordinate
+ * difference modulo 2^32 is therefore correct for a point inside the lattice; for a point outside, the
+ * difference exceeds the lattice's size, so the comparison with that size detects the point. */
 static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
 {
     place->level = 0;

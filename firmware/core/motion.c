@@ -379,8 +379,8 @@ enum {
     ROUNDING_M_Q30 = 32
 }; /* bounds the quotients here and in crn_motion_contact, for distances up to 15.6 mm */
 
-/* Computes the distance to the wall for a point that lies within a lattice. This code is a separate function,
- * so that a node outside both lattices costs no time. */
+/* Computes the distance to the wall for a point that lies within a lattice. The distance within a lattice is
+ * computed in a separate function, so that a node outside both lattices costs no time. */
 CRN_APART static int32_t distance_inside(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose, const crn_vec3 *world_m_q30,
                                          int32_t shrink_q30, int32_t far_m_q30)

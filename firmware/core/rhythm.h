@@ -72,7 +72,7 @@ typedef struct crn_rhythm {
     uint32_t bits;   /* CRN_RHYTHM_* */
 } crn_rhythm;
 
-/* Sets the rhythm to its initial values, with which a heartbeat and a breath have just begun. */
+/* Sets the rhythm to its initial values: a heartbeat and a breath have just begun. */
 void crn_rhythm_init(crn_rhythm *rhythm);
 
 /* Returns whether the command is a known action whose value is in its range. */

@@ -87,13 +87,13 @@ static inline int32_t crn_least_inserted(const crn_model *model)
     return model->mesh[3].arc_m_q30 + 1024;
 }
 
-/* Returns whether a tool is at a position of the line, or the position is free. */
+/* Returns true if a tool is at the position of the line, and false if the position is free. */
 static inline bool crn_has_tool(const crn_state_words *words, uint32_t position)
 {
     return words->exchange.line[position] != 0;
 }
 
-/* Returns the position of the tool around tool k, which is usually k + 1; a free position is passed over. The
+/* Returns the position of the tool around tool k, which is k + 1 unless free positions lie between. The
  * caller ensures that k is not the outermost position. */
 static inline uint32_t crn_tool_around(const crn_model *model, const crn_state_words *words, uint32_t k)
 {
@@ -131,16 +131,17 @@ static inline uint32_t crn_edge_curved(const crn_state *state, uint32_t j)
 /* --- the tools on the line (exchange.c) ------------------------------------------------------------------
  */
 
-/* Copies the tool with this number to a position of the model; 0 makes the position free. */
+/* Copies the tool with the given number in the table to a position of the model's line; the number 0 makes
+ * the position free. */
 void crn_exchange_put(crn_model *model, uint32_t position, uint32_t number);
 
-/* Puts the tools on the model's line that a valid state names. */
+/* Puts the tools that a valid state names on the model's line. */
 void crn_exchange_take_line(crn_model *model, const crn_state_words *words);
 
-/* Checks the numbers of a restored state. */
+/* Checks the numbers of the tools that a restored state has on the line. */
 bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words);
 
-/* These functions read the tools of a restored state whose numbers are valid, before the model has them: how
+/* These functions return two values of a restored state whose tools are valid but not yet in the model: how
  * far the tool at a position may be inserted (Q30 m), and the number of balls of the line's balloon. */
 int32_t crn_exchange_inserted_max(const crn_model *model, const crn_state_words *words, uint32_t position);
 uint32_t crn_exchange_balls(const crn_model *model, const crn_state_words *words);
@@ -177,9 +178,9 @@ void crn_rod_bend(const crn_model *model, crn_state *state);
  * writes the displacement to `slide_m_q33` of the scratch memory. */
 uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free_count);
 
-/* Adds a correction to the shift of the nodes between the tip and edge i. With this correction the edge is as
- * long at the predicted configuration x* as at the present configuration x (rod_length.c). `slide_m_q33` is
- * node i's slide without this correction; node i + 1 is already at x*. */
+/* Adds a correction to the shift of the nodes between the tip and edge i. With this correction the edge has
+ * the same length at the predicted configuration x* as at the present configuration x (rod_length.c).
+ * `slide_m_q33` is node i's slide without this correction; node i + 1 is already at x*. */
 void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint32_t i,
                            const crn_vec3 *slide_m_q33, crn_vec3 *shift_m_q33);
 
@@ -195,7 +196,7 @@ static inline const crn_joint *crn_rod_joint(const crn_state *state, uint32_t i)
     return i + 1 < na ? &state->line.nodes[i].joint : &state->scratch.mouth[i + 1 - na];
 }
 
-/* Computes the half of tool k's rest rotation at a joint that belongs to one of the joint's two edges, and
+/* Computes that half of tool k's rest rotation at a joint which belongs to one of the joint's two edges, and
  * multiplies this half by the fraction `release_q30` that is applied now. The rest rotation is the angle
  * between the two edges of the joint in the tool's stress-free shape. Format: Q30 rad. */
 void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q30, const crn_vec3 *axis1,
@@ -243,7 +244,7 @@ crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
  * the contacts (rod_contact.c). */
 void crn_contact_find(const crn_model *model, crn_state *state);
 void crn_contact_forces(const crn_model *model, crn_state *state);
-/* Searches the solution of the linear system for contacts with the wall that did not exist at the predicted
+/* Searches the solution of the linear system for contacts with the wall that were not found at the predicted
  * configuration. The caller passes the largest component of the solution. Returns the number of contacts that
  * were added. */
 uint32_t crn_contact_missed(const crn_model *model, crn_state *state, int32_t largest_m_q33);

@@ -125,8 +125,8 @@ CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work
     return crn_clamp(force_N_q22 + (depth > 0 ? normal_force(depth) : 0), 0, NORMAL_MAX_N_Q22);
 }
 
-/* Sets the stiffnesses of node i's contact for the motion expected in this tick. `expected` is the node's
- * expected deviation from its slide (it may share memory with `around`, which is written later), and
+/* Sets the stiffnesses of node i's contact for the motion expected in this tick. The vector `expected` is the
+ * node's expected deviation from its slide (it may share memory with `around`, which is written later), and
  * `inwards` is its component along the normal. `predicted_m_q30` is the contact depth of the node after the
  * deviation. Overflow is impossible: the friction displacement is below 2^29.2, deviations are below 2^29 and
  * the displacement by rolling is below 2^23, so every component of their sum is below 2^30.5. */
@@ -271,7 +271,7 @@ static inline bool may_touch(const crn_model *model, crn_state *state, const crn
     return sample(model, state, work, line, placed);
 }
 
-/* Returns the greater of two contact depths: at x* (the predicted configuration), and after the drift. */
+/* Returns the greater of a node's contact depths at the predicted configuration x* and after its drift. */
 static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, const crn_vec3 *drift_m_q33)
 {
     const int32_t predicted = crn_sub_sat(depth_m_q30, along(drift_m_q33, normal_q30) >> 3);
@@ -412,8 +412,8 @@ CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_wor
 }
 
 /* Returns whether node i ends deeper than 0.1 mm in the wall although no contact was found at the predicted
- * configuration. If a contact was missed, the function also returns the node's inward displacement. `reach`
- * is twice the largest component of the deviation, less the allowed depth of 0.1 mm. */
+ * configuration. If a contact was missed, also returns the node's inward displacement. `reach` is twice the
+ * largest component of the deviation, less the allowed depth of 0.1 mm. */
 static inline bool was_missed(const crn_model *model, crn_state *state, uint32_t i, int32_t reach_m_q30,
                               int32_t *inwards_m_q33)
 {

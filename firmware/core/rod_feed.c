@@ -32,7 +32,7 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 /* Returns the compliance that the hand feels, which is its displacement per newton, in Q40 m/N. This value is
  * the compliance of the wall and of the tool's free part, or a smaller compliance that was observed in the
  * last ticks. The observed compliance is smaller than that of the whole wire if the wall's friction holds the
- * front of the wire, so that the hand moves only the part between the hand and this place. The observed
+ * front of the wire, because the hand then moves only the part of the wire behind this place. The observed
  * compliance may grow by only 1/128 per tick. A single tick in which the tool moves easily (after a snap or a
  * pause) therefore does not make a stiff tool seem soft (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
@@ -73,9 +73,9 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
 }
 
 /* Returns the feed of one tool in this tick, in Q30 m. The hand may move ahead of its tool by four times the
- * largest feed of a tick. If a hand moves farther ahead of its tool, it slips, as a hand slips on a wire or a
- * wire slips in the rig's rollers. A tool stalls (is not fed further) when it pushes or pulls as hard as a
- * hand can. */
+ * largest feed of a tick. A hand that moves farther ahead of its tool than this limit slips, as a hand slips
+ * on a wire or a wire slips in the rig's rollers. A tool stalls (is not fed further) when it pushes or pulls
+ * as hard as a hand can. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
@@ -101,8 +101,8 @@ static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k,
     return allowed - tool->inserted_m_q30;
 }
 
-/* Feeds every tool. The inserted length never gets shorter than a few elements, so the last tool to be
- * withdrawn stops at this length. */
+/* Feeds every tool. The inserted length of the line never gets shorter than a few elements, so the last tool
+ * to be withdrawn stops at this length. */
 static void feed_tools(const crn_model *model, crn_state *state, const crn_input *input)
 {
     crn_state_words *words = &state->words;
@@ -288,10 +288,10 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
     fold->is_passed |= is_fold;
 }
 
-/* Moves nodes 0 .. count-1 by the slide -T ds. The first `rigid` nodes move like node `rigid`. These nodes
- * also move by the displacement that the tip's rotation causes, which the scratch memory holds. The loop runs
- * from the hand towards the tip. Where the tool is folded, the nodes nearer to the tip therefore follow the
- * edges behind them. */
+/* Moves nodes 0 .. count-1 by the slide -T ds. The first `rigid` nodes move like node `rigid`. The first
+ * `rigid` nodes also move by the displacement that the tip's rotation causes and that the scratch memory
+ * contains. The loop over the nodes runs from the hand towards the tip. In a fold of the tool, the nodes
+ * nearer to the tip therefore follow the edges behind them. */
 static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count, uint32_t rigid)
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
@@ -314,7 +314,7 @@ static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count
 
 /* Returns the factor by which a joint's stiffness may grow when the introducer sheath's end clips the joint's
  * cell. The joint's entries in the matrix must stay below 2^26, because a diagonal entry below 2^29 contains
- * the sum of four such entries (core_build.c). W must stay below 16 N m. */
+ * the sum of four such entries (core_build.c). The bending stiffness W must stay below 16 N m. */
 static int32_t clip_room(const crn_joint *joint)
 {
     int32_t entry = joint->p > joint->r ? joint->p : joint->r;

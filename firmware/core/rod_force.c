@@ -19,7 +19,7 @@ enum {
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
     /* Limits the force of one joint on one node. Straightening the curve of a 6F guiding catheter (R is 7 mm)
      * in elements of 1 mm needs 52 N. The largest force seen was 91 N, when hands pushed this curve through
-     * the sheath's distal end, which bends it the other way. Twice the limit fits 32 bits. */
+     * the sheath's distal end, which bends it the other way. Twice the limit PART_MAX_N_Q22 fits 32 bits. */
     PART_MAX_N_Q22 = 240 << 22,
 };
 
@@ -144,8 +144,8 @@ void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q3
 
 /* Computes 1 / (1 + c) and `lack` = 1 - c in Q30, where c is the cosine of the angle between two edges. For
  * small angles, 1 / (1 + c) is the series 1/2 + lack/4 + lack^2/8, which is accurate to 1e-4 at 40 degrees.
- * For angles beyond a right angle, the two results keep their values at a right angle. Rounding may make the
- * cosine of nearly straight edges more than one, so `lack` is limited to 0 .. 1. Overflow: impossible, 7/8 at
+ * For angles above 90 degrees, the function returns the values for 90 degrees. Rounding may make the cosine
+ * of nearly straight edges more than one, so `lack` is limited to 0 .. 1. Overflow: impossible, 7/8 at
  * most. */
 static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
 {
@@ -170,13 +170,14 @@ static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, cons
 
 /* Tilting the two edges of a bent joint by d and d', out of the plane of the joint, twists the joint by |kb|
  * / 2 times the length of d + d'. Where a tool's curved rest shape fixes its material frames, the twist
- * stiffness GJ resists this twist. The force of this twist resistance is on the right side; the matrix gets k
- * |kb|^2 / 4 (|d|^2 + |d'|^2). This matrix term is at least half of the twist resistance, so that an
- * oscillation does not grow and the other terms in the matrix damp it. Without the matrix term, a J-shaped
- * wire tip of 1.5 mm oscillated by 11 um for ever (docs/rod.md, "rows"). Tools that are straight at the joint
- * when free of stress turn freely and add nothing to the twist resistance. Overflow is impossible: the sum of
- * the tools' moments is limited to 32 bits, and its product with a factor of at most 7/8 fits. The sum of
- * this product and the geometric stiffness k_g is limited to the edge's axial stiffness. */
+ * stiffness GJ resists this twist. The resistance to twist at a joint adds its force to the right side of the
+ * linear system, and k |kb|^2 / 4 (|d|^2 + |d'|^2) to the matrix. The matrix term of the resistance to twist
+ * is at least half of the resistance, so that an oscillation does not grow and the other terms in the matrix
+ * damp it. Without this matrix term of the resistance to twist, a J-shaped wire tip of 1.5 mm oscillated by
+ * 11 um for ever (docs/rod.md, "rows"). Tools that are straight at the joint when free of stress turn freely
+ * and add nothing to the twist resistance. Overflow is impossible: the sum of the tools' twisting moments is
+ * limited to 32 bits, and the product of this sum and a factor of at most 7/8 fits. The sum of the matrix
+ * term for twist and the geometric stiffness k_g is limited to the edge's axial stiffness. */
 static void resist_twist(const crn_model *model, crn_state *state, const crn_joint *joint, uint32_t i)
 {
     const crn_node_state *node = &state->words.nodes[i];

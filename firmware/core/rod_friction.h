@@ -30,13 +30,12 @@ static inline int32_t bristle_limit(int32_t limit_N_q22)
     return limit_N_q22 + crn_mulh(limit_N_q22, 25166 << 12);
 }
 
-/* Returns the limit of the friction force on a node that slips. In each tick this limit is
- * CRN_FRICTION_GROWTH times k_t |z|, plus CRN_FRICTION_FRESH. The product k_t |z| is mu N after the last
- * solve (|z| is taken up to a sixth too long). A friction limit mu N from the predicted depth alone would be
- * wrong, because a node that hops on the wall by micrometres would rub with many times its real force (5 mN
- * for each micrometre). Such friction would also make neighbouring nodes hop: to feed a soft wire at 40 mm/s
- * then took six times the push that correct friction needs. Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow:
- * impossible in 64 bits. */
+/* Returns the limit of the friction force on a slipping node. In each tick the friction limit of a slipping
+ * node is CRN_FRICTION_GROWTH times k_t |z|, plus CRN_FRICTION_FRESH. If the friction limit mu N followed
+ * from the predicted depth alone, a node that hops on the wall by micrometres would rub with many times its
+ * real force (5 mN for each micrometre). With this wrong friction limit, neighbouring nodes also hopped, and
+ * feeding a soft wire at 40 mm/s took six times the push that correct friction needs. Format: Q33 m -> Q22 N,
+ * 2000 / 2^11. Overflow: impossible in 64 bits. */
 static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_q22)
 {
     const int64_t last_m_q33 = length_at_most(&node->bristle_m_q33);
@@ -53,9 +52,9 @@ static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
     return crn_rsqrt_q30((uint32_t)(((uint64_t)square << lead) >> 32));
 }
 
-/* Returns the friction stiffness k_f in Q(a). This stiffness is k_t while the length `reach` of the friction
- * displacement is within its limit, and mu N / reach otherwise. Format: N Q22 / m Q33 -> Q(a): N root
- * 2^(half_lead - 62) 2^(11 + a). */
+/* Returns the friction stiffness k_f in Q(a). The friction stiffness k_f is k_t while the length `reach` of
+ * the friction displacement is within its limit, and mu N / reach otherwise. Format: N Q22 / m Q33 -> Q(a): N
+ * root 2^(half_lead - 62) 2^(11 + a). */
 static inline int32_t friction_stiffness(const crn_model *model, int32_t limit_N_q22,
                                          const crn_vec3 *reach_m_q33)
 {

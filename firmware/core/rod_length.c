@@ -57,7 +57,8 @@ void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint3
 }
 
 /* Returns whether the deviations of an edge's two ends differ along any axis by more than a sixteenth of the
- * edge's length. If the deviations differ by less than this limit, the edge gets 0.4 % longer at most. */
+ * edge's length. If the deviations of an edge's ends differ by less than a sixteenth of the edge's length,
+ * the edge gets 0.4 % longer at most. */
 static inline bool is_fast(const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, int32_t length_m_q30)
 {
     const int32_t most = length_m_q30 / 2; /* a sixteenth in Q33 */
@@ -71,7 +72,7 @@ static inline bool is_fast(const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q3
 
 /* Returns the rotation of an edge that results from the deviations found by the solve at its two ends. The
  * rotation is the displacement of the edge's rear end relative to its front end, divided by the edge's
- * length. Each component of the rotation, which is a ratio of two lengths, is at most 1. */
+ * length. Each component of the rotation is a ratio of two lengths, and is at most 1. */
 static crn_vec3 turn_of(const crn_model *model, uint32_t i, const crn_vec3 *front_m_q33,
                         const crn_vec3 *end_m_q33)
 {
@@ -84,8 +85,8 @@ static crn_vec3 turn_of(const crn_model *model, uint32_t i, const crn_vec3 *fron
     return turn_q30;
 }
 
-/* Takes back the length that edge i gains by turning, along the direction that the edge has after turning.
- * The gained length is the fraction angle^2 / 2 of the edge's length. */
+/* Takes back the length that edge i gains by turning, along the direction that the edge has after turning. An
+ * edge that turns by an angle gains the fraction angle^2 / 2 of its length. */
 CRN_RARE static void take_back(const crn_model *model, crn_state *state, uint32_t i,
                                const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, crn_vec3 *shift_m_q33)
 {

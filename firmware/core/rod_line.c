@@ -13,7 +13,7 @@ enum {
     TWIST_MAX_N_m_Q26 = CRN_TWIST_MAX_N_m << 26
 }; /* limit for one joint; two of them fit a pivot (rod_twist.c) */
 
-/* Holds the state of one walk along the mesh: the span (part between two knots) of each tool at the present
+/* Holds the state of one pass along the mesh: the span (part between two knots) of each tool at the present
  * cell. */
 typedef struct walk {
     const crn_model *model;
@@ -81,8 +81,8 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
 /* Returns the rest rotation g of a joint. In the stress-free shape, the direction of the tool changes by the
  * angle `turn` at this joint. At the angle `turn` the unit vectors along the two edges differ by 2 sin(turn /
  * 2), and g is applied along the mean of the two edges' axes, whose length is cos(turn / 2). The rest
- * rotation g is therefore 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). The error of this series
- * is 0.1 % at 1 rad. */
+ * rotation g is therefore 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). The error of the series
+ * for the rest rotation g is 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);
@@ -164,7 +164,7 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
 
 /* --- cells that one or more tips divide ----------------------------------------------------------------- */
 
-/* Adds the piece [from, to] of a cell; no tool begins or ends within the piece. */
+/* Adds the integrals over the piece [from, to] of a cell; no tool begins or ends within the piece. */
 static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_MAX], int64_t *compliance)
 {
     stretch part[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
@@ -376,7 +376,7 @@ static bool is_straight(const crn_span *s)
 }
 
 /* Returns whether the cell is plain, that is, whether each tool is absent from the cell, or is straight
- * there, does not end there, and stays in one span between two knots. As a side effect, the walk along the
+ * there, does not end there, and stays in one span between two knots. As a side effect, the pass along the
  * mesh advances to the span in which each tool is at this cell. */
 static bool is_plain(walk *w, cell c)
 {
@@ -494,8 +494,7 @@ static uint32_t steady_node(const crn_model *model, const crn_line *line, uint32
     return i < count ? i : count;
 }
 
-/* Returns the first node for which each of the two edges in front of the node is as long as every edge behind
- * the node. */
+/* Returns the first node whose two edges in front are as long as all edges behind the node. */
 static uint32_t uniform_node(const crn_model *model)
 {
     uint32_t i = model->node_count + 2;

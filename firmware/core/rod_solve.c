@@ -12,12 +12,12 @@
  *   r[i+1] += r - V^T r               r[i+2] -= P r
  *   back: delta[i] = D^-1 r[i] + delta[i+1] - V delta[i+1] - P delta[i+2]
  *
- * With these blocks, no terms as large as S cancel, and the bending pattern 1, -2, 1 of a free rod is exact
- * from the tip on. The solve needs one reciprocal by Newton's method for each node and no division. Each row
- * of the matrix adds the contributions of the two rows before it, so that a sum of up to six products is
- * rounded once and no intermediate result is stored. Factors have 32 bits and sums have 64 bits, so each
- * product takes one SMLAL instruction on the Cortex-M7. The number formats are Q(a) N/m below 2^29 for D, R,
- * S, Q, T and kb, Q29 for V and P, Q22 N for r, and Q33 m for delta. */
+ * With the blocks in this form, terms as large as S do not cancel each other, and the bending pattern 1, -2,
+ * 1 of a free rod is exact from the tip on. The solve needs one reciprocal by Newton's method for each node
+ * and no division. Each row of the matrix adds the contributions of the two rows before it, so that a sum of
+ * up to six products is rounded once and no intermediate result is stored. Factors have 32 bits and sums have
+ * 64 bits, so each product takes one SMLAL instruction on the Cortex-M7. The number formats are Q(a) N/m
+ * below 2^29 for D, R, S, Q, T and kb, Q29 for V and P, Q22 N for r, and Q33 m for delta. */
 #include "firmware/core/rod.h"
 
 /* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */
@@ -187,9 +187,8 @@ static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_s
     add_along(n, work->wall_normal - across, d);
 }
 
-/* Holds the contributions of the two previous rows to the next row of the matrix, besides the previous rows'
- * blocks V and P. The row just before contributes T, R + Q + Q^T, kb and r; the row before that contributes
- * kb and r. */
+/* Holds what the two previous rows contribute to the next row of the matrix, besides the blocks V and P. The
+ * last eliminated row contributes T, R + Q + Q^T, kb and r; the row before the last contributes kb and r. */
 typedef struct given {
     int_fast32_t t[9];
     crn_sym3 rest;
@@ -284,9 +283,9 @@ static inline void give(given *from, const int32_t *q, const int32_t *t, const i
     from->second = second;
 }
 
-/* Eliminates row i of the matrix. V' belongs to the row just before, and P'' belongs to the row before that.
- * The assembled forces stay unchanged, so that a second solve can start from these forces. Returns true if a
- * force had to be limited. */
+/* Eliminates row i of the matrix. V' belongs to the last eliminated row, and P'' belongs to the row before
+ * the last. The assembled forces stay unchanged, so that a second solve can start from these forces. Returns
+ * true if a force had to be limited. */
 static inline bool eliminate_row(const crn_model *model, crn_state *state, uint32_t i, const joints3 *joint,
                                  const int32_t *v_q29, const int32_t *p_q29, given *from)
 {

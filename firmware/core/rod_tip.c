@@ -22,9 +22,9 @@ enum {
  * joint within 40 mm of the tip whose rest shape is curved more tightly than 110 / m (a J, a pigtail, the
  * first bend of a guiding catheter). If the rigid part of the tip slid by ds along its own curve of radius R,
  * it would turn by ds / R in each tick. The solve needs EI kappa^2 s / (EI / L) ticks to undo this rotation,
- * because its matrix keeps rest rotations fixed in space. A J-shaped tip of 1.5 mm radius on 50 mm of soft
- * wire therefore lagged by 20 mm at 30 mm/s. Overflow is impossible: rotations are below 1.3 rad, and the
- * length of a cell is below 2^24 in Q30 m. */
+ * because its matrix keeps rest rotations fixed in space. Before the tip was treated as a rigid body, a
+ * J-shaped tip of 1.5 mm radius on 50 mm of soft wire lagged by 20 mm at a feed of 30 mm/s. Overflow is
+ * impossible: rotations are below 1.3 rad, and the length of a cell is below 2^24 in Q30 m. */
 static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint32_t free_count)
 {
     uint32_t rigid = 0;
@@ -46,11 +46,11 @@ static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint
 }
 
 /* Removes the rotation about an axis through node `root` from the remaining motion of the tip. The function
- * adds to the slide the part of this rotation that is predicted to continue. In this function, `drift_m_q33`
- * holds the tip's motion relative to the motion of node `root`. The angle of rotation follows from least
- * squares: sum (a x r).w / sum (a x r)^2. Returns the vector sum of the products a x r, in Q24 m. Overflow is
- * impossible: lever arms are below 2^26.7 in Q30 (96 mm, where a restored state has edges twice as long),
- * motions are below 2^26.9 in Q33, and there are fewer than 2^8 nodes, so sums stay below 2^62. */
+ * adds to the slide that part of the tip's rotation which is predicted to continue. In this function,
+ * `drift_m_q33` holds the tip's motion relative to the motion of node `root`. The angle of rotation follows
+ * from least squares: sum (a x r).w / sum (a x r)^2. Returns the vector sum of the products a x r, in Q24 m.
+ * Overflow is impossible: lever arms are below 2^26.7 in Q30 (96 mm, where a restored state has edges twice
+ * as long), motions are below 2^26.9 in Q33, and there are fewer than 2^8 nodes, so sums stay below 2^62. */
 static crn_vec3 turn_about(crn_state *state, uint32_t root, const crn_vec3 *axis_q30)
 {
     const crn_vec3 *centre = &state->words.nodes[root].position_m_q30;

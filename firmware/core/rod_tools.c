@@ -4,13 +4,13 @@
  * The tools share one centreline, so the code does not compute a contact between the inner tool and the outer
  * tool's bore. Instead, a tool presses on the tool around it with the force that its bending puts on the
  * nodes that the two tools share. Friction mu N between the two tools then resists sliding and turning, in
- * both directions. For sliding, there is one friction displacement along the centreline for each pair of
- * tools; for turning, there is one for each edge (rod_twist.c).
+ * both directions. The friction against sliding has one displacement along the centreline for each pair of
+ * tools; the friction against turning has one for each edge (rod_twist.c).
  *
  * If a tool does not lead, the force on its hand is the change of the elastic energy of all tools as this
  * tool slides while the shape of the centreline stays fixed. Where the tool's properties change, the force on
- * the hand is the jump of psi = |M + P|^2 / (2 EI) - S / 2. Here M is the bending moment, and P = sum EI_m
- * kappa_m and S = sum EI_m kappa_m^2 are sums over all tools at this point. This force on the hand is the
+ * the hand is the jump of psi = |M + P|^2 / (2 EI) - S / 2. In psi, M is the bending moment, and P = sum EI_m
+ * kappa_m and S = sum EI_m kappa_m^2 are sums over all tools at this point. The jump of psi is the
  * configurational force of a rod whose cross-section changes abruptly. */
 #include "firmware/core/rod.h"
 
@@ -142,8 +142,8 @@ static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *her
 
 /* The length over which a tool bears on the tool around it depends on clearance and stiffness. For a wire in
  * a catheter this length is about 3 mm (sqrt(2 EI delta / M) with a clearance delta of 0.05 mm, docs/rod.md).
- * Without this bearing length, a finer mesh would give a larger pressing force where the moment has a step.
- */
+ * If a tool bore on the other tool at a single point, a finer mesh would give a larger pressing force where
+ * the moment has a step. */
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
 {
     for (int c = 0; c < 3; c++) {
@@ -152,10 +152,10 @@ static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *a
 }
 
 /* Returns the stiffness of the friction against turning. While the length `reach` of the friction
- * displacement (bristle) is within the limit mu N r, this stiffness is that of the bristle; beyond the limit
- * the stiffness is limit / reach. The value of `reach` follows from the rotations of the last tick. Overflow
- * is impossible, because the quotient limit / reach, which is used only beyond the limit, is below 4e-4 N m.
- */
+ * displacement (bristle) is within the limit mu N r, the stiffness against turning is that of the bristle;
+ * beyond the limit it is limit / reach. The value of `reach` follows from the rotations of the last tick.
+ * Overflow is impossible, because the quotient limit / reach, which is used only beyond the limit, is below
+ * 4e-4 N m. */
 static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, uint32_t around,
                                       int32_t limit_N_m_q30)
 {
@@ -312,8 +312,8 @@ static crn_vec3 moment_around(const crn_model *model, const crn_state *state, ui
     return moment;
 }
 
-/* Returns joint i's contribution to the force on tool k's hand: psi (defined at the top of this file) where
- * the cell begins less psi where the cell ends. */
+/* Returns joint i's contribution to the force on tool k's hand: psi (defined at the top of this file) at the
+ * beginning of the cell minus psi at its end. */
 static int32_t joint_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                             int32_t from, int32_t to)
 {
@@ -417,9 +417,9 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
 /* Tools that are bent push on the introducer sheath along the sheath's axis with EI kappa^2 / 2 at the distal
  * end, because the part that is fed in has to be straight. The push of bent tools on the sheath is the
  * configurational force of a sliding sleeve (Bigoni et al. 2014, Mechanics Research Communications). For the
- * joint whose cell the sheath's distal end cuts, `part` is the length of the cell outside the sheath. This
- * joint has W = EI / part, and the angle between its edges is kappa part. Format: Q26 N m x Q30^2 -> Q30 N m,
- * / Q30 m -> Q22 N. */
+ * joint whose cell the sheath's distal end cuts, `part` is the length of the cell outside the sheath. The
+ * joint whose cell the sheath's end cuts has W = EI / part, and the angle between its edges is kappa times
+ * part. Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
 static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;

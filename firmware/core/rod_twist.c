@@ -217,8 +217,8 @@ static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_
     return j;
 }
 
-/* Adds a spring of 16 N m/rad that holds the first edge of tool 0 in validation cases; the spring has the
- * same form as the term of a rest shape. */
+/* Adds a spring of 16 N m/rad that holds the first edge of tool 0 in validation cases; the spring enters the
+ * equations in the same form as a rest shape. */
 static void hold_turn(const crn_model *model, const crn_state *state, twist_carry *carry)
 {
     int32_t miss = (int32_t)(model->hold.turn32 - state->words.nodes[0].angle_turn32[0]);
@@ -226,8 +226,8 @@ static void hold_turn(const crn_model *model, const crn_state *state, twist_carr
     carry->curve_q26 = 16 << 26;
 }
 
-/* `inner` and `around` are the neighbours of tool k, or NO_TOOL. The compiler must inline this function, so
- * that the three are constants in its loops. */
+/* The arguments `inner` and `around` are the neighbours of tool k, or NO_TOOL. The compiler must inline this
+ * function, so that k, `inner` and `around` are constants in the function's loops. */
 static inline __attribute__((always_inline)) void twist_tool(const crn_model *model, crn_state *state,
                                                              uint32_t k, uint32_t inner, uint32_t around)
 {
@@ -244,7 +244,7 @@ static inline __attribute__((always_inline)) void twist_tool(const crn_model *mo
     substitute(state, k, first);
 }
 
-/* Twists a tool of a line whose middle position is free. */
+/* Computes the twist of a tool on a line whose middle position is free. */
 CRN_RARE static void twist_apart(const crn_model *model, crn_state *state, uint32_t k, uint32_t inner,
                                  uint32_t around)
 {

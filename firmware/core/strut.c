@@ -222,7 +222,8 @@ static crn_vec3 unit_of(const crn_vec3 *way)
 
 /* Returns the struts' cross-section at a point between two neighbouring rings of a stent. Each ring has a
  * plane perpendicular to the stent's axis, and the point lies between these two planes. Overflow is
- * impossible, because a point within the box is less than 2^26 away. */
+ * impossible, because a point within the box around two rings is less than 2^26 (Q30 m) from each of the
+ * rings. */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
                                const crn_vec3 *off_a, const crn_vec3 *off_b)
 {

@@ -27,10 +27,10 @@
  * that contains all of them. */
 void crn_struts_step(crn_state *state);
 
-/* Finds the stent shell that is deepest in contact with a node of this radius, in the reference pose, and
- * samples its surface. The distance to the struts is negative on the side of the struts on which the node
- * lies, and the normal points away from the struts. Returns false if no shell is within half a millimetre of
- * the node. */
+/* Finds the shell of stent struts in which a node of the given radius lies deepest, in the reference pose,
+ * and samples the surface of this shell. The distance to the struts is negative on the side of the struts on
+ * which the node lies, and the normal points away from the struts. Returns false if no shell is within half a
+ * millimetre of the node. */
 bool crn_struts_contact(const crn_strut_state *struts, const crn_vec3 *place_m_q30, int32_t radius_m_q30,
                         crn_lumen_sample *sample);
 

@@ -6,7 +6,8 @@
  *   1 ms passed      crn_app_timer(app)                     from the main loop, per edge of the timer, late ones too
  *
  * In FREE_RUN the timer decides when a tick runs. In every mode and state, the app reads `inputs` and writes
- * `outputs` once per edge of the timer. A port calls no other function of the app. */
+ * `outputs` once per edge of the timer. A port needs no functions of the app except crn_app_init,
+ * crn_app_receive and crn_app_timer. */
 #ifndef CRN_PORT_H
 #define CRN_PORT_H
 
@@ -83,7 +84,8 @@ typedef struct crn_port {
     /* Queues one whole frame for the host; returns false, and queues nothing, if there is no space for it. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
     size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
-    /* Samples the rig; false: no rig, so the app uses `input` messages and powers no motor. */
+    /* Samples the rig. If there is no rig, returns false; the app then uses `input` messages and powers no
+     * motor. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */

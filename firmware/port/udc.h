@@ -77,11 +77,11 @@ typedef struct crn_udc {
      * opened, at a bus reset or, on endpoint 0 (in both directions), at the next setup packet. */
     void (*stall)(void *context, uint8_t endpoint);
 
-    /* Enters the electrical test mode `selector` (USB 2.0, 9.4.9) until power-down. The pointer to this
-     * function is NULL if the controller has no test modes. */
+    /* Enters the electrical test mode `selector` (USB 2.0, 9.4.9) until power-down. The pointer `test` is
+     * NULL if the controller has no test modes. */
     void (*test)(void *context, uint8_t selector);
 
-    /* Returns the next event. The function returns false if there is no new event. */
+    /* Returns the next event. The function `poll` returns false if there is no new event. */
     bool (*poll)(void *context, crn_udc_event *event);
 } crn_udc;
 

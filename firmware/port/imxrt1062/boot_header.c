@@ -1,10 +1,11 @@
-/* This port has never run on hardware. The processor's ROM reads the data in this file from the flash before
- * it starts the image. They say how to read the flash (FlexSPI configuration block, at 0), where the image is
- * (image vector table, at 0x1000), and how long it is (boot data).
+/* This port has never run on hardware. The code in the processor's ROM reads the data in this file from the
+ * flash before it starts the image. The data in this file say how to read the flash (FlexSPI configuration
+ * block, at 0), where the image is (image vector table, at 0x1000), and how long the image is (structure
+ * "boot data").
  *
- * The layout is that of the i.MX RT1060 reference manual, chapter 9 (system boot), tables "FlexSPI NOR
- * configuration block" and "image vector table". The read command and its dummy cycles are those of the
- * flash's data sheet (W25Q64JV, fast read quad I/O, 0xeb). */
+ * The layout of these data is that of the i.MX RT1060 reference manual, chapter 9 (system boot), tables
+ * "FlexSPI NOR configuration block" and "image vector table". The read command and its dummy cycles are those
+ * of the flash's data sheet (W25Q64JV, fast read quad I/O, 0xeb). */
 #include "firmware/port/imxrt1062/board.h"
 
 struct start_entry; /* start.c */

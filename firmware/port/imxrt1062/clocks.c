@@ -27,7 +27,7 @@ static void open_gates(void)
         R32(BASE_CCM, gate) = (uint32_t)ALL_GATES_OPEN;
 }
 
-/* The processor runs on the crystal's clock while its PLL is set. */
+/* The processor runs on the crystal's clock while the code sets the processor's PLL. */
 static bool take_clocks(void)
 {
     volatile uint32_t *pll = &R32(BASE_CCM_ANALOG, CCM_ANALOG_PLL_ARM), *bus = &R32(BASE_CCM, CCM_CBCDR);
@@ -58,8 +58,8 @@ static bool take_clocks(void)
 
 static void start_watchdog(void)
 {
-    /* The ROM may have left the chip's other watchdog on. That watchdog is unlocked, then turned off, before
-     * its window of 255 clocks ends. */
+    /* The code in the ROM may have left the chip's second watchdog (RTWDOG) on. The code unlocks this second
+     * watchdog and turns it off within 255 clocks, before it locks again. */
     if (R32(BASE_RTWDOG, RTWDOG_CS) & MASK(RTWDOG_CS_EN)) {
         R32(BASE_RTWDOG, RTWDOG_CNT) = 0xd928c520u;
         R32(BASE_RTWDOG, RTWDOG_TOVAL) = 0xffffu;

@@ -42,8 +42,7 @@ static inline void core_barrier(void)
     __asm__ volatile("dsb\n isb" ::: "memory");
 }
 
-/* Makes everything that was written so far visible in memory to other bus masters, before anything that
- * follows. */
+/* Makes all earlier writes visible in memory to other bus masters, before any later access. */
 static inline void core_data_barrier(void)
 {
     __asm__ volatile("dsb" ::: "memory");

@@ -3,8 +3,8 @@
  *   decoders ENC1 to ENC4 (32 bits, detect an illegal step) by the crossbar: translation 1, 2, 3, rotation 1
  *   timers TMR3 and TMR1 (16 bits, widened here, detect none): rotation 2 and 3, syringe
  *
- * Between two ticks a timer must not count more than 32,767 steps, which is 32 million a second, beyond any
- * encoder. */
+ * Between two ticks a timer must not count more than 32,767 steps. This limit is 32 million steps a second,
+ * more than any encoder gives. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
@@ -20,7 +20,7 @@ enum {
 };
 
 static const uint32_t decoder_base[DECODERS] = {BASE_ENC1, BASE_ENC2, BASE_ENC3, BASE_ENC4};
-/* Lists the crossbar's inputs of both phases, as pins.c has connected them. */
+/* Lists the crossbar's two inputs for the phases A and B of each encoder, as pins.c has connected them. */
 static const uint8_t decoder_inputs[DECODERS][2] = {{6, 7}, {8, 9}, {22, 23}, {14, 15}};
 
 static const struct timer_channel {
@@ -84,7 +84,8 @@ static int32_t signed_of(uint32_t word)
     return word <= INT32_MAX ? (int32_t)word : -1 - (int32_t)(UINT32_MAX - word);
 }
 
-/* Reading the low half of the counter latches the high half of the same moment. */
+/* When the code reads the low half of the counter, the hardware stores (latches) the high half of the same
+ * moment. */
 static encoders_reading read_decoder(uint32_t base)
 {
     uint32_t low = R16(base, ENC_LPOS), high = R16(base, ENC_UPOSH);

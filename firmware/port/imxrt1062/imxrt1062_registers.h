@@ -7,8 +7,8 @@
  *   PAD_<pad>_<function>       offset of its mux register, its mux mode, offset of its pad register (of IOMUXC)
  *   DAISY_<input>_<pad>        offset of an input's selection register, its value (of IOMUXC)
  *
- * `make registers` (tools/check/check_registers.py) compares every line here, and the width of every access,
- * with the machine-readable description in the crate imxrt-ral. */
+ * The command `make registers` (tools/check/check_registers.py) compares every line of this header, and the
+ * width of every access, with the machine-readable description in the crate imxrt-ral. */
 #ifndef CRN_IMXRT1062_REGISTERS_H
 #define CRN_IMXRT1062_REGISTERS_H
 
@@ -17,13 +17,14 @@
 #ifndef R32
 #define R16(base, offset) (*(volatile uint16_t *)(uintptr_t)((base) + (offset)))
 #define R32(base, offset) (*(volatile uint32_t *)(uintptr_t)((base) + (offset)))
-/* Where a test provides a model of the chip, these macros pass every access to the model by name. */
+/* If a test provides a model of the chip, the macros LOAD and STORE pass the name of the register and the
+ * access to this model. */
 #define LOAD(REGISTER) (REGISTER)
 #define STORE(REGISTER, value) ((REGISTER) = (value))
 #endif
 
-/* In BITS(FIELD, value), MASK(FIELD) and SET_FIELD(REGISTER, FIELD, value), FIELD is one of the pairs
- * below. */
+/* In BITS(FIELD, value), MASK(FIELD) and SET_FIELD(REGISTER, FIELD, value), FIELD is one of the pairs of
+ * numbers (first bit, number of bits) that this header defines. */
 #define BITS(...) BITS_(__VA_ARGS__)
 #define BITS_(shift, bits, value) ((uint32_t)(value) << (shift))
 #define MASK(...) MASK_(__VA_ARGS__)

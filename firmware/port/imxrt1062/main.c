@@ -1,11 +1,12 @@
-/* This port has never run on hardware. This is the device on an i.MX RT1062 (Teensy 4.1): memory, the port's
- * table, and the loop that passes bytes and milliseconds to the app. Nothing here allocates memory; the one
- * interrupt only counts.
+/* This port has never run on hardware. This program is the device on an i.MX RT1062 (Teensy 4.1). The file
+ * contains the memory, the port's table of functions, and the loop that passes bytes and milliseconds to the
+ * app. The code of this file allocates no memory, and its only interrupt handler increments a counter.
  *
  *   loop:  USB -> crn_app_receive
  *          an edge is due -> crn_app_timer (reads inputs, writes outputs), then the state report
  *
- * One round of the loop handles some packets and one edge, so that neither delays the other without bound. */
+ * One round of the main loop handles at most a few packets and one timer edge, so neither kind of work delays
+ * the other indefinitely. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/usb/rig_usb.h"
 
@@ -50,7 +51,8 @@ static void greet(bool has_scenes)
     if (clocks_was_watchdog()) console_text("the last start ended by the watchdog\n");
 }
 
-/* Handles broken hardware: reports it, keeps everything off, and lets the watchdog restart the device. */
+/* Handles broken hardware: the function reports the fault, keeps all outputs off, and lets the watchdog
+ * restart the device. */
 static void give_up(const char *what)
 {
     rig_outputs_off();
@@ -70,8 +72,9 @@ static void tick(void)
     clocks_edge_done();
 }
 
-/* Only edges that the app has completed feed the watchdog. Neither a loop that runs without its milliseconds
- * nor a host that keeps the pipe busy can feed the watchdog. */
+/* Only timer edges that the app has completed reset the watchdog. A main loop that runs while the
+ * milliseconds have stopped therefore cannot reset the watchdog, and neither can a host that keeps sending
+ * bytes. */
 static void feed_watchdog(void)
 {
     static uint32_t fed;

@@ -1,5 +1,5 @@
-/* This port has never run on hardware. Caches and protection. Memory that is also written by others than the
- * processor is never cached: registers, and the OCRAM with the USB controller's lists and buffers. */
+/* This port has never run on hardware. Caches and protection. Memory that other bus masters also write is
+ * never cached: the registers, and the OCRAM with the USB controller's lists and buffers. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 
@@ -27,7 +27,7 @@ typedef struct region {
     uint32_t attributes, size;
 } region;
 
-/* Where two regions overlap, the region later in the list applies. */
+/* Where two memory regions overlap, the one later in the list applies. */
 static void protect(void)
 {
     const region regions[] = {
@@ -50,8 +50,8 @@ static void protect(void)
     core_barrier();
 }
 
-/* After a reset the contents of the caches are undefined, so they are invalidated before they are turned
- * on. */
+/* After a reset the contents of the caches are undefined, so the code invalidates the caches before it turns
+ * them on. */
 static void start_caches(void)
 {
     CORE_ICIALLU = 0;

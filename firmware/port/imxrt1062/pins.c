@@ -82,8 +82,8 @@ static const pin pins[] = {
     {PAD_EMC_29_FLEXSPI2_A_DATA03, MEMORY, DAISY_FLEXSPI2_IPP_IND_IO_FA_BIT3_EMC_29},
 };
 
-/* Sets the level of outputs low before they become outputs. The pins' fast alternatives (GPIO6 to 9) are not
- * used. */
+/* Sets the level of every output pin to low before the pin becomes an output. The pins' fast alternatives
+ * (GPIO6 to 9) are not used. */
 void pins_start(void)
 {
     for (uint32_t gpr = IOMUXC_GPR_GPR26; gpr <= IOMUXC_GPR_GPR29; gpr += 4) R32(BASE_IOMUXC_GPR, gpr) = 0;

@@ -17,7 +17,7 @@ enum { /* bits of GPIO1 and GPIO2: docs/porting.md, "Pins" */
        BLINK_FAST_ticks = 100,
 };
 
-/* Holds a level that counts only after it has been constant for some ticks. */
+/* Holds the level of an input; a new level counts only after it has been constant for some ticks. */
 typedef struct debounced {
     uint32_t ticks;
     bool level;
@@ -46,8 +46,8 @@ static uint8_t range_of(bool is_sampled, uint16_t raw)
                                                                     : CRN_PORT_SENSOR_OK;
 }
 
-/* The emergency stop is a loop that is closed to ground. An open or broken loop counts at once as a pressed
- * stop. */
+/* The emergency stop is a wire loop that is closed to ground. An open or broken loop of the emergency stop
+ * counts at once as a pressed stop button. */
 static bool read_stop(uint32_t gpio1)
 {
     bool is_open = gpio1 >> GPIO1_STOP & 1u;
@@ -115,8 +115,9 @@ static bool lamp_level(uint8_t lamp)
     return false;
 }
 
-/* Sets the motors first when power is wanted, and the power first when it is not. A latched fault of the PWM
- * is cleared when power is requested again, which the app allows only after RESET and arming. */
+/* To switch the motor power on, the function sets the motors' forces first; to switch it off, the function
+ * removes the power first. A latched fault of the PWM is cleared when power is requested again, which the app
+ * allows only after RESET and arming. */
 void rig_outputs(void *context, const crn_port_outputs *outputs)
 {
     (void)context;

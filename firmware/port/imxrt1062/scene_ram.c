@@ -1,6 +1,6 @@
 /* This port has never run on hardware. This file starts the PSRAM for scenes (8 MB, APS6404L or ESP-PSRAM64H)
- * at 0x70000000, through FlexSPI2 with four lines for commands, addresses and data. The commands are those of
- * the chip's data sheet. The PSRAM is used only after a test of its address lines. */
+ * at 0x70000000, through FlexSPI2 with four lines for commands, addresses and data. The commands to the PSRAM
+ * are those of its data sheet. The PSRAM is used only after a test of its address lines. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
@@ -83,7 +83,7 @@ static bool test_memory(void)
     return is_good;
 }
 
-/* This function is called before the caches are on, so that the test reaches the chip. */
+/* The PSRAM is tested before the caches are on, so that every access of the test reaches the chip. */
 bool scene_ram_start(void)
 {
     volatile uint32_t *control = &R32(BASE_FLEXSPI2, FLEXSPI_MCR0);
@@ -107,7 +107,7 @@ bool scene_ram_start(void)
     uint32_t idle = MASK(FLEXSPI_STS0_SEQIDLE) | MASK(FLEXSPI_STS0_ARBIDLE);
     if (!board_wait(&R32(BASE_FLEXSPI2, FLEXSPI_STS0), idle, idle)) return false;
     set_sequences();
-    /* When only the processor was reset, the chip still uses four lines. */
+    /* If only the processor was reset, the PSRAM still expects its commands on four lines. */
     return command(SEQUENCE_ONE_LINE) && command(SEQUENCE_RESET_ENABLE) && command(SEQUENCE_RESET) &&
            command(SEQUENCE_FOUR_LINES) && test_memory();
 }

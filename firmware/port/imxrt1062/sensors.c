@@ -1,6 +1,6 @@
-/* This port has never run on hardware. This file reads force, current, pressure and supply, measured by the
- * two 12-bit converters; each value is the mean of four samples. Both converters work in parallel, and one
- * sample of everything takes some 20 us. */
+/* This port has never run on hardware. This file reads force, current, pressure and supply voltage through
+ * the two 12-bit converters; each value is the mean of four samples. Both converters work in parallel, and
+ * one sample of all values takes about 20 us. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 

@@ -1,8 +1,8 @@
-/* This port has never run on hardware. This file leads from reset to main(). The ROM jumps to `start` in the
- * flash, which splits the FlexRAM, copies code and data, and switches to the stack in the data memory. The
- * file also handles an exception that ends the program: it removes the power and writes a line on the
- * console, and the watchdog then resets the processor. The floating-point unit stays off, because nothing
- * uses it. */
+/* This port has never run on hardware. This file contains the code that runs from the processor's reset to
+ * main(). The ROM jumps to the function `start` in the flash, which splits the FlexRAM, copies code and data,
+ * and switches to the stack in the data memory. This file also ends the program at an exception: the code
+ * removes the motor power and writes a line on the console, and the watchdog then resets the processor. The
+ * floating-point unit stays off, because nothing uses it. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
@@ -34,7 +34,7 @@ __attribute__((section(".start"))) static void clear(uint32_t *to, const uint32_
     while (to < end) *to++ = 0;
 }
 
-/* This function runs in the flash, on a stack in the OCRAM, before any other memory exists. */
+/* The function `start` runs in the flash, on a stack in the OCRAM, before any other memory is set up. */
 __attribute__((section(".start"), noreturn)) void start(void)
 {
     __asm__ volatile("cpsid i");
@@ -71,9 +71,10 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
     }
 }
 
-/* Switches to the stack of `start`, because the one in use may have overflowed. When the frame could not be
- * pushed because of the guard, it is not read. The old stack pointer then lies below the stack, and the words
- * shown are those at the guard's end. */
+/* Switches to the stack of `start`, because the stack in use may have overflowed. If the processor could not
+ * push the exception's stack frame because of the guard region below the stack, the code does not read this
+ * frame. In this case the old stack pointer lies below the stack, and the console shows the words at the
+ * guard region's end. */
 __attribute__((naked)) static void unexpected(void)
 {
     __asm__ volatile("mrs r0, msp\n"
@@ -88,8 +89,8 @@ __attribute__((naked)) static void unexpected(void)
 }
 
 typedef void vector(void);
-/* boot_header.c directs the ROM to this table of stack and entry, in the form that a processor reads after
- * reset. */
+/* The data in boot_header.c direct the ROM to this table of initial stack and start address, which has the
+ * form that a processor reads after reset. */
 __attribute__((section(".start_vectors"), used)) const struct start_entry {
     const uint32_t *stack;
     vector *start;
@@ -98,7 +99,7 @@ __attribute__((section(".start_vectors"), used)) const struct start_entry {
 #define UNEXPECTED_32                                                                                        \
     UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4,        \
         UNEXPECTED_4
-/* The table has 15 exceptions and 122 interrupts before the tick's interrupt, and 37 behind it. */
+/* The vector table has 15 exceptions and 122 interrupts before the tick's interrupt, and 37 behind it. */
 __attribute__((section(".vectors"), used)) static const struct {
     const uint32_t *stack;
     vector *handlers[EXCEPTIONS - 1 + INTERRUPTS];

@@ -1,11 +1,12 @@
-/* This port has never run on hardware. This file drives the USB device controller (EHCI's registers, used
- * from the device's side) behind the functions of firmware/port/udc.h.
+/* This port has never run on hardware. This file is the driver of the USB device controller (EHCI's
+ * registers, used from the device's side), and provides the functions of firmware/port/udc.h.
  *
- * Every endpoint has a head (64 bytes, in one table whose address the controller holds) and one transfer
- * descriptor of up to 16 kB. Arming writes the descriptor, points the head at it and primes the endpoint. The
- * controller then transfers the packets and sets a bit of ENDPTCOMPLETE when this is done. Heads, descriptors
- * and buffers lie in memory that is not cached (the section .dma, or tightly coupled memory). Interrupts stay
- * off; poll() reads the controller's events. Every loop has a bound. */
+ * Every endpoint has a queue head (64 bytes, in one table whose address the controller holds) and one
+ * transfer descriptor of up to 16 kB. To arm an endpoint, the driver writes the descriptor, lets the queue
+ * head point to the descriptor, and primes the endpoint. Once an endpoint is primed, the controller transfers
+ * the packets, and sets a bit of ENDPTCOMPLETE when the transfer is done. Queue heads, descriptors and
+ * buffers lie in memory that is not cached (the section .dma, or tightly coupled memory). The USB interrupts
+ * stay off; poll() reads the controller's events. Every loop has a bound. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
@@ -87,8 +88,8 @@ static void wait_clear(volatile uint32_t *where, uint32_t bits)
     }
 }
 
-/* A packet that is being transferred may outlive one flush, so the flush repeats until the endpoint's status
- * shows that nothing is ready. */
+/* One flush may not end a packet that is being transferred, so the driver flushes the endpoint again until
+ * its status shows that no transfer is ready. */
 static void flush(uint32_t bits)
 {
     for (int i = 0; i < 4; i++) {
@@ -146,7 +147,7 @@ static void udc_close(void *context, uint8_t endpoint)
            endpoint & CRN_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXE) : MASK(USB_ENDPTCTRL_0_RXE), 0);
 }
 
-/* Gives the controller the described transfer. */
+/* Gives the controller the transfer that the endpoint's transfer descriptor describes. */
 static void prime(uint8_t endpoint)
 {
     usb_head *head = &memory.heads[pipe_of(endpoint)];
@@ -159,8 +160,8 @@ static void prime(uint8_t endpoint)
 static void udc_arm(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count)
 {
     (void)context;
-    /* A setup packet that is not yet reported voids this transfer: priming now would answer the wrong
-     * request. */
+    /* A setup packet that the driver has not yet reported makes this transfer void, because the transfer
+     * would answer the wrong request. */
     if ((endpoint & 0x7fu) == 0 && LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) != 0) return;
     usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];
     uint32_t begin = (uint32_t)(uintptr_t)bytes;
@@ -247,8 +248,8 @@ static bool take_bus(crn_udc_event *event)
     return event->kind != CRN_UDC_NOTHING;
 }
 
-/* The eight bytes are read again when another setup packet came while they were read; in that case the
- * controller has cleared the trip wire. */
+/* The driver reads the eight bytes of a setup packet again if another setup packet arrived meanwhile, which
+ * the controller shows by clearing the trip wire bit. */
 static bool take_setup(crn_udc_event *event)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
@@ -323,7 +324,7 @@ const crn_udc *usb_udc_start(void)
     STORE(R32(BASE_USB1, USB_USBMODE), BITS(USB_USBMODE_CM, MODE_DEVICE) | BITS(USB_USBMODE_SLOM, 1));
     change(command, MASK(USB_USBCMD_ITC), 0);
     close_all();
-    /* In device mode this register (ENDPTLISTADDR) holds the address of the heads. */
+    /* In device mode the register ENDPTLISTADDR holds the address of the queue heads. */
     STORE(R32(BASE_USB1, USB_ASYNCLISTADDR), (uint32_t)(uintptr_t)memory.heads);
     controller.udc = (crn_udc){
         .context = NULL,

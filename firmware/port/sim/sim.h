@@ -20,7 +20,7 @@ typedef struct crn_sim crn_sim;
 crn_sim *crn_sim_create(uint32_t scene_slot_bytes);
 void crn_sim_destroy(crn_sim *sim);
 
-/* Brown-out: the processor restarts. After such a restart the scene slots still have their contents, and the
+/* Brown-out: the processor restarts. After crn_sim_reset the scene slots still have their contents, and the
  * byte pipe to the host is empty. */
 void crn_sim_reset(crn_sim *sim);
 
@@ -45,10 +45,11 @@ void crn_sim_freeze(crn_sim *sim, uint32_t milliseconds);
 /* Sets how much time the device spends on each following tick; the initial value is 0. */
 void crn_sim_set_tick_us(crn_sim *sim, uint32_t tick_us);
 
-/* Copy the state of a session in LOCKSTEP as a snapshot, and set the device to the state of a snapshot,
- * without the conversation over the pipe. The bytes are those of the messages of a snapshot (docs/wire.md).
- * Both functions return false, and leave the session as it is, when the device has no session in LOCKSTEP,
- * `count` is not crn_sim_snapshot_bytes(), or the bytes are not a valid snapshot of this session. */
+/* These functions copy the state of a LOCKSTEP session as a snapshot, and set the device to the state of a
+ * snapshot, without messages over the pipe. The bytes of a snapshot are those of the snapshot messages in the
+ * wire protocol (docs/wire.md). The functions crn_sim_take_snapshot and crn_sim_put_snapshot return false,
+ * and leave the session as it is, when the device has no session in LOCKSTEP, `count` is not
+ * crn_sim_snapshot_bytes(), or the bytes are not a valid snapshot of this session. */
 size_t crn_sim_snapshot_bytes(void);
 bool crn_sim_take_snapshot(crn_sim *sim, uint8_t *bytes, size_t count);
 bool crn_sim_put_snapshot(crn_sim *sim, const uint8_t *bytes, size_t count);
@@ -69,8 +70,8 @@ void crn_sim_set_plant(crn_sim *sim, const crn_port_inputs *inputs);
 void crn_sim_weld_stage(crn_sim *sim, bool is_welded);
 
 /* These constants are the damping that the simulated rig itself has, according to its builder's data. In
- * these data, the motors have no lag, and an encoder count is 1 um or 1/65,536 turn. To set more damping than
- * these values, a host needs the local unlock. */
+ * these data, the motors have no lag, and an encoder count is 1 um or 1/65,536 turn. To set a larger damping
+ * than the rig itself has, a host needs the local unlock. */
 enum { CRN_SIM_DAMPING_mN_s_per_m = 1000, CRN_SIM_DAMPING_nN_m_s_per_rad = 2000 };
 
 /* Returns rig inputs with all sensors present and healthy, hands at position 0, a good supply voltage, the
