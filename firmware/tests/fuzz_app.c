@@ -203,7 +203,7 @@ static void short_tools(crn_wire_tools *tools, uint16_t count)
     }
 }
 
-/* Eight tools, of which a wire and a guide are on the line and the middle position is free. */
+/* Makes a table of eight tools; a wire and a guide are on the line, and its middle position is free. */
 static void table_of_tools(crn_wire_tools *tools)
 {
     short_tools(tools, 3);

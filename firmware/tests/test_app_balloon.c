@@ -157,7 +157,7 @@ static void place_rings(int ms)
 }
 
 /* In FREE_RUN the message `orders` transmits the commands for stent struts. Each command is recorded in the
- * input of the tick that applied it, so the recorded session replays. */
+ * input of the tick that applied the command, so the recorded session can be replayed. */
 static void struts_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;

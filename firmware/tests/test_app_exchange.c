@@ -1,7 +1,9 @@
-/* These tests check the exchange of tools through bytes on the simulated port. The set-up names a table and a
- * line; an order `exchange` is carried out before its tick, and the tick's state says what became of it. A
- * refused exchange changes nothing but the answer. FREE_RUN replays in LOCKSTEP bit for bit, a snapshot has
- * the tools on the line, and the force on the hand goes to zero as when the hand lets go. */
+/* These tests check the exchange of tools through bytes on the simulated port. The host sets up a table of
+ * tools and a line (the tools in each other). An order `exchange` is carried out before its tick, and the
+ * state that the tick reports contains the answer. A refused exchange changes nothing except the answer in
+ * the tick's state. A FREE_RUN session with exchanges replays in LOCKSTEP bit for bit, a snapshot contains
+ * the tools on the line, and after an exchange the force on the hand goes to zero as when the hand lets
+ * go. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +24,7 @@ static crn_wire_reject reject;
 static int32_t hands_um[POSITIONS];
 static uint32_t tick_now;
 
-/* A wire, a catheter and a guide on the table, and another wire and another catheter. */
+/* The table contains a wire, a catheter, a guide, a second wire and a second catheter. */
 static void make_tools(const uint8_t *line, uint16_t line_count)
 {
     client_plain_tools(&tools, 3);
@@ -45,7 +47,8 @@ static void set_up_line(const uint8_t *line, const uint32_t *inserted_um)
     tick_now = 0;
 }
 
-/* A wire in a guide; the middle position is free, and the wire is inserted by `wire_um`. */
+/* Begins a session with a wire inside a guide; the middle position of the line is free, and the wire is
+ * inserted by `wire_um`. */
 static void begin(uint32_t wire_um)
 {
     static const uint8_t line[] = {WIRE, 0, GUIDE};
@@ -61,7 +64,7 @@ static void fill(crn_wire_tick_input *input)
     for (int k = 0; k < POSITIONS; k++) input->hands[k].translation_counts = hands_um[k];
 }
 
-/* Steps one tick with an exchange, and returns the answer. */
+/* Computes one tick with an order to exchange a tool, and returns the answer to this order. */
 static uint8_t exchange(uint8_t position, uint8_t tool)
 {
     static crn_wire_step step;
@@ -75,7 +78,7 @@ static uint8_t exchange(uint8_t position, uint8_t tool)
     return ticks.states[0].exchange;
 }
 
-/* Steps `count` ticks, at most 64, in which one hand moves by `um` per tick. */
+/* Computes `count` ticks, at most 64, in which one hand moves by `um` per tick. */
 static void move(int position, int32_t um, uint16_t count)
 {
     static crn_wire_step step;
@@ -250,8 +253,9 @@ static void start_coupled(void)
     start_lockstep();
 }
 
-/* A hand pulls with some newtons at a tool that is withdrawn entirely. When the tool is taken off, the force
- * goes to zero in 32 ticks without a step of more than a tenth, and stays zero while the hand moves on. */
+/* A hand pulls with some newtons at a tool that has already been withdrawn completely. When the tool is taken
+ * off the line, the force on the hand goes to zero in 32 ticks, in steps of at most a tenth, and stays zero
+ * while the hand moves on. */
 static void the_force_on_the_hand_ramps_to_zero(void **state)
 {
     (void)state;
@@ -270,8 +274,9 @@ static void the_force_on_the_hand_ramps_to_zero(void **state)
     assert_int_equal(last()->tools[MIDDLE].motor_axial_mN, 0);
 }
 
-/* The hand moves while no tool is at its position. The tool that then comes begins where the hand is: it does
- * not move, and gives no force, until the hand moves again; then it follows. */
+/* The hand moves while its position on the line has no tool. The tool that is then put on the line begins
+ * where the hand is: it does not move, and gives no force, until the hand moves again; then the tool follows
+ * the hand. */
 static void a_new_tool_begins_at_the_present_counts(void **state)
 {
     (void)state;

@@ -61,8 +61,8 @@ static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state
     assert_in_range(edges, CRN_APP_HOST_SILENT_ticks, CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks + 1);
 }
 
-/* When the silence of a crashed program has ended the forces, the device forgets this program; the next
- * program sends HELLO and RESET, and begins. */
+/* When a crashed program has been silent so long that the forces have ended, this program is no longer in
+ * control; the next program sends HELLO and RESET, and begins. */
 static void after_a_host_that_is_gone_hello_works(void **state)
 {
     (void)state;

@@ -116,8 +116,8 @@ static void hostile_bytes_are_malformed_and_order_nothing(void **state)
     expect_counts((const uint16_t[16]){0}, 16);
 }
 
-/* In version 4 of the wire protocol, a message had one command each, and the types of the messages in this
- * test belong to that version. */
+/* In version 4 of the wire protocol, each message contained one command; the message types in this test
+ * belong to that version. */
 static void messages_of_the_protocol_before_are_unknown(void **state)
 {
     (void)state;

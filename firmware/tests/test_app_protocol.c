@@ -1,7 +1,7 @@
 /* These tests check the commands and the set-up messages of the wire protocol. Powering the motors needs two
- * steps that no stray frame can complete. An interrupted upload can be resumed, settings read back as they
- * were set, and a refused message changes nothing. The tests exchange bytes with the device on the simulated
- * port only. */
+ * steps that no stray frame can complete. An interrupted upload can be resumed, the device reports settings
+ * as the host has set them, and a refused message changes nothing. The tests exchange bytes with the device
+ * on the simulated port only. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -90,8 +90,8 @@ static void a_permission_is_good_for_one_start(void **state)
     refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
 }
 
-/* A person has confirmed the power of the motors but has not pressed START. This confirmation is valid
- * neither for a host that comes an hour later nor for one that sends HELLO now. */
+/* A person has confirmed the power of the motors but has not pressed START. Such a confirmation is valid
+ * neither for a host that comes an hour later nor for a host that sends HELLO now. */
 static void a_permission_is_not_left_lying_about(void **state)
 {
     (void)state;

@@ -1,9 +1,9 @@
 /* These tests check the forces on a carriage (the moving handle of a track) that nobody holds. The motor's
  * force on a carriage that nobody holds ends within 32 ms, and the carriage gets no faster than a hand would
- * make it. A motor that accelerates a released carriage nevertheless loses its power. A hand that throws the
- * carriage or moves it fast is not mistaken for a motor. The device ends an oscillation that the control loop
- * sustains in a hand, while a tremor of the hand may continue. The test sets the force with which a hand
- * holds the carriage, and the bench's force sensor reads this force. */
+ * make it. If a motor nevertheless accelerates a released carriage, the device removes the motor power. A
+ * hand that throws the carriage or moves it fast is not mistaken for a motor. The device ends an oscillation
+ * that the control loop sustains in a hand, while a tremor of the hand may continue. The test sets the force
+ * with which a hand holds the carriage, and the bench's force sensor reads this force. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,7 +32,8 @@ static void expect_running(void)
 }
 
 /* Runs one edge of the timer at which the carriage has moved by `um` and the hand holds it with the force
- * `held_mN`. The reading of the force sensor is the sum of this force and the motor's force. */
+ * `held_mN`. The simulated device adds the motor's force to `force_raw`, so the function subtracts the
+ * motor's force beforehand. */
 static void edge(int32_t um, int32_t held_mN)
 {
     b.rig.hands[0].translation_counts += um;
@@ -159,8 +160,9 @@ static void a_fast_hand_is_no_fault(void **state)
     expect_running();
 }
 
-/* The motor's force of 0.3 N oscillates at 20 Hz, and the hand moves with this force as if it were shaken. In
- * each oscillation of the hand, the motor does work on the hand. It ends within 0.2 s. */
+/* The motor's force of 0.3 N oscillates at 20 Hz, and the hand moves with this force as if the motor shook
+ * the hand. In each oscillation of the hand, the motor does work on the hand. The oscillation ends within 0.2
+ * s. */
 static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **state)
 {
     (void)state;
@@ -178,7 +180,8 @@ static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **stat
     assert_in_range(ms, 50, 200);
 }
 
-/* A hand that trembles moves the carriage in the same way, but here the hand does the work. */
+/* A trembling hand moves the carriage like an oscillation that the motor sustains, but in a tremor the hand
+ * does the work. */
 static void a_tremor_goes_on(void **state)
 {
     (void)state;

@@ -315,8 +315,8 @@ static void take_ticks(void)
 }
 
 /* One hand was far from its zero position before the session began, and another hand moves while the session
- * is stopped. The device must treat neither of these two hand motions as a jump of the encoder, and neither
- * motion may move a tool. */
+ * is stopped. The device must not treat a hand motion before the session or during a stop as a jump of the
+ * encoder, and such a motion must not move a tool. */
 static void what_hands_do_while_stopped_is_no_motion(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* These tests check the messages that the device sends without a request. When the pipe to the host is full,
  * the device in FREE_RUN drops a picture rather than a tick, and reports the loss. Notices report which event
- * happened at which tick, and a STOP takes effect at the tick that it names. A replay of FREE_RUN's ticks in
- * LOCKSTEP is equal bit for bit. */
+ * happened at which tick, and a STOP takes effect at the tick that it names. A replay of a FREE_RUN session
+ * in LOCKSTEP gives the same results bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,8 +54,8 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     assert_int_equal(status.ticks_lost, 0);
 }
 
-/* The host does not read for a second and then reads again. In this time the device kept only 256 ticks, so
- * it reports a gap in the ticks; all other messages arrive in order. */
+/* The host does not read for a second and then reads again. While the host did not read, the device kept only
+ * the last 256 ticks, so it reports a gap in the ticks; all other messages arrive in order. */
 static void ticks_that_nobody_takes_are_counted_as_lost(void **state)
 {
     (void)state;

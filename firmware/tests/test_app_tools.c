@@ -303,7 +303,7 @@ static void send_tube(void)
 }
 
 /* A straight wire lies on the floor of a horizontal tube. In total, the wall supports the weight of the wire
- * outside the introducer sheath, less the part of the weight that the sheath supports. Every force of the
+ * outside the introducer sheath, minus the part of this weight that the sheath supports. Every force of the
  * wall on the wire points up, and the number of forces is the one that the tick reports. */
 static void contact_forces_carry_the_weight(void **state)
 {

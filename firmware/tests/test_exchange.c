@@ -1,7 +1,8 @@
 /* These tests check the exchange of tools on the line (docs/rod.md, "exchange"). An exchange moves no node
- * and changes nothing of the other tools; a refused exchange changes nothing at all. A tool that came by an
- * exchange behaves bit for bit like the same tool on a line that began with it. Every impossible exchange is
- * refused by its own name, and random orders never break the state. */
+ * and changes nothing of the other tools; a refused exchange changes nothing at all. A tool that was put on
+ * the line by an exchange behaves bit for bit like the same tool on a line that had the tool from the
+ * beginning. Each impossible exchange is refused with the code of its own reason, and random orders never
+ * make the state invalid. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,7 +20,8 @@
 
 static const double Q30 = 1073741824.0;
 
-/* The table of these tests; the numbers are those of the orders. The second wire is short: 1.2 m in all. */
+/* These constants are the numbers of the tools in the tests' table, as an order gives them. The second wire
+ * is short: it is 1.2 m long. */
 enum { STIFF_WIRE = 1, SHORT_WIRE, BALLOON, MONORAIL, GUIDE, THICK_WIRE, NARROW_GUIDE, TABLE_COUNT = 7 };
 enum { INNER, MIDDLE, OUTER };
 
@@ -87,7 +89,7 @@ static void rest(rig *r, int ticks)
     for (int t = 0; t < ticks; t++) rig_step(r);
 }
 
-/* Moves the hand of one position by `way_m` at 0.4 m/s, and waits until its tool has followed. */
+/* Moves the hand at one position of the line by `way_m` at 0.4 m/s, and waits until its tool has followed. */
 static void move(rig *r, uint32_t position, double way_m)
 {
     const int ticks = (int)ceil(fabs(way_m) / 0.4e-3);
@@ -110,7 +112,7 @@ static reference_tube *straight_tube(void)
     return reference_tube_make(pieces, 1, 3.6e-3, 1);
 }
 
-/* A guide at 200 mm with a wire in it; the middle position is free. */
+/* Makes a guide inserted by 200 mm with a wire inside; the middle position of the line is free. */
 static rig *wire_in_guide(reference_tube *tube)
 {
     static const uint32_t line[] = {STIFF_WIRE, 0, GUIDE}, inserted_um[] = {260000, 0, 200000};
@@ -136,7 +138,8 @@ static void table_that_is_the_line_gives_todays_model(void **context)
     free(b);
 }
 
-/* Compares what the state holds of the nodes, and of every position except one, before and after. */
+/* Compares two states, before and after an exchange: all values of the nodes, and of every position of the
+ * line except one, must be equal. */
 static void assert_others_kept(const crn_state_words *before, const crn_state_words *after, uint32_t except)
 {
     assert_int_equal(before->free_count, after->free_count);
@@ -178,8 +181,9 @@ static void exchange_keeps_the_other_tools_bit_for_bit(void **context)
     reference_tube_free(tube);
 }
 
-/* Two lines differ by a catheter that was put on one of them. The catheter is inside the sheath, but it takes
- * the guide's friction from the wire, which lies still. Measured: 27 nm after 50 ticks; allowed: 100 nm. */
+/* Two lines differ by a catheter that an exchange has put on one of them. The catheter's tip is still inside
+ * the sheath, but the guide now rubs on the catheter instead of on the wire, which does not move. The largest
+ * measured difference of a node's position was 27 nm after 50 ticks; the test allows 100 nm. */
 static void exchange_moves_no_node_in_the_next_ticks(void **context)
 {
     (void)context;
@@ -204,8 +208,7 @@ static void exchange_moves_no_node_in_the_next_ticks(void **context)
     reference_tube_free(tube);
 }
 
-/* Pulls the inner tool to the end of its way, and puts the hand back to exactly where it then holds the tool.
- */
+/* Withdraws the inner tool completely, and then puts the hand exactly where it holds the withdrawn tool. */
 static void withdraw_exactly(rig *r)
 {
     move(r, INNER, -0.0055);
@@ -213,8 +216,9 @@ static void withdraw_exactly(rig *r)
     rest(r, 50);
 }
 
-/* A wire is withdrawn and taken off, another one is put on and taken off, and the first one comes back. From
- * then on, the state is that of a line on which the first wire stayed, bit for bit. */
+/* A wire is withdrawn and taken off the line, another wire is put on and taken off, and the first wire is put
+ * on again. From then on, the state is bit for bit that of a line on which the first wire stayed all the
+ * time. */
 static void tool_that_came_by_exchange_is_the_tool_that_stayed(void **context)
 {
     (void)context;
@@ -293,8 +297,9 @@ static void nothing_passes_over_a_hub(void **context)
     free(r);
 }
 
-/* The tool that leads alone is replaced at the shortest length of the line. The new one then goes in as far
- * as the same tool on a line that began with it, but for what the hand slips at the end of the line, 2 mm. */
+/* The only tool on the line is replaced when the line is as short as it can be. The new tool can then be
+ * inserted as far as the same tool on a line that began with it; the test allows 2 mm, by which the hand
+ * slips at the end of the line. */
 static void last_tool_can_be_replaced_but_not_taken_off(void **context)
 {
     (void)context;
@@ -315,7 +320,7 @@ static void last_tool_can_be_replaced_but_not_taken_off(void **context)
     free(fresh);
 }
 
-/* A guide is swapped over a wire that stays where it is: the tip of the wire moves by less than 0.2 mm. */
+/* A guide is exchanged over a wire that is not withdrawn: the tip of the wire moves by less than 0.2 mm. */
 static void guide_is_swapped_over_the_wire(void **context)
 {
     (void)context;
@@ -376,8 +381,8 @@ static void second_balloon_is_refused(void **context)
     free(r);
 }
 
-/* Friction holds between a wire and the guide around it when the position between them is free: the two lines
- * behave alike to the bit, whichever position the guide has. */
+/* Friction acts between a wire and the guide around it even if the position between them is free: the results
+ * are equal bit for bit, whichever position the guide has. */
 static void free_position_between_two_tools_changes_nothing(void **context)
 {
     (void)context;
@@ -404,7 +409,8 @@ static void free_position_between_two_tools_changes_nothing(void **context)
     reference_tube_free(tube);
 }
 
-/* A saved state names the tools on the line, so it can be restored into a model whose line is another one. */
+/* A saved state contains the numbers of the tools on the line, so the state can be restored into a model with
+ * other tools on its line. */
 static void saved_line_is_restored_bit_for_bit(void **context)
 {
     (void)context;
@@ -459,7 +465,8 @@ static void lines_that_cannot_be_are_not_restored(void **context)
     reference_tube_free(tube);
 }
 
-/* Before the first exchange, the hash does not contain the line, so another line would go unnoticed. */
+/* Before the first exchange, the hash does not contain the tools on the line, so a wrong line in a restored
+ * state would not change the hash. */
 static void another_line_needs_an_exchange(void **context)
 {
     (void)context;
@@ -477,7 +484,7 @@ static void another_line_needs_an_exchange(void **context)
     reference_tube_free(tube);
 }
 
-/* Any exchange enters the hash, also one that leaves every other word as it was. */
+/* Every exchange changes the hash, even an exchange that leaves all other words of the state unchanged. */
 static void exchange_enters_the_hash(void **context)
 {
     (void)context;
@@ -494,8 +501,9 @@ static void exchange_enters_the_hash(void **context)
     reference_tube_free(tube);
 }
 
-/* Random hands and random orders, most of which are refused: no order breaks the state, which a restore
- * checks in full, and every tool stays in the vessel. Bound: the 0.2 mm at which the wall is stiffest. */
+/* Hands move at random and random orders arrive, most of which are refused: a restore, which checks the whole
+ * state, accepts the state after every order, and every tool stays in the vessel. The allowed depth in the
+ * wall is 0.2 mm, the depth at which the wall is stiffest. */
 static void random_orders_never_break_the_line(void **context)
 {
     (void)context;

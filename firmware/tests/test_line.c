@@ -83,10 +83,9 @@ static void a_tip_anywhere_in_a_cell_gives_the_series_average(void **context)
     check_divided_cell(5e-6, 5e-4, 1000);
 }
 
-/* The twist stiffness of a wire grows 500 times over 300 mm, and keeps its value GJ(arc) / cell at the tip of
- * the catheter around the wire. The tolerance of 2 % allows for the change of stiffness that the taper causes
- * over one cell.
- */
+/* The twist stiffness of a wire grows by a factor of 500 over 300 mm, and keeps its value GJ(arc) / cell at
+ * the tip of the catheter around the wire. The tolerance of 2 % allows for the change of stiffness that the
+ * taper causes over one cell. */
 static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
 {
     (void)context;
@@ -168,10 +167,10 @@ static void a_twist_beyond_the_joints_format_is_refused(void **context)
     check_refused(&tool, 1, CRN_BUILD_OVERFLOW, 0, 0);
 }
 
-/* This tool has a bending stiffness of 1e-7 N m^2 over its first 100 mm and of 3e-2 N m^2 behind them. With
- * elements of 8 mm, each of the two stiffnesses alone would be allowed. No single exponent of the number
- * format represents both stiffnesses with enough bits; the computed shape of the tip would be noise, so the
- * core refuses the tool. */
+/* The tool of this test has a bending stiffness of 1e-7 N m^2 over its first 100 mm and of 3e-2 N m^2 behind
+ * them. With elements of 8 mm, each of the two stiffnesses alone would be allowed. No single exponent of the
+ * number format represents both stiffnesses with enough bits; the computed shape of the tip would be noise,
+ * so the core refuses the tool. */
 static void a_tip_too_soft_beside_its_shaft_is_refused(void **context)
 {
     (void)context;

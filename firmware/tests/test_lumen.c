@@ -81,8 +81,8 @@ static void random_bricks(reference_random *random)
     }
 }
 
-/* In this lattice, coarse brick (1,1,0) has level 0. Coarse brick (2,1,0) has level 1, and level 2 in its
- * octant 5. Coarse brick (0,0,0) is deep inside the lumen. */
+/* In the lattice of these tests, coarse brick (1,1,0) has level 0. Coarse brick (2,1,0) has level 1, and
+ * level 2 in its octant 5. Coarse brick (0,0,0) is deep inside the lumen. */
 static void mixed_levels(void)
 {
     for (int i = 0; i < 12; i++) entries[i] = CRN_LUMEN_ENTRY_OUTSIDE;
@@ -238,8 +238,9 @@ static void known_walls_are_met_within_the_rounding_of_the_samples(void **state)
     }
 }
 
-/* On every border between bricks, the test takes two points 1 LSB apart, one on each side. Between two such
- * points, value and normal may differ only by what a step of 1 nm and the rounding of the weights explain. */
+/* On every border between bricks, the test takes two points 1 LSB apart, one on each side. Between two points
+ * 1 LSB apart, value and normal may differ only by what a step of 1 nm and the rounding of the weights
+ * explain. */
 static void field_is_smooth_across_bricks_and_voxels(void **state)
 {
     (void)state;

@@ -23,8 +23,8 @@ static const double Q30 = 1073741824.0;
 /* --- elastica: FACTS of docs/validation.md, cases 1 and 2 ----------------------------------------------- */
 
 /* The project allows an error of the rod's tip of 0.5 % of the length L at 64 elements; the discretisation
- * alone causes 0.03 %. The program `make bench` runs every stiffness of the range; this test runs the softest
- * rod and a stiff one. */
+ * alone causes 0.03 %. The command `make bench` runs every stiffness of the range; this test runs only the
+ * softest rod and a stiff one. */
 static void tip_loaded_cantilever_takes_the_elastica(void **context)
 {
     (void)context;
@@ -119,7 +119,8 @@ static void wires_pass_the_bends_without_leaving_the_tube(void **context)
     reference_tube_free(tube);
 }
 
-/* This vessel is so narrow that a wire in a trilinear field chatters at 0.4 mm per tick (docs/lumen.md). */
+/* The vessel of this test is so narrow that a wire would chatter by 0.4 mm per tick if the distance field
+ * were trilinear (docs/lumen.md). */
 static void wire_rests_in_a_vessel_of_1_5_mm_radius(void **context)
 {
     (void)context;
@@ -250,12 +251,13 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     reference_tube_free(tube);
 }
 
-/* If the prediction misses a contact in several successive ticks, the node is at the end of the first of
- * these ticks hardly deeper than 0.1 mm in the wall. To keep the node at this depth, the core scales down the
- * deviation of all nodes in that first tick; the core need not solve the equations a second time. The test
- * measures the depth along the wall's normal at the predicted configuration. A displacement of 0.75 mm (the
- * largest in a tick) along the tangent of a wall of 4 mm radius moves the node deeper by another 0.07 mm,
- * which is the test's bound. The largest measured value was 0.0135 mm. */
+/* If the prediction misses a contact in several successive ticks, the node must be hardly deeper than 0.1 mm
+ * in the wall at the end of the first of these ticks. To limit the node's depth to 0.1 mm, the core scales
+ * down the deviation of all nodes in the first tick that misses the contact; the core need not solve the
+ * equations a second time. The test measures the depth along the wall's normal at the predicted
+ * configuration. A displacement of 0.75 mm (the largest in a tick) along the tangent of a wall of 4 mm radius
+ * moves the node deeper by another 0.07 mm, which is the test's bound. The largest measured value was 0.0135
+ * mm. */
 static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 {
     (void)context;

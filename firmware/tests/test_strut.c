@@ -92,7 +92,7 @@ static double place_m(const rig *r, uint32_t node, int axis)
     return crn_state_position(&r->state, node).v[axis] / Q30;
 }
 
-/* Counts the nodes between the stent's rings that are at least a millimetre from either end. */
+/* Returns whether a node is between the stent's ends and at least a millimetre from either end. */
 static bool is_in_stent(const rig *r, uint32_t node)
 {
     const double x_m = place_m(r, node, 0);
@@ -267,7 +267,7 @@ static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
 
 /* In this test the stent lies beneath the wire, which rests on the stent's outer surface. This wire is
  * stiffer than the one in the test of a wire inside the stent. A softer wire would bend between sheath and
- * stent, and lift its part beyond. */
+ * stent, and its part beyond this bend would lift off the stent. */
 static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 {
     (void)state;

@@ -384,7 +384,7 @@ static double resting_torque(double friction, double sliding_m_s)
 }
 
 /* A wire that lies on the floor of a tube resists turning with the torque mu N r. The force N is the wire's
- * weight less the weight that the sheath supports. The sheath supports two thirds of the span (72 EI h /
+ * weight minus the weight that the sheath supports. The sheath supports two thirds of the span (72 EI h /
  * w)^(1/4) = 123 mm from a height of 2 mm. The tolerance is 8 %. */
 static void the_wall_resists_turning_with_mu_n_r(void **context)
 {
@@ -438,7 +438,7 @@ static const tool_plan three_shaped[] = {{1e-5, 5e-4, 66, 20, 445, 0, 0.1, 0},
                                          {2e-4, 5e-4, 30, 40, 800, 500, 0.1, 0.05},
                                          {5e-4, 8e-4, 15, 40, 1150, 850, 0.1, 0.05}};
 
-/* The program `make bench` runs this test with a million ticks and prints the result in the row
+/* The command `make bench` runs this test with a million ticks and prints the result in the row
  * hands.length_error_max_pct. */
 static void random_hands_keep_three_tools_in_the_vessel(void **context)
 {
@@ -483,7 +483,7 @@ static void three_tools_are_restored_bit_for_bit(void **context)
 }
 
 /* The core keeps the combined properties of the nested tools from tick to tick. After the tools have slid,
- * these properties must equal the values that are computed from nothing. */
+ * the stored combined properties must equal the properties that the core computes anew. */
 static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
 {
     (void)context;

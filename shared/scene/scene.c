@@ -43,8 +43,8 @@ static bool is_little_endian(void)
 }
 
 static const uint8_t magic[8] = {'C', 'R', 'N', '-', 'S', 'C', 'N', 0};
-/* Scenes that were made before the project was renamed begin with this mark, and differ from newer scenes in
- * nothing else. */
+/* Scenes that were made before the project was renamed begin with the mark `earlier_magic`; apart from this
+ * mark, old and new scenes have the same format. */
 static const uint8_t earlier_magic[8] = {0x53, 0x45, 0x4c, 0x44, 'S', 'C', 'N', 0};
 
 /* Returns true also for a file that is shorter than the mark, if all bytes of the file equal the first bytes

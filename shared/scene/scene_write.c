@@ -30,7 +30,7 @@ size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count)
     return (size_t)padded(total);
 }
 
-/* Returns the oldest version of the scene format whose readers can read this part. */
+/* Returns the minor number of the oldest version of the scene format that has parts like the given one. */
 static uint16_t minor_of_part(const crn_scene_part *part)
 {
     if (part->type == CRN_SCENE_ENTRY && part->size == CRN_SCENE_ENTRY_START_BYTES) return 6;

@@ -1,5 +1,5 @@
 /* This header has functions that read and write little-endian values within the limits of a buffer. A writer
- * whose buffer is full and a reader that has no more bytes stop for good and report the error; they never
+ * whose buffer is full and a reader that has no more bytes stop permanently and report the error; they never
  * touch a byte outside their buffers. */
 #ifndef CRN_WIRE_BYTES_H
 #define CRN_WIRE_BYTES_H

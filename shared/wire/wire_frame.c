@@ -161,8 +161,8 @@ crn_wire_event crn_wire_decoder_push(crn_wire_decoder *decoder, uint8_t byte)
         append(decoder, byte);
         return CRN_WIRE_NEED_MORE;
     }
-    /* Handles a code byte. This byte begins a COBS block, and the previous block ended with a zero, unless
-     * that block was full or this byte is the first. */
+    /* Handles a code byte. A code byte begins a COBS block, and the previous block ended with a zero, unless
+     * the previous block was full or this code byte is the first. */
     if (!decoder->block_full) append(decoder, 0);
     decoder->block_left = (uint8_t)(byte - 1);
     decoder->block_full = byte == 255;

@@ -57,8 +57,8 @@ void bench_tick(bench *b)
     b->edge++;
 }
 
-/* This hand motion is faster than the tool may be fed, so the coupling between hand and tool exerts a force.
- */
+/* The hand moves 1 mm per tick, which is faster than the tool may be fed, so the coupling between hand and
+ * tool exerts a force. */
 bool bench_push(bench *b, int32_t axial_mN)
 {
     for (int i = 0; i < 400; i++) {

@@ -25,7 +25,7 @@ reference_motion *reference_motion_make(reference_map map, const double *low_m, 
 void reference_motion_free(reference_motion *motion);
 
 /* Finds the point X of the reference pose that the map moves to x, by fixed-point iteration. The displacement
- * w(x) = X - x is then exact. */
+ * w(x) = X - x from this point is exact. */
 void reference_pull(reference_map map, const double *x_m, double phase, double breath, double *X_m);
 
 /* Returns the contraction of a heart whose largest contraction is 1. The value is 0 at phase 0 (end of
@@ -43,9 +43,9 @@ void reference_beating_sphere(const double *X_m, double phase, double breath, do
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 
-/* Makes displacement lattices as steep as those of the shipped heart, without a closed form. In these
- * lattices, every point moves by up to 5 mm along each axis in a heartbeat, with waves of 250 mm, and by 3.2
- * mm in a breath. The motion fades to 0 over the four outer cells of the box. */
+/* Makes displacement lattices as steep as those of the shipped heart, without a closed form. In the lattices
+ * of reference_waves_make, every point moves by up to 5 mm along each axis in a heartbeat, with waves of 250
+ * mm, and by 3.2 mm in a breath. The motion fades to 0 over the four outer cells of the box. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30);
 
 /* Makes a 0.014 in wire of 400 mm with a soft tip. */

@@ -57,7 +57,8 @@ static inline int safety_bench_find(safety_bench *bench, int edges)
     return 0;
 }
 
-/* Sets up the same rig with powered motors, and runs it until the power stage drives them. */
+/* Sets up the rig of safety_bench_rest, but with powered motors, and runs timer edges until the power stage
+ * drives the motors. */
 static inline void safety_bench_drive(safety_bench *bench)
 {
     safety_bench_rest(bench);

@@ -72,7 +72,7 @@ static double point_distance_squared(const double *p, const double *q)
 }
 
 /* Returns the distance to the nearest of every eighth point of the path, which is an upper bound of the
- * distance to the path. The jump to the second branch is no segment. */
+ * distance to the path. The jump from the first branch to the second branch is not a segment of the path. */
 static double bound_m(const reference_tube *tube, const double *p, uint32_t from, uint32_t to)
 {
     double best = 1e18;

@@ -11,13 +11,13 @@
 
 #include "shared/scene/tests/scene_sample.h"
 
-/* In the sample scene, META is at 32 + 48 = 80, ENTRY at 336, LUMEN at 368. Its bodies: BODY 336, 496. */
+/* The sample scene has META at byte 32 + 48 = 80, ENTRY at 336, LUMEN at 368; its bodies at 336, 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
-/* A vessel tree adds a table row; TREE has the branches at bytes 16 and 80, and the points at byte 144. */
+/* A vessel tree adds a table row. The section TREE has branches at bytes 16 and 80, points at byte 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
-/* In a file with lesions, the table has one more row, and LESIONS begins after the TREE of 224 bytes. */
+/* Lesions add another table row, and the section LESIONS begins after the section TREE of 224 bytes. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
-/* In the moving scene, META is at 112 = 32 + 80, LUMEN at 400 .. 3468, and MOTION at 3472 .. 7716. */
+/* The moving scene has META at byte 112 = 32 + 80, LUMEN at 400 .. 3468, and MOTION at 3472 .. 7716. */
 enum { MOTION_AT = 3472, BREATH_AT = 7728 };
 
 static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
@@ -146,7 +146,7 @@ static void a_tree_gives_back_what_was_written(void **state)
     assert_int_equal(crn_scene_u32(renal.points + 12), 3000);
 }
 
-/* Only files that contain a vessel tree require a reader that can read trees. */
+/* Only a file that contains a vessel tree has the version number that requires a reader for trees. */
 static void a_file_without_a_tree_is_of_the_old_version(void **state)
 {
     (void)state;
@@ -448,7 +448,7 @@ static void a_motion_of_an_older_format_is_refused_by_name(void **state)
     refuses_word(10, 2, 3, CRN_SCENE_MOTION_OLDER, 10);
 }
 
-/* In the scene with plaques, LUMEN is at 384 .. 3452, after a table of 64 bytes, and PLAQUES follows. */
+/* The scene with plaques has LUMEN at bytes 384 .. 3452, after a table of 64 bytes; PLAQUES follows. */
 enum { PLAQUES_AT = 3456, PLAQUE_AT = PLAQUES_AT + 16, STATIONS_AT = PLAQUE_AT + 80 };
 
 static int make_diseased_scene(void **state)
