@@ -134,9 +134,8 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
 
 static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}};
 
-/* If a message describes no line (no order of the tools in each other), the line has all tools of the table,
- * in the table's order. Returns the number of positions on the line, or 0 if the line would have too many
- * tools. */
+/* If a message does not say which tools are on the line, the line has all tools of the table, in the table's
+ * order. Returns the number of positions on the line, or 0 if the line would have too many tools. */
 static uint32_t line_from_wire(const crn_wire_tools *wire, uint32_t line[CRN_TOOL_MAX])
 {
     const uint16_t count = wire->line_count > 0 ? wire->line_count : wire->tools_count;

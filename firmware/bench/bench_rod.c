@@ -239,8 +239,9 @@ static double run_coronary(const bench_case *self)
 }
 
 /* Returns the longest time, in ms, that an exchange of tools and the next tick take together; in this tick
- * the core combines the tools of the line anew. The device cannot compute any other tick in this time. A wire
- * and a guide are inserted by 256 elements, and the position between them gets two catheters in turn. */
+ * the core combines the tools of the line anew. The device cannot compute another tick while the exchange and
+ * this tick run. A wire and a guide are inserted by 256 elements, and two catheters are put in turn on the
+ * position between them. */
 static double run_exchange(const bench_case *self)
 {
     enum { TABLE = 8, EXCHANGES = 200 };

@@ -232,7 +232,7 @@ typedef struct crn_exchange_order {
 } crn_exchange_order;
 
 /* Lists the reasons for which an exchange of tools is refused, in the order in which the code checks them.
- * The wire protocol has a text for each reason (shared/wire/wire_exchanges.def). */
+ * The wire protocol has a text for each reason of a refusal (shared/wire/wire_exchanges.def). */
 typedef enum crn_exchange_status {
     CRN_EXCHANGE_DONE = 0,
     CRN_EXCHANGE_NO_POSITION, /* the line does not have this position */
@@ -308,7 +308,7 @@ uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
  * not have. The function crn_model_stations returns the number of points along a lesion that a balloon can
  * open, or 0 if no lesion has the given number. The function crn_state_scaffold opens points of a lesion at
  * once and holds them open permanently. The function crn_state_scaffold returns false if the lesion does not
- * have these points. */
+ * have the given points. */
 int32_t crn_state_open(const crn_state *state, uint32_t lesion, uint32_t station);
 uint32_t crn_model_stations(const crn_model *model, uint32_t lesion);
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order);

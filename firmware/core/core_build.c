@@ -189,7 +189,7 @@ static int32_t bend_at(const crn_tool *tool, uint32_t span, int32_t arc_m_q30)
 }
 
 /* Returns the largest bending stiffness EI that tool k can have at arc length `arc_m_q30` behind the leading
- * tip, for any position of the tool. The result is the maximum of EI from the tool's own tip to that arc
+ * tip, for any position of the tool. The result is the maximum of EI from the tool's own tip to the given arc
  * length. */
 static int32_t stiffest_until(const crn_tool *tool, int32_t arc_m_q30)
 {
@@ -286,8 +286,8 @@ static crn_build_status choose_exponent(crn_model *model)
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
     /* For a joint that the introducer sheath clips by more than CRN_CLIP_SURE, rod_feed.c keeps the joint's
-     * part of the diagonal entry below 2^28. The other terms of this diagonal entry must also stay below
-     * 2^28, so that the sum stays below 2^29. */
+     * part of the diagonal entry below 2^28. For such a joint, the other terms of the diagonal entry must
+     * also stay below 2^28, so that the sum stays below 2^29. */
     worst_q8 = worst_q8 > 2 * unclipped_q8 ? worst_q8 : 2 * unclipped_q8;
     worst_q8 += (int64_t)(2 * LOAD_RESERVE_N_m) << 8;
     uint32_t exponent = 14;

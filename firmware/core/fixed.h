@@ -110,8 +110,8 @@ static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint
     return (int32_t)(a < 0 ? -most : (most > INT32_MAX ? INT32_MAX : most));
 }
 
-/* a b, exactly. On the Cortex-M7 this product takes one SMULL instruction, even where the compiler would
- * treat a widened operand as a 64-bit value. */
+/* a b, exactly. On the Cortex-M7 the product of two 32-bit numbers takes one SMULL instruction, even where
+ * the compiler would treat a widened operand as a 64-bit value. */
 static inline int64_t crn_product(int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -224,9 +224,8 @@ static inline int32_t crn_round_high64(int64_t a)
 }
 
 /* Returns the low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: the bits
- * above the 32nd are lost; the caller ensures that there are no such bits. Error: exact
- * floor. A 32-bit machine needs three instructions for this function, and nine instructions for a full 64-bit
- * shift. */
+ * above the 32nd are lost; the caller ensures that there are no such bits. Error: exact floor. A 32-bit
+ * machine needs three instructions for crn_narrow64, and nine instructions for a full 64-bit shift. */
 static inline int32_t crn_narrow64(int64_t a, unsigned n)
 {
     if (sizeof(void *) > 4) {

@@ -16,10 +16,10 @@
  *                           (x fastest), one level down. At most CRN_LUMEN_LEVELS - 1 refinements.
  * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of the distance phi. The
  * coefficients are int8 numbers in units of voxel/32, saturated at +-127, that is +-3.97 voxels. Coefficient
- * (i,j,k) belongs to the sample at (i-1, j-1, k-1) + 1/2 voxels from the corner of this brick, so that bricks
- * overlap by one sample on every side. The distances at the sample points themselves are never stored. The
- * program that bakes a scene filters the distances beforehand, so that the spline passes through the true
- * distances.
+ * (i,j,k) belongs to the sample at (i-1, j-1, k-1) + 1/2 voxels from the corner of the coefficient's brick,
+ * so that bricks overlap by one sample on every side. The distances at the sample points themselves are never
+ * stored. The program that bakes a scene filters the distances beforehand, so that the spline passes through
+ * the true distances.
  *
  * The code in shared/scene validates the data before use, because they may come from an attacker. */
 #ifndef CRN_LUMEN_H
@@ -84,8 +84,9 @@ typedef struct crn_lumen_sample {
 } crn_lumen_sample;
 
 /* Returns the same distance to the wall as crn_lumen_contact, bit for bit, but without computing the normal.
- * This distance alone shows whether a node can touch the wall. Format: Q30 m -> Q30 m. The distance is +2^24
- * (15.6 mm) outside the lattice and in bricks marked OUTSIDE, and -2^24 in bricks marked INSIDE. */
+ * The distance without the normal is enough to decide whether a node can touch the wall. Format: Q30 m -> Q30
+ * m. The distance is +2^24 (15.6 mm) outside the lattice and in bricks marked OUTSIDE, and -2^24 in bricks
+ * marked INSIDE. */
 int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
 /* Returns the distance and the inward normal from the triquadratic B-spline (27 coefficients, continuous

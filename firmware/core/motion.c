@@ -221,7 +221,7 @@ crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const 
     return stands_still(pose, world_m_q30) ? *world_m_q30 : pull_inside(motion, pose, world_m_q30);
 }
 
-/* Every lattice node has `row` numbers for each of its three components. For each of these numbers, the
+/* Every lattice node has `row` numbers for each of its three components. For each of the `row` numbers, the
  * function finds the largest |difference|^2 between neighbouring nodes along one axis and adds it to
  * `squares`. Format: coefficients. Overflow is impossible: the displacements of neighbouring nodes differ by
  * at most 2^13 (checked when a scene is loaded). One axis therefore adds at most 3 x 2^26, and three axes add

@@ -99,8 +99,8 @@ typedef struct crn_motion_pose {
     crn_vec3 inhaled_m_q34;  /* b at the last point */
     int32_t low_m_q30[3];    /* a box around both lattices: nothing moves beyond it */
     uint32_t size_m_q30[3];
-    /* This field is the position in the reference pose to which the last call of crn_motion_distance or
-     * crn_motion_contact mapped its point. */
+    /* The field reference_m_q30 is the position in the reference pose to which the last call of
+     * crn_motion_distance or crn_motion_contact mapped its point. */
     crn_vec3 reference_m_q30;
     int32_t gradient_q28[3][3]; /* I + dw_i/dx_j there, once it has_gradient */
     bool has_gradient;
@@ -136,8 +136,9 @@ int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_m
 /* Returns a lower bound of the distance that crn_motion_contact gives at the same point; at the wall or
  * beyond the wall, this bound is at least 0. Inside the lumen, the bound is the distance in the reference
  * pose divided by a limit on the factor by which the motion increases a gradient. The caller gives in
- * `shrink_q30` the reciprocal of a limit on this factor that holds at every point. If this general limit
- * gives a distance of `far_m_q30` or more, the function uses the more exact limit at this point instead. */
+ * `shrink_q30` the reciprocal of a limit on the factor by which the motion increases a gradient; this limit
+ * holds at every point. If the general limit from `shrink_q30` gives a distance of `far_m_q30` or more, the
+ * function uses the more exact limit at the given point instead. */
 int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                             const crn_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30);
 

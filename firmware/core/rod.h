@@ -93,7 +93,7 @@ static inline bool crn_has_tool(const crn_state_words *words, uint32_t position)
     return words->exchange.line[position] != 0;
 }
 
-/* Returns the position of the tool around tool k, which is k + 1 unless free positions lie between. The
+/* Returns the position of the tool around tool k, which is k + 1 unless the position k + 1 is free. The
  * caller ensures that k is not the outermost position. */
 static inline uint32_t crn_tool_around(const crn_model *model, const crn_state_words *words, uint32_t k)
 {
@@ -174,12 +174,12 @@ void crn_rod_stretch(const crn_model *model, crn_state *state);
 void crn_rod_bend(const crn_model *model, crn_state *state);
 
 /* Returns the number of nodes from the tip that move as one rigid body in this tick, at most free_count - 1
- * (rod_tip.c). The function also predicts how far the tip's rotation displaces each of these nodes, and
- * writes the displacement to `slide_m_q33` of the scratch memory. */
+ * (rod_tip.c). The function also predicts how far the tip's rotation displaces each node of the rigid part,
+ * and writes the displacement to `slide_m_q33` of the scratch memory. */
 uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free_count);
 
-/* Adds a correction to the shift of the nodes between the tip and edge i. With this correction the edge has
- * the same length at the predicted configuration x* as at the present configuration x (rod_length.c).
+/* Adds a correction to the shift of the nodes between the tip and edge i. The correction makes the edge as
+ * long at the predicted configuration x* as it is at the present configuration x (rod_length.c).
  * `slide_m_q33` is node i's slide without this correction; node i + 1 is already at x*. */
 void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint32_t i,
                            const crn_vec3 *slide_m_q33, crn_vec3 *shift_m_q33);
@@ -202,8 +202,9 @@ static inline const crn_joint *crn_rod_joint(const crn_state *state, uint32_t i)
 void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q30, const crn_vec3 *axis1,
                        const crn_vec3 *tangent, crn_vec3 *half);
 
-/* Returns the displacement of the surface of a tool of this radius when the tool turns. Format: Q30 m x Q30
- * rad -> Q33 m. Overflow is impossible: the displacement of the surface is at most 2 mm x 0.5 rad = 1 mm. */
+/* Returns the displacement of the surface of a tool of the given radius when the tool turns. Format: Q30 m x
+ * Q30 rad -> Q33 m. Overflow is impossible: the displacement of the surface is at most 2 mm x 0.5 rad = 1
+ * mm. */
 static inline int32_t crn_surface_way(int32_t radius_m_q30, int32_t turn_q30)
 {
     return (int32_t)(((int64_t)radius_m_q30 * turn_q30 + (1 << 26)) >> 27);

@@ -245,7 +245,7 @@ static void clear(crn_node_state *node)
 
 /* Returns the node's distance to the wall at the predicted configuration as if all lesions were closed. If
  * lesions are open, the true distance is at least as large as the returned one. For a moving wall the
- * function returns a lower bound of this distance, which is at least 0 at the wall or beyond the wall. */
+ * function returns a lower bound of the distance; at the wall or beyond it, the bound is at least 0. */
 static inline int32_t wall_distance(const crn_model *model, crn_state *state, const crn_work *work,
                                     int32_t far_m_q30)
 {
@@ -278,8 +278,8 @@ static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, cons
     return predicted > depth_m_q30 ? predicted : depth_m_q30;
 }
 
-/* Of stent struts and wall, the surface in which a node is deeper becomes the node's first contact. The
- * shallower of these two surfaces becomes the second contact if the node touches this surface, too. */
+/* Of stent struts and wall, the surface in which a node is deeper becomes the node's first contact. The other
+ * of these two surfaces becomes the second contact if the node touches it, too. */
 CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_work *work,
                                  const crn_line_node *line, bool is_at_wall)
 {

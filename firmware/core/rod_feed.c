@@ -29,12 +29,12 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
     return limit > CRN_FEED_MAX_M_Q30 ? CRN_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
-/* Returns the compliance that the hand feels, which is its displacement per newton, in Q40 m/N. This value is
- * the compliance of the wall and of the tool's free part, or a smaller compliance that was observed in the
- * last ticks. The observed compliance is smaller than that of the whole wire if the wall's friction holds the
- * front of the wire, because the hand then moves only the part of the wire behind this place. The observed
- * compliance may grow by only 1/128 per tick. A single tick in which the tool moves easily (after a snap or a
- * pause) therefore does not make a stiff tool seem soft (docs/rod.md, "stall"). */
+/* Returns the compliance that the hand feels, that is, the hand's displacement per newton, in Q40 m/N. The
+ * returned value is the compliance of the wall and of the tool's free part, or a smaller compliance that was
+ * observed in the last ticks. The observed compliance is smaller than that of the whole wire if the wall's
+ * friction holds the front of the wire, because the hand then moves only the rear part of the wire. The
+ * observed compliance may grow by only 1/128 per tick. A single tick in which the tool moves easily (after a
+ * snap or a pause) therefore does not make a stiff tool seem soft (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
@@ -57,8 +57,8 @@ static uint32_t line_compliance(const crn_state *state)
 
 /* Limits the feed of a tool so that the force on the user's hand stays within its limit. The function also
  * limits the feed of the leading tip, so that the sum of the forces on all hands stays within its limit.
- * Without this second limit, the forces of two tools whose tips touch the same wall would rise from tick to
- * tick, because each tool would increase the force on the other. */
+ * Without the limit of the leading tip's feed, the forces of two tools whose tips touch the same wall would
+ * rise from tick to tick, because each tool would increase the force on the other. */
 static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32_t k, int32_t feed_m_q30)
 {
     const crn_state_words *words = &state->words;
@@ -73,9 +73,9 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
 }
 
 /* Returns the feed of one tool in this tick, in Q30 m. The hand may move ahead of its tool by four times the
- * largest feed of a tick. A hand that moves farther ahead of its tool than this limit slips, as a hand slips
- * on a wire or a wire slips in the rig's rollers. A tool stalls (is not fed further) when it pushes or pulls
- * as hard as a hand can. */
+ * largest feed of a tick. A hand that moves farther ahead of its tool than four times the largest feed slips,
+ * as a hand slips on a wire or a wire slips in the rig's rollers. A tool stalls (is not fed further) when it
+ * pushes or pulls as hard as a hand can. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
@@ -144,7 +144,7 @@ static void turn_bases(const crn_model *model, crn_state *state, const crn_input
     }
 }
 
-/* Returns the position of a node inside the introducer sheath, which lies on the sheath's axis, at the
+/* Returns the position of a node inside the introducer sheath. The node lies on the sheath's axis, at the
  * distance arc - s behind the sheath's distal end. */
 static crn_vec3 position_inside(const crn_model *model, int32_t inserted_m_q30, uint32_t node)
 {
@@ -226,10 +226,10 @@ static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 
     return square_q28;
 }
 
-/* Computes the slide T / T^2 ds of a node in a fold (a sharp bend). Along each of its two edges, this slide
- * moves the node as far as the other end of the edge moves. For bends of a right angle or more, the slide in
- * a fold is limited to twice the slide of a straight tool. Overflow is impossible, because a slide of 0.5 mm
- * becomes at most 0.71 mm. */
+/* Computes the slide T / T^2 ds of a node in a fold (a sharp bend). The slide in a fold moves the node along
+ * each of its two edges as far as the other end of this edge moves. For bends of a right angle or more, the
+ * slide in a fold is limited to twice the slide of a straight tool. Overflow is impossible, because a slide
+ * of 0.5 mm becomes at most 0.71 mm. */
 CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 {
     const int32_t factor_q28 = square_q28 > 1 << 27 ? crn_quotient(1 << 28, square_q28, 28) : 1 << 29;
@@ -328,9 +328,10 @@ static int32_t clip_room(const crn_joint *joint)
 
 /* Each of the two joints at the introducer sheath's distal end represents only that part of its cell that
  * lies outside the sheath. The stiffness W of a clipped joint therefore grows by the factor cell / part, and
- * the joint's rest rotation shrinks by the factor part / cell. The number format determines how small the
- * part of a cell may be that remains outside the sheath. If the remaining part of a cell is smaller than this
- * limit, the joint bends as if the tool outside the sheath were longer by the difference. */
+ * the joint's rest rotation shrinks by the factor part / cell. The number format of the matrix limits how
+ * small the part of a cell outside the sheath may be. If the part of a cell outside the sheath is smaller
+ * than the number format allows, the joint bends as if the tool outside the sheath were longer by the
+ * difference. */
 static void clip_joint(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     crn_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];

@@ -1,9 +1,9 @@
 /* This file computes the reference and material axes of the edges at the predicted configuration.
  *
- * Each edge has a reference axis u, which all tools share. The code carries this axis over from edge to edge,
- * from the introducer sheath to the tip, without rotation about the tangent (Bishop frame). A tool's material
- * axis is d1 = cos(angle) u + sin(angle) (t x u), so the twist of a joint is simply the difference of two
- * angles (docs/rod.md, "twist"). */
+ * Each edge has a reference axis u, which all tools share. The code carries the reference axis u over from
+ * edge to edge, from the introducer sheath to the tip, without rotation about the tangent (Bishop frame). A
+ * tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), so the twist of a joint is simply the
+ * difference of two angles (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -28,8 +28,8 @@ void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent)
     }
 }
 
-/* Carries the reference axis over to the next edge across a sharp bend. Up to a bend of 139 degrees the exact
- * factor is used; beyond that angle the old axis is only projected. */
+/* Carries the reference axis over to the next edge across a sharp bend. Up to a bend of 139 degrees the axis
+ * is transported exactly; beyond that angle the old axis is only projected. */
 static crn_vec3 transport_sharply(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to, int32_t tilt,
                                   int32_t lack)
 {

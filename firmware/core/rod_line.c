@@ -65,8 +65,8 @@ static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
 }
 
 /* Limits the rest rotation of a cell to 1.2 rad, which the number format and the limit of the joint's force
- * permit. The file core_build.c refuses a tool whose stress-free shape turns by more than this limit in one
- * of the tool's own cells. A hook-shaped tip reaches this limit of 1.2 rad only inside a stiffer tool that
+ * permit. The file core_build.c refuses a tool whose stress-free shape turns by more than 1.2 rad in one of
+ * the tool's own cells. A hook-shaped tip reaches this limit of 1.2 rad only inside a stiffer tool that
  * extends farther, because there the mesh has the long cells of that tool's shaft. */
 static int32_t limit_turn(int32_t turn_q30)
 {

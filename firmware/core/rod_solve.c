@@ -69,7 +69,7 @@ static inline void invert(const crn_sym3 *d, inverse3 *inverse)
     }
     int64_t determinant = (int64_t)xx * m[XX] + (int64_t)xy * m[XY] + (int64_t)xz * m[XZ];
     /* For an instrument far softer than the step of the number format, the determinant could fall below 2^31;
-     * this lower limit keeps every shift in range. */
+     * the lower limit of 2^31 keeps every shift in range. */
     const int64_t least = (int64_t)1 << 31;
     determinant = determinant < least ? least : determinant;
     unsigned lead = clz64((uint64_t)determinant); /* 3 .. 32 */
@@ -168,10 +168,10 @@ static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
 
 /* Adds the stiffness of a touching node, k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T), where t' is
  * the tangent across n. A step across the normal n and the tangent t' turns the direction of the normal
- * force, because the wall is round. Without k_r = N / r, such a step would oscillate for ever where there is
- * no friction (docs/rod.md, "contact"). With b = n x t and c = n.t, the last bracket I - n n^T - t' t'^T is b
- * b^T + c^2 (I - n n^T). If a tip touches the wall head on, there is no tangent t' across n, and k_r then
- * acts in all directions across n. */
+ * force, because the wall is round. Without k_r = N / r, a step across the normal would oscillate for ever
+ * where there is no friction (docs/rod.md, "contact"). With b = n x t and c = n.t, the last bracket I - n n^T
+ * - t' t'^T is b b^T + c^2 (I - n n^T). If a tip touches the wall head on, there is no tangent t' across n,
+ * and k_r then acts in all directions across n. */
 static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_sym3 *d)
 {
     const crn_vec3 *n = &work->normal_q30;

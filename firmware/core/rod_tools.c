@@ -142,7 +142,7 @@ static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *her
 
 /* The length over which a tool bears on the tool around it depends on clearance and stiffness. For a wire in
  * a catheter this length is about 3 mm (sqrt(2 EI delta / M) with a clearance delta of 0.05 mm, docs/rod.md).
- * If a tool bore on the other tool at a single point, a finer mesh would give a larger pressing force where
+ * If the pressing force were not spread over the bearing length, a finer mesh would give a larger force where
  * the moment has a step. */
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
 {

@@ -220,10 +220,10 @@ static crn_vec3 unit_of(const crn_vec3 *way)
     return crn_vec3_normalise(*way, none, NULL);
 }
 
-/* Returns the struts' cross-section at a point between two neighbouring rings of a stent. Each ring has a
- * plane perpendicular to the stent's axis, and the point lies between these two planes. Overflow is
- * impossible, because a point within the box around two rings is less than 2^26 (Q30 m) from each of the
- * rings. */
+/* Returns the struts' cross-section at a point between two neighbouring rings of a stent. Each of the two
+ * rings lies in a plane perpendicular to the stent's axis, and the point lies between the two planes.
+ * Overflow is impossible, because a point within the box around two rings is less than 2^26 (Q30 m) from each
+ * of the rings. */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
                                const crn_vec3 *off_a, const crn_vec3 *off_b)
 {
@@ -245,7 +245,7 @@ static section section_between(const crn_strut_ring *ring, const crn_vec3 *first
 }
 
 /* Finds the struts' cross-section for a point that lies between ring i and the next ring. Returns false when
- * the point does not lie between these two rings. The code tests the signs of the dot products first, because
+ * the point does not lie between the two rings. The code tests the signs of the dot products first, because
  * these signs exclude all but one or two of the pairs of rings near a point. */
 static bool section_at(const crn_strut_state *struts, uint32_t i, const crn_vec3 *place, section *at)
 {

@@ -2,8 +2,8 @@
 #include "firmware/core/vector.h"
 
 /* Returns a b - c d, rounded once. Overflow is impossible before saturation, because |a b - c d| <= 2^63 -
- * 2^31. The code adds the highest bit that the shift drops only after the shift, so that rounding cannot
- * overflow. */
+ * 2^31. To round the result, the code shifts first and then adds the highest bit that the shift dropped, so
+ * that the addition cannot overflow. */
 static int32_t minor_2x2(int32_t a, int32_t b, int32_t c, int32_t d, unsigned n)
 {
     int64_t difference = (int64_t)a * b - (int64_t)c * d;

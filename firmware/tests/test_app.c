@@ -1,5 +1,5 @@
 /* These tests check the app through the bytes of the simulated port: states and modes follow the diagram of
- * app.h, refusals have a typed code and change nothing, and encoder jumps stop the session. The tests also
+ * app.h, refusals have an error code and change nothing, and encoder jumps stop the session. The tests also
  * check that forces stay within their limits, and that a session restored from a snapshot continues with
  * exactly the same results. */
 #include <setjmp.h>

@@ -198,8 +198,9 @@ static void shake(int tick)
 }
 
 /* If a spring is computed only once a tick, a hand that shakes by 0.5 mm from tick to tick gains energy from
- * the spring. The passivity observer detects this energy, removes the force and reports the fault. If the
- * hand then pushes on, it gives back the energy that it gained, and the session continues. */
+ * the spring. The passivity observer detects the energy that the hand gains, removes the force and reports
+ * the fault. If the hand then pushes on, it gives back the energy that it gained, and the session
+ * continues. */
 static void forces_that_give_energy_are_reduced(void **state)
 {
     (void)state;

@@ -137,7 +137,8 @@ static void a_power_stage_that_does_not_go_off_is_told(void **state)
 }
 
 /* In this test the device is already in the state FAULT for another cause, and the device keeps reporting
- * that cause. The fault log still records, once, that a person must switch off the supply by hand. */
+ * that cause. The fault log still records the stuck power stage once, because a person must then switch off
+ * the supply by hand. */
 static void a_stage_that_does_not_go_off_in_a_fault_is_told_too(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* These tests check the messages that the device sends without a request. When the pipe to the host is full,
- * the device in FREE_RUN drops a picture rather than a tick, and reports the loss. Notices report which event
- * happened at which tick, and a STOP takes effect at the tick that it names. A replay of a FREE_RUN session
- * in LOCKSTEP gives the same results bit for bit. */
+ * the device in FREE_RUN drops a picture of the tools rather than a tick, and reports the loss. Notices
+ * report which event happened at which tick, and a STOP takes effect at the tick that it names. A replay of a
+ * FREE_RUN session in LOCKSTEP gives the same results bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* These tests check several nested tools through bytes on the simulated port. Each hand moves its own tool;
- * set-up of the tools succeeds or fails as a whole and names the tool at fault. The device sends the forces
- * of the vessel wall on request. */
+ * the set-up of the tools succeeds or fails as a whole, and a refused set-up names the tool at fault. The
+ * device sends the forces of the vessel wall on request. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -201,10 +201,11 @@ static double aside_mm(const rig *r)
 
 /* In free space no vessel presses on the balloon, so the hand feels only the weight. The balloon is modelled
  * as a row of balls (spheres). If a ball leaves the sheath or another tool, its centre begins on the tools'
- * centreline at that point. In an earlier version, the centre of such a ball began at the origin of the
- * patient frame, some 300 mm away from the tool, and a spring of 2 N/mm tied the ball to the tool. The
- * earlier version gave 512 N at the hand, a length error of 9.5 %, and a depth of 3.5 mm in the wall of the
- * shipped scene. The limits in this test are a few times larger than the values that the test prints. */
+ * centreline at the point where the ball leaves. In an earlier version, the centre of a ball that left the
+ * sheath began at the origin of the patient frame, some 300 mm away from the tool, and a spring of 2 N/mm
+ * tied the ball to the tool. The earlier version gave 512 N at the hand, a length error of 9.5 %, and a depth
+ * of 3.5 mm in the wall of the shipped scene. The limits in this test are a few times larger than the values
+ * that the test prints. */
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;

@@ -381,7 +381,7 @@ static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t l
 }
 
 /* The host gives the device an address, reads its descriptors and configures it. A frame that the host sends
- * through the bulk endpoints comes back, as with the token mailbox (docs/usb.md). */
+ * through the bulk endpoints comes back to the host, as in the test with the token mailbox (docs/usb.md). */
 static void the_stack_enumerates_and_talks_on_this_controller(void **state)
 {
     (void)state;

@@ -501,9 +501,9 @@ static void exchange_enters_the_hash(void **context)
     reference_tube_free(tube);
 }
 
-/* Hands move at random and random orders arrive, most of which are refused: a restore, which checks the whole
- * state, accepts the state after every order, and every tool stays in the vessel. The allowed depth in the
- * wall is 0.2 mm, the depth at which the wall is stiffest. */
+/* Hands move at random, and random orders arrive, most of which are refused. After every order a restore,
+ * which checks the whole state, accepts the state, and every tool stays in the vessel. The allowed depth in
+ * the wall is 0.2 mm, the depth at which the wall is stiffest. */
 static void random_orders_never_break_the_line(void **context)
 {
     (void)context;

@@ -171,9 +171,9 @@ static void a_buckled_wire_in_the_aorta_is_quiet(void **state)
 }
 
 /* The control case is a coupling of twice the allowed stiffness, which the device accepts because the host
- * claims more damping than the rig has. This coupling oscillates at the end wall in a loosely gripping hand.
- * The device detects the oscillation, by the sustained cycle in the hand or by the measured force, and
- * removes the power. */
+ * claims more damping than the rig has. A coupling of twice the allowed stiffness oscillates at the end wall
+ * if the hand grips the handle loosely. The device detects the oscillation, by the sustained cycle in the
+ * hand or by the measured force, and removes the power. */
 static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
 {
     (void)state;

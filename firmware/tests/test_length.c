@@ -97,8 +97,8 @@ static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
 }
 
 /* In this test the solver rotates the first two edges by 0.25 rad to the side. The tolerance of the edges'
- * length is 0.4 %. The correction leaves an error of 0.14 %, which grows with the fourth power of the angle.
- * Without the correction of rod_length.c, each edge would be 3.1 % longer. */
+ * length is 0.4 %. The correction of rod_length.c leaves an error of 0.14 %, which grows with the fourth
+ * power of the angle. Without the correction of rod_length.c, each edge would be 3.1 % longer. */
 static void edges_that_the_solve_swings_keep_their_length(void **context)
 {
     (void)context;

@@ -360,8 +360,8 @@ static void two_hundred_inflations_leave_a_plastic_lesion_at_its_residual(void *
 }
 
 /* After the host has commanded a stent scaffold for some points of the lesion, these points stay open to the
- * commanded extent when the balloon is deflated. A command for points that the lesion does not have has no
- * effect. */
+ * commanded extent when the balloon is deflated. A command for points beyond the last point of the lesion has
+ * no effect. */
 static void a_scaffold_holds_its_stations(void **state)
 {
     (void)state;

@@ -208,8 +208,8 @@ static double push_when_shaken_N(double share)
 
 /* A wire whose weight alternates between zero and twice its normal value needs the same pushing force as a
  * wire of constant weight, because friction follows the mean weight. The tolerance of the pushing force is 20
- * %, because the nodes hop. An earlier version computed friction from the predicted force of a hopping node
- * (5 mN for each micrometre); the pushing force was then 19 times as large as now. */
+ * %, because the nodes hop on the wall. An earlier version computed friction from the predicted force of a
+ * hopping node (5 mN for each micrometre); the pushing force was then 19 times as large as now. */
 static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 {
     (void)context;
@@ -256,8 +256,8 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
  * down the deviation of all nodes in the first tick that misses the contact; the core need not solve the
  * equations a second time. The test measures the depth along the wall's normal at the predicted
  * configuration. A displacement of 0.75 mm (the largest in a tick) along the tangent of a wall of 4 mm radius
- * moves the node deeper by another 0.07 mm, which is the test's bound. The largest measured value was 0.0135
- * mm. */
+ * moves the node deeper by another 0.07 mm, which is the test's bound. The largest measured excess over the
+ * depth of 0.1 mm was 0.0135 mm. */
 static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 {
     (void)context;

@@ -1,8 +1,8 @@
 /* These tests check the device's reactions to time, from the clock's readings alone, without a rod, a scene
  * or the wire protocol. If the processor stops, or the ticks fall behind, the device removes the motor power.
- * If the host is silent, the forces fade within 42 ms. To power the motors, a host must answer with a code.
- * Any answer, right or wrong, uses up this code; the code and the permission to power the motors also expire.
- */
+ * If the host is silent, the forces fade within 42 ms. Before the motors get power, a host must send back a
+ * code that the device has sent. Any answer, right or wrong, uses up the device's code; the code and the
+ * permission to power the motors also expire. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

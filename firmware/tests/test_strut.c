@@ -164,9 +164,9 @@ static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
     assert_false(feel(struts, 27e-3, 1.5e-3, -0.7e-3).is_near);
 }
 
-/* The struts of a stent in a bend of 20 mm radius, which widens by a tenth, follow the torus between the
- * stent's rings. The tolerance allows for the 25 um by which chords of 2 mm deviate from the arc, and for the
- * slope of the cone. */
+/* The stent of this test lies in a bend of 20 mm radius and widens by a tenth; between its rings, the struts
+ * follow the torus. The tolerance allows for the 25 um by which chords of 2 mm deviate from the arc, and for
+ * the slope of the cone. */
 static void a_bent_shell_follows_its_rings(void **state)
 {
     (void)state;
@@ -265,9 +265,9 @@ static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
     free(r);
 }
 
-/* In this test the stent lies beneath the wire, which rests on the stent's outer surface. This wire is
- * stiffer than the one in the test of a wire inside the stent. A softer wire would bend between sheath and
- * stent, and its part beyond this bend would lift off the stent. */
+/* In this test the stent lies beneath the wire, which rests on the stent's outer surface. The wire outside
+ * the stent is stiffer than the wire in the test of a wire inside the stent. A softer wire would bend between
+ * sheath and stent, and its part beyond this bend would lift off the stent. */
 static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 {
     (void)state;
@@ -290,7 +290,7 @@ static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 }
 
 /* One cell of the stent withstands the contact force of one node up to k_c (r + t/2) + k_deep (r + t/2 - 0.2
- * mm), which is 3.25 N here. */
+ * mm), which is 3.25 N in this test. */
 static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
 {
     (void)state;
@@ -343,8 +343,8 @@ static void an_end_sends_a_tip_to_one_side(void **state)
 
 /* --- between struts and wall ---------------------------------------------------------------------------- */
 
-/* The wire lies on the wall of a tube of 2 mm radius. Struts that grow from 1.2 to 1.66 mm leave a gap of
- * 0.26 mm for the wire, which is 0.5 mm thick. */
+/* The wire lies on the wall of a tube of 2 mm radius. Struts whose radius grows from 1.2 to 1.66 mm leave a
+ * gap of 0.26 mm for the wire, which is 0.5 mm thick. */
 static rig *jailed(double friction)
 {
     const crn_instrument tool = wire(1e-6, friction);
@@ -501,7 +501,8 @@ static void what_is_no_order_changes_nothing(void **state)
     free(r);
 }
 
-/* A state that was saved while struts moved continues with the same words and hashes. */
+/* A session that continues from a state saved while struts moved has the same words and hashes as the
+ * uninterrupted session. */
 static void a_restored_state_goes_on_alike(void **state)
 {
     (void)state;

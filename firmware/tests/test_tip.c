@@ -21,8 +21,8 @@ static rig *rig_in_air(const crn_instrument *wire, uint32_t inserted_um)
     return r;
 }
 
-/* Makes a wire with the softest tip and a half circle of this radius at its end; between 80 and 200 mm from
- * the tip, the bending stiffness EI rises to that of the shaft. */
+/* Makes a wire with the softest tip and a half circle of the given radius at its end; between 80 and 200 mm
+ * from the tip, the bending stiffness EI rises to that of the shaft. */
 static crn_instrument make_j(double radius_m, double shaft_N_m2)
 {
     crn_instrument wire = reference_wire(2e-6, 600000, 500, 0.1);
@@ -83,8 +83,8 @@ static void curved_tip_follows_the_hand_in_free_space(void **context)
 
 /* The hand turns a J-shaped tip of 1.5 mm radius (a Rosen wire), which is 200 mm outside the sheath, at half
  * a turn a second. The test measures the angle by which the tip lags behind the hand. The tolerance is 6
- * degrees. The measured lag of the tip is 5.4 degrees, of which the filter of the hand's angle causes 0.7.
- * Before the core predicted the tip's rotation, the tip lagged by 23 degrees. */
+ * degrees. The measured lag of the tip is 5.4 degrees, of which the filter of the hand's angle causes 0.7
+ * degrees. Before the core predicted the tip's rotation, the tip lagged by 23 degrees. */
 static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
 {
     (void)context;
@@ -104,8 +104,8 @@ static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
     free(r);
 }
 
-/* The wire has only a stress-free curvature: without load, a uniform curve of radius R takes its circular
- * shape. The chord from the tip to the arc length s is 2 R sin(s / 2R). */
+/* Without load, a wire whose stress-free shape has the same radius of curvature R everywhere takes the shape
+ * of a circle. The chord from the tip to the arc length s is 2 R sin(s / 2R). */
 static void curved_wire_without_load_takes_its_circle(void **context)
 {
     (void)context;

@@ -221,9 +221,9 @@ static void stiffness_and_weight_add_where_tools_overlap(void **context)
 /* --- forces --------------------------------------------------------------------------------------------- */
 
 /* Pushing the catheter over the wire's J-shaped tip stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm =
- * 4.32 mJ of energy. The work of the hands equals this stored energy, which the hands get back when the wire
- * is pushed out again. The tolerance of 5 % of the work allows for the drag of the blood on the moving
- * tip. */
+ * 4.32 mJ of energy. The work of the hands equals the stored energy of 4.32 mJ, which the hands get back when
+ * the wire is pushed out again. The tolerance of 5 % of the work allows for the drag of the blood on the
+ * moving tip. */
 static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
 {
     (void)context;

@@ -2,9 +2,9 @@
 #include "shared/wire/wire.h"
 
 /* The hash is FNV-1a over every name, type and unit of wire_messages.def. Each name, type and unit is hashed
- * with its terminating zero, so that ("ab","c") and ("a","bc") differ; the explaining texts do not count. The
- * schema hash is a constant, because computing it costs a device 106,000 instructions per HELLO. The program
- * test_wire computes the hash and prints the number to write here when the messages have changed. */
+ * with its terminating zero, so that ("ab","c") and ("a","bc") differ; the explaining texts are not hashed.
+ * The schema hash is a constant, because computing it costs a device 106,000 instructions per HELLO. The
+ * program test_wire computes the hash and prints the number to write here when the messages have changed. */
 uint64_t crn_wire_schema_hash(void)
 {
     return 0xd0825c0bc52def3au;

@@ -1,6 +1,7 @@
 /* This header converts encoder counts to the positions of the user's hands, one hand per tool. The encoders'
  * counts are absolute and may wrap, so the code sums their changes in 64 bits. The position of a hand is
- * computed from this sum of counts and is never summed itself, so that rounding errors do not accumulate. */
+ * computed from the sum of its encoder counts and is never summed itself, so that rounding errors do not
+ * accumulate. */
 #ifndef CRN_HANDS_H
 #define CRN_HANDS_H
 

@@ -26,7 +26,8 @@ bool crn_permission_answer(crn_permission *permission, uint32_t code);
  * right and that the rig is ready. */
 void crn_permission_give(crn_permission *permission);
 
-/* Counts one edge of the timer (1 ms). Both the confirmation code and the permission expire after a time. */
+/* Counts one edge of the timer (1 ms). Both the confirmation code and the permission expire after a fixed
+ * time. */
 void crn_permission_age(crn_permission *permission);
 
 /* Makes any code and any permission to power the motors invalid. */

@@ -58,8 +58,8 @@ static bool take_clocks(void)
 
 static void start_watchdog(void)
 {
-    /* The code in the ROM may have left the chip's second watchdog (RTWDOG) on. The code unlocks this second
-     * watchdog and turns it off within 255 clocks, before it locks again. */
+    /* The code in the ROM may have left the chip's second watchdog (RTWDOG) on. The start-up code unlocks the
+     * chip's second watchdog and turns it off within 255 clocks, before the watchdog locks again. */
     if (R32(BASE_RTWDOG, RTWDOG_CS) & MASK(RTWDOG_CS_EN)) {
         R32(BASE_RTWDOG, RTWDOG_CNT) = 0xd928c520u;
         R32(BASE_RTWDOG, RTWDOG_TOVAL) = 0xffffu;

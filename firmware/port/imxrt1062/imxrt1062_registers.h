@@ -17,8 +17,8 @@
 #ifndef R32
 #define R16(base, offset) (*(volatile uint16_t *)(uintptr_t)((base) + (offset)))
 #define R32(base, offset) (*(volatile uint32_t *)(uintptr_t)((base) + (offset)))
-/* If a test provides a model of the chip, the macros LOAD and STORE pass the name of the register and the
- * access to this model. */
+/* If a test provides a model of the chip, the macros LOAD and STORE tell the model the name of the register
+ * and let the model carry out the access. */
 #define LOAD(REGISTER) (REGISTER)
 #define STORE(REGISTER, value) ((REGISTER) = (value))
 #endif

@@ -73,8 +73,8 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
 
 /* Switches to the stack of `start`, because the stack in use may have overflowed. If the processor could not
  * push the exception's stack frame because of the guard region below the stack, the code does not read this
- * frame. In this case the old stack pointer lies below the stack, and the console shows the words at the
- * guard region's end. */
+ * frame. If the frame could not be pushed, the old stack pointer lies below the stack, and the console shows
+ * the words at the guard region's end. */
 __attribute__((naked)) static void unexpected(void)
 {
     __asm__ volatile("mrs r0, msp\n"

@@ -1,8 +1,8 @@
 /* This file contains the four memory functions that a freestanding compiler may call, under their C names
  * (gcc) and under their names in ARM's run-time ABI (clang). In ARM's run-time ABI, function names with the
  * suffix 4 or 8 guarantee that the addresses are aligned to 4 or 8 bytes. The compiler can replace loops by
- * calls of memory functions. This file switches off this optimisation, because the memory functions would
- * then call themselves. */
+ * calls of memory functions. This file switches off the replacement of loops by calls, because the memory
+ * functions would then call themselves. */
 #include <stddef.h>
 #include <stdint.h>
 

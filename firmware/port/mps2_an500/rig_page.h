@@ -10,9 +10,9 @@
  *
  * All fields of the rig page are little-endian 32-bit words. Some words of the page announce that other words
  * are new: `edge`, `edge_done`, the heads and tails of the rings, and the magic numbers. The functions
- * rig_write() and rig_read() write these words with release semantics and read them with acquire semantics.
- * The device and the plant (the model of the rig) do not trust each other's half of the page: a number out of
- * its range is treated as a broken sensor.
+ * rig_write() and rig_read() write the announcing words with release semantics and read them with acquire
+ * semantics. The device and the plant (the model of the rig) do not trust each other's half of the page: a
+ * number out of its range is treated as a broken sensor.
  *
  * The plant makes the milliseconds. The plant (the model of the rig) fills its inputs, then increments
  * `edge`; the device runs the tick, writes its outputs and repeats the number in `edge_done`. A program that
@@ -95,8 +95,8 @@ typedef struct rig_device_half {
     uint32_t app_bytes;
     uint32_t edge_done;
     uint32_t to_device_tail, to_host_head; /* counts of bytes; wrap */
-    /* The following three fields are the processor time that the device's work took, in counts of
-     * RIG_CLOCK_HZ; with -icount shift=7 an instruction takes 3.2 counts. */
+    /* The fields receive_counts, edge_counts and edge_counts_max contain the processor time that the device's
+     * work took, in counts of RIG_CLOCK_HZ; with -icount shift=7 an instruction takes 3.2 counts. */
     uint32_t receive_counts; /* sum over all received bytes, including the work that they caused */
     uint32_t edge_counts;    /* of the last edge */
     uint32_t edge_counts_max;

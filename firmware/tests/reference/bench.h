@@ -19,7 +19,7 @@ bool bench_open(bench *b);
 void bench_close(bench *b);
 
 /* Sends ARM, the two messages that arm the motors, and START, and runs the few timer edges after which the
- * motors have power. Returns false if the device refused one of these messages. */
+ * motors have power. Returns false if the device refused one of the messages. */
 bool bench_power(bench *b);
 
 /* Runs one millisecond with the present sensor values. */

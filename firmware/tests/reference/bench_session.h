@@ -39,8 +39,8 @@ static inline void start_free_run(void)
     command(CRN_WIRE_ACTION_START);
 }
 
-/* Records ticks of FREE_RUN into `session`, and calls the function `meanwhile` before each tick. During these
- * ticks the host keeps sending messages but does not read the device's replies until later. Returns the
+/* Records ticks of FREE_RUN into `session`, and calls the function `meanwhile` before each tick. While the
+ * ticks run, the host keeps sending messages, and reads the device's replies only afterwards. Returns the
  * number of ticks. */
 static uint32_t record(void (*meanwhile)(int ms))
 {

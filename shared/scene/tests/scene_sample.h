@@ -232,7 +232,7 @@ static inline void sample_lesions(uint8_t *lesions)
     }
 }
 
-/* These sections follow the two bodies of the sample's body file. */
+/* The sections that sample_vessels names follow the two bodies of the sample's body file. */
 typedef enum sample_vessels { SAMPLE_NO_TREE, SAMPLE_TREE, SAMPLE_LESIONS } sample_vessels;
 /* If `has_partner` is set, one more section follows, which names the scene to which the bodies belong. */
 enum { SAMPLE_PARTNER_BYTES = 4112, SAMPLE_PARTNER_CRC32 = 0x1234abcd };

@@ -59,10 +59,10 @@ static bool is_plants(void)
     return rig_is_there() && rig_read(&rig->host.tick_source) == RIG_TICK_PLANT;
 }
 
-/* While the rig's model (the plant) sets the milliseconds, this clock does not run as long as the device
- * waits for the plant. The clock counts only the device's work, so the time that it shows does not depend on
- * how long the device waited. Returns the value of the counter, from which the caller later computes how long
- * the work took. */
+/* While the rig's model (the plant) sets the milliseconds, this clock stops whenever the device waits for the
+ * plant. The clock counts only the device's work, so the time that it shows does not depend on how long the
+ * device waited. Returns the value of the counter, from which the caller later computes how long the work
+ * took. */
 uint32_t clock_work_begin(void)
 {
     const uint32_t now = clock_counts();
