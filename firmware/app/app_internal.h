@@ -45,8 +45,8 @@ void crn_app_scene_end(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place);
-/* Builds the model from the table of tools, the line (the tools in each other), the lumen and the place of
- * entry. */
+/* Builds the model from the table of tools, the line (the tools inserted one inside another), the lumen and
+ * the place of entry. */
 crn_build_status crn_app_build(crn_app *app, const crn_lumen *lumen, const crn_entry *entry,
                                crn_build_place *place);
 

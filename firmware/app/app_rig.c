@@ -43,8 +43,8 @@ static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t k
  * tick of length T. The rig itself has the damping b; its force comes late by t and is multiplied by G
  * (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N s/m, G in 1/1000; both sides in 1e-9 N s/m.
  * Overflow is impossible: G is below 2^32 (4 000 x 5 x 10^5, the range of scales), and 10^5 x 2^32 x 20 500
- * and 10^6 x 2^32 are below 2^63. This condition for couplings does not apply to a track without a
- * coupling. */
+ * and 10^6 x 2^32 are below 2^63. For a track without a coupling, the condition on spring and damper does not
+ * apply. */
 static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us,
                        uint64_t factor_milli)
 {

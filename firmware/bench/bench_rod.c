@@ -7,8 +7,9 @@
  * scene `bends` also runs in a vessel that beats 90 times a minute, either along its whole length or, as in a
  * heart, only in its last 200 mm. In the scene `coronary`, a 0.014 in wire lies in a vessel of 1.5 mm radius
  * on a beating sphere (tests/reference/moving_tube.h). In the scene `balloon`, a wire lies in a balloon
- * catheter of 256 elements in the three bends. The catheter's balloon of 3 x 20 mm is either folded, or fills
- * the vessel at 8 bar. A row of the benchmark fails when its scene has fewer contacts than the row states. */
+ * catheter of 256 elements in a tube with three bends. The catheter's balloon of 3 x 20 mm is either folded,
+ * or fills the vessel at 8 bar. A row of the benchmark fails when its scene has fewer contacts than the row
+ * states. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"
@@ -57,8 +58,8 @@ static BENCH_MEASURED void measured_step(void)
     crn_step(&model, &state, &input, &output);
 }
 
-/* Makes one of three nested tools: it is thin, and tapers over 200 mm to a shaft that is 1.5 times as stiff.
- */
+/* Makes one of three nested tools: it is thin, and tapers over 200 mm to a shaft that is 1.5 times as stiff
+ * as the tip. */
 static void make_coaxial(crn_instrument *tool, uint32_t radius_um, uint32_t bore_um)
 {
     tool->knot_count = 3;
@@ -239,9 +240,9 @@ static double run_coronary(const bench_case *self)
 }
 
 /* Returns the longest time, in ms, that an exchange of tools and the next tick take together; in this tick
- * the core combines the tools of the line anew. The device cannot compute another tick while the exchange and
- * this tick run. A wire and a guide are inserted by 256 elements, and two catheters are put in turn on the
- * position between them. */
+ * the core combines the tools of the line anew. While the exchange and the next tick run, the device can
+ * compute no other tick. A wire and a guide are inserted by 256 elements, and two catheters are put in turn
+ * on the position between them. */
 static double run_exchange(const bench_case *self)
 {
     enum { TABLE = 8, EXCHANGES = 200 };

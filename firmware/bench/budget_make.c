@@ -50,8 +50,8 @@ static crn_instrument make_wire(const scene *s)
                                : reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
 }
 
-/* Makes tool k of three. Makes a thin tool that tapers over 200 mm to a shaft 1.5 times as stiff (as in
- * bench_rod.c). */
+/* Makes tool k of three. Makes a thin tool that tapers over 200 mm from the tip to a shaft 1.5 times as stiff
+ * (as in bench_rod.c). */
 static crn_instrument make_coaxial(const scene *s, uint32_t k)
 {
     static const uint32_t radius_um[] = {300, 370, 445};

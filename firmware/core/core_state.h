@@ -57,8 +57,8 @@ typedef struct crn_lesion_state {
     int32_t kept_q30[CRN_LESION_MAX][CRN_LESION_STATION_MAX];
 } crn_lesion_state;
 
-/* For each strut ring, this structure holds the present position and the position that a command has
- * requested. If a strut ring does not exist, all its fields are 0. */
+/* The structure crn_strut_ring holds a ring's present position and the position that a command has requested.
+ * If a strut ring does not exist, all its fields are 0. */
 typedef struct crn_strut_ring {
     crn_vec3 centre_m_q30, wanted_m_q30;
     int32_t inside_m_q30, wanted_inside_m_q30;

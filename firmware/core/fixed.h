@@ -259,7 +259,8 @@ extern const int32_t crn_asin_coefficients_q31[7];
 
 /* Returns the value of a piecewise linear function within one of its intervals, at the fraction `fraction` (a
  * number of `bits` bits) of the interval. Format: Q30. Overflow: impossible (drop < 2^25). The relative error
- * of this value is that of the table, at most 2^-16.4; the Newton step of the caller squares this error. */
+ * of the interpolated value is that of the table, at most 2^-16.4; the Newton step of the caller squares this
+ * error. */
 static inline uint32_t crn_line_at(const crn_line_q30 *line, uint32_t fraction, unsigned bits)
 {
     return line->value - (uint32_t)(((uint64_t)line->drop * fraction) >> bits);

@@ -36,9 +36,9 @@ static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint3
 }
 
 /* Finds the brick. Returns false if the point lies in no brick; in this case `far_m_q30` is the distance to
- * the wall. Overflow: the lattice, which was checked before, lies within the Q30 range. A coordinate
- * difference modulo 2^32 is therefore correct for a point inside the lattice; for a point outside, the
- * difference exceeds the lattice's size, so the comparison with that size detects the point. */
+ * the wall. Overflow: the lattice, which was checked before, lies within the Q30 range. For a point inside
+ * the lattice, a coordinate difference modulo 2^32 is correct; for a point outside, the difference exceeds
+ * the lattice's size, so the comparison with that size detects the point. */
 static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
 {
     place->level = 0;
@@ -100,7 +100,7 @@ static inline lumen_weights weights_at(uint32_t x_q20)
 /* These functions return the high words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32).
  * Error: 1 LSB (floor). Overflow is impossible. The three spline weights that give a value sum to one. The
  * three weights that give a slope have one fraction bit less than those that give a value, and their
- * magnitudes sum to two. The sums of three products therefore stay below 2^31 * 2^30. */
+ * magnitudes sum to two. The sums of three products of a coefficient and a weight stay below 2^31 * 2^30. */
 static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
     return crn_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);
@@ -139,8 +139,8 @@ static inline lumen_row_weights row_weights_at(uint32_t x_q20)
 #if CRN_HIGH_WORDS_BY_DSP
     /* A 32-bit word that begins one coefficient early holds the three wanted coefficients in its upper bytes.
      * In the brick's first column, a word that begins one coefficient early would begin before the brick. In
-     * the brick's first column the code therefore reads the word that begins with the brick's first
-     * coefficient, and shifts this word. */
+     * the brick's first column the code reads the word that begins with the brick's first coefficient, and
+     * shifts this word. */
     return (lumen_row_weights){(uint32_t)low | (uint32_t)high << 16,
                                ((uint32_t)-fall & 0xffffu) | (uint32_t)rise << 16,
                                (uint32_t)middle | (uint32_t)(fall - rise) << 16, x_q20 >> 20 == 0 ? 8 : 0};

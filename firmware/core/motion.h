@@ -7,14 +7,13 @@
  *
  *     X1 = x + depth b(x),  X = X1 + w(X1)
  *
- * A world point is therefore mapped to its point X of the reference pose by two look-ups without iteration,
- * and the vessel wall is where phi(X) = 0. In a lattice cell, the heartbeat's displacement w is trilinear.
- * The displacement b by breath changes smoothly from place to place. In each of a cell's six tetrahedra
- * (Kuhn) the displacement b is therefore interpolated linearly, which takes a third of the work of a
- * trilinear look-up. As a function of time, the heartbeat's displacement w is a periodic quadratic B-spline
- * with 24 coefficients (C1). The program that bakes a scene filters the coefficients beforehand, so that the
- * spline passes through the keyframes. Outside a lattice, and on its boundary, the displacements w and b are
- * 0.
+ * A world point is mapped to its point X of the reference pose by two look-ups without iteration, and the
+ * vessel wall is where phi(X) = 0. In a lattice cell, the heartbeat's displacement w is trilinear. The
+ * displacement b by breath changes smoothly from place to place. In each of a cell's six tetrahedra (Kuhn)
+ * the displacement b is interpolated linearly, which takes a third of the work of a trilinear look-up. As a
+ * function of time, the heartbeat's displacement w is a periodic quadratic B-spline with 24 coefficients
+ * (C1). The program that bakes a scene filters the coefficients beforehand, so that the spline passes through
+ * the keyframes. Outside a lattice, and on its boundary, the displacements w and b are 0.
  *
  *     gradient of the depth used    g = (I + depth db/dx)^T (I + dw/dx)^T grad phi
  *     step of the wall in a tick    -(I + depth db/dx)^-1 ((I + dw/dx)^-1 (w now - w before)

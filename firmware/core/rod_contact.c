@@ -11,8 +11,8 @@
  *
  * The displacement of a tool's surface is the displacement of the node, plus the slide of the outer tool
  * along the common centreline, plus r theta along n x t for the tool's rotation theta. One friction limit mu
- * N therefore bounds sliding and turning together, so a wire that slides turns freely. After the solve, the
- * surface's displacement is added to the friction displacement z (bristle), which is limited to mu N / k_t.
+ * N bounds sliding and turning together, so a wire that slides turns freely. After the solve, the surface's
+ * displacement is added to the friction displacement z (bristle), which is limited to mu N / k_t.
  *
  * Stent struts (strut.h) are treated like the vessel wall. A node that touches both stent struts and vessel
  * wall has two contacts. The matrix contains the normals of a node's two contacts. The friction displacement
@@ -96,7 +96,7 @@ static inline void add_roll(crn_vec3 *way, const crn_vec3 *around_q30, int32_t r
 }
 
 /* The friction displacement (bristle) is measured relative to the wall. The wall's own motion at the node
- * that was sampled last is therefore subtracted from the displacement of the surface. Overflow: 2^24. */
+ * that was sampled last is subtracted from the displacement of the surface. Overflow: 2^24. */
 static void take_wall_step(const crn_model *model, crn_state *state, crn_vec3 *way)
 {
     crn_vec3 wall = crn_motion_wall_step(model->lumen->motion, &state->scratch.pose);
@@ -278,8 +278,8 @@ static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, cons
     return predicted > depth_m_q30 ? predicted : depth_m_q30;
 }
 
-/* Of stent struts and wall, the surface in which a node is deeper becomes the node's first contact. The other
- * of these two surfaces becomes the second contact if the node touches it, too. */
+/* Of stent struts and wall, the surface in which a node is deeper becomes the node's first contact. The
+ * shallower surface becomes the second contact if the node touches it, too. */
 CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_work *work,
                                  const crn_line_node *line, bool is_at_wall)
 {

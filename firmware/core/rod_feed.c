@@ -2,8 +2,8 @@
  * code computes the length by which each tool is fed in this tick, and which nodes this feed frees from the
  * introducer sheath or captures in it. The code also computes the position that every node would have if the
  * tools only slid along their centreline: x* = x - T ds, where ds is the displacement of the leading tip. The
- * solve then finds each node's deviation from this slide, so a fast feed adds no force of its own to the
- * right side of the linear system (docs/rod.md, "feed"). */
+ * solve finds each node's deviation from the slide, so a fast feed adds no force of its own to the right side
+ * of the linear system (docs/rod.md, "feed"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -33,8 +33,9 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
  * returned value is the compliance of the wall and of the tool's free part, or a smaller compliance that was
  * observed in the last ticks. The observed compliance is smaller than that of the whole wire if the wall's
  * friction holds the front of the wire, because the hand then moves only the rear part of the wire. The
- * observed compliance may grow by only 1/128 per tick. A single tick in which the tool moves easily (after a
- * snap or a pause) therefore does not make a stiff tool seem soft (docs/rod.md, "stall"). */
+ * observed compliance may grow by only 1/128 per tick. Because the observed compliance grows slowly, a single
+ * tick in which the tool moves easily (after a snap or a pause) does not make a stiff tool seem soft
+ * (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
@@ -291,7 +292,7 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
 /* Moves nodes 0 .. count-1 by the slide -T ds. The first `rigid` nodes move like node `rigid`. The first
  * `rigid` nodes also move by the displacement that the tip's rotation causes and that the scratch memory
  * contains. The loop over the nodes runs from the hand towards the tip. In a fold of the tool, the nodes
- * nearer to the tip therefore follow the edges behind them. */
+ * nearer to the tip follow the edges behind them. */
 static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count, uint32_t rigid)
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
@@ -326,11 +327,11 @@ static int32_t clip_room(const crn_joint *joint)
     return room > CRN_CLIP_SURE ? room : CRN_CLIP_SURE;
 }
 
-/* Each of the two joints at the introducer sheath's distal end represents only that part of its cell that
- * lies outside the sheath. The stiffness W of a clipped joint therefore grows by the factor cell / part, and
- * the joint's rest rotation shrinks by the factor part / cell. The number format of the matrix limits how
- * small the part of a cell outside the sheath may be. If the part of a cell outside the sheath is smaller
- * than the number format allows, the joint bends as if the tool outside the sheath were longer by the
+/* Each of the two joints at the introducer sheath's distal end represents only the part of its cell that lies
+ * outside the sheath (the joint is "clipped"). The stiffness W of a clipped joint grows by the factor cell /
+ * part, and the joint's rest rotation shrinks by the factor part / cell. The number format of the matrix
+ * limits how small the part of a cell outside the sheath may be. If the part of a cell outside the sheath is
+ * smaller than the number format allows, the joint bends as if the tool outside the sheath were longer by the
  * difference. */
 static void clip_joint(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {

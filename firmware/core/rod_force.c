@@ -170,14 +170,15 @@ static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, cons
 
 /* Tilting the two edges of a bent joint by d and d', out of the plane of the joint, twists the joint by |kb|
  * / 2 times the length of d + d'. Where a tool's curved rest shape fixes its material frames, the twist
- * stiffness GJ resists this twist. The resistance to twist at a joint adds its force to the right side of the
- * linear system, and k |kb|^2 / 4 (|d|^2 + |d'|^2) to the matrix. The matrix term of the resistance to twist
- * is at least half of the resistance, so that an oscillation does not grow and the other terms in the matrix
- * damp it. Without this matrix term of the resistance to twist, a J-shaped wire tip of 1.5 mm oscillated by
- * 11 um for ever (docs/rod.md, "rows"). Tools that are straight at the joint when free of stress turn freely
- * and add nothing to the twist resistance. Overflow is impossible: the sum of the tools' twisting moments is
- * limited to 32 bits, and the product of this sum and a factor of at most 7/8 fits. The sum of the matrix
- * term for twist and the geometric stiffness k_g is limited to the edge's axial stiffness. */
+ * stiffness GJ resists the twist of a bent joint. The resistance to twist at a joint adds its force to the
+ * right side of the linear system, and k |kb|^2 / 4 (|d|^2 + |d'|^2) to the matrix. The matrix term of the
+ * resistance to twist is at least half of the resistance, so that an oscillation does not grow and the other
+ * terms in the matrix damp it. Without the matrix term of the resistance to twist, a J-shaped wire tip of 1.5
+ * mm oscillated by 11 um for ever (docs/rod.md, "rows"). Tools that are straight at the joint when free of
+ * stress turn freely and add nothing to the twist resistance. Overflow is impossible: the sum of the tools'
+ * twisting moments is limited to 32 bits, and the product of this sum and a factor of at most 7/8 fits. The
+ * sum of the matrix term for twist and the geometric stiffness k_g is limited to the edge's axial
+ * stiffness. */
 static void resist_twist(const crn_model *model, crn_state *state, const crn_joint *joint, uint32_t i)
 {
     const crn_node_state *node = &state->words.nodes[i];
@@ -199,8 +200,9 @@ static void resist_twist(const crn_model *model, crn_state *state, const crn_joi
     }
 }
 
-/* Returns v / l, one component of a joint's force on a neighbouring node. The force is limited to 240 N,
- * thirty times the force that a hand can cause by bending. Format: Q30 N m x Q18 -> Q22 N, rounded. */
+/* Returns v / l, one component of the force that a joint exerts on a neighbouring node. The force of a joint
+ * on a node is limited to 240 N, thirty times the force that a hand can cause by bending. Format: Q30 N m x
+ * Q18 -> Q22 N, rounded. */
 static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, uint32_t *fault_bits)
 {
     int64_t force = (int64_t)moment_N_m_q30 * inverse_per_m_q18 + (1 << 25);

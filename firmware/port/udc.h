@@ -2,8 +2,8 @@
  * and that firmware/app/usb calls.
  *
  * The port powers up its USB controller itself and passes a filled crn_udc to the stack. The stack then calls
- * these functions, always from the main loop and never from an interrupt. None of these functions waits, and
- * none takes longer than the handling of one packet.
+ * these functions, always from the main loop and never from an interrupt. None of the controller's functions
+ * waits, and none takes longer than the handling of one packet.
  *
  * The transfer buffers belong to the stack; the controller reads and writes them directly (no copy). Buffers
  * of OUT transfers are aligned to 32 bytes and fill whole cache lines of 32 bytes, so that a cache may be

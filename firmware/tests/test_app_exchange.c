@@ -1,9 +1,9 @@
 /* These tests check the exchange of tools through bytes on the simulated port. The host sets up a table of
- * tools and a line (the tools in each other). An order `exchange` is carried out before its tick, and the
- * state that the tick reports contains the answer. A refused exchange changes nothing except the answer in
- * the tick's state. A FREE_RUN session with exchanges replays in LOCKSTEP bit for bit, a snapshot contains
- * the tools on the line, and after an exchange the force on the hand goes to zero as when the hand lets
- * go. */
+ * tools and a line (the tools inserted one inside another). An order `exchange` is carried out before its
+ * tick, and the state that the tick reports contains the answer. A refused exchange changes nothing except
+ * the answer in the tick's state. A FREE_RUN session with exchanges replays in LOCKSTEP bit for bit, a
+ * snapshot contains the tools on the line, and after an exchange the force on the hand goes to zero as when
+ * the hand lets go. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

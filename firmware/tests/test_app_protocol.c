@@ -167,8 +167,8 @@ static void an_unsafe_rig_is_not_armed_and_the_cause_is_named(void **state)
     refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_NO_RIG);
 }
 
-/* Without a force sensor, the device cannot check the motors' forces. The device therefore powers motors
- * without a force sensor only if a person at the rig closes the switch inside the rig. */
+/* Without a force sensor, the device cannot check the motors' forces. The device powers motors without a
+ * force sensor only if a person at the rig closes the switch inside the rig. */
 static void a_rig_without_force_sensor_is_powered_only_by_the_local_unlock(void **state)
 {
     (void)state;

@@ -160,7 +160,7 @@ static void a_fast_hand_is_no_fault(void **state)
     expect_running();
 }
 
-/* The motor's force of 0.3 N oscillates at 20 Hz, and the hand moves with this force as if the motor shook
+/* The motor's force oscillates with 0.3 N at 20 Hz, and the hand moves with this force as if the motor shook
  * the hand. In each oscillation of the hand, the motor does work on the hand. The oscillation ends within 0.2
  * s. */
 static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **state)

@@ -129,7 +129,7 @@ static void a_coupling_takes_hand_and_tool_as_they_are_and_gives_no_force(void *
 }
 
 /* The tool follows the hand by at most 0.48 mm a tick. The position that the haptics give to the core is
- * therefore ahead of the tool by four times the largest motion of the tool per tick. */
+ * ahead of the tool by four times the largest motion of the tool per tick. */
 static void a_lead_of_the_hand_is_a_force_on_it_and_a_step_of_the_tool(void **state)
 {
     (void)state;

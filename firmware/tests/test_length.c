@@ -148,8 +148,8 @@ static void a_small_deviation_is_left_as_it_is(void **context)
 }
 
 /* If a fold is sharper than a right angle, the limits in rod_length.c prevent a complete correction, and a
- * length error remains. The tolerances are three times this remaining length error, which is 0.23 % at 120
- * degrees and 1.4 % at 150 degrees. */
+ * length error remains. The tolerances are three times the length error that remains at a sharp fold, which
+ * is 0.23 % at 120 degrees and 1.4 % at 150 degrees. */
 static void a_sharp_fold_keeps_its_edges_nearly(void **context)
 {
     (void)context;

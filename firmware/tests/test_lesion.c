@@ -206,8 +206,8 @@ static void normals_are_those_of_the_distance(void **state)
     free(r);
 }
 
-/* In a vessel that beats, a point of the opened wall in the reference pose also lies on the wall in world
- * coordinates, wherever the wall has moved. */
+/* In a beating vessel, a point on the opened wall in the reference pose, moved by the vessel's motion, also
+ * lies on the wall in world coordinates. */
 static void an_open_lesion_goes_with_a_beating_vessel(void **state)
 {
     (void)state;

@@ -216,9 +216,9 @@ static int16_t up_to(reference_random *random, int32_t most)
 }
 
 /* The cheap distance function alone decides that a node is far from the wall. If the full contact function
- * finds a small distance at a point, the cheap function must therefore not return a large distance there. The
- * test uses the lattice of the beating vessel, and a random lattice in which the displacements of
- * neighbouring nodes differ by as much as a scene may contain. */
+ * finds a small distance at a point, the cheap function must not return a large distance there. The test uses
+ * the lattice of the beating vessel, and a random lattice in which the displacements of neighbouring nodes
+ * differ by as much as a scene may contain. */
 static void the_cheap_distance_never_hides_a_contact(void **state)
 {
     (void)state;

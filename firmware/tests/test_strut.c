@@ -200,8 +200,8 @@ static void a_bent_shell_follows_its_rings(void **state)
     assert_true(worst_m < 30e-6 && least > cos(3.5 * pi / 180));
 }
 
-/* In a vessel that beats, a point of the struts in the reference pose also lies on the struts in world
- * coordinates. */
+/* In a beating vessel, a point on the struts in the reference pose, moved by the vessel's motion, also lies
+ * on the struts in world coordinates. */
 static void struts_go_with_a_beating_vessel(void **state)
 {
     (void)state;

@@ -47,8 +47,8 @@ static const uint8_t magic[8] = {'C', 'R', 'N', '-', 'S', 'C', 'N', 0};
  * mark, old and new scenes have the same format. */
 static const uint8_t earlier_magic[8] = {0x53, 0x45, 0x4c, 0x44, 'S', 'C', 'N', 0};
 
-/* Returns true also for a file that is shorter than the mark, if all bytes of the file equal the first bytes
- * of the mark. */
+/* Returns true also for a file that is shorter than the mark at a scene's beginning, if all bytes of the file
+ * equal the first bytes of the mark. */
 static bool begins_as_a_scene(const uint8_t *bytes, size_t size)
 {
     const size_t there = size < sizeof magic ? size : sizeof magic;

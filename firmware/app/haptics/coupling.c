@@ -116,8 +116,8 @@ static void rest(crn_haptics *haptics, uint32_t k, const crn_haptics_tool *tool,
 }
 
 /* In each tick the core feeds the tool by a quarter of the distance by which the tool lags behind its
- * commanded position. To move the tool by one step in this tick, the code therefore gives the core a position
- * four steps ahead of the tool. */
+ * commanded position. To move the tool by one step in this tick, the code gives the core a position four
+ * steps ahead of the tool. */
 void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
                         crn_hand_position followed[CRN_PORT_TOOL_MAX])
 {

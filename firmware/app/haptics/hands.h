@@ -16,7 +16,7 @@ typedef struct crn_hand_track {
     bool is_translation_reversed, is_rotation_reversed;
 } crn_hand_track;
 
-/* Holds one hand's encoder counts, which are part of the snapshot. */
+/* Holds one hand's encoder counts; these counts are part of the snapshot. */
 typedef struct crn_hand_counts {
     bool is_known; /* false until the first reading, which only sets the zero */
     crn_port_hand last;

@@ -44,7 +44,7 @@ typedef struct crn_haptics_track {
     int32_t torque_limit_uN_m, torque_slew_uN_m_per_tick;
 } crn_haptics_track;
 
-/* Holds the state of one axis of the coupling, which is part of the snapshot. */
+/* Holds the state of one axis of the coupling; this state is part of the snapshot. */
 typedef struct crn_haptics_spring {
     bool is_set;       /* false: the first tick takes hand and tool as they are */
     int32_t reference; /* hand less tool without force; modulo 2^32 */
@@ -56,7 +56,7 @@ typedef struct crn_haptics_spring {
     int32_t output;   /* the force that the coupling asks the motor for */
 } crn_haptics_spring;
 
-/* Holds the energy exchanged between motor and hand, which is part of the snapshot. */
+/* Holds the energy that motor and hand have exchanged; this energy is part of the snapshot. */
 typedef struct crn_haptics_energy {
     int64_t taken_pJ;   /* put in by the hand less given back, at most what may be stored */
     int32_t hand_m_q30; /* where the hand was */

@@ -1,8 +1,8 @@
 /* This file protects the user from a carriage (the moving handle) that nobody holds. The code ends the force
  * of the carriage's motor before the carriage becomes faster than a hand would move it (docs/haptics.md, "A
  * carriage that nobody holds"). The carriage checks run once per edge of the timer on this edge's sensor
- * readings, after all code that decides the requested force. The requested force therefore depends on encoder
- * counts and the core alone, and a session can be replayed. */
+ * readings, after all code that decides the requested force. The requested force depends on encoder counts
+ * and the core alone, so a session can be replayed. */
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/arithmetic.h"
 
@@ -62,9 +62,9 @@ static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 
 enum { SHARE_ONE = 4096 };
 
-/* If no hand balances a force, only a fraction of the force may remain. The function computes this fraction
- * from `value`, which is a speed or a time. The function returns one (the whole force) up to the value
- * `full`, and zero from the value `none` on. */
+/* If no hand balances a force, only a fraction of the force may remain. The function computes the permitted
+ * fraction of the force from `value`, which is a speed or a time. The function returns one (the whole force)
+ * up to the value `full`, and zero from the value `none` on. */
 static int32_t share_of(int32_t value, int32_t full, int32_t none)
 {
     if (value <= full) return SHARE_ONE;
@@ -114,8 +114,8 @@ int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, ui
 
 /* Detects a carriage whose motor drives it too fast. A hand may throw a carriage, which is then fast although
  * its motor does not drive it. A hand may also move the carriage at any speed, but then the sensor measures
- * the hand's force. The check therefore reports a fault only if a carriage gained its speed while no hand
- * touched it and its motor pushed it. */
+ * the hand's force. The check reports a fault only if a carriage gained its speed while no hand touched it
+ * and its motor pushed it. */
 static bool is_driven_fast(crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     crn_safety_watch *watch = &safety->watches[k];

@@ -88,9 +88,10 @@ static void restart_watch(crn_safety_watch *watch, int32_t speed_counts)
     watch->speed_counts = speed_counts;
 }
 
-/* An unbalanced force must move the heaviest carriage by CARRIAGE_TRAVEL_nm against its friction before this
- * check decides. After a travel of CARRIAGE_TRAVEL_nm, the check reports a fault if the encoder has not
- * moved, or if the encoder shows a speed against the force. Format: mN / kg = nm / ms^2; travel in nm. */
+/* Before check_balance decides, an unbalanced force must have moved the heaviest carriage by
+ * CARRIAGE_TRAVEL_nm against its friction. After a travel of CARRIAGE_TRAVEL_nm, the check reports a fault if
+ * the encoder has not moved, or if the encoder shows a speed against the force. Format: mN / kg = nm / ms^2;
+ * travel in nm. */
 static crn_fault_code check_balance(crn_safety *safety, const crn_port_inputs *rig, uint32_t k,
                                     int32_t measured)
 {

@@ -73,8 +73,7 @@ static void tick(void)
 }
 
 /* Only timer edges that the app has completed reset the watchdog. A main loop that runs while the
- * milliseconds have stopped therefore cannot reset the watchdog, and neither can a host that keeps sending
- * bytes. */
+ * milliseconds have stopped cannot reset the watchdog, and neither can a host that keeps sending bytes. */
 static void feed_watchdog(void)
 {
     static uint32_t fed;

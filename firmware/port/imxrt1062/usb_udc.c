@@ -160,7 +160,7 @@ static void prime(uint8_t endpoint)
 static void udc_arm(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count)
 {
     (void)context;
-    /* A setup packet that the driver has not yet reported makes this transfer void, because the transfer
+    /* A setup packet that the driver has not yet reported makes an armed transfer void, because the transfer
      * would answer the wrong request. */
     if ((endpoint & 0x7fu) == 0 && LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) != 0) return;
     usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];

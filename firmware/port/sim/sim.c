@@ -41,8 +41,8 @@ static bool sim_transmit(void *context, const uint8_t *frame, size_t frame_bytes
 
 /* --- the rig --- */
 
-/* Every tick begins with a call of sim_inputs, which reads the rig. The function sim_inputs therefore also
- * advances the simulated time by the duration of one tick. */
+/* Every tick begins with a call of sim_inputs, which reads the rig. The function sim_inputs also advances the
+ * simulated time by the duration of one tick. */
 static bool sim_inputs(void *context, crn_port_inputs *inputs)
 {
     crn_sim *sim = context;

@@ -180,8 +180,8 @@ static bool set_limits(void *context, const crn_hid_limits *report)
 
 /* --- the loop --- */
 
-/* The app notices an absent host because no messages arrive, whatever the cause. This callback for changes of
- * the USB link therefore does nothing. */
+/* The app notices an absent host because no messages arrive, whatever the cause. The callback for changes of
+ * the USB link does nothing. */
 static void link(void *context, crn_usb_link link)
 {
     (void)context;

@@ -25,8 +25,9 @@ typedef struct cantilever {
     double length_m;
 } cantilever;
 
-/* The length of the elements is L / n, rounded up to whole micrometres. The introducer sheath's distal end
- * therefore lies inside the last element, and the sheath clips this element's cell. */
+/* The length of the elements is L / n, rounded up to whole micrometres. Because the elements' length is
+ * rounded up, the introducer sheath's distal end lies inside the last element, and the sheath clips this
+ * element's cell. */
 static cantilever *make(double bend_N_m2, uint32_t elements)
 {
     cantilever *c = malloc(sizeof *c);

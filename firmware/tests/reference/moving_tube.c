@@ -174,7 +174,8 @@ static void make_breath(reference_motion *m)
 }
 
 /* The displacement is the product of the heart's contraction (a function of time) and a function of the
- * position. The filter in time is therefore computed only once and not for every node. */
+ * position. Because the displacement is a product of a function of time and a function of the position, the
+ * filter in time is computed only once and not for every node. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     enum { FADE = 4 };

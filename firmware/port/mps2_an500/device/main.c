@@ -145,9 +145,9 @@ static void tick(void)
 }
 
 /* Only timer edges that the app has completed reset the watchdog. A main loop that runs while the
- * milliseconds have stopped therefore cannot reset the watchdog, and neither can a host that keeps sending
- * bytes. As an exception, the watchdog is also reset while the rig's model (the plant) sets the milliseconds
- * and has not yet begun the next one. */
+ * milliseconds have stopped cannot reset the watchdog, and neither can a host that keeps sending bytes. As an
+ * exception, the watchdog is also reset while the rig's model (the plant) sets the milliseconds and has not
+ * yet begun the next one. */
 static void feed_watchdog(uint32_t round)
 {
     static uint32_t fed;
