@@ -1,5 +1,5 @@
-/* This header has the declarations that the files of the app share. The declarations are grouped, from top to
- * bottom, into wire, requests, session, parts, stream and faults. */
+/* This header has the declarations that the files of the app share. The declarations of functions are grouped
+ * by the file that defines the functions. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 

@@ -1,5 +1,6 @@
 /* This file handles the set-up requests for scene, tools and entry (the place where the tools enter). The app
- * accepts these set-up requests only in the state READY; a refused request leaves the old data unchanged. */
+ * accepts the requests for scene, tools and entry only in the state READY; a refused request leaves the old
+ * data unchanged. */
 #include "firmware/app/app_internal.h"
 
 /* --- scene --- */

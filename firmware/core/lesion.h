@@ -1,12 +1,12 @@
 /* A lesion that "gives way" is a narrowed part of a vessel that a balloon can open towards the healthy
  * vessel.
  *
- * The lumen's field describes the narrowed vessel. A lesion has a few points along its length, called
- * stations. Each station has the centrelines of the healthy vessel and of the remaining channel, and their
- * radii R and r. The core's state holds the opening of each point (station) of a lesion, from 0 (closed) to 1
- * (healthy vessel). The map from the narrowed to the healthy wall scales everything around the channel by R /
- * r, as the program that bakes the scene also does. So the wall of a lesion with the opening w is where
- * phi(X(x)) = 0,
+ * The lumen's distance field describes the narrowed vessel. A lesion has a few points along its length,
+ * called stations. Each station has the centrelines of the healthy vessel and of the remaining channel, and
+ * their radii R and r. The core's state holds the opening of each point (station) of a lesion, from 0
+ * (closed) to 1 (healthy vessel). The map from the narrowed to the healthy wall scales everything around the
+ * channel by R / r, as the program that bakes the scene also does. So the wall of a lesion with the opening w
+ * is where phi(X(x)) = 0,
  *
  *     X = c + k (x - c_w),   k = r / (r + w (R - r)),   c_w = c + w (C - c)          c, C: middle of channel and vessel
  *     gradient               k grad phi + t (B . grad phi),   B = c' - k c_w' + k' (x - c_w),   t along the vessel

@@ -71,8 +71,8 @@ typedef struct crn_lumen {
     const uint16_t *index;           /* brick_count_xyz product entries, x fastest */
     const uint16_t *children;        /* child_row_count x 8 entries */
     const int8_t *samples;           /* brick_count x CRN_LUMEN_BRICK_SAMPLES */
-    const struct crn_motion *motion; /* This pointer points to the motion of the vessel (motion.h), or is NULL
-                                        if the vessel does not move. The samplers below ignore it */
+    const struct crn_motion *motion; /* The pointer `motion` leads to the motion of the vessel (motion.h), or
+                                        is NULL if the vessel does not move. The samplers below ignore it */
     uint32_t lesion_count; /* lesions that give way, at most CRN_LESION_MAX. The samplers ignore them too */
     const crn_lesion *lesions;
 } crn_lumen;

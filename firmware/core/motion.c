@@ -137,9 +137,9 @@ static inline found find(const crn_lattice *lattice, crn_motion_field *field, co
     return find_other(lattice, field, p, node);
 }
 
-/* Finds the tetrahedron of a lattice cell that contains the point. The path along the edges of the
- * tetrahedron starts at the corner of the cell with the smallest coordinates. The path leads first along the
- * axis with the point's largest fraction, then along the axis with the next largest fraction. */
+/* Finds the tetrahedron of a lattice cell that contains the point. A path along edges of the cell defines the
+ * tetrahedron; the path starts at the corner of the cell with the smallest coordinates. This path leads first
+ * along the axis with the point's largest fraction, then along the axis with the next largest fraction. */
 static inline uint32_t tetrahedron_at(const int32_t *p_q31)
 {
     return (p_q31[1] >= p_q31[2] ? 4u : 0u) | (p_q31[2] >= p_q31[4] ? 2u : 0u) |

@@ -51,8 +51,8 @@ typedef struct crn_motion {
     const int16_t *rows;
     crn_lattice breath;
     /* The displacements b are stored node by node, x fastest, with three components for each node. The
-     * displacements of neighbouring nodes differ by at most 3/8 of the lattice spacing. The pointer is NULL
-     * if breath does not move the vessel. */
+     * displacements of neighbouring nodes differ by at most 3/8 of the lattice spacing. The pointer `inhaled`
+     * is NULL if breath does not move the vessel. */
     const int16_t *inhaled;
 } crn_motion;
 

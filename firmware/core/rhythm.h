@@ -29,8 +29,8 @@ enum {
 };
 #define CRN_RHYTHM_SEED 2463534242u /* of the beat-to-beat variability */
 
-/* Lists the commands to heart and breath that the input of a tick may contain. The numbers of these commands
- * are used in the wire protocol and in recordings. */
+/* Lists the commands to heart and breath that the input of a tick may contain. The numbers of the commands to
+ * heart and breath are used in the wire protocol and in recordings. */
 typedef enum crn_rhythm_action {
     CRN_RHYTHM_KEEP = 0,        /* nothing; value 0 */
     CRN_RHYTHM_HEART_RATE = 1,  /* beats per minute, from the next beat on */
@@ -82,8 +82,8 @@ bool crn_rhythm_order_is_valid(const crn_rhythm_order *order);
  * effect. */
 void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order);
 
-/* Returns whether crn_rhythm_step could have produced this rhythm. The check is meant for states that come
- * from outside the core. */
+/* Returns whether crn_rhythm_step could have produced the given rhythm. The check is meant for states that
+ * come from outside the core. */
 bool crn_rhythm_is_valid(const crn_rhythm *rhythm);
 
 /* Returns the depth of inspiration, from 0 at the end of expiration to 1 at the end of inspiration. The depth
@@ -92,8 +92,8 @@ bool crn_rhythm_is_valid(const crn_rhythm *rhythm);
 int32_t crn_breath_depth_q15(uint32_t breath_phase32);
 
 /* Returns the time from the QRS complex to the closure of the aortic valve in ms, which is 540 - 2.1 rate (in
- * beats a minute). This formula is the mean of the formulas for men and women (Boudoulas et al., Chest
- * 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
+ * beats a minute). The formula 540 - 2.1 rate is the mean of the formulas for men and women (Boudoulas et
+ * al., Chest 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
 static inline uint32_t crn_systole_ms(uint32_t rate_per_min)
 {
     return (5400u - 21u * rate_per_min) / 10u;

@@ -66,7 +66,7 @@ static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
 
 /* Limits the rest rotation of a cell to 1.2 rad, which the number format and the limit of the joint's force
  * permit. The file core_build.c refuses a tool whose stress-free shape turns by more than 1.2 rad in one of
- * the tool's own cells. A hook-shaped tip reaches this limit of 1.2 rad only inside a stiffer tool that
+ * the tool's own cells. A hook-shaped tip reaches the limit of 1.2 rad only inside a stiffer tool that
  * extends farther, because there the mesh has the long cells of that tool's shaft. */
 static int32_t limit_turn(int32_t turn_q30)
 {
@@ -79,7 +79,7 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
 }
 
 /* Returns the rest rotation g of a joint. In the stress-free shape, the direction of the tool changes by the
- * angle `turn` at this joint. At the angle `turn` the unit vectors along the two edges differ by 2 sin(turn /
+ * angle `turn` at the joint. At the angle `turn` the unit vectors along the two edges differ by 2 sin(turn /
  * 2), and g is applied along the mean of the two edges' axes, whose length is cos(turn / 2). The rest
  * rotation g is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). The error of the series for the rest
  * rotation g is 0.1 % at 1 rad. */

@@ -12,11 +12,11 @@
  *   r[i+1] += r - V^T r               r[i+2] -= P r
  *   back: delta[i] = D^-1 r[i] + delta[i+1] - V delta[i+1] - P delta[i+2]
  *
- * The blocks have this form so that terms as large as S do not cancel each other, and so that the bending
- * pattern 1, -2, 1 of a free rod is exact from the tip on. The solve needs one reciprocal by Newton's method
- * for each node and no division. Each row of the matrix adds the contributions of the two rows before it, so
- * that a sum of up to six products is rounded once and no intermediate result is stored. Factors have 32 bits
- * and sums have 64 bits, so each product takes one SMLAL instruction on the Cortex-M7. The number formats are
+ * The blocks are chosen so that terms as large as S do not cancel each other, and so that the bending pattern
+ * 1, -2, 1 of a free rod is exact from the tip on. The solve needs one reciprocal by Newton's method for each
+ * node and no division. Each row of the matrix adds the contributions of the two rows before it, so that a
+ * sum of up to six products is rounded once and no intermediate result is stored. Factors have 32 bits and
+ * sums have 64 bits, so each product takes one SMLAL instruction on the Cortex-M7. The number formats are
  * Q(a) N/m below 2^29 for D, R, S, Q, T and kb, Q29 for V and P, Q22 N for r, and Q33 m for delta. */
 #include "firmware/core/rod.h"
 

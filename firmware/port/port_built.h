@@ -4,9 +4,9 @@
 
 #include <stdint.h>
 
-/* These data come from the rig's builder and hold for every track. The builder's data limit the values that a
- * host may set without a person at the rig (docs/haptics.md, "Who may state what"). A field with the value 0
- * means that the rig's builder gives no such value. */
+/* The data of crn_port_built come from the rig's builder and hold for every track. The builder's data limit
+ * the values that a host may set without a person at the rig (docs/haptics.md, "Who may state what"). A field
+ * with the value 0 means that the rig's builder gives no such value. */
 typedef struct crn_port_built {
     uint32_t translation_pm_per_count; /* 0: 1,000,000 */
     uint32_t rotation_counts_per_turn; /* 0: 65,536 */

@@ -1,9 +1,9 @@
 /* This header declares the USB device controller as the USB stack uses it: the functions that a port provides
  * and that firmware/app/usb calls.
  *
- * The port powers up its USB controller itself and passes a filled crn_udc to the stack. The stack then calls
- * these functions, always from the main loop and never from an interrupt. None of the controller's functions
- * waits, and none takes longer than the handling of one packet.
+ * The port powers up its USB controller itself and passes a filled crn_udc to the stack. The stack calls the
+ * controller's functions only from the main loop and never from an interrupt. None of the controller's
+ * functions waits, and none takes longer than the handling of one packet.
  *
  * The transfer buffers belong to the stack; the controller reads and writes them directly (no copy). Buffers
  * of OUT transfers are aligned to 32 bytes and fill whole cache lines of 32 bytes, so that a cache may be
@@ -62,7 +62,7 @@ typedef struct crn_udc {
 
     /* Opens an endpoint in its initial state: the next packet is DATA0, and the endpoint is neither stalled
      * nor armed. An endpoint that is already open is set to the same initial state. Returns false if the
-     * controller cannot provide such an endpoint. */
+     * controller cannot provide the requested endpoint. */
     bool (*open)(void *context, uint8_t endpoint, crn_udc_type type, uint16_t packet_bytes);
     void (*close)(void *context, uint8_t endpoint);
 

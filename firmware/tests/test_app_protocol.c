@@ -115,7 +115,7 @@ static void a_permission_is_not_left_lying_about(void **state)
 }
 
 /* The test takes the frames of a conversation that powers the motors, and sends each single frame twice to an
- * armed device. None of these single frames powers a motor. */
+ * armed device. No single frame powers a motor. */
 static void no_single_frame_powers_a_motor(void **state)
 {
     (void)state;

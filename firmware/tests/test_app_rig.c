@@ -217,9 +217,9 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
     }
 }
 
-/* The rule for the encoder's scale is the same as for the force sensor's scale. A host may change the scale
- * by up to a quarter of the built value, and with the local unlock to any value. Before the device limited
- * the encoder's scale, a host could change this scale by a factor of 5 x 10^5. */
+/* The rule for the encoder's scale is the same as for the force sensor's scale. A host may change the
+ * encoder's scale by up to a quarter of the built value, and with the local unlock to any value. Before the
+ * device limited the encoder's scale, a host could change this scale by a factor of 5 x 10^5. */
 static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;

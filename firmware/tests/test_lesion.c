@@ -1,9 +1,9 @@
 /* Claims about lesions (docs/lesions.md). The tests show that a fully opened lesion equals the healthy
  * vessel, and that a partly opened lesion is wider than the closed lesion and narrower than the vessel. The
- * normals of the lesion's wall must match its distances. The tests also show that a balloon opens a lesion by
- * its pressure on the wall. After deflation, a lesion recoils by its recoil fraction (completely where it is
- * elastic), and a stent's scaffold holds it open. The tests compare the results with the closed form of a
- * stenosis in a straight tube. */
+ * normals of the lesion's wall must match the gradients of the distance. The tests also show that a balloon
+ * opens a lesion by its pressure on the wall. After deflation, a lesion recoils by its recoil fraction
+ * (completely where it is elastic), and a stent's scaffold holds it open. The tests compare the results with
+ * the closed form of a stenosis in a straight tube. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -148,9 +148,9 @@ static double distance_mm(const rig *r, const crn_lesion_state *lesions, crn_vec
     return sample.distance_m_q30 * 1e3 / Q30;
 }
 
-/* The test takes points on the wall that it expects, and checks the distance that the core computes there.
- * The tolerance is 0.02 mm (the error of the narrow channel's distance field, docs/lesions.md) times the
- * factor by which the lesion is widened. */
+/* The test takes points on the expected wall, and checks the distance that the core computes there. The
+ * tolerance is 0.02 mm (the error of the narrow channel's distance field, docs/lesions.md) times the factor
+ * by which the lesion is widened. */
 static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **state)
 {
     (void)state;

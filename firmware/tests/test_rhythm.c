@@ -62,7 +62,8 @@ static void systole_follows_its_formula_and_not_the_interval(void **state)
     }
 }
 
-/* Within systole and within diastole, the phase per tick varies by at most one part in 2^20 of a cycle. */
+/* Within systole and within diastole, the advance of the phase per tick varies by at most one part in 2^20 of
+ * a cycle. */
 static void the_phase_is_linear_in_systole_and_in_diastole(void **state)
 {
     (void)state;

@@ -131,8 +131,8 @@ static void any_one_word_of_a_snapshot_may_be_wrong(void **context)
 }
 
 /* The test makes an extreme shape: all edges have their full length and lie along one axis, and fold back by
- * 180 degrees at every node. The velocities, friction displacements, rotations and forces of this state are
- * random. The last nodes of this shape, which the introducer sheath holds, are unchanged. */
+ * 180 degrees at every node. The velocities, friction displacements, rotations and forces of the extreme
+ * state are random. The last nodes of the extreme shape, which the introducer sheath holds, are unchanged. */
 static void a_folded_line_with_wild_velocities_stays_defined(void **context)
 {
     (void)context;

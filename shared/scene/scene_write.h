@@ -15,7 +15,7 @@ typedef struct crn_scene_part {
     size_t size;
 } crn_scene_part;
 
-/* Returns the size in bytes of a file with these sections, or 0 when the size would exceed 2^31. */
+/* Returns the size in bytes of a file with the given sections, or 0 when the size would exceed 2^31. */
 size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count);
 
 /* Writes the sections. Returns the number of bytes written, or 0 when `capacity` is too small. The writing

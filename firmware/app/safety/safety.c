@@ -1,6 +1,6 @@
 /* Checks the readings of the rig (signal lines, sensors and forces) at every edge of the timer. Every fault
- * that these checks can report is listed in shared/wire/wire_faults.def, with the longest time until the rig
- * is safe and the name of the test for this fault. */
+ * that the safety checks can report is listed in shared/wire/wire_faults.def, with the longest time until the
+ * rig is safe and the name of the test for this fault. */
 #include "firmware/app/safety/safety.h"
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/app/safety/carriage.h"

@@ -80,7 +80,7 @@ typedef struct crn_safety {
     crn_safety_watch watches[CRN_PORT_TOOL_MAX];
 } crn_safety;
 
-/* Returns the force that a track's sensor measures in these readings, or 0 without readings or without a
+/* Returns the force that a track's sensor measures in the given readings, or 0 without readings or without a
  * working sensor. */
 int32_t crn_safety_force_mN(const crn_safety *safety, const crn_port_inputs *rig, uint32_t track);
 

@@ -1,6 +1,5 @@
-/* This header has the declarations that the files of the USB stack share. The declarations are grouped, from
- * top to bottom, into events, control transfers, standard and class requests, descriptors, events, reports,
- * and the byte stream. */
+/* This header has the declarations that the files of the USB stack share. The declarations of functions are
+ * grouped by the file that defines the functions. */
 #ifndef CRN_USB_INTERNAL_H
 #define CRN_USB_INTERNAL_H
 

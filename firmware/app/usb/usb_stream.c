@@ -75,9 +75,9 @@ void crn_usb_stream_received(crn_usb *usb, uint32_t bytes)
     usb->held_end = bytes < sizeof usb->stream_out ? bytes : (uint32_t)sizeof usb->stream_out;
 }
 
-/* Takes only the received bytes up to the end of the next frame, so that the queue has space for the reply to
- * this one request. When all bytes of the present packet are taken, the function makes the endpoint ready for
- * the next packet. */
+/* Takes the received bytes only up to the end of the next frame, so that the queue has space for the reply to
+ * one request. When all bytes of the present packet are taken, the function makes the endpoint ready for the
+ * next packet. */
 bool crn_usb_stream_deliver(crn_usb *usb)
 {
     if (usb->configuration == 0 || usb->is_halted[CRN_USB_STREAM_OUT]) return false;

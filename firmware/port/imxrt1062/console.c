@@ -1,6 +1,6 @@
 /* This port has never run on hardware. This file writes text on LPUART6 (115,200 baud, pin 1), for people and
- * logs: a banner at power-up and a line for every exception. Writing waits for the UART, so these functions
- * are never called while ticks run. */
+ * logs: a banner at power-up and a line for every exception. Each write waits for the UART, so the console's
+ * functions are never called while ticks run. */
 #include "firmware/port/console_digits.h"
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"

@@ -1,5 +1,5 @@
-/* This is a minimal host for tests. The host sends messages to a simulated device and reads the device's
- * frames, through bytes only. */
+/* This header declares a minimal host for tests. The host sends messages to a simulated device and reads the
+ * device's frames, through bytes only. */
 #ifndef CRN_TEST_CLIENT_H
 #define CRN_TEST_CLIENT_H
 

@@ -41,7 +41,7 @@ static uint8_t payload[CRN_WIRE_PAYLOAD_MAX];
 static uint8_t frame[CRN_WIRE_FRAME_MAX];
 static crn_wire_decoder decoder;
 
-/* This is the published check value of CRC-32 (IEEE 802.3) for the digits 1 to 9. */
+/* The expected value is the published check value of CRC-32 (IEEE 802.3) for the digits 1 to 9. */
 static void crc32_of_the_digits_is_the_published_value(void **state)
 {
     (void)state;

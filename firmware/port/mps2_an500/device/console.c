@@ -1,5 +1,5 @@
 /* This file writes text to UART 0, for people and for log files: a banner at power-up and a line for every
- * exception. Each write waits for the UART, so these functions are never called while ticks run. */
+ * exception. Each write waits for the UART, so the console's functions are never called while ticks run. */
 #include "firmware/port/console_digits.h"
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
