@@ -200,8 +200,8 @@ typedef struct crn_app {
     crn_state core;
 } crn_app;
 
-/* Powers up the app: its state is INIT, the motors are off, and there are no scene and no tools. `port` must
- * outlive the app. */
+/* Powers up the app: its state is INIT, the motors are off, and neither a scene nor tools are loaded. `port`
+ * must outlive the app. */
 void crn_app_init(crn_app *app, const crn_port *port);
 
 /* Receives bytes from the host, in pieces of any size. The replies leave through port->transmit before

@@ -286,8 +286,8 @@ static crn_build_status choose_exponent(crn_model *model)
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
     /* For a joint that the introducer sheath clips by more than CRN_CLIP_SURE, rod_feed.c keeps the joint's
-     * part of the diagonal entry below 2^28. For a joint that the sheath clips so far, the other terms of the
-     * diagonal entry must also stay below 2^28, so that the sum stays below 2^29. */
+     * part of the diagonal entry below 2^28. If the sheath clips a joint by more than CRN_CLIP_SURE, the
+     * other terms of the diagonal entry must also stay below 2^28, so that the sum stays below 2^29. */
     worst_q8 = worst_q8 > 2 * unclipped_q8 ? worst_q8 : 2 * unclipped_q8;
     worst_q8 += (int64_t)(2 * LOAD_RESERVE_N_m) << 8;
     uint32_t exponent = 14;

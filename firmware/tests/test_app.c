@@ -319,8 +319,8 @@ static void force_limits_can_be_lowered_but_not_raised(void **state)
     assert_int_equal(reject.detail2, 2);
 }
 
-/* When the hand jerks at a force gain of 4, the motor command stays within its limit and grows by at most its
- * slew limit in every tick. */
+/* When the hand moves with a sudden jerk at a force gain of 4, the motor command stays within its limit and
+ * grows by at most its slew limit in every tick. */
 static void motor_commands_stay_within_limit_and_slew(void **state)
 {
     (void)state;

@@ -199,7 +199,7 @@ static void shake(int tick)
 
 /* If a spring is computed only once a tick, a hand that shakes by 0.5 mm from tick to tick gains energy from
  * the spring. The passivity observer detects the energy that the hand gains, removes the force and reports
- * the fault. If the hand then pushes on, it gives back the energy that it gained, and the session
+ * the fault. If the hand then continues to push, it gives back the energy that it gained, and the session
  * continues. */
 static void forces_that_give_energy_are_reduced(void **state)
 {

@@ -1,5 +1,5 @@
 /* These tests check what happens when a second program connects to a rig that has power, and which events
- * feed a port's watchdog. If a second program connects while another program is in control, the program in
+ * reset a port's watchdog. If a second program connects while another program is in control, the program in
  * control loses nothing. If the program in control has gone, the next program can take over. Only timer edges
  * that the app has completed count as signs of life for the watchdog. */
 #include <setjmp.h>

@@ -159,8 +159,8 @@ static bool grows_within(int32_t last, int32_t now, int32_t slew)
     return now <= (last > 0 ? last : 0) + slew && now >= (last < 0 ? last : 0) - slew;
 }
 
-/* All hands jerk at a force gain of 4. In every tick, the force of every motor must stay within its own limit
- * and slew limit; more than one motor must be active. */
+/* All hands move with a sudden jerk while the force gain is 4. In every tick, the force of every motor must
+ * stay within its own limit and slew limit; more than one motor must be active. */
 static void motors_stay_within_their_own_limit_and_slew(void **state)
 {
     (void)state;

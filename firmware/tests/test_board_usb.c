@@ -24,7 +24,7 @@ static bool poll(void)
     return udc->poll(udc->context, &event);
 }
 
-/* Connects a powered controller to the bus, after a reset at high speed. */
+/* Powers up the controller, connects it to the bus, and lets the host reset the bus at high speed. */
 static void begin(void)
 {
     memset(&model, 0xa5, sizeof model); /* contents from before the reset have no meaning */

@@ -103,8 +103,9 @@ static void the_lattice_passes_through_its_keyframes(void **state)
     assert_true(worst < 3e-6);
 }
 
-/* Between nodes and keyframes, a spacing of 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm.
- * The lattice of breath represents 8 mm of breath within 0.3 mm at any moment of the beat. */
+/* Between nodes and keyframes, a lattice with a spacing of 7.8 mm and 24 keyframes represents a beat of 11 mm
+ * with an error of at most 0.3 mm. The lattice of breath represents a breath motion of 8 mm with an error of
+ * at most 0.3 mm, at any moment of the beat. */
 static void the_lattice_represents_the_map(void **state)
 {
     (void)state;

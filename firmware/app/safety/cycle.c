@@ -39,10 +39,10 @@ static int64_t hand_pJ(const crn_safety_swing *now, const crn_safety_swing *last
 }
 
 /* Returns whether two successive swings of the carriage are one oscillation that the motor sustains. The two
- * swings must be fast, strong enough to be felt, and equally wide within a factor of 7/8. In the softest
- * hand, the damping of a rig whose settings are correct reduces each swing to 0.81 of the previous swing. The
- * hand must also have absorbed more work than 1/64 of the product of the oscillation's ranges of force and
- * travel; the sensor's noise gives a fifth of this work. */
+ * swings must be fast, strong enough to be felt, and equally wide within a factor of 7/8. When the softest
+ * hand holds the handle, the damping of a rig whose settings are correct reduces each swing to 0.81 of the
+ * previous swing. The hand must also have absorbed more work than 1/64 of the product of the oscillation's
+ * ranges of force and travel; the sensor's noise gives a fifth of this work. */
 static bool is_sustained(const crn_safety_swing *now, const crn_safety_swing *last, bool is_felt)
 {
     const int32_t low = now->low_mN < last->low_mN ? now->low_mN : last->low_mN,
