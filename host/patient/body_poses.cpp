@@ -10,7 +10,7 @@ BodyPoses::BodyPoses(const SceneAnatomy &anatomy)
     if (anatomy.motion) moving_.emplace(*anatomy.motion, anatomy.bodies);
 }
 
-// The bodies are in the heart phase of that tick, and their walls are as wide as the lesions have opened in
+// Returns the bodies in the heart phase of the frame's tick, with walls as wide as the lesions have opened in
 // the core.
 std::span<const MovedBody> BodyPoses::at(const WireFrame &wire)
 {

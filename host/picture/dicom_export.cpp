@@ -196,7 +196,7 @@ void DicomExport::add(RunFrame frame)
     if (frame.raw.size() != static_cast<std::size_t>(header_.size) * header_.size)
         throw std::invalid_argument("run: a frame of " + std::to_string(frame.raw.size()) + " pixels, not " +
                                     std::to_string(header_.size) + " x " + std::to_string(header_.size));
-    // A field of another size has pixels of another size, so its frames cannot be in the same file.
+    // A frame with another field size has pixels of another size, and so belongs in another file.
     const bool fits = part_of_run_ > 0 && parts_.back().pixels.has_room_for_another() &&
                       parts_.back().run.frames.front().carm.field_m == frame.carm.field_m;
     if (!fits) {

@@ -132,8 +132,8 @@ void after_washing_out_no_look_is_wanted(void **)
     assert_true(std::fabs(contrast.flow().budget().injected_mg - 6.0 * 350.0) < 1e-6);
 }
 
-// In this test an artery divides into two branches. In both branches a column must begin where the artery
-// ends.
+// In this test an artery divides into two branches. In both branches a column of medium must begin where the
+// artery ends.
 void columns_have_no_gap_where_a_vessel_divides(void **)
 {
     VesselTree tree = aorta();
@@ -268,7 +268,7 @@ void blood_flows_with_the_cores_heart(void **)
 }
 
 // In this test a vessel passes through the lattice of the sample scene, which heart and breath move. The
-// cells of the vessel must be where the lattice moves them, to 0.1 mm; the vessel has a point every
+// cells of the vessel must be where the lattice moves them, to within 0.1 mm; the vessel has a point every
 // millimetre.
 void medium_moves_with_the_vessels(void **)
 {
