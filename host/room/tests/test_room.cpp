@@ -286,9 +286,8 @@ static void a_new_mask_is_taken_from_the_frames_named(void **)
     assert_int_equal(bench.screen.status().mask_last, 5);
 }
 
-// The bone's edge (two doublings of attenuation, columns 31 to 32) moves when the mask is moved. A mask that
-// is moved right by one pixel leaves a seam of one pixel, in which the mask is bright and the live picture is
-// not.
+// The bone's edge (two doublings of attenuation, columns 31 to 32) moves when the mask is moved. Moving the
+// mask right by one pixel leaves a seam of one pixel, in which only the mask is bright.
 static void pixel_shift_moves_the_mask(void **)
 {
     Bench bench;
