@@ -1,6 +1,6 @@
 // Computes learning curves: what a trainee's sessions in one case show, in comparison with experts and the
-//   cohort (docs/records.md has the formulas, their sources and how well the band covers the truth). const
-//   LearningCurve curve = learning_curve(sessions_of_case, "otter", "fluoroscopy_min", everybody);
+// cohort (docs/records.md has the formulas, their sources and how well the band covers the truth).
+//   const LearningCurve curve = learning_curve(sessions_of_case, "otter", "fluoroscopy_min", everybody);
 #pragma once
 #include "host/records/record.hpp"
 #include <optional>

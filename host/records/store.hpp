@@ -1,6 +1,8 @@
 // Stores records of sessions and trainees in a database, and reads them. All SQL statements are the same for
-//   SQLite and PostgreSQL. Every function that writes is one transaction: after a crash either all or nothing
-//   of its data is stored. RecordStore store = open_store(default_records_place()); store.save(record);
+// SQLite and PostgreSQL. Every function that writes is one transaction: after a crash either all or nothing
+// of its data is stored.
+//   RecordStore store = open_store(default_records_place());
+//   store.save(record);
 #pragma once
 #include "host/records/database.hpp"
 #include "host/records/record.hpp"
