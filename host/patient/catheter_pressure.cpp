@@ -54,8 +54,8 @@ void CatheterPressure::leave()
     share_ = 1.0;
 }
 
-// The tools' shape is first read after the tick in which the tip entered the vessels, because the caller asks
-// for next_tick() before each tick and cannot know yet what that tick brings.
+// The tools' shape is first read after the tick in which the tip entered the vessels: the caller asks for
+// next_tick() before each tick, when it cannot know yet that the tip will enter.
 std::uint32_t CatheterPressure::next_tick() const
 {
     if (!is_inserted_ || cells_.size() == 0) return std::numeric_limits<std::uint32_t>::max();

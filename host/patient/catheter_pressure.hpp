@@ -1,6 +1,6 @@
 // Computes the pressure that the transducer of a catheter measures at the catheter's tip. The tip may narrow
-// the vessel so much that little blood passes (a wedged or "damped" catheter). The pressure then falls and
-// its pulse gets narrower (docs/contrast.md, "Pressure at the catheter's tip").
+// the vessel so much that little blood passes (a wedged or "damped" catheter). If the tip narrows the vessel,
+// the pressure falls and its pulse gets smaller (docs/contrast.md, "Pressure at the catheter's tip").
 //
 //   pressure.tick(aortic_mmHg, state);     for every tick
 //   pressure.advance(wire);                with the shape of the tools, no later than next_tick()

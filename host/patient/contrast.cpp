@@ -260,7 +260,7 @@ std::uint32_t PatientContrast::look_due() const
 }
 
 // Advances the medium to the frame's tick, with the tools at their last known positions. If the shape of the
-// tools must be read at this tick, the function reads it from the frame after that.
+// tools must be read at this tick, it is read from the frame after the medium has been advanced.
 void PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
@@ -355,9 +355,9 @@ double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
            std::max(1.0 - behind_tip_mm / (stream_radii * cells[cell].radius_mm), 0.0);
 }
 
-// Draws the iodine of a cell as a column that is thinner than the vessel. The column lies beside the axis of
-// the vessel, on the side of the catheter's tip. The column is just wide enough to hold all iodine of the
-// cell as undiluted medium.
+// Draws the iodine of a cell as a column that is thinner than the vessel. The column of iodine lies beside
+// the axis of the vessel, on the side of the catheter's tip. The column of iodine is just wide enough to hold
+// all iodine of the cell as undiluted medium.
 SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) const
 {
     const FlowCells &cells = flow_.cells();

@@ -1,7 +1,7 @@
 // Simulates the contrast medium in a session, which depends on the ordered injections and the positions of
 // the tools, and passes the medium to the X-ray. The medium depends only on the commands and on the shape of
-// the tools at fixed ticks (next_tick). A replay therefore shows the same medium, whatever pictures were
-// requested. While the vessels contain no medium, nothing is computed.
+// the tools at fixed ticks (next_tick). A replay therefore shows the same medium as the session, whatever
+// pictures were requested. While the vessels contain no medium, nothing is computed.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/effects/lumen_pressure.hpp"
@@ -24,7 +24,7 @@ inline constexpr double iodine_default_mg_per_ml =
 
 // Returns the index of the tool that injects, counted from the innermost. `asked` is the number of the
 // requested tool, counted from 1 for the innermost; the number 0 selects the outermost tool with a lumen. The
-// result has no value if the session has no such tool.
+// function returns no value if the session has no such tool.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
 // Returns true if the tool reaches more than 1 mm beyond the introducer. A tool that reaches no farther than
 // 1 mm beyond the introducer counts as taken out, also from the lumens of other tools.

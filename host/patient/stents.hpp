@@ -2,8 +2,8 @@
 // and held by the vessel wall. This class sends the core its commands about stents, and passes the struts to
 // the X-ray. The state of the stents depends only on the commands and on the shape of the tools at multiples
 // of look_every_ticks, whatever pictures were requested. The function give_orders() returns the commands for
-// the core. The commands become part of a tick's input, and are recorded. A replay sends the recorded
-// commands to the core, and computes the stents again for pictures and reports.
+// the core. The commands about stents become part of a tick's input, and are recorded. A replay sends the
+// recorded commands to the core, and computes the stents again for pictures and reports.
 //
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon

@@ -107,7 +107,8 @@ double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count
 
 // Sets the display window to the range of pixel values of the run, without the darkest and the brightest
 // hundredth of them. If the largest value occurs in at least one pixel of 200, it is the value of saturated
-// pixels beside the patient. The function then does not count these saturated pixels.
+// pixels beside the patient. The function does not count the pixels of saturated detector elements beside the
+// patient.
 void set_window(XrayRun &run, std::vector<std::uint32_t> histogram)
 {
     if (run.window_width > 0.0) return;

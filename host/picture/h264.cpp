@@ -18,7 +18,7 @@ constexpr std::size_t start_code_bytes = 4; // before every NAL unit: 0 0 0 1
 constexpr int type_mask = 31, type_sequence_parameters = 7, type_picture_parameters = 8;
 
 // These factors convert RGB to the colour space BT.709 (ITU-R BT.709-6, 3.4): brightness 16 .. 235, colour
-// differences 16 .. 240 around 128. These fixed-point factors have 16 binary places.
+// differences 16 .. 240 around 128. The fixed-point factors that convert RGB have 16 binary places.
 constexpr double red_share = 0.2126, blue_share = 0.0722, brightness_range = 219.0 / 255,
                  colour_range = 224.0 / 255;
 constexpr int fixed(double value)
@@ -53,9 +53,9 @@ void convert_brightness(const Image &image, std::uint8_t *out)
             16 + ((y_red * rgb[0] + y_green * rgb[1] + y_blue * rgb[2] + (1 << 15)) >> 16));
 }
 
-// Computes one colour value for a block of 2 x 2 pixels. H.264 places this value at the left pair of pixels,
-// between the two rows, so neighbouring pixels in a row have the weights 1 : 2 : 1. The sums that this
-// function computes have 3 more binary places than a pixel value.
+// Computes one colour value for a block of 2 x 2 pixels. H.264 places the colour value of a block at its left
+// pair of pixels, between the two rows, so neighbouring pixels in a row have the weights 1 : 2 : 1. The sums
+// that this function computes have 3 more binary places than a pixel value.
 void convert_colour(const Image &image, std::uint8_t *out_blue, std::uint8_t *out_red)
 {
     const std::size_t row_bytes = 3 * static_cast<std::size_t>(image.width);

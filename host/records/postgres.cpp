@@ -1,6 +1,6 @@
 // Stores records on a PostgreSQL server, by the library libpqxx. This file is built as a separate library,
-// which postgres_module.cpp opens only when the user names a server, because libpqxx loads sixteen more
-// libraries that no other command needs. A broken connection becomes RecordsError (unreachable); the caller
+// because libpqxx loads sixteen more libraries that no other command needs; postgres_module.cpp opens the
+// library when the user names a server. A broken connection becomes RecordsError (unreachable); the caller
 // opens the database again and repeats the request, which is harmless, because every row has a key that the
 // station has chosen.
 #include "host/base/number_text.hpp"
@@ -162,9 +162,9 @@ class PostgresDatabase : public Database
         result.changed = static_cast<std::int64_t>(rows.affected_rows());
     }
 
-    // A server that is shutting down or starting reports errors of the classes 57P and 08; if no answer to a
-    // commit arrives, the result of the commit is unknown. The same request may be repeated after errors of
-    // these classes and after a commit without an answer.
+    // A server that is shutting down or starting reports errors of the SQLSTATE classes 57P and 08; if no
+    // answer to a commit arrives, the result of the commit is unknown. The same request may be repeated after
+    // errors of the SQLSTATE classes 57P and 08, and after a commit without an answer.
     template <typename Action> void guarded(Action action)
     {
         try {

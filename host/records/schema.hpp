@@ -1,4 +1,4 @@
-// The tables of records, as SQL that SQLite and PostgreSQL both understand (docs/records.md lists the
+// Defines the tables of records, in SQL that SQLite and PostgreSQL both understand (docs/records.md lists the
 // tables).
 #pragma once
 #include <string>

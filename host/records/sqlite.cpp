@@ -1,6 +1,6 @@
-// Records in one SQLite file: write-ahead log, every commit flushed to the disk (synchronous FULL), deleted
-// bytes overwritten (secure_delete). These settings apply to one connection, so they are set whenever the
-// file is opened.
+// Stores records in one SQLite file: with a write-ahead log, every commit flushed to the disk (synchronous
+// FULL), and deleted bytes overwritten (secure_delete). The settings of SQLite apply to one connection, so
+// they are set whenever the file is opened.
 #include "host/base/terminal.hpp"
 #include "host/records/database.hpp"
 #include "host/records/identity.hpp"
@@ -190,8 +190,8 @@ class SqliteDatabase : public Database
     void commit() override { run("COMMIT"); }
     void roll_back() noexcept override
     {
-        // If the disk was full, SQLite may have rolled back already; this statement then fails and changes
-        // nothing.
+        // If the disk was full, SQLite may have rolled back already; the statement ROLLBACK then fails and
+        // changes nothing.
         sqlite3_exec(file_, "ROLLBACK", nullptr, nullptr, nullptr);
     }
 

@@ -1,4 +1,4 @@
-// Parts of the HTML pages about a session: texts, numbers and curves. Each page needs no other file.
+// Makes parts of the HTML pages about a session: texts, numbers and curves. Each page needs no other file.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

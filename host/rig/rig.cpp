@@ -101,7 +101,7 @@ namespace
 {
 
 // The command `list` contacts every connected rig, and these time limits end the command even if a rig does
-// not answer. Because of these time limits the command ends even if a rig does not answer.
+// not answer.
 constexpr auto list_patience = std::chrono::milliseconds(1500);
 constexpr auto list_limit = std::chrono::seconds(6);
 

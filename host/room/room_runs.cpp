@@ -12,9 +12,9 @@ namespace
 {
 
 // A roadmap keeps for each pixel the largest of many differences, so the noise of the frames makes every
-// pixel brighter. An estimate of the noise is subtracted from every pixel of the roadmap to compensate for
-// this. This estimate of a roadmap's noise is the median of the pixels, which is the background, plus a fixed
-// multiple of the difference between the median and the 10th percentile.
+// pixel brighter. To compensate for the noise, an estimate of it is subtracted from every pixel of the
+// roadmap. This estimate of a roadmap's noise is the median of the pixels, which is the background, plus a
+// fixed multiple of the difference between the median and the 10th percentile.
 constexpr float roadmap_noise_steps = 2.0f;
 
 float background_of(const std::vector<float> &peak)

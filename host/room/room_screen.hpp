@@ -113,7 +113,7 @@ class RoomScreen
     Review review_;
     Roadmap roadmap_;
     // Holds the last frame of the X-ray beam; the frame is first shown live, and later as a held image. If
-    // the run of this last frame is stored, the store contains the frame too.
+    // the run of the held frame is stored, the store contains the frame too.
     RunFrame held_frame_;
     std::vector<std::uint8_t> held_grey_;
     int held_run_ = 0, held_index_ = 0, held_size_ = 0;

@@ -146,7 +146,8 @@ class HandModel
         out_->push_back(changed);
     }
 
-    // If the foot or the table is late, it acts only after the first stroke of the motion.
+    // A pedal or table that the simulated person operates late follows only after the first stroke of the
+    // motion.
     void motion(const Statement &statement)
     {
         wait(statement.line, chance_.exponential(skill_.pause_s));

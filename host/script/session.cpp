@@ -264,7 +264,7 @@ class SessionParser
     bool has_selected_ = false, has_begun_ = false;
 };
 
-// Returns the number of a tool in the table, from 1.
+// Returns the number of a tool in the table, counted from 1.
 std::uint8_t number_of(const std::string &name, std::span<const std::string> names, const std::string &file,
                        int line)
 {

@@ -32,7 +32,8 @@ class FrameSink
     // Receives every tick in order, with its input and its result, before the frame of that tick.
     virtual void tick(const crn_wire_tick_input &, const crn_wire_tick_state &) {}
     // Receives the forces of the walls on the tools every ContactFigures::look_every_ticks ticks, before the
-    // frame of that tick. A session in FREE_RUN does not read these forces, and does not call this function.
+    // frame of that tick. A session in FREE_RUN does not read the forces of the walls, and does not call this
+    // function.
     virtual void contacts(const crn_wire_contacts &) {}
     // Returns the next tick at which frame() must be called, as far as the observer knows it now.
     virtual std::uint32_t next_tick() const = 0;

@@ -292,8 +292,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
 
 // --- permanent changes ---
 
-// A spring that is stretched or compressed beyond its elastic range yields permanently. After such a spring
-// has yielded, its length would change only by the recoil if the load were removed.
+// A spring that is stretched or compressed beyond its elastic range yields permanently. After a spring has
+// yielded, its length would change only by the recoil if the load were removed.
 void StentRelaxation::yield()
 {
     const double recoil = stent_.design_.recoil;

@@ -179,8 +179,8 @@ std::vector<std::uint32_t> Stent::patch_of(const StentWall &wall) const
     return wall.near(middles, widest + wall_reach_mm);
 }
 
-// When the stent is deployed, its springs begin to hold its shape. When the stent is deployed, these springs
-// carry no load, because the elastic part of their stretch is lost when the balloon is deflated.
+// When the stent is deployed, its springs begin to hold its shape. At the deployment the springs carry no
+// load, because the elastic part of their stretch is lost when the balloon is deflated.
 void Stent::deploy(const StentSurroundings &around)
 {
     if (state_.stage == StentStage::on_balloon) state_.stage = StentStage::deployed;

@@ -20,7 +20,8 @@ struct Face {
     ImU32 colour = 0;
 };
 
-// This view looks at the isocentre from above the patient's left foot, without perspective.
+// The spatial view of the C-arm looks at the isocentre from above the patient's left foot, without
+// perspective.
 class SpaceView
 {
   public:

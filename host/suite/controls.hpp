@@ -169,8 +169,8 @@ enum class ScreenControlId : std::uint8_t {
 };
 inline constexpr std::size_t screen_control_count = static_cast<std::size_t>(ScreenControlId::leave_rig) + 1;
 
-// A key of a screen, or a range of neighbouring keys, in which the first key selects the first choice, the
-// next key the second, and so on.
+// Describes a key of a screen, or a range of neighbouring keys, in which the first key selects the first
+// choice, the next key the second, and so on.
 struct ScreenControl {
     ScreenControlId id;
     ScreenId screen;

@@ -66,8 +66,8 @@ void SuiteScreen::draw_picture(std::size_t slot, const MonitorPicture &picture, 
     }
     const bool is_changed = slot == live_slot && !range_.is_whole();
     // A new version number makes the texture load the picture again after the picture or its grey range has
-    // changed. The number of the picture and that of the range's changes only grow, and the range changes at
-    // most once per drawing of the window.
+    // changed. The version consists of the picture's number and the number of changes of the grey range; both
+    // only grow, and the range changes at most once per drawing of the window.
     const std::uint64_t version = picture.number + (slot == live_slot ? range_changes_ << 32 : 0);
     if (is_changed && stretched_version_ != version) {
         stretched_ = range_.shown(picture.grey);

@@ -15,7 +15,7 @@ namespace crn
 {
 
 inline constexpr float page_margin = 60.0f; // units, at the left of the screens
-// Indices of the window's textures for these screens; the monitors use lower indices.
+// Indices of the window's textures for the preparation and the case cards; the monitors use lower indices.
 inline constexpr std::size_t prep_slot = 4, card_slot = 8;
 
 struct PageChoice {

@@ -62,7 +62,8 @@ class DeviceCabinet
     const Case &lesson_;
     std::vector<CabinetDevice> devices_;
     std::vector<StentDesign> stents_;
-    // These lists are computed when the line changes, because the window shows them sixty times a second.
+    // The devices on the line and the findings about them are computed when the line changes, because the
+    // window shows them sixty times a second.
     std::vector<std::size_t> line_;
     std::vector<Finding> findings_;
 };

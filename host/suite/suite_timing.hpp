@@ -13,7 +13,7 @@ namespace crn
 class SuiteTiming
 {
   public:
-    // Receives the contents of one drawing of the window, and the time at which it was shown.
+    // Receives the contents of one drawing of the window, and the time at which this drawing was shown.
     void take(const SuiteState &state, const MonitorPicture *live, SuiteClock::time_point now);
     // Throws OutputError.
     void write(const std::string &path) const;

@@ -148,8 +148,8 @@ void SuiteWindow::open(const std::string &title, WindowSize size)
     glfwSetWindowUserPointer(window_, this);
     glfwSetKeyCallback(window_, [](GLFWwindow *window, int key, int, int action, int modifiers) {
         auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
-        // A click on a text field sets WantTextInput only in the frame after the click; a key that comes
-        // before that belongs to the field as well.
+        // A click on a text field sets WantTextInput only in the frame after the click; a key that is pressed
+        // before that frame belongs to the field as well.
         const bool has_field =
             ImGui::GetIO().WantTextInput || ImGui::GetCurrentContext()->WantTextInputNextFrame == 1;
         const bool is_typing = has_field && action != GLFW_RELEASE;

@@ -42,7 +42,7 @@ double mtf_of_scintillator(double frequency_per_mm);
 double mtf_of_system(const BlurGeometry &geometry, double frequency_per_mm); // the product
 
 // Each of the next functions returns a blur kernel; from frequency 0 to 0.9/(2 pixel), the kernel's MTF is
-// within 0.01 of the formula above, or as near to it as blur_radius_max allows.
+// within 0.01 of the formula at the top of this file, or as near to it as blur_radius_max allows.
 BlurKernel kernel_before_photons(const BlurGeometry &geometry);
 BlurKernel
 kernel_of_focal_spot(const BlurGeometry &geometry); // for signals that are already averaged over each pixel

@@ -212,8 +212,8 @@ float transmitted(const BeamTable &beam, const Exponents &exponent)
 }
 
 // If the exponents of all rays through a pixel differ by less than ray_spread_max, a single transmission is
-// computed, for their mean path length. If the exponents differ so little, the mean of the rays'
-// transmissions differs from the transmission of the mean path length by a relative error of only 1e-4.
+// computed, for their mean path length. If the exponents differ by less than ray_spread_max, the mean of the
+// rays' transmissions differs from the transmission of the mean path length by a relative error of only 1e-4.
 constexpr float ray_spread_max = 0.1f;
 
 // Several rays pass through each pixel, because tools are thin. The transmissions of the rays through a pixel

@@ -31,7 +31,7 @@ struct XrayExposure {
 };
 
 // Returns the area of the open field at the reference point, in cm2. The kerma at the reference point times
-// this area is the kerma-area product, which is the same at every distance from the source.
+// the area of the open field is the kerma-area product, which is the same at every distance from the source.
 double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
 
 class XrayMeter

@@ -61,7 +61,7 @@ Instrument guide()
     return made;
 }
 
-// The guide of this radius crosses the aorta and reaches `inside_m` into the artery.
+// Makes a guiding catheter of the given radius that crosses the aorta and reaches `inside_m` into the artery.
 WireFrame guide_at(std::uint32_t tick, double radius_m, double inside_m)
 {
     WireFrame wire;

@@ -1,7 +1,8 @@
 // Tests balloon and stents in a session; this file makes the shapes of the nested tools. The tests check
-// which stents may be mounted and when the stents are updated. They also check which commands the core gets,
-// and when a command is repeated. The tests of this file also check that making pictures does not change the
-// session, and check the X-ray of a filled balloon and the contents of a recording.
+// which stents may be mounted and when the stents are updated. The tests of this file also check which
+// commands the core gets, and when a command is repeated. The tests of this file also check that making
+// pictures does not change the session, and check the X-ray of a filled balloon and the contents of a
+// recording.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
@@ -156,8 +157,8 @@ std::optional<crn_wire_strut> next_ring(PatientStents &stents)
 
 // In this test the whole lesion lies inside the stent and has been opened. The commands to the core must
 // cover every point of the lesion except two at each end, and must hold the middle point open by more than 90
-// %. After the core has carried out these commands, the stents must not send any further command about this
-// lesion.
+// %. After the core has carried out the commands about this lesion, the stents must not send any further
+// command about it.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
     PatientStents stents = session_stents();
@@ -200,7 +201,8 @@ std::vector<crn_wire_strut> take_struts(PatientStents &stents)
 
 // While the stent is on the balloon, no command about struts may reach the core. After the stent has been
 // deployed, every ring from end to end must become one circle in the core, with the ring's own width. After
-// the core has carried out these commands, the stents must not send any further command about the rings.
+// the core has carried out the commands about the rings, the stents must not send any further command about
+// them.
 void struts_are_told_once_the_stent_is_deployed(void **)
 {
     PatientStents stents = session_stents();
@@ -235,8 +237,8 @@ void struts_are_told_once_the_stent_is_deployed(void **)
 }
 
 // The balloon of a second stent widens the first stent from inside. The widened rings must be sent to the
-// core again. If the core does not confirm the commands about these rings, the commands must be sent once
-// more at the next update.
+// core again. If the core does not confirm the commands about the widened rings, the commands must be sent
+// once more at the next update.
 void struts_that_are_widened_are_told_again(void **)
 {
     PatientStents stents = session_stents(2);

@@ -192,8 +192,8 @@ static void values_are_logarithmic_unless_asked_otherwise(void **)
 }
 
 // The run has 1,000 frames with the values 1, 2, .. 1,000. The display window must leave out the lowest and
-// the highest hundredth of these values. Pixel values of a saturated detector must not count for the display
-// window.
+// the highest hundredth of the run's values. Pixel values of a saturated detector must not count for the
+// display window.
 static void the_window_spans_the_run(void **)
 {
     for (bool is_bright : {false, true}) {

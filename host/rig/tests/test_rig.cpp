@@ -20,7 +20,7 @@
 #include "host/rig/rig.hpp"
 #include <hidapi/hidapi.h>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

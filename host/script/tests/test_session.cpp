@@ -14,7 +14,7 @@
 #include "host/base/text.hpp"
 #include "host/script/session.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -405,7 +405,8 @@ void a_tool_that_is_not_there_is_named_with_its_line(void **)
     }
 }
 
-// When the user moves a hand by keyboard, its speed changes in steps, and its counters must follow the speed.
+// When the user moves a hand by keyboard, the hand's speed changes in steps, and the encoder counters must
+// follow the speed.
 void a_live_hand_comes_to_rest(void **)
 {
     crn::LiveHand hand;

@@ -222,8 +222,8 @@ static void ring_is_as_stiff_as_stated(void **)
 }
 
 // A ring that a wall holds at a radius R below its free radius R0 stores the energy K/2 (R0 - R)^2 in its
-// springs. Here R is the radius of a circle that has the same area as the ring. The flat facets of the wall,
-// and the braces between rings, make the ring uneven, which adds 10 % to its energy.
+// springs. The radius R of a ring is that of a circle with the same area as the ring. The flat facets of the
+// wall, and the braces between rings, make the ring uneven, which adds 10 % to its energy.
 static void pressed_ring_stores_what_its_stiffness_says(void **)
 {
     const TestVessel vessel = tube(1.5);

@@ -21,7 +21,7 @@
 #include "host/suite/ui_text.hpp"
 #include "host/suite/user_input.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

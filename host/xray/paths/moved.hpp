@@ -26,8 +26,8 @@ struct RadiopaqueSection {
     double inner_radius_share = 0.0;
 };
 
-// Holds a tool's outer and inner radius at an arc length from the tool's tip. Between two entries of the list
-// the radii change linearly; two entries at the same arc length make a step.
+// Holds a tool's outer and inner radius at an arc length from the tool's tip. Between two entries of a list
+// of radii, the radii change linearly; two entries at the same arc length make a step.
 struct RadiopaqueRadius {
     double arc_m = 0.0;
     double outer_m = 0.0;

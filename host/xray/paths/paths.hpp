@@ -7,12 +7,12 @@
 //     tools on the wire, by exact chords (tube.hpp) ──────────────┘
 //
 // A back end, which computes path lengths, must deliver one int32 for each material and pixel (see
-// BodyPaths::draw), in units of 1/1024 mm. This number is the sum, over all faces of the selected bodies, of
-// (depth where the ray leaves a body) - (depth where it enters the body), along the ray through the middle of
-// the pixel. The sum of a body is added to the path length in the body's own material, and subtracted from
-// the path length in the parent's material, which surrounds the body. Bodies may therefore be nested to any
-// depth and need no sorting. RasterPaths is the reference. The results of another back end may differ from
-// those of RasterPaths by rounding, and a test limits this difference.
+// BodyPaths::draw), in units of 1/1024 mm. The number for a pixel is the sum, over all faces of the selected
+// bodies, of (depth where the ray leaves a body) - (depth where it enters the body), along the ray through
+// the middle of the pixel. The sum of a body is added to the path length in the body's own material, and
+// subtracted from the path length in the parent's material, which surrounds the body. Bodies may therefore be
+// nested to any depth and need no sorting. RasterPaths is the reference. The results of another back end may
+// differ from those of RasterPaths by rounding, and a test limits this difference.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include "host/xray/paths/materials.hpp"

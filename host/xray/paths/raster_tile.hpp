@@ -1,5 +1,5 @@
-// Draws the chunks of triangles that touch one tile of the picture. The triangles of these chunks are
-// collected in groups of eight, across the borders of chunks.
+// Draws the chunks of triangles that touch one tile of the picture. The triangles of the chunks are collected
+// in groups of eight, across the borders of chunks.
 #pragma once
 #include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/raster.hpp"

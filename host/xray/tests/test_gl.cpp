@@ -175,7 +175,7 @@ const NamedView views[] = {
     {"source 10 mm from the trunk", {20, 10, {0.3, 0.2, 0.27}, 1.05, 0.75, 0.2}, 256},
 };
 
-// In the last of these views the source is 10 mm in front of the trunk.
+// In the last view of the list, the source is 10 mm in front of the trunk.
 CArm placed(const NamedView &of)
 {
     CArm carm = of.carm;
@@ -544,7 +544,8 @@ void another_thread_may_go_on_with_it(void **)
 }
 
 // EGL unloads its driver together with its last context; leaks in the driver could then not be distinguished
-// from leaks in our code. The test keeps the EGL driver loaded to avoid this.
+// from leaks in our code. The test keeps the EGL driver loaded, so that leaks in the driver can be
+// recognised.
 int keep_driver(void **)
 {
     std::unique_ptr<GlContext> context;
