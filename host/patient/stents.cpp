@@ -31,7 +31,7 @@ std::string millimetres(double mm)
 }
 
 // Returns the diameter that the balloon has at its nominal pressure without a vessel around it. If the
-// balloon has no label, this diameter is that in the first row of its table.
+// balloon has no label, the diameter is that in the first row of the balloon's table.
 double nominal_diameter_mm(const Instrument &tool)
 {
     const crn_wire_instrument &table = tool.table;
@@ -360,7 +360,7 @@ void PatientStents::note_stages(std::uint32_t tick)
 }
 
 // Queues the commands by which stents hold points of a lesion open, but only for the points that the core
-// does not yet know. A queued command that the input of no tick has contained is queued again.
+// does not yet know. A queued command that no tick's input has contained is queued again.
 void PatientStents::ask_for_holds(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);

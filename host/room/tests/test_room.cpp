@@ -200,9 +200,8 @@ static void a_tap_within_one_tick_gives_neither_beam_nor_run(void **)
                 bench.room.dose().irradiations().empty());
 }
 
-// The kerma-area product of a run must be the sum over its frames. The kerma-area product must also be the
-// kerma times the field's area at the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (0.6 m / 1.05 m x 25
-// cm x 60 %).
+// The kerma-area product of a run must be the sum over its frames, and the kerma times the field's area at
+// the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (0.6 m / 1.05 m x 25 cm x 60 %).
 static void dose_of_a_run_is_the_sum_over_its_frames(void **)
 {
     Bench bench;

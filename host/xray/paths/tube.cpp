@@ -132,7 +132,7 @@ RadiopaqueRadius radius_at(const RadiopaqueInstrument &tool, double arc_m, doubl
 }
 
 // Returns the cylinder from points[i] to the next point, cut by the planes where the cylinder meets its
-// neighbours. At a sharp bend the cylinder is cut perpendicular to its own axis instead.
+// neighbours. At a sharp bend the cylinder is cut perpendicular to its own axis.
 TubePiece piece_between(const std::vector<Point> &points, std::size_t i)
 {
     TubePiece piece;

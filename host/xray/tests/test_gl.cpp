@@ -117,7 +117,7 @@ struct Difference {
 };
 
 // A pixel counts as inside a body if its path length differs from those of all eight neighbours by less than
-// 2 mm, and all nine path lengths are above 0.
+// 2 mm, and none of the nine path lengths is 0.
 void compare_material(const std::vector<std::int32_t> &expected, const std::vector<std::int32_t> &got,
                       int size, Difference &difference)
 {
@@ -544,8 +544,7 @@ void another_thread_may_go_on_with_it(void **)
 }
 
 // EGL unloads its driver together with its last context; leaks in the driver could then not be distinguished
-// from leaks in our code. The test keeps the EGL driver loaded, so that leaks in the driver can be
-// recognised.
+// from leaks in our code. The test therefore keeps the EGL driver loaded.
 int keep_driver(void **)
 {
     std::unique_ptr<GlContext> context;
@@ -569,9 +568,9 @@ int keep_driver(void **)
 
 } // namespace
 
-// LeakSanitizer calls the following function at the program's end. LeakSanitizer's own tracer crashes at the
-// program's end on the threads of Mesa's llvmpipe (clang 14, Mesa 22.3.6), so the test does not search for
-// leaks; another test in this file limits the growth of memory.
+// LeakSanitizer calls the function below when the program ends. LeakSanitizer's own tracer would crash on the
+// threads of Mesa's llvmpipe (clang 14, Mesa 22.3.6), so the test searches for no leaks; another test in this
+// file limits the growth of memory.
 extern "C" int __lsan_is_turned_off()
 {
     return 1;
