@@ -10,8 +10,8 @@ BodyPoses::BodyPoses(const SceneAnatomy &anatomy)
     if (anatomy.motion) moving_.emplace(*anatomy.motion, anatomy.bodies);
 }
 
-// The bodies are in the heart phase of that tick, and their walls are as wide as the lesions have opened in
-// the core.
+// Returns the bodies in the heart phase of the frame's tick; where lesions have opened in the core, the walls
+// are widened.
 std::span<const MovedBody> BodyPoses::at(const WireFrame &wire)
 {
     const MotionMoment moment{wire.heart_phase32, wire.breath_phase32};

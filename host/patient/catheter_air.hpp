@@ -1,5 +1,5 @@
-// Keeps whether the lumen of the catheter may hold air. Air can enter when a tool is taken out of the lumen.
-// Before the next injection the operator aspirates blood, which removes the air (docs/contrast.md,
+// Records whether the lumen of the catheter may hold air. Air can enter when a tool is taken out of the
+// lumen. Before the next injection the operator aspirates blood, which removes the air (docs/contrast.md,
 // "Aspiration").
 #pragma once
 #include "host/model/tool_line.hpp"
@@ -14,14 +14,16 @@ namespace crn
 class CatheterAir
 {
   public:
-    // This volume fills the lumen of the longest catheter that ships; an assumption for all of them.
+    // Volume that fills the lumen of the longest catheter of the project, taken for all catheters; an
+    // assumption.
     static constexpr std::int32_t enough_ul = 2000;
 
-    // The catheter is the outermost of `tools` with a lumen. It is flushed with saline before the session.
+    // The catheter is the outermost of `tools` that has a lumen. The catheter is flushed with saline before
+    // the session.
     explicit CatheterAir(const std::vector<Instrument> &tools);
 
-    // The tools on the line were exchanged. Another catheter has been flushed; the removal of a tool from its
-    // lumen may have let air in, as its withdrawal did.
+    // Call this function after tools on the line were exchanged. An exchanged catheter has been flushed; a
+    // tool that was removed from the catheter's lumen may have let air in.
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
 
     // Receives every tick.
@@ -30,7 +32,7 @@ class CatheterAir
     void inject(std::uint32_t tick);
 
     bool may_hold_air() const { return may_hold_air_; }
-    // Returns the ticks of the injections that came while the lumen might hold air.
+    // Returns the ticks of the injections that were given while the lumen might hold air.
     const std::vector<std::uint32_t> &injections() const { return injections_; }
 
   private:

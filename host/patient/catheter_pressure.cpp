@@ -54,8 +54,8 @@ void CatheterPressure::leave()
     share_ = 1.0;
 }
 
-// The first look comes after the tick in which the tip entered the vessels: whoever runs the session asks for
-// the next tick before it makes that tick, so it cannot have read the shape of the tools for it.
+// The tools' shape is first read after the tick in which the tip entered the vessels: the caller asks for
+// next_tick() before each tick, when it cannot know yet that the tip will enter.
 std::uint32_t CatheterPressure::next_tick() const
 {
     if (!is_inserted_ || cells_.size() == 0) return std::numeric_limits<std::uint32_t>::max();
@@ -72,8 +72,8 @@ void CatheterPressure::open_vessels(const WireFrame &wire)
     network_.reshape(cells_, tool_mm_);
 }
 
-// Solves for the mean flow with the tools in the vessels. The catheter measures the pressure at
-// the inlet, multiplied by the ratio of the pressures at the tip's cell and at the inlet.
+// Solves for the mean blood flow with the tools in the vessels. The catheter measures the pressure at the
+// inlet, multiplied by the ratio of the pressure in the cell at the tip to that at the inlet.
 void CatheterPressure::advance(const WireFrame &wire)
 {
     if (wire.tick < next_tick() || wire.nodes.empty() ||

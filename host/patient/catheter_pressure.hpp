@@ -1,12 +1,12 @@
 // Computes the pressure that the transducer of a catheter measures at the catheter's tip. The tip may narrow
-// the vessel so much that little blood passes (a wedged or "damped" catheter). The pressure then falls and
-// its pulse gets narrower (docs/contrast.md, "Pressure at the catheter's tip").
+// the vessel so much that little blood passes (a wedged or "damped" catheter). If the tip narrows the vessel,
+// the pressure falls and its pulse gets smaller (docs/contrast.md, "Pressure at the catheter's tip").
 //
 //   pressure.tick(aortic_mmHg, state);     for every tick
 //   pressure.advance(wire);                with the shape of the tools, no later than next_tick()
 //
-// The pressure depends only on the ticks and on the shape of the tools at fixed ticks, so it is the same
-// whatever pictures are made.
+// The pressure depends only on the ticks and on the shape of the tools at fixed ticks, and not on which
+// pictures are made.
 #pragma once
 #include "host/effects/flow_cells.hpp"
 #include "host/effects/flow_network.hpp"
@@ -22,7 +22,7 @@
 namespace crn
 {
 
-// Holds the figures of one complete beat, in mmHg.
+// Holds the pressures of one complete heartbeat, in mmHg.
 struct BeatPressure {
     double systolic = 0.0, diastolic = 0.0, mean = 0.0;
     double pulse() const { return systolic - diastolic; }
@@ -32,13 +32,15 @@ class CatheterPressure
 {
   public:
     static constexpr std::uint32_t look_every_ticks = 80;
-    // While a balloon blocks a coronary artery, collateral vessels keep this share of the pressure behind it
-    // (mean of 100 patients without coronary disease: Wustmann et al., Circulation 2003;107:2213).
+    // While a balloon blocks a coronary artery, collateral vessels maintain this share of the aortic pressure
+    // behind the balloon (mean of 100 patients without coronary disease: Wustmann et al., Circulation
+    // 2003;107:2213).
     static constexpr double collateral_share = 0.18;
     static constexpr double venous_mmHg = 6.0;
-    // Time constant at which the pressure behind a complete block falls; an assumption.
+    // Time constant with which the pressure behind a complete block falls; an assumption.
     static constexpr double bed_time_s = 0.3;
-    // The pressure counts as damped when its pulse is below this share of the aortic pulse; an assumption.
+    // The pressure counts as damped when its pulse pressure is below this share of the aortic pulse pressure;
+    // an assumption.
     static constexpr double damped_pulse_share = 0.5;
 
     // `motion` may be nullptr. `tools` lists the tools from the innermost outwards; the transducer is at the
@@ -46,7 +48,7 @@ class CatheterPressure
     CatheterPressure(const VesselTree &vessels, const std::vector<Instrument> &tools, const Motion *motion,
                      LesionOpening opening);
 
-    // The tools at the changed positions of the line were exchanged.
+    // Call this function after the tools at the changed positions of the line were exchanged.
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
     std::uint32_t next_tick() const; // UINT32_MAX: no catheter lies in the vessels
     void advance(const WireFrame &wire);
@@ -58,9 +60,11 @@ class CatheterPressure
     // Returns the pressure at the tip, above the veins, as a share of the aortic pressure: 1 where the blood
     // flows freely, collateral_share where the tip blocks the vessel.
     double share() const { return share_; }
-    // Returns true if less than a tenth of the blood pressure reaches the tip through the vessel itself.
+    // Returns true if the tip narrows the vessel so much that less than a tenth of the blood pressure passes
+    // it.
     bool is_blocked() const;
-    // Returns true if the last complete beat was damped. Injecting now may injure the artery.
+    // Returns true if the catheter's pressure was damped in the last complete heartbeat. An injection while
+    // the pressure is damped may injure the artery.
     bool is_damped() const { return is_damped_; }
     std::uint32_t damped_ticks() const { return damped_ticks_; } // of the session
     const BeatPressure &beat() const { return beat_; }           // the last complete one

@@ -48,7 +48,8 @@ void go_to(SweptCurve &curve, const SweptPoint &point)
 
 constexpr double kPa_per_psi = 6.894757;
 
-// Returns the reason why this flow of medium cannot pass through the tool, or an empty string if it can.
+// Returns the reason why the stated flow of medium cannot pass through the tool, or an empty string if it
+// can.
 std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
                          double iodine_mg_per_ml)
 {
@@ -120,8 +121,8 @@ PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<In
 {
 }
 
-// The syringe was at the tool that is gone: what it still had to give is lost, and the medium in the vessels
-// stays.
+// The syringe was connected to the tool that was taken out: the rest of its injection is lost, and the medium
+// in the vessels stays.
 void PatientContrast::set_tools(const std::vector<Instrument> &tools, ChangedPositions changed,
                                 std::uint32_t tick)
 {
@@ -141,8 +142,8 @@ std::vector<InnerTool> PatientContrast::inside(std::size_t tool, const crn_wire_
     return inner;
 }
 
-// Returns the reason why the pressure for this injection would be too high, or an empty string. The other
-// tools count as far as they are inserted into the injecting tool.
+// Returns the reason why the requested injection would need too high a pressure, or an empty string if it
+// would not. The tools inside the injecting tool narrow its lumen over the length to which they are inserted.
 std::string PatientContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
 {
     return flow_refusal(tools_[asked.tool], inside(asked.tool, state), asked.flow_ml_s,
@@ -165,8 +166,8 @@ void PatientContrast::tick(const crn_wire_tick_state &state)
                                             (state.rhythm_bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0)});
 }
 
-// Uses the positions of the tools at the tick of the injection. Before the first tick these positions are not
-// known.
+// Checks the requested injections with the positions of the tools at the tick of each injection. Before the
+// first tick the positions of the tools are not known.
 void PatientContrast::judge_asked()
 {
     while (!asked_.empty() && last_.tick > 0 && asked_.front().tick <= last_.tick) {
@@ -179,8 +180,8 @@ void PatientContrast::judge_asked()
     }
 }
 
-// `next` is the index of the next heartbeat; this index only increases, because the calls are in order of
-// time.
+// `next` is the index of the next heartbeat; the index only increases, because the function is called with
+// increasing ticks.
 BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
 {
     while (next < beats_.size() && beats_[next].tick < tick) ++next;
@@ -202,8 +203,8 @@ VesselTree PatientContrast::opened_vessels() const
     return opened;
 }
 
-// The simulated vessels widen only at the fixed ticks at which the shape of the tools is read, because the
-// medium must not depend on which pictures were requested.
+// The simulated vessels widen only at the fixed ticks at which the tools' shape is read, so that the medium
+// does not depend on which pictures were requested.
 bool PatientContrast::open_vessels(const WireFrame &wire)
 {
     if (opening_.is_empty() || wire.lesions_open == flow_open_) return false;
@@ -251,7 +252,7 @@ std::uint32_t PatientContrast::next_tick() const
 }
 
 // Returns the next tick at which the shape of the tools must be read: a multiple of look_every_ticks,
-// whichever other frames exist.
+// whichever other frames are requested.
 std::uint32_t PatientContrast::look_due() const
 {
     if (state_ == State::flows) return (look_tick_ / look_every_ticks + 1) * look_every_ticks;
@@ -259,7 +260,7 @@ std::uint32_t PatientContrast::look_due() const
 }
 
 // Advances the medium to the frame's tick, with the tools at their last known positions. If the shape of the
-// tools must be read at this tick, the function then reads it from the frame.
+// tools must be read at this tick, it is read from the frame after the medium has been advanced.
 void PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
@@ -286,7 +287,7 @@ void PatientContrast::advance(const WireFrame &wire)
     ++cost_.frames;
 }
 
-// Adds the volume of medium that was injected during the tick that ends now.
+// Records the volume of medium that was injected during the tick that ends now.
 void PatientContrast::note_given(std::uint32_t tick)
 {
     if (fluid_.flow_ml_s <= 0.0) return;
@@ -354,9 +355,9 @@ double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
            std::max(1.0 - behind_tip_mm / (stream_radii * cells[cell].radius_mm), 0.0);
 }
 
-// Draws the iodine of a cell as a column that is thinner than the vessel. The column lies beside the axis of
-// the vessel, on the side of the catheter's tip. The column is just wide enough to hold all iodine of the
-// cell as undiluted medium.
+// Draws the iodine of a cell as a column that is thinner than the vessel. The column of iodine lies beside
+// the axis of the vessel, on the side of the catheter's tip. The column of iodine is just wide enough to hold
+// all iodine of the cell as undiluted medium.
 SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) const
 {
     const FlowCells &cells = flow_.cells();
@@ -371,11 +372,12 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
             contrast_share(mean / (width * width))};
 }
 
-// Makes two columns per vessel. The first column has the vessel's width and the concentration that both
-// layers of blood have in common. The second column is narrower and lies on the vessel's axis. The
-// second column has the concentration in the inner layer of blood minus that in the outer layer. If the layer
-// along the wall has the higher concentration, the two layers are shown as if they were mixed. Near the tip,
-// where the medium forms a jet, there is only one column, which is thinner than the vessel.
+// Makes two columns per vessel. The first of a vessel's two columns has the vessel's width, and the
+// concentration that the inner and the outer layer of blood have in common. The second column of a vessel is
+// narrower and lies on the vessel's axis. The second column of a vessel has the concentration in the inner
+// layer of blood minus that in the outer layer. If the layer of blood along the wall has the higher
+// concentration, both layers are drawn as if they were mixed. Near the tip, where the medium forms a jet, a
+// vessel has only one column, which is thinner than the vessel.
 void PatientContrast::make_curves()
 {
     curves_.clear();
@@ -384,9 +386,9 @@ void PatientContrast::make_curves()
         for (bool is_core : {false, true}) make_curves_of(branch, is_core);
 }
 
-// A column begins at the upstream face of its first cell. Where a vessel divides, the first cells of its
-// branches begin outside of the parent vessel. The columns of those branches therefore begin at the end of
-// the parent vessel, because otherwise the picture would show a gap.
+// A column of medium begins at the upstream face of its first cell. Where a vessel divides, the first cells
+// of its branches begin outside the parent vessel. The columns in the branches begin at the end of the parent
+// vessel, because otherwise the picture would show a gap.
 Vector3d PatientContrast::column_begin_m(std::size_t cell) const
 {
     const FlowCells &cells = flow_.cells();

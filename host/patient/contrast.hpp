@@ -1,7 +1,7 @@
 // Simulates the contrast medium in a session, which depends on the ordered injections and the positions of
 // the tools, and passes the medium to the X-ray. The medium depends only on the commands and on the shape of
-// the tools at fixed ticks (next_tick). A replay therefore shows the same medium, whatever pictures were
-// requested. While the vessels contain no medium, nothing is computed.
+// the tools at fixed ticks (next_tick). A replay therefore shows the same medium as the session, whatever
+// pictures were requested. While the vessels contain no medium, nothing is computed.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/effects/lumen_pressure.hpp"
@@ -24,13 +24,13 @@ inline constexpr double iodine_default_mg_per_ml =
 
 // Returns the index of the tool that injects, counted from the innermost. `asked` is the number of the
 // requested tool, counted from 1 for the innermost; the number 0 selects the outermost tool with a lumen. The
-// result has no value if the session has no such tool.
+// function returns no value if the session has no such tool.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
-// Returns true if the tool reaches more than 1 mm beyond the introducer. A tool that reaches no farther
-// counts as taken out, also out of the lumens of other tools.
+// Returns true if the tool reaches more than 1 mm beyond the introducer. A tool that reaches no farther than
+// 1 mm beyond the introducer counts as taken out, also from the lumens of other tools.
 bool is_in_patient(const crn_wire_tool_state &tool);
 // Returns the reason why these tools cannot carry out a command to the syringe, whatever their positions. The
-// string is empty if the tools can carry out the command, or if the command is not for the syringe.
+// returned string is empty if the tools can carry out the command, or if the command is not for the syringe.
 // `iodine_mg_per_ml` is the strength of the injected medium.
 std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
                               double iodine_mg_per_ml);
@@ -40,7 +40,8 @@ std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCo
 // of the lumen between the holes is neglected.
 std::vector<CatheterMouth> catheter_mouths(const Instrument &tool, const WireFrame &wire, double tip_arc_m);
 
-// Holds the computing time on this machine, in seconds, which is not part of the session's results.
+// Holds how long this machine took for the computation, in seconds; these times are not part of the session's
+// results.
 struct ContrastCost {
     std::uint64_t steps = 0, frames = 0; // steps of 1 ms; frames in which medium was visible
     double step_s = 0.0, frame_s = 0.0;  // for the columns
@@ -57,8 +58,8 @@ class PatientContrast
     PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
-    // The tools at the changed positions of the line were exchanged in this tick. An injection through a tool
-    // that is gone ends.
+    // Call this function after the tools at the changed positions of the line were exchanged in this tick. An
+    // injection through a tool that is taken out ends.
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed, std::uint32_t tick);
 
     // Returns the reason why a command cannot be carried out with medium of this strength, or an empty string
@@ -68,9 +69,10 @@ class PatientContrast
     // out. Call this function when the command's tick is over, so that the tools are where they were at that
     // tick.
     std::string command(std::uint32_t tick, const RoomCommand &command);
-    // Receives the core's heart phase; call this function for every tick before the frame of that tick.
-    // Without these calls the heart beats regularly, 70 times a minute. At the tick of an injection, this
-    // function refuses the injection if the tools inside the lumen leave too little of the lumen free.
+    // Receives the core's heart phase; call this function for every tick before the frame of that tick. If
+    // the heart phase is never passed on, the heart beats regularly, 70 times a minute. At the tick of an
+    // injection, this function refuses the injection if the tools inside the lumen leave too little space in
+    // it.
     void tick(const crn_wire_tick_state &state);
     // Returns the injections of the session that were refused.
     const std::vector<Refusal> &refusals() const { return refusals_; }
@@ -86,8 +88,8 @@ class PatientContrast
     double injected_ml() const { return injector_.injected_ml(); }
     double flow_ml_s() const { return fluid_.flow_ml_s; } // present flow of the injection
     // Returns the pressure in kPa that a flow of 1 ml/s through the outermost tool with a lumen needs, with
-    // the tools where they are in `state`. It is infinite if the lumen is closed, and has no value if no tool
-    // has a lumen.
+    // the tools where they are in `state`. The pressure for the flow is infinite if the lumen is closed, and
+    // has no value if no tool has a lumen.
     std::optional<double> injection_kPa_per_ml_s(const crn_wire_tick_state &state) const;
     // Returns the medium that was injected after tick `from` up to tick `to`, as DICOM files state it: total
     // volume and time, mean flow and strength.

@@ -17,8 +17,9 @@ class MovedVessels
     MovedVessels(const VesselTree &reference, const Motion *motion, const LesionOpening &opening);
 
     bool can_move() const { return points_.has_value(); }
-    // Returns the vessels at this moment; `lesions_open` is as in WireFrame. The radii are those of the
-    // reference tree. Call this function only if can_move() is true. The result is valid until the next call.
+    // Returns the vessels at the given moment; `lesions_open` is as in WireFrame. The radii of the moved
+    // vessels are those of the reference tree. Call this function only if can_move() is true. The returned
+    // tree is valid until the next call.
     const VesselTree &at(const MotionMoment &moment, const LesionOpening &opening,
                          std::span<const double> lesions_open);
 

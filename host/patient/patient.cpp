@@ -44,7 +44,7 @@ void Patient::command(std::uint32_t tick, const RoomCommand &command)
 }
 
 // Contrast medium and stents carry out each command at its own tick, with the tools at their positions in
-// that tick. It makes no difference at which moment the program passes the command to this class.
+// that tick. The moment at which the program passes the command to this class makes no difference.
 void Patient::carry_out_due()
 {
     for (; !asked_.empty() && asked_.front().tick <= state_.tick; asked_.pop_front())
@@ -66,7 +66,7 @@ void Patient::carry_out(std::uint32_t tick, const RoomCommand &command)
     if (!refused.empty()) notice_ = {refused, tick};
 }
 
-// Draws blood into the syringe. Blood comes only where the tip does not block the vessel.
+// Draws blood into the syringe. Blood flows into the syringe only if the tip does not block the vessel.
 std::string Patient::aspirate(std::uint32_t tick, std::int32_t volume_ul)
 {
     const auto refuse = [&](const char *why) {
@@ -81,14 +81,14 @@ std::string Patient::aspirate(std::uint32_t tick, std::int32_t volume_ul)
     return "";
 }
 
-// An injection is not prevented when it is dangerous, as in a real suite. The assessment counts it.
+// A dangerous injection is not prevented, as in a real catheter laboratory. The assessment counts it.
 void Patient::note_injection(std::uint32_t tick)
 {
     if (catheter_pressure_.is_damped()) damped_injections_.push_back(tick);
     catheter_air_.inject(tick);
 }
 
-// Medium, pressure, air and stents follow the tools that the core has on the line.
+// Contrast medium, pressure, air and stents use the tools that are on the core's line.
 void Patient::follow_line(const crn_wire_tick_state &state)
 {
     if (state.line_count == 0) return;

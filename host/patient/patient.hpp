@@ -51,29 +51,28 @@ class Patient
     Patient(const Patient &) = delete;
     Patient &operator=(const Patient &) = delete;
 
-    // --- what happens to the patient ---
-    // A command takes effect from its own tick on, so call command() before look() for that tick. If a
-    // command cannot be carried out now, it is kept in refusals() or stents()->refusals(), and notice()
-    // reports it. Throws std::runtime_error if no room can carry out the command (unknown action, or a value
-    // out of range).
+    // --- what happens to the patient --- A command takes effect in its own tick, so call command() before
+    // look() for that tick. If a command cannot be carried out now, it is kept in refusals() or
+    // stents()->refusals(), and notice() reports it. Throws std::runtime_error if the command is impossible
+    // in any state of the X-ray room (unknown action, or a value out of range).
     void command(std::uint32_t tick, const RoomCommand &command);
     // Receives every tick in order, with its input and its result.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     // Returns the next tick at which look() must be called, or UINT32_MAX if no call is needed.
     std::uint32_t next_look() const;
-    // Advances to the frame's tick. A rig in the mode FREE_RUN sends the shape of the tools at moments of its
-    // own choice. If an X-ray pulse lies between two such moments, the picture of the pulse uses the shape at
-    // the later moment.
+    // Advances to the frame's tick. In the mode FREE_RUN a rig itself chooses the moments at which it sends
+    // the shape of the tools. The picture of an X-ray pulse between two such shapes of the tools uses the
+    // later shape.
     void look(const WireFrame &wire);
-    // Updates only the vessels for this frame; a replay that starts later than tick 0 calls this function
-    // until its start.
+    // Updates only the vessels for this frame; a replay that starts later than tick 0 calls this function for
+    // every frame before its start.
     std::uint32_t next_vessel_look() const;
     void look_at_vessels(const WireFrame &wire);
     // Returns true if the patient's state depends on every tick since the first. A replay that starts later
     // than tick 0 must then simulate all ticks before its start.
     bool needs_beginning() const { return stents_ != nullptr; }
 
-    // --- commands for the core in the next tick; call this function before each tick. A replay does not need
+    // --- commands for the core in the next tick; call give_orders() before each tick. A replay does not need
     // them: they are in the recording. ---
     void give_orders(crn_wire_order_list &orders);
 
@@ -82,8 +81,8 @@ class Patient
     const PatientContrast &contrast() const { return contrast_; }
     PatientStents *stents() { return stents_.get(); } // null: the session has no stents
     const PatientStents *stents() const { return stents_.get(); }
-    // Returns the traces of the monitor. The pressure is that of the catheter, if a catheter lies in the
-    // vessels, and else that of the aorta.
+    // Returns the traces of the monitor. The monitor shows the pressure at the catheter's tip if a catheter
+    // lies in the vessels, and otherwise the aortic pressure.
     const PulseMonitor &monitor() const { return monitor_; }
     const CatheterPressure &catheter_pressure() const { return catheter_pressure_; }
     const CatheterAir &catheter_air() const { return catheter_air_; }

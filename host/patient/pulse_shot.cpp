@@ -40,7 +40,7 @@ void PulseShot::own()
     }
 }
 
-// Besides the tools, a picture shows the medium in the vessels and in the balloon, and the struts of stents.
+// A picture shows the tools, the medium in the vessels and in the balloon, and the struts of stents.
 PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick, double iodine_mg_per_ml)
 {
     PulseShot shot;

@@ -14,8 +14,8 @@ namespace crn
 // Throws std::runtime_error if a material is unknown; the message names the section and the known materials.
 RadiopaqueInstrument instrument_look(const Instrument &instrument);
 
-// Returns what X-rays see of the tools on the line, one for each position (tool_line.hpp). Nothing is seen at
-// a free position.
+// Returns what X-rays see of the tools on the line: one entry for each position (tool_line.hpp). A free
+// position of the line is invisible to X-rays.
 std::vector<RadiopaqueInstrument> looks_on(std::span<const RadiopaqueInstrument> table,
                                            std::span<const std::uint8_t> line);
 
@@ -36,8 +36,8 @@ struct PulseShot {
     std::vector<std::vector<Eigen::Vector3i>> vertices_um_;
 };
 
-// Returns what a pulse at `tick` sees. The result refers to the patient's bodies until they move, unless
-// PulseShot::own() is called. `shape` holds the tools at the pulse.
+// Returns what an X-ray pulse at `tick` sees. The returned PulseShot refers to the patient's bodies until
+// they move, unless PulseShot::own() is called. `shape` is the shape of the tools at the pulse.
 PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick, double iodine_mg_per_ml);
 
 } // namespace crn

@@ -31,7 +31,7 @@ std::string millimetres(double mm)
 }
 
 // Returns the diameter that the balloon has at its nominal pressure without a vessel around it. If the
-// balloon has no label, this diameter is that in the first row of its table.
+// balloon has no label, the diameter is that in the first row of the balloon's table.
 double nominal_diameter_mm(const Instrument &tool)
 {
     const crn_wire_instrument &table = tool.table;
@@ -45,8 +45,8 @@ double nominal_diameter_mm(const Instrument &tool)
     return table.balloon[table.balloon_count - 1].diameter_um * 1e-3;
 }
 
-// Returns the distance between the inner edges of the balloon's marker bands. If the balloon has no bands, it
-// returns the working length.
+// Returns the distance between the inner edges of the balloon's marker bands. If the balloon has no marker
+// bands, the function returns the working length.
 double mount_length_mm(const Instrument &tool)
 {
     const double working = (double{1} * tool.table.balloon_proximal_um - tool.table.balloon_distal_um) * 1e-3;
@@ -87,7 +87,7 @@ crn_wire_strut ring_of(const StentCircle &circle, std::uint8_t number, bool is_j
             static_cast<std::uint16_t>(std::clamp(micrometres(design.strut_thickness_mm), 10, 1000))};
 }
 
-// Returns true if a ring of a stent has changed so much that the core needs a new command about this ring.
+// Returns true if a ring of a stent has changed so much that the core needs a new command for this ring.
 bool has_changed(const crn_wire_strut &known, const crn_wire_strut &now)
 {
     if (known.inside_um == 0 || now.inside_um == 0) return known.inside_um != now.inside_um;
@@ -221,7 +221,7 @@ void PatientStents::load(std::uint32_t tick)
     next_look_ = std::min(next_look_, due);
 }
 
-// Remembers the stent that is still on its balloon as one that left the patient.
+// Records that a stent which is still on its balloon has left the patient.
 void PatientStents::take_out()
 {
     if (stents_.size() == 0 || !stents_[stents_.size() - 1].is_on_balloon()) return;
@@ -239,7 +239,7 @@ void PatientStents::tick(const crn_wire_tick_input &input, const crn_wire_tick_s
     }
 }
 
-// Stores the state of a stent's ring after the core has carried out the command about it.
+// Stores the state of a stent's ring after the core has carried out the command for this ring.
 void PatientStents::note(const crn_wire_strut &ring)
 {
     if (ring.number >= 1 && ring.number <= struts_max) known_struts_[ring.number - 1u] = ring;
@@ -271,8 +271,9 @@ std::size_t PatientStents::vessel_of(std::size_t branch)
     return walls_.size() - 1;
 }
 
-// Returns the branch around the middle of the balloon: the branch whose centreline is nearest, as a multiple
-// of its radius. The result has no value if no branch there could hold a stent of this size.
+// Returns the branch around the middle of the balloon: the branch with the least ratio of the distance from
+// its centreline to its radius. The function returns no value if no branch at the balloon could hold a stent
+// of this size.
 std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
 {
     if (pose.points.empty()) return {};
@@ -358,9 +359,8 @@ void PatientStents::note_stages(std::uint32_t tick)
     }
 }
 
-// Queues the commands about points of lesions that the stents hold open, but only about those points that
-// the core does not yet know. If the input of no tick has contained a queued command, the command is queued
-// again.
+// Queues the commands by which stents hold points of a lesion open, but only for the points that the core
+// does not yet know. A queued command that no tick's input has contained is queued again.
 void PatientStents::ask_for_holds(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);

@@ -2,8 +2,8 @@
 // and held by the vessel wall. This class sends the core its commands about stents, and passes the struts to
 // the X-ray. The state of the stents depends only on the commands and on the shape of the tools at multiples
 // of look_every_ticks, whatever pictures were requested. The function give_orders() returns the commands for
-// the core. The commands become part of a tick's input, and are recorded. A replay sends the recorded
-// commands to the core, and computes the stents again for pictures and reports.
+// the core. The commands about stents become part of a tick's input, and are recorded. A replay sends the
+// recorded commands to the core, and computes the stents again for pictures and reports.
 //
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
@@ -63,14 +63,14 @@ class PatientStents
   public:
     static constexpr std::uint32_t look_every_ticks = 40;
 
-    // `stations` gives the points at which the core computes the opening of a lesion, for every lesion that a
-    // balloon can open, in the order of the tree's lesions. If `motion` is null, the vessels do not move.
-    // `tools` are those at the positions of the line; if `has_table`, others may come by an exchange.
+    // `stations` gives, in the order of the tree's lesions, the points at which the core computes the opening
+    // of each lesion that a balloon can open. If `motion` is null, the vessels do not move. `tools` are those
+    // at the positions of the line; if `has_table` is true, an exchange may bring other tools onto the line.
     PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
                   std::vector<LesionStations> stations, const std::vector<Instrument> &tools,
                   bool has_table = false);
-    // The tools at the changed positions of the line were exchanged. A stent that is still on the balloon
-    // leaves with its balloon.
+    // Call this function after the tools at the changed positions of the line were exchanged. A stent that is
+    // still on the balloon leaves with its balloon.
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
 
     // Carries out the command load_stent and ignores all other commands. If a command cannot be carried out,
@@ -82,10 +82,10 @@ class PatientStents
         return next_look_;
     } // tick of the next look; UINT32_MAX: none is needed
     void advance(const WireFrame &wire);
-    // Adds the commands that the core must carry out in the next tick.
+    // Adds the commands about stents that the core must carry out in the next tick.
     void give_orders(crn_wire_order_list &orders) { orders_.move_into(orders); }
 
-    // Returns the struts at the moment of this frame, which may lie between two updates of the stents.
+    // Returns the struts at the moment of this frame, which may lie between two updates of the stents' state.
     // Nothing else changes.
     std::vector<SweptCurve> curves_at(const WireFrame &wire);
 

@@ -14,8 +14,8 @@ bool has_lumen(const Instrument &tool);
 // end, the function returns that end. `wire` has at least one node.
 Eigen::Vector3d place_at(const WireFrame &wire, double arc_m);
 
-// Returns balls along the tools, at most 2 mm apart, and the balls of a balloon. A balloon that fills the
-// vessel thus blocks the blood flow.
+// Returns balls along the tools, at most 2 mm apart, and the balls that model a balloon. The balls of a
+// balloon that fills the vessel block the blood flow.
 std::vector<ToolBall> balls_of(const WireFrame &wire);
 
 } // namespace crn

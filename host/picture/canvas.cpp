@@ -88,7 +88,7 @@ void Sheet::stroke(const std::vector<SheetPoint> &points, double width, Ink ink,
     for (const std::vector<SheetPoint> &part : dashes(points, dash)) cover(part, width, ink);
 }
 
-// Draws every pixel of the line only once, with a strength that depends on its distance from the line.
+// Draws every pixel of the line once, with a strength that depends on the pixel's distance from the line.
 void Sheet::cover(const std::vector<SheetPoint> &points, double width, Ink ink)
 {
     if (points.empty()) return;

@@ -1,4 +1,4 @@
-// Draws charts on a white sheet: boxes, smooth lines of any width, and text in the display's font.
+// Draws charts on a white sheet: boxes, smooth lines of any width, and text in the font of the display.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <string_view>

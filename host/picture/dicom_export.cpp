@@ -107,7 +107,8 @@ double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count
 
 // Sets the display window to the range of pixel values of the run, without the darkest and the brightest
 // hundredth of them. If the largest value occurs in at least one pixel of 200, it is the value of saturated
-// pixels beside the patient. The function then does not count these saturated pixels.
+// pixels beside the patient. The function does not count the pixels of saturated detector elements beside the
+// patient.
 void set_window(XrayRun &run, std::vector<std::uint32_t> histogram)
 {
     if (run.window_width > 0.0) return;
@@ -196,7 +197,7 @@ void DicomExport::add(RunFrame frame)
     if (frame.raw.size() != static_cast<std::size_t>(header_.size) * header_.size)
         throw std::invalid_argument("run: a frame of " + std::to_string(frame.raw.size()) + " pixels, not " +
                                     std::to_string(header_.size) + " x " + std::to_string(header_.size));
-    // A field of another size has pixels of another size, so its frames cannot be in the same file.
+    // A frame with another field size has pixels of another size, and so belongs in another file.
     const bool fits = part_of_run_ > 0 && parts_.back().pixels.has_room_for_another() &&
                       parts_.back().run.frames.front().carm.field_m == frame.carm.field_m;
     if (!fits) {

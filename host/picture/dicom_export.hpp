@@ -1,6 +1,6 @@
-// Exports the X-ray runs of a session as a folder of DICOM files. Frames are stored on disk as they are made.
-// The files are written at the end, when all their attributes are known. Files are named run_01_fluoro.dcm,
-// run_02_dsa.dcm; a long run continues in run_01_fluoro_2.dcm.
+// Exports the X-ray runs of a session as a folder of DICOM files. Frames are written to temporary files on
+// disk as they are made. The DICOM files are written at the end of the session, when all their attributes are
+// known. Files are named run_01_fluoro.dcm, run_02_dsa.dcm; a long run continues in run_01_fluoro_2.dcm.
 #pragma once
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/run.hpp"

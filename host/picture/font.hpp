@@ -1,5 +1,5 @@
-// Provides the bitmap font of the display. A letter has 5 columns, 7 rows, and one more row below the
-// baseline.
+// Provides the bitmap font in which the display draws its texts. A letter has 5 columns, 7 rows, and one more
+// row below the baseline.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -10,16 +10,15 @@ namespace crn
 namespace
 {
 
-// With the quantisation parameter (QP) 23, the demo's film has 34.8 dB (PSNR of RGB) and 14.7 MB. The encoder
-// x264 with crf 20 and the preset veryfast gave 34.3 dB and 12.6 MB. With QP 24 (34.2 dB, 12.8 MB), noisy
-// bright regions begin to look flat.
+// With the quantisation parameter (QP) 23, the film of the demo has a PSNR of 34.8 dB (RGB) and a size of
+// 14.7 MB.
 constexpr int quality = 23; // QP, 0 .. 51, small is good
 
 constexpr std::size_t start_code_bytes = 4; // before every NAL unit: 0 0 0 1
 constexpr int type_mask = 31, type_sequence_parameters = 7, type_picture_parameters = 8;
 
 // These factors convert RGB to the colour space BT.709 (ITU-R BT.709-6, 3.4): brightness 16 .. 235, colour
-// differences 16 .. 240 around 128. These fixed-point factors have 16 binary places.
+// differences 16 .. 240 around 128. The fixed-point factors that convert RGB have 16 binary places.
 constexpr double red_share = 0.2126, blue_share = 0.0722, brightness_range = 219.0 / 255,
                  colour_range = 224.0 / 255;
 constexpr int fixed(double value)
@@ -36,8 +35,7 @@ constexpr int cb_green = -cb_red - cb_blue;
 constexpr int cr_red = fixed((1 - red_share) * cr_scale), cr_blue = fixed(-blue_share * cr_scale);
 constexpr int cr_green = -cr_red - cr_blue;
 
-// The largest bit rate of each level in the profile High (H.264, tables ), in kbit/s. openh264
-// chooses the level by the number of pixels, because it does not know the bit rate when it starts.
+// Largest bit rate of each H.264 level in the profile High (tables ), in kbit/s.
 struct Level {
     std::uint8_t number; // ten times the level's name
     long long kbit_per_s;
@@ -55,9 +53,9 @@ void convert_brightness(const Image &image, std::uint8_t *out)
             16 + ((y_red * rgb[0] + y_green * rgb[1] + y_blue * rgb[2] + (1 << 15)) >> 16));
 }
 
-// Computes one colour value for a block of 2 x 2 pixels. H.264 places this value at the left pair of pixels,
-// between the two rows, so neighbouring pixels in a row have the weights 1 : 2 : 1. The sums of this function
-// have 3 more binary places than a pixel value.
+// Computes one colour value for a block of 2 x 2 pixels. H.264 places the colour value of a block at its left
+// pair of pixels, between the two rows, so neighbouring pixels in a row have the weights 1 : 2 : 1. The sums
+// that this function computes have 3 more binary places than a pixel value.
 void convert_colour(const Image &image, std::uint8_t *out_blue, std::uint8_t *out_red)
 {
     const std::size_t row_bytes = 3 * static_cast<std::size_t>(image.width);
@@ -70,7 +68,7 @@ void convert_colour(const Image &image, std::uint8_t *out_blue, std::uint8_t *ou
             for (int i = 0; i < 3; ++i)
                 sum[i] = upper[left + i] + 2 * upper[i] + upper[3 + i] + lower[left + i] + 2 * lower[i] +
                          lower[3 + i];
-            // The offset keeps the sum positive and rounds the result.
+            // The added offset makes the sum positive and makes the shift round the result.
             constexpr int offset = (128 << 19) + (1 << 18);
             *out_blue++ = static_cast<std::uint8_t>(
                 (offset + cb_red * sum[0] + cb_green * sum[1] + cb_blue * sum[2]) >> 19);
@@ -239,8 +237,8 @@ H264Encoder::Picture H264Encoder::encode(const Image &image)
 
     bytes_.clear();
     for_each_unit(info, [&](std::span<const std::uint8_t> unit) {
-        // The decoder parameters are already in the index of the file and never change, so this function does
-        // not write them once more.
+        // The parameter sets for the decoder are already in the index of the file and never change, so they
+        // are not written again.
         const int type = unit[0] & type_mask;
         const auto is_same = [&](const auto &kept) { return std::ranges::equal(unit, kept); };
         if (type == type_sequence_parameters && is_same(sequence_parameters_)) return;

@@ -18,11 +18,11 @@ class H264Encoder
     // The library openh264 accepts at most 9,437,184 pixels per picture; the constant is the square root of
     // this number.
     static constexpr int edge_max = 3072;
-    // Every two seconds the film has a key picture, at which a player can begin.
+    // Every two seconds the film has a key picture, at which a player can begin to play.
     static constexpr int seconds_between_keys = 2;
 
-    // Width and height must be even, and from 16 to edge_max pixels. The constructor and encode() throw
-    // std::runtime_error with the message of the library.
+    // Width and height of the pictures must be even, and from 16 to edge_max pixels. The constructor and
+    // encode() throw std::runtime_error with the message of the library openh264.
     H264Encoder(int width, int height, int pictures_per_s);
     ~H264Encoder();
     H264Encoder(const H264Encoder &) = delete;

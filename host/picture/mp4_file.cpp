@@ -41,8 +41,8 @@ class Mp4Bytes
 };
 
 // Writes an MP4 box, a block of the file that begins with its length and its type; the box ends with the C++
-// scope of this object. The boxes made here are shorter than 4 GiB: the largest table has 4 bytes for each of
-// at most 2^28 pictures.
+// scope of this object. The boxes of the MP4 file's index are shorter than 4 GiB: the largest table has 4
+// bytes for each of at most 2^28 pictures.
 class Mp4Box
 {
   public:
@@ -165,9 +165,9 @@ void put_description(Mp4Bytes &bytes, const Mp4Track &track)
     bytes.u8(0);                              // 16 .. 235, not 0 .. 255
 }
 
-// In the MP4 file, a chunk is one second of pictures. Returns the entries of the table "stsc". Each entry
-// describes consecutive chunks of equal length: the number of the first of these chunks (from 1), and the
-// number of pictures in each of them.
+// In this MP4 file, a chunk (a contiguous block of samples) is one second of pictures. Returns the entries of
+// the MP4 table "stsc" (sample to chunk). Each entry of the table "stsc" describes consecutive chunks of
+// equal length: the number of the first of these chunks (from 1), and the number of pictures in each of them.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> chunk_runs(std::size_t pictures, std::size_t per_chunk)
 {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> runs;
@@ -273,8 +273,8 @@ Mp4Bytes make_head(const Mp4Track &track, const Mp4Tables &tables, std::uint64_t
     return bytes;
 }
 
-// Reads or writes all the bytes with `call`, which is pread or pwrite. Returns the error number (errno), or 0
-// for success.
+// Reads or writes all the bytes with repeated calls of `call`, which is pread or pwrite. The function returns
+// the error number (errno), or 0 for success.
 template <class Call, class Byte>
 int transfer(Call call, int file, std::span<Byte> bytes, std::uint64_t place)
 {

@@ -19,12 +19,12 @@ struct Mp4Track {
     std::vector<std::uint8_t> picture_parameters;  // H.264 PPS without a start code, 1 .. 65535 bytes
 };
 
-// Holds what the file's index needs to know about each picture, in 4 bytes of memory per picture.
+// Holds the data about each picture that the file's index needs, in 4 bytes of memory per picture.
 class Mp4Index
 {
   public:
-    // At 60 pictures per second this number of pictures lasts 51 days, which is longer than the longest
-    // possible session.
+    // At 60 pictures per second, 2^28 pictures last 51 days, which is longer than the longest possible
+    // session.
     static constexpr std::size_t pictures_max = std::size_t{1} << 28;
 
     // Adds a picture to the index; returns false when the index already holds pictures_max pictures.

@@ -106,7 +106,7 @@ class Display
         draw_balloon(y);
     }
 
-    // Shows the balloon's pressure and diameter. While a lesion narrows the balloon (waist), the function
+    // Shows the balloon's pressure and diameter. While a lesion narrows the balloon to a waist, the function
     // shows the balloon's largest and smallest diameter.
     void draw_balloon(int y)
     {
@@ -180,8 +180,8 @@ class Display
         draw_force_bar(y + scale_, tool.axial_N);
     }
 
-    // If there are several tools, draws one row of text with the values of one tool; the number for the force
-    // has the same colour as the bar that a single tool would have.
+    // If there are several tools, draws one row of text with the values of one tool; the figure of the force
+    // has the colour that the force bar has in a display of a single tool.
     void draw_line(int y, const OverlayTool &tool)
     {
         const int letter = 6 * scale_;
@@ -245,7 +245,7 @@ class Display
     }
 
     // Draws the electrocardiogram and the aortic pressure above the clock. New values overwrite the old
-    // traces from left to right.
+    // traces of the monitor from left to right.
     void draw_pulse()
     {
         const PulseMonitor &pulse = *info_.pulse;

@@ -1,5 +1,5 @@
 // Draws the texts and traces of the angiography display over a picture: geometry, mode, dose, instrument,
-// orientation and heart.
+// orientation, electrocardiogram and pressure.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/picture/picture.hpp"

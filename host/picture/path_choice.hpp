@@ -10,18 +10,18 @@ namespace crn
 {
 
 // "raster" is the integer rasteriser. The choice "opengl" uses the OpenGL context of the window. Without a
-// window it uses OSMesa, or else EGL without a surface.
+// window the choice "opengl" uses OSMesa, or EGL without a surface if OSMesa is missing.
 inline const std::vector<std::string> path_choices = {"raster", "opengl", "opengl-osmesa", "opengl-egl"};
-// With a window only the choices "raster" and "opengl" are allowed. A thread has only one OpenGL context, so
-// the context of another library would replace the window's context.
+// If the program has a window, only the choices "raster" and "opengl" are allowed. A thread has only one
+// OpenGL context, so the context of another library would replace the window's context.
 inline const std::vector<std::string> path_choices_window = {"raster", "opengl"};
 
-// `window_context` must be empty if there is no window. The returned function throws GlError if there is no
-// OpenGL, and prints on standard error which OpenGL library it found.
+// `window_context` must be empty if the program has no window. The returned function throws GlError if no
+// OpenGL is available, and prints on standard error which OpenGL library it found.
 BodyPathsMaker paths_maker(const std::string &choice, const GlOpener &window_context);
 
-// Prints one line for each library on standard output: which OpenGL the library provides, or why it provides
-// none. Returns false if no library provides OpenGL.
+// Prints one line for each OpenGL library on standard output: the version that the library provides, or why
+// it provides none. Returns false if no library provides OpenGL.
 bool print_opengl();
 
 } // namespace crn

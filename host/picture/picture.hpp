@@ -21,12 +21,13 @@ struct Image {
 // name never refers to an incomplete file. On failure the function returns false, and `error` names the file
 // and the cause.
 bool write_png(const std::string &path, const Image &image, std::string &error);
-// Reads a PNG file as a grey picture; colours become grey. Throws std::runtime_error with file and cause.
+// Reads a PNG file as a grey picture; colours become grey. Throws std::runtime_error with the name of the
+// file and the cause.
 Image read_grey_png(const std::string &path);
 // Encodes a PNG in memory. Throws std::runtime_error with the cause.
 std::vector<std::uint8_t> encode_png(const Image &image);
-// Writes a grey picture with 16 bits per pixel. `values` has width*height values, which are stored unchanged;
-// row 0 is the top row.
+// Writes a grey picture with 16 bits per pixel. `values` holds width*height pixel values, which are stored
+// unchanged; row 0 is the top row.
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error);
 
@@ -47,7 +48,7 @@ class VideoWriter
     VideoWriter(const VideoWriter &) = delete;
     VideoWriter &operator=(const VideoWriter &) = delete;
 
-    // These functions return false on failure, and `error` then gives the cause and the remedy.
+    // The functions of this class return false on failure, and `error` then gives the cause and the remedy.
     bool open(const std::string &path, int width, int height, int pictures_per_s, std::string &error);
     bool add(const Image &image, std::string &error);
     bool finish(std::string &error);

@@ -89,8 +89,8 @@ Image read_grey_png(const std::string &path)
     return image;
 }
 
-// The library libpng assumes that 16-bit values are linear in the intensity of light. The values are stored
-// unchanged, and the file states a gamma of 1.0.
+// The library libpng assumes that 16-bit values are linear in the intensity of light. The 16-bit values are
+// stored unchanged, and the file states a gamma of 1.0.
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error)
 {

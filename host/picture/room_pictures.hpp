@@ -1,6 +1,6 @@
 // Computes the pictures of the X-ray room: one picture for every pulse, the screen that shows them, and the
-// DICOM files of the runs. The pictures need no patient, only copies of what the patient was at the tick of
-// each pulse, so they may be computed in another thread than the patient.
+// DICOM files of the runs. The pictures are computed from copies of the patient's state at the tick of each
+// pulse, so another thread than the patient's may compute them.
 //
 //   RoomPictures pictures(settings, tools, patient.scene(), anatomy, room);
 //   PulseShot shot = shot_of(patient, shape, tick, settings);       in the patient's thread
@@ -44,7 +44,7 @@ struct PictureSettings {
     LineNumbers line{};                      // tools on the line at the start (tool_line.hpp); empty: all
 };
 
-// Returns what a pulse at `tick` sees, with the settings' filling of balloons (pulse_shot.hpp).
+// Returns what a pulse at `tick` sees; the settings state the filling of balloons (pulse_shot.hpp).
 inline PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick,
                          const PictureSettings &settings)
 {
@@ -54,20 +54,22 @@ inline PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t
 class RoomPictures
 {
   public:
-    // `tools` is the table of the session's tools; a shot says which are on the line. `scene` and `room` must
-    // live longer than this object. Throws std::runtime_error.
+    // `tools` is the table of the session's tools; each PulseShot says which of them are on the line. `scene`
+    // and `room` must live longer than this object. Throws std::runtime_error.
     RoomPictures(const PictureSettings &settings, const std::vector<Instrument> &tools,
                  const XrayScene &scene, const SceneAnatomy &anatomy, const Room &room);
     ~RoomPictures();
 
-    // Takes the events of the room in order. `shot` is what a pulse sees, and null for every other event.
+    // Receives the events of the X-ray room in order. `shot` holds what an X-ray pulse sees; for every other
+    // event, `shot` is null.
     void take(const RoomEvent &event, const PulseShot *shot);
     const RoomScreen &screen() const { return room_screen_; }
     RoomScreen &screen() { return room_screen_; }
     const XrayPicture &pulse() const { return pulse_; } // of the last pulse
     int size() const { return settings_.size; }
-    // Writes the DICOM files of the runs, if the settings name a folder for them. Returns false if Ctrl-C
-    // came meanwhile, so that some files are missing. Adds the written files to `files`.
+    // Writes the DICOM files of the runs, if the settings name a folder for them. Returns false if the user
+    // pressed Ctrl-C during the export, so that some files are missing. Adds the names of the written files
+    // to `files`.
     bool finish_export(const Patient &patient, std::vector<std::string> &files);
 
   private:
@@ -84,7 +86,7 @@ class RoomPictures
     XrayPicture pulse_;
     bool told_failure_ = false;
     std::unique_ptr<DicomExport> export_;
-    // The pedal press of each exported run: index into the dose meter's list.
+    // For each exported run, the index of its pedal press in the dose meter's list.
     std::vector<std::size_t> exported_presses_;
 };
 

@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// Returns 0 for a value that is not finite.
+// Returns the value, or 0 if the value is not finite.
 double finite_or_zero(double value);
 // Rounds a value to a multiple of 1/steps, and never returns a negative zero, which would be printed as
 // "-0.00".

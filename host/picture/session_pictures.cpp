@@ -81,7 +81,7 @@ void SessionPictures::show_refusal(std::uint32_t tick, const std::string &why)
 }
 
 // Returns the values of balloon and stent for the display, which are shown only if a tool has a balloon. The
-// text about the stent is its stage, such as "on its balloon".
+// text about the stent is the stage of its treatment, such as "on its balloon".
 OverlayBalloon SessionPictures::balloon_display() const
 {
     OverlayBalloon display;

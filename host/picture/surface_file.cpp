@@ -96,7 +96,7 @@ bool SurfaceSink::is_near(const Vector3d &place_m) const
 }
 
 // Keeps the triangles whose three corners are near the lesion in the scene file, where the vessels are at
-// rest and the lesion is closed. All panels therefore show the same triangles.
+// rest and the lesion is closed. All panels of the picture show the same triangles.
 SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vertices_um) const
 {
     const Body &of = bodies_.bodies[static_cast<std::size_t>(body)];
@@ -186,7 +186,7 @@ void SurfaceSink::frame(const SessionFrame &frame)
 }
 
 // Returns the direction of view, from the side of the lesion; the beginning of the lesion is at the top, and
-// its end is at the bottom. In this view the plaque and the open lumen lie side by side.
+// its end is at the bottom. Seen from the side of the lesion, the plaque and the open lumen lie side by side.
 SurfaceView SurfaceSink::side_view() const
 {
     const VesselLesion &lesion = bodies_.vessels.lesions[lesion_];

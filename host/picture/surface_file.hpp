@@ -23,7 +23,7 @@ class SurfaceSink final : public FrameSink
 {
   public:
     // `ticks` lists the ticks at which the walls are written, in ascending order. Throws std::runtime_error
-    // if the scene does not have that lesion.
+    // if the scene does not have the requested lesion.
     SurfaceSink(const SurfaceSettings &settings, std::vector<std::uint32_t> ticks);
     ~SurfaceSink() override;
 

@@ -30,7 +30,7 @@ struct SurfaceView {
                     up = Eigen::Vector3d::UnitY(); // unit vectors, at right angles
 };
 
-// Draws panels of size * size pixels, all at the same scale.
+// Draws panels of size * size pixels, all of them at the same scale.
 Image draw_surfaces(const std::vector<SurfacePanel> &panels, const SurfaceView &view, int size);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// A database behind one interface, so that the statements of host/records are one text for SQLite and
-// PostgreSQL. Parameters are $1, $2, ...; both databases understand them.
+// Gives SQLite and PostgreSQL one interface, so that the SQL statements of host/records are the same for both
+// databases.
 #pragma once
 #include "host/records/record.hpp"
 #include <cstdint>
@@ -18,7 +18,7 @@ struct SqlResult {
     std::int64_t changed = 0; // rows that the statement inserted, updated or deleted itself
 };
 
-// Return the value of a column; null is 0, 0.0 or an empty text.
+// The following functions return the value of a column; for null they return 0, 0.0 or an empty text.
 inline std::int64_t whole_of(const SqlValue &value)
 {
     if (const auto *whole = std::get_if<std::int64_t>(&value)) return *whole;
@@ -56,26 +56,26 @@ class Database
     virtual void commit() = 0;
     virtual void roll_back() noexcept = 0;
 
-    // The version of the schema; 0: the database has no records yet. set_version() belongs in the transaction
-    // of a migration.
+    // The version of the database's schema; 0 means that the database has no records yet.
     virtual int version() = 0;
     virtual void set_version(int version) = 0;
-    // Within a transaction: waits until no other program has locked the same name, and locks it until the
-    // transaction ends. The names are "schema" and the ids of trainees.
+    // Within a transaction, this function waits until no other program holds the lock of this name, and then
+    // holds the lock until the transaction ends. The names of locks are "schema" and the ids of trainees.
     virtual void lock(const std::string &name) = 0;
-    // Copies the database before a migration; returns the file of the copy, or nothing where the database
-    // server's own backups are the right means.
+    // Copies the database before a migration; returns the name of the copy, or an empty text if the database
+    // is on a server, which makes its own backups.
     virtual std::string back_up(const std::string &reason) = 0;
-    // Overwrites what was deleted, after a person's data was erased.
+    // Overwrites the bytes of deleted rows, after a person's data was erased.
     virtual void forget_deleted() = 0;
-    // Returns what is damaged, one line each; empty: nothing.
+    // Returns one line for each fault that the database check finds; the list is empty if the database is
+    // sound.
     virtual std::vector<std::string> faults() = 0;
 
     virtual std::string place() const = 0; // for messages: a path, or a URL without its password
     virtual bool is_server() const = 0;
 };
 
-// A transaction that is undone unless it is committed.
+// A database transaction that is rolled back unless it is committed.
 class Transaction
 {
   public:
@@ -97,16 +97,17 @@ class Transaction
     bool is_done_ = false;
 };
 
-// Opens the file, or creates it with mode 0600. Throws RecordsError if the file is damaged, or is not a file
-// of records.
+// Opens the SQLite file, or creates it with mode 0600 (only the owner may read and write). Throws
+// RecordsError if the file is damaged, or is not a file of records.
 std::unique_ptr<Database> open_sqlite(const std::string &path);
 // `url` is a URL of libpq, postgresql://USER@HOST:PORT/DATABASE?OPTION=VALUE. Throws RecordsError.
 std::unique_ptr<Database> open_postgres(const std::string &url);
 
-// Brings the database to the newest version, one transaction per migration, with a copy before. Throws
-// RecordsError (newer) if the database is from a newer program.
+// Brings the database to the newest version of the schema, with one transaction per migration, and copies the
+// database before that. Throws RecordsError (newer) if the database is from a newer program.
 void migrate(Database &database);
-// As above, with other migrations than the program's, for tests: the entry i leads from version i to i + 1.
+// For tests, migrates with the given migrations and not with the program's; the entry i leads from version i
+// to i + 1.
 void migrate(Database &database, const std::vector<std::string> &migrations);
 
 } // namespace crn

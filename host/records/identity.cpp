@@ -21,7 +21,8 @@ namespace
 
 constexpr std::string_view space_of_records = "6f9c2d1e-3b47-4a80-9d4c-7e21b05fa386"; // a random number
 
-// SHA-1 and SHA-256 of FIPS 180-4 cut a message into blocks of 64 bytes with the same padding (5.1.1).
+// SHA-1 and SHA-256 (FIPS 180-4) both divide a message into blocks of 64 bytes, with the same padding
+// (5.1.1).
 template <std::size_t words> class Hash
 {
   public:
@@ -63,7 +64,8 @@ template <std::size_t words> class Hash
     std::uint64_t length_ = 0;
 };
 
-// The first 32 bits of the fractional parts of the cube roots of the first 64 primes (4.2.2).
+// Constants of SHA-256: the first 32 bits of the fractional parts of the cube roots of the first 64 primes
+// (FIPS 180-4, 4.2.2).
 constexpr std::array<std::uint32_t, 64> sha_constants{
     0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
     0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174,
@@ -111,7 +113,8 @@ void take_block_1(std::array<std::uint32_t, 5> &hash, const std::array<std::uint
     for (std::size_t i = 0; i < 5; i++) hash[i] += change[i];
 }
 
-// The fractional parts of the square roots of the first eight primes (5.3.3).
+// The initial hash of SHA-256 consists of the fractional parts of the square roots of the first eight primes
+// (FIPS 180-4, 5.3.3).
 Hash<8> sha256_hash()
 {
     return {{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19},

@@ -11,8 +11,8 @@ namespace
 
 constexpr int scales = 60; // of the exponential, from half a session to four times their number
 
-// A deterministic generator with a full period (Steele, Lea and Flood 2014, SplitMix64); the distributions of
-// the C++ library may differ from library to library.
+// A deterministic generator of random numbers with a full period (Steele, Lea and Flood 2014, SplitMix64);
+// the distributions in the C++ standard library may differ between implementations.
 class Random
 {
   public:
@@ -31,7 +31,7 @@ class Random
     std::uint64_t state_;
 };
 
-// The exponentials of one scale, and the sums that a least-squares line over them needs.
+// The exponentials exp(-n / scale) for one scale, and their sums that a least-squares fit needs.
 struct Basis {
     double scale = 0.0, sum = 0.0, sum_of_squares = 0.0;
     std::vector<double> decay;
@@ -60,8 +60,8 @@ struct Line {
     double at(std::size_t n) const { return plateau + gain * basis->decay[n]; }
 };
 
-// For each scale the plateau and the gain follow from a line; the scale with the least sum of squares is
-// taken.
+// For each scale, linear regression gives the plateau and the gain; the function returns the scale with the
+// smallest sum of squared residuals.
 Line best_line(const std::vector<Basis> &bases, const std::vector<double> &values)
 {
     const double count = static_cast<double>(values.size());
@@ -136,7 +136,8 @@ std::optional<LearningFit> fit_learning(const std::vector<double> &values, int r
     const std::vector<Basis> bases = bases_for(count);
     const Line line = best_line(bases, values);
     LearningFit fit{line.plateau, line.gain, line.basis->scale, {}, {}, {}};
-    // Residuals of a fit with three parameters are too small by this factor.
+    // The residuals are multiplied by this factor, because those of a fit with three parameters are too
+    // small.
     const double inflation = std::sqrt(static_cast<double>(count) / static_cast<double>(count - 3));
     std::vector<double> residuals;
     for (std::size_t n = 0; n < count; n++) {
@@ -155,7 +156,7 @@ std::optional<LearningFit> fit_learning(const std::vector<double> &values, int r
         fit.low.push_back(quantile(one, 0.025));
         fit.high.push_back(quantile(one, 0.975));
     }
-    // A count or a time cannot fall below 0, and neither should its curve.
+    // A metric such as a count or a time cannot fall below 0, so its curve must not fall below 0 either.
     if (quantile(values, 0.0) >= 0.0)
         for (auto *line_of : {&fit.value, &fit.low, &fit.high})
             for (double &value : *line_of) value = std::max(0.0, value);
@@ -205,7 +206,7 @@ double cusum_limit(double rise, double fall, double rate, int horizon, double er
         highest.push_back(top);
     }
     std::sort(highest.begin(), highest.end());
-    // The limit lies between two sums that occur, so that rounding does not decide.
+    // The limit is set between two sums that occur in the simulation, so that rounding errors have no effect.
     const std::size_t place = static_cast<std::size_t>(std::ceil((1.0 - error) * runs));
     const double largest_allowed = highest[std::min(place, highest.size() - 1)];
     const auto next = std::upper_bound(highest.begin(), highest.end(), largest_allowed + 1e-9);

@@ -1,5 +1,5 @@
-// Curves of learning: what a trainee's sessions in one case show, beside experts and the cohort
-// (docs/records.md has the formulas, their sources and how well the band covers the truth).
+// Computes learning curves: what a trainee's sessions in one case show, in comparison with experts and the
+// cohort (docs/records.md has the formulas, their sources and how well the band covers the truth).
 //   const LearningCurve curve = learning_curve(sessions_of_case, "otter", "fluoroscopy_min", everybody);
 #pragma once
 #include "host/records/record.hpp"
@@ -15,16 +15,17 @@ inline constexpr std::size_t cohort_people_min = 5; // fewer people could be rec
 inline constexpr std::size_t fit_sessions_min = 6;  // three parameters, and three sessions to judge them by
 inline constexpr int fit_resamples = 2000;
 
-// The exponential curve value(n) = plateau + gain exp(-(n - 1) / scale) of session n = 1, 2, ... fitted
-// by least squares. The learning of single persons follows an exponential, not a power law (Heathcote, Brown
-// and Mewhort 2000). The pointwise 95 % band comes from a bootstrap of the residuals (Efron and Tibshirani
-// 1993, 9.4).
+// The exponential curve value(n) = plateau + gain exp(-(n - 1) / scale) of session n = 1, 2, ... fitted by
+// least squares. The learning of a single person follows an exponential, not a power law (Heathcote, Brown
+// and Mewhort 2000). The pointwise 95 % band of the curve comes from a bootstrap of the residuals (Efron and
+// Tibshirani 1993, 9.4).
 struct LearningFit {
     double plateau = 0.0, gain = 0.0, scale_sessions = 0.0;
     std::vector<double> value, low, high; // one per session
 };
-// If no value is below 0, the curve and the band end at 0. Empty with fewer than fit_sessions_min values. The
-// same values give the same fit on every machine of one arithmetic. All values must be finite.
+// If no value of the metric is below 0, the fitted curve and its band do not go below 0. Returns no fit for
+// fewer than fit_sessions_min values. The same values give the same fit on every machine with the same
+// floating-point arithmetic. All values must be finite.
 std::optional<LearningFit> fit_learning(const std::vector<double> &values, int resamples = fit_resamples);
 
 struct LearningPoint {
@@ -32,7 +33,7 @@ struct LearningPoint {
     double value = 0.0;
 };
 
-// The middle half of the people who played the case at least `attempt` times.
+// Quartiles of the metric over all people who played the case at least `attempt` times.
 struct CohortStep {
     std::size_t attempt = 0, people = 0;
     double low = 0.0, median = 0.0, high = 0.0; // quartiles
@@ -51,11 +52,11 @@ struct LearningCurve {
     std::vector<CohortStep> cohort;    // without experts; only steps of at least cohort_people_min people
 };
 
-// `sessions` are those of one case, with their details, by their begin. `members` are the pseudonyms of the
-// cohort.
+// `sessions` are the sessions of one case, with their details, in the order of their begin. `members` are the
+// pseudonyms of the trainees in the cohort.
 LearningCurve learning_curve(const std::vector<SessionRecord> &sessions, const std::string &trainee,
                              const std::string &metric, const std::set<std::string> &members);
-// Only the cohort and the experts.
+// Returns the curve of the cohort and of the experts only, without that of a single trainee.
 LearningCurve cohort_curve(const std::vector<SessionRecord> &sessions, const std::string &metric,
                            const std::set<std::string> &members);
 
@@ -69,10 +70,12 @@ struct CusumSettings {
     double error = 0.05;                    // chance of a wrong signal within the horizon
 };
 
-// Learning-curve CUSUM (Biau and others 2008): S = max(0, S + W), where a success adds ln((1 - good)/(1 -
-// bad)) and a failure adds ln(good/bad). The trainee counts as competent when S reaches the limit. From then
-// on a plain CUSUM watches for a relapse: a failure adds ln(bad/good), a success ln((1 - bad)/(1 - good)); at
-// its limit it signals and begins again at 0. Both limits come from 20,000 simulated trainees each.
+// Computes a learning-curve CUSUM (cumulative sum; Biau and others 2008): S = max(0, S + W), where W is ln((1
+// - good)/(1 - bad)) for a success and ln(good/bad) for a failure. The trainee counts as competent when the
+// cumulative sum S reaches its limit. After a trainee has become competent, a second CUSUM watches for a
+// relapse: a failure adds ln(bad/good), and a success adds ln((1 - bad)/(1 - good)). When the sum of the
+// second CUSUM reaches its limit, a relapse is signalled and the sum begins again at 0. The limit of each
+// CUSUM was computed from 20,000 simulated trainees.
 struct Cusum {
     CusumSettings settings;
     double success = 0.0, failure = 0.0; // what each adds to `learning`
@@ -82,11 +85,12 @@ struct Cusum {
     std::vector<std::size_t> relapses;       // indices of sessions
 };
 Cusum cusum_of(const std::vector<bool> &passed, const CusumSettings &settings);
-// The smallest sum that is reached within the horizon with a chance of at most `error`, if each session adds
-// `rise` with the chance `rate` and otherwise `fall` (below 0).
+// Returns the smallest limit that the sum reaches within the horizon with a chance of at most `error`, if
+// each session adds `rise` with the chance `rate` and otherwise `fall` (below 0).
 double cusum_limit(double rise, double fall, double rate, int horizon, double error);
 
-// Whether the session was passed: as the case says, or by its score. Empty if neither is known.
+// Returns whether the trainee passed the session: as the case states, or by the score. Empty if neither is
+// known.
 std::optional<bool> is_passed(const SessionRecord &session, double pass_score_pct);
 
 } // namespace crn

@@ -13,7 +13,7 @@ namespace
 
 constexpr double width = 760.0, height = 240.0, left = 58.0, right = 14.0, top = 22.0, bottom = 38.0;
 
-// The scales of a chart: session number and value to pixels.
+// Converts session number and value to pixels of the chart.
 struct Axes {
     double low, high;
     std::size_t sessions;

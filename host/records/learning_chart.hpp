@@ -1,4 +1,4 @@
-// Draws curves over the number of the session as SVG, for the pages of trainee and cohort.
+// Draws curves over the number of the session as SVG, for the pages of a trainee and of a cohort.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,8 +9,8 @@ namespace crn
 class LearningChart
 {
   public:
-    // `title` is read aloud by a screen reader, and `unit` stands at the vertical axis. `sessions` is the
-    // largest number on the horizontal axis.
+    // `title` is the text that a screen reader reads aloud, and `unit` is the label of the vertical axis.
+    // `sessions` is the largest session number on the horizontal axis.
     LearningChart(std::string title, std::string unit, std::size_t sessions);
     // An area between two lines of the sessions 1, 2, ...
     void band(const std::vector<double> &low, const std::vector<double> &high, const char *colour,

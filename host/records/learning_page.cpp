@@ -13,7 +13,8 @@ namespace crn
 namespace
 {
 
-// Colours with a contrast of at least 4.5 on white; each line also has a dash of its own.
+// These colours have a contrast ratio of at least 4.5 to white; each kind of line also has its own dash
+// pattern.
 constexpr const char *own = "#1f5fa8", *expert = "#1b6e3c", *cohort = "#a8560f", *alarm = "#b3261e";
 constexpr const char *expert_dash = "8 4", *cohort_dash = "2 4";
 
@@ -74,7 +75,7 @@ std::string title_of(const LearningCurve &curve)
     return title == titles.end() ? curve.metric : title->second;
 }
 
-// What the curve says in one sentence, for a reader who does not read charts.
+// Returns a sentence that says what the curve shows, for readers who do not read charts.
 std::string sentence_of(const LearningCurve &curve)
 {
     if (curve.points.empty()) return "No session has this figure.";

@@ -1,4 +1,5 @@
-// The pages of a trainee's curves and of a cohort: each is one HTML file that needs no network and no script.
+// Makes the pages with the curves of a trainee and of a cohort: each page is one HTML file that needs no
+// network and no script.
 #pragma once
 #include "host/records/learning.hpp"
 #include <string>

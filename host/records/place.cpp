@@ -1,4 +1,4 @@
-// Finds and opens the place of the records.
+// Finds and opens the file or the server on which the records are stored.
 #include "host/base/terminal.hpp"
 #include "host/base/user_folders.hpp"
 #include "host/records/store.hpp"
@@ -45,7 +45,7 @@ RecordStore open_store(const std::string &place)
     std::error_code failed;
     if (place == (data_folder() / "records.db").string() && !fs::exists(place, failed)) {
         fs::create_directories(data_folder(), failed);
-        // Only the user reads the folder, because names of trainees may be in the file.
+        // Only the user may read the folder, because the file of records may contain names of trainees.
         if (!failed) ::chmod(data_folder().c_str(), 0700);
         if (failed)
             throw RecordsError(RecordsError::Cause::refused,

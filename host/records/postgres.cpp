@@ -1,7 +1,8 @@
-// Records on a PostgreSQL server, by libpqxx. This file is a library of its own, which postgres_module.cpp
-// opens when a server is named: libpqxx brings sixteen more libraries, which no other command should load. A
-// broken connection becomes RecordsError (unreachable); the caller opens the database again and repeats,
-// which is harmless, because every row has the station's key.
+// Stores records on a PostgreSQL server, by the library libpqxx. This file is built as a separate library,
+// because libpqxx loads sixteen more libraries that no other command needs; postgres_module.cpp opens the
+// library when the user names a server. A broken connection becomes RecordsError (unreachable); the caller
+// opens the database again and repeats the request, which is harmless, because every row has a key that the
+// station has chosen.
 #include "host/base/number_text.hpp"
 #include "host/base/terminal.hpp"
 #include "host/records/database.hpp"
@@ -17,7 +18,7 @@ namespace
 
 using Cause = RecordsError::Cause;
 
-// Types of results by PostgreSQL's own numbers (pg_type.dat).
+// PostgreSQL's own numbers for the types of result columns (pg_type.dat).
 enum : pqxx::oid {
     type_bool = 16,
     type_int8 = 20,
@@ -27,7 +28,7 @@ enum : pqxx::oid {
     type_float8 = 701
 };
 
-// Removes the password from a URL, so that no message shows it.
+// Removes the password from a URL, so that no message shows the password.
 std::string without_password(const std::string &url)
 {
     const std::size_t begin = url.find("://"), at = url.find('@'), slash = url.find('/', begin + 3);
@@ -161,8 +162,9 @@ class PostgresDatabase : public Database
         result.changed = static_cast<std::int64_t>(rows.affected_rows());
     }
 
-    // A server that is shutting down or starting answers with the classes 57P and 08; a commit without an
-    // answer is in doubt. After all of these the same request may be repeated.
+    // A server that is shutting down or starting reports errors of the SQLSTATE classes 57P and 08; if no
+    // answer to a commit arrives, the result of the commit is unknown. The same request may be repeated after
+    // errors of the SQLSTATE classes 57P and 08, and after a commit without an answer.
     template <typename Action> void guarded(Action action)
     {
         try {

@@ -15,7 +15,8 @@ namespace fs = std::filesystem;
 constexpr int folders_up = 6; // build/test/host/records/tests is four below the build
 const char *const library_name = "records_postgres.so";
 
-// The installed program has lib/cournand beside bin, and a build has lib above its programs.
+// The folder lib/cournand of an installed program is beside bin, and the folder lib of a build is above the
+// build's programs.
 std::string library_path()
 {
     std::error_code failed;
@@ -50,7 +51,7 @@ Open *open_function()
 
 } // namespace
 
-// The library stays open, because errors that it throws have their types in it.
+// The library stays open, because exceptions that it throws have their types in it.
 std::unique_ptr<Database> open_postgres(const std::string &url)
 {
     static Open *const open = open_function();

@@ -19,7 +19,8 @@ constexpr std::size_t words_bytes_max = 64, text_bytes_max = 4096, list_items_ma
     throw RecordsError(RecordsError::Cause::refused, "the record of a session cannot be stored: " + what);
 }
 
-// printable() changes every text that has control characters or is not UTF-8.
+// A text is refused if printable() would change it, which means that the text has control characters or is
+// not UTF-8.
 void check_text(const std::string &what, const std::string &text, std::size_t bytes_max, bool may_be_empty)
 {
     if (text.empty() && !may_be_empty) refuse_record(what + " is empty");

@@ -1,5 +1,6 @@
-// The record of one session: who played which case, with which result. The window and the command line fill
-// these plain structs; the room host/records knows neither cases nor the assessment (docs/records.md).
+// The record of one session states who played which case, with which result. The window and the command line
+// fill these plain structs; the code in host/records knows neither cases nor the assessment
+// (docs/records.md).
 #pragma once
 #include "host/base/fault.hpp"
 #include <cstdint>
@@ -10,7 +11,8 @@
 namespace crn
 {
 
-// Describes why records could not be read or written; the text names the place and the remedy.
+// Describes why records could not be read or written; the error's text names the file or server and the
+// remedy.
 struct RecordsError : Fault {
     enum class Cause {
         refused,     // the record, the file or the request is wrong; to repeat the request does not help
@@ -35,7 +37,8 @@ struct SessionMetric {
     std::string unit; // may be empty
 };
 
-// Severity 0 is a note, such as the begin of a phase. Severities 1 to 5 are errors; 5 is life-threatening.
+// An event of severity 0 is a note, such as the begin of a phase. Events of severity 1 to 5 are errors;
+// severity 5 is life-threatening.
 inline constexpr int severity_max = 5;
 struct SessionEvent {
     std::uint64_t tick = 0; // 1 ms each
@@ -65,12 +68,13 @@ struct SessionRecord {
     std::vector<SessionMetric> metrics;           // each name once
     std::vector<SessionEvent> events;             // in the order of their ticks
 
-    // Returns the value of a metric. The name "score" is the total of the score as a percentage, and "errors"
-    // the number of events with a severity above 0. Empty if the session does not have the metric.
+    // Returns the value of a metric. The metric "score" is the total score in percent, and the metric
+    // "errors" is the number of events with a severity above 0. The function returns no value if the session
+    // does not have the metric.
     std::optional<double> metric(const std::string &name) const;
 };
 
-// A person, as the centre sees this person: without a name.
+// Describes a person as the centre knows the person: without a name.
 struct Trainee {
     std::string id;        // UUID, made from the first pseudonym
     std::string pseudonym; // of the present
@@ -81,10 +85,10 @@ struct Trainee {
     std::string changed_at; // UTC; empty: cohort, is_expert, keep_until and pseudonym were never changed
 };
 
-// Throws RecordsError (refused) if a value is outside its range: texts are UTF-8 without control characters,
-// numbers are finite, names of metrics and parts occur once.
+// Throws RecordsError (refused) if a value is outside its range: texts must be UTF-8 without control
+// characters, numbers must be finite, and each name of a metric or part must occur only once.
 void check_record(const SessionRecord &record);
-// Throws RecordsError (refused) if `pseudonym` cannot be one.
+// Throws RecordsError (refused) if `pseudonym` is not a permitted pseudonym.
 void check_pseudonym(const std::string &pseudonym);
 
 } // namespace crn

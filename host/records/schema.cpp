@@ -6,9 +6,9 @@ namespace crn
 namespace
 {
 
-// Both databases understand BIGINT and DOUBLE PRECISION. Moments are texts in UTC that sort by time. A seed
-// is a text, because it has 64 bits without a sign. A name is in a table of its own, which stays on the
-// station.
+// SQLite and PostgreSQL both understand the types BIGINT and DOUBLE PRECISION. The seed of a session is
+// stored as text, because it is an unsigned number of 64 bits. A trainee's name is in a separate table, which
+// stays on the station.
 const char *const first_version = R"(
 CREATE TABLE station (
     id TEXT PRIMARY KEY, name TEXT NOT NULL, is_own BIGINT NOT NULL, created_at TEXT NOT NULL);

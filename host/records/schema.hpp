@@ -1,4 +1,5 @@
-// The tables of records, as one text for SQLite and PostgreSQL (docs/records.md lists them).
+// Defines the tables of records, in SQL that SQLite and PostgreSQL both understand (docs/records.md lists the
+// tables).
 #pragma once
 #include <string>
 #include <vector>
@@ -6,8 +7,8 @@
 namespace crn
 {
 
-// The entry i has the statements that lead from version i to i + 1. An entry that was published never
-// changes; a change of the tables is a new entry.
+// The entry i of the list of migrations has the statements that lead from version i to i + 1. A published
+// migration never changes; a change of the tables is a new migration.
 const std::vector<std::string> &schema_migrations();
 
 } // namespace crn

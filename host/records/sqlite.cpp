@@ -1,5 +1,6 @@
-// Records in one SQLite file: write-ahead log, every commit flushed to the disk (synchronous FULL), deleted
-// bytes overwritten (secure_delete). The settings belong to a connection, so each open sets them again.
+// Stores records in one SQLite file: with a write-ahead log, every commit flushed to the disk (synchronous
+// FULL), and deleted bytes overwritten (secure_delete). The settings of SQLite apply to one connection, so
+// they are set whenever the file is opened.
 #include "host/base/terminal.hpp"
 #include "host/records/database.hpp"
 #include "host/records/identity.hpp"
@@ -23,7 +24,7 @@ using Cause = RecordsError::Cause;
 constexpr int busy_ms = 10000;
 constexpr std::int64_t application_id = 0x43524e44; // "CRND", in the header of the file
 
-// The remedy for a cause that SQLite reports; `system_error` is errno of the failed call, or 0.
+// Returns the remedy for a cause that SQLite reports; `system_error` is errno of the failed call, or 0.
 RecordsError error_of(const std::string &path, int code, int system_error, const std::string &text)
 {
     const std::string begin = printable(path) + ": ";
@@ -75,7 +76,8 @@ class Statement
     Statement(const Statement &) = delete;
     Statement &operator=(const Statement &) = delete;
 
-    // SQLite numbers the names "$1", "$2" by their first occurrence, so each is looked up by its name.
+    // SQLite numbers the parameters "$1", "$2" by their first occurrence in the statement, so the index of
+    // each parameter is looked up by its name.
     void bind(const std::vector<SqlValue> &values)
     {
         for (std::size_t i = 0; i < values.size(); i++) {
@@ -188,8 +190,8 @@ class SqliteDatabase : public Database
     void commit() override { run("COMMIT"); }
     void roll_back() noexcept override
     {
-        // After a full disk SQLite may have rolled back already; then this statement fails and changes
-        // nothing.
+        // If the disk was full, SQLite may have rolled back already; the statement ROLLBACK then fails and
+        // changes nothing.
         sqlite3_exec(file_, "ROLLBACK", nullptr, nullptr, nullptr);
     }
 
@@ -221,7 +223,7 @@ class SqliteDatabase : public Database
         run("PRAGMA wal_checkpoint(TRUNCATE)");
         run("VACUUM");
         run("PRAGMA wal_checkpoint(TRUNCATE)");
-        // A copy from before a migration still has the erased data.
+        // A copy of the database from before a migration still has the erased data.
         std::error_code ignored;
         const fs::path path = fs::absolute(path_, ignored);
         const std::string begin = path.filename().string() + ".before_version_";
@@ -249,7 +251,7 @@ class SqliteDatabase : public Database
     std::string path_;
     sqlite3 *file_ = nullptr;
 
-    // SQLite would create the file with the permissions of the umask.
+    // Creates the file with mode 0600, because SQLite would create it with the permissions of the umask.
     void create_private()
     {
         struct stat status;
@@ -265,7 +267,8 @@ class SqliteDatabase : public Database
         ::close(file);
     }
 
-    // A file of another program is not changed. Only a file that is ours is searched for damage.
+    // A SQLite file of another program is not changed. Only a file that this program has made is checked for
+    // damage.
     void check_kind()
     {
         const bool is_new = whole_of(run("SELECT count(*) FROM sqlite_schema").rows.at(0).at(0)) == 0;

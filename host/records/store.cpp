@@ -248,7 +248,8 @@ std::vector<RecordingFile> RecordStore::recordings(const std::string &pseudonym)
     return found;
 }
 
-// Deletes by hand in every table, so that a connection without foreign keys deletes as much.
+// Deletes the rows in every table explicitly, so that all rows are deleted even on a connection that does not
+// enforce foreign keys.
 std::int64_t RecordStore::delete_trainee(const std::string &trainee_id)
 {
     for (const char *table : {"score_part", "metric", "event", "outbox"})
@@ -294,7 +295,8 @@ Station RecordStore::own_station_within()
     const SqlResult found = database_->run("SELECT id, name, created_at FROM station WHERE is_own = 1");
     if (!found.rows.empty() && !is_server())
         return {text_of(found.rows[0].at(0)), text_of(found.rows[0].at(1)), text_of(found.rows[0].at(2))};
-    // On a server, the station of a session that came without one is the machine that stores it.
+    // For a session that is stored on a server without a station, the station is the machine that stores the
+    // session.
     const Station station{is_server() ? uuid_of_name("station", host_name()) : new_uuid(), host_name(),
                           utc_now()};
     database_->run(

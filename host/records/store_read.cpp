@@ -1,4 +1,5 @@
-// Reads sessions and trainees from a store, with four statements for any number of sessions.
+// Reads sessions and trainees from a store; the number of SQL statements is four, however many sessions are
+// read.
 #include "host/base/terminal.hpp"
 #include "host/records/store.hpp"
 #include <map>
@@ -9,7 +10,7 @@ namespace crn
 namespace
 {
 
-// Only the conditions that apply are in the statement, so that the databases use their indexes.
+// The SQL statement contains only the conditions that apply, so that the databases can use their indexes.
 std::string joined(const SessionFilter &filter, std::vector<SqlValue> &values)
 {
     std::string text = " JOIN trainee t ON t.id = s.trainee_id ";

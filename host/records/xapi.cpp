@@ -1,4 +1,4 @@
-// Sessions as statements of the Experience API 1.0.3 (ADL, xAPI-Data.md and xAPI-Communication.md).
+// Writes sessions as statements of the Experience API 1.0.3 (ADL, xAPI-Data.md and xAPI-Communication.md).
 #include "host/base/number_text.hpp"
 #include "host/records/exchange.hpp"
 #include "host/records/identity.hpp"
@@ -14,11 +14,11 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-// IRIs only have to be unique; nothing is read from this address, whose ending .invalid never resolves
-// (RFC 2606).
+// The IRIs (identifiers) of xAPI need only be unique; nothing is read from this address, because names that
+// end with .invalid never resolve (RFC 2606).
 const std::string space = std::string(records_home_page) + "/xapi/";
 
-// Letters that may stand in an IRI without an escape (RFC 3986, 2.3).
+// These characters may be in an IRI without an escape (RFC 3986, 2.3).
 std::string iri_part(const std::string &text)
 {
     std::string part;

@@ -1,4 +1,4 @@
-// Parts of the HTML pages about a session: texts, numbers and curves. The pages need no other file.
+// Makes parts of the HTML pages about a session: texts, numbers and curves. Each page needs no other file.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -9,9 +9,10 @@ namespace crn
 
 // Returns the text of an entry, escaped for HTML; an absent entry gives an empty text.
 std::string page_text(const nlohmann::ordered_json &from, const char *key);
-// Returns a number, rounded to three significant digits, without an exponent; a dash if it is no number.
+// Returns a number, rounded to three significant digits, without an exponent; if the value is not a number,
+// returns a dash.
 std::string page_figure(const nlohmann::ordered_json &value);
-// Returns a list of numbers; an absent list is empty.
+// Returns a list of numbers, which is empty if the list is absent.
 std::vector<double> page_numbers(const nlohmann::ordered_json &from, const char *key);
 
 struct PageCurve {

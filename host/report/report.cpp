@@ -184,7 +184,7 @@ nlohmann::ordered_json grip_report(const GripFigures &grip)
             {"first_slip_tick", first}};
 }
 
-// Describes the pressure that the catheter measured; null if no catheter could measure one.
+// Reports the pressure that the catheter measured, or null if no catheter could measure one.
 nlohmann::ordered_json catheter_pressure_report(const Patient &patient)
 {
     const CatheterPressure &pressure = patient.catheter_pressure();

@@ -16,8 +16,8 @@ Json seconds_or_null(const std::optional<std::uint32_t> &tick)
     return tick ? Json(*tick * 1e-3) : Json();
 }
 
-// Keeps the samples of the curves while the balloon is under pressure, and one sample before and after that
-// time.
+// Keeps the samples of the balloon's curves while the balloon is under pressure, and one sample before and
+// after that time.
 Json curves(const std::vector<BalloonSample> &series)
 {
     Json time = Json::array(), pressure = time, widest = time, narrowest = time, wall = time;
@@ -81,8 +81,8 @@ struct BalloonPeak {
     double above_kPa() const { return pressure_kPa - (tool.balloon ? tool.balloon->rated_burst_kPa : 0.0); }
 };
 
-// Returns the peak of the balloon that came nearest to its rated burst pressure or exceeded it the most; a
-// session may have exchanged one balloon for another.
+// Returns the highest pressure of the balloon that came nearest to its rated burst pressure or exceeded it
+// the most; several balloons may be used in a session, one after the other.
 std::optional<BalloonPeak> gravest_peak(const BalloonFigures &balloon, const std::vector<Instrument> &table)
 {
     std::optional<BalloonPeak> gravest;

@@ -16,8 +16,7 @@ using Value = std::optional<double>;
 
 constexpr double narrow_pct = 50.0; // by diameter: a lesion that needs treatment
 
-// Returns a number of the report, which is found by its path of keys; the result has no value if the path
-// does not exist.
+// Returns a number of the report, which is found by its path of keys, or no value if the path does not exist.
 Value number(const Json &from, const std::vector<std::string> &way)
 {
     const Json *at = &from;
@@ -237,8 +236,8 @@ Json score_of(const Json &report, const ScoreLimits &limits)
         entry["remark"] = metric.remark;
         metrics.push_back(entry);
     }
-    // If there is no lesion, nothing was treated, and a score of 100 % for a low X-ray dose alone would be
-    // misleading.
+    // If the report has no lesion, nothing was treated, and a score of 100 % for a low X-ray dose alone would
+    // be misleading.
     if (!report.contains("lesions") || report["lesions"].empty()) points = of = 0.0;
     return {{"points", points},
             {"of", of},

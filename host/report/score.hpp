@@ -13,7 +13,7 @@
 namespace crn
 {
 
-// Other limits of a metric than those of docs/score.md, by the metric's name; a plan of an assessment states
+// Holds, by the metric's name, limits that differ from those of docs/score.md; a plan of an assessment states
 // them.
 struct ScoreLimit {
     double full_at = 0.0, none_at = 0.0;
@@ -26,7 +26,7 @@ std::vector<std::string> score_metric_names();
 // Returns {"points", "of", "percent", "metrics": [{"name", "group", "title", "value", "unit",
 // "full_marks_at", "no_marks_at", "weight", "points", "remark"}]}. The group is "result" for what the
 // treatment achieved and "burden" for what it cost the patient. `value` is null if it is not known; `points`
-// is null in this case, and if the metric has no weight. `report` is the output of write_report().
+// is null if `value` is null or the metric has no weight. `report` is what write_report() returned.
 nlohmann::ordered_json score_of(const nlohmann::ordered_json &report, const ScoreLimits &limits = {});
 
 struct ScorePicture {
@@ -38,7 +38,7 @@ struct ScorePicture {
 // time. Throws OutputError.
 void write_score_page(const std::string &path, const nlohmann::ordered_json &report,
                       const nlohmann::ordered_json &score, const std::vector<ScorePicture> &pictures);
-// Returns the text of the page that write_score_page() writes, for tests. Throws std::runtime_error when a
+// Returns the text of the page that write_score_page() writes, for tests. Throws std::runtime_error if a
 // picture cannot be encoded.
 std::string score_page(const nlohmann::ordered_json &report, const nlohmann::ordered_json &score,
                        const std::vector<ScorePicture> &pictures);

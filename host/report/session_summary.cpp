@@ -128,7 +128,7 @@ Image darkest_frame(const StoredRun &stored)
     return {stored.run.size, stored.run.size, 1, *darkest};
 }
 
-// Writes the score's page with a picture of each cine run, and prints the score.
+// Writes the page of the score with a picture of each cine run, and prints the score.
 void give_score(const std::string &path, const nlohmann::ordered_json &report, const RoomScreen *screen)
 {
     std::vector<ScorePicture> pictures;

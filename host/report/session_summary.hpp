@@ -25,13 +25,13 @@ struct SessionFiles {
     nlohmann::ordered_json case_entry =
         nullptr; // entry "case" of the report; null: the session plays no case
 };
-// `session` names what controlled the session, for example the script. `screen` has the pictures for the
-// score's page; if it is null, the page has no pictures. Throws OutputError.
+// `session` names what controlled the session, for example the script. `screen` has the pictures for the page
+// of the score; if `screen` is null, the page has no pictures. Throws OutputError.
 void write_session_files(const SessionFiles &files, const RunResult &result, const std::string &scene,
                          const std::vector<Instrument> &tools, const std::string &session, Patient &patient,
                          const RoomScreen *screen);
 
-// Returns a picture that stands for a session: the frame of a cine run in which contrast medium is most
+// Returns a picture that represents a session: the frame of a cine run in which contrast medium is most
 // visible, or `last`, the last picture of a session without a cine run.
 Image card_picture(const RoomScreen &screen, const Image &last);
 

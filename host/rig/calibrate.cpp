@@ -186,8 +186,8 @@ bool is_same(const crn_wire_rig &a, const crn_wire_rig &b)
     return true;
 }
 
-// Sends one message with the settings and reads the settings back. If the settings that it reads back differ
-// from those that it sent, the function restores the former settings.
+// Sends the settings to the device in one message and reads them back. If the device returns other settings
+// than those sent, the function restores the former settings.
 void write(Link &link, const crn_wire_rig &before, const crn_wire_rig &after)
 {
     link.set_rig(after);

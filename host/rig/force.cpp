@@ -1,5 +1,5 @@
-// Implements the command cournand rig force. Also implements the trial with powered motors, which the command
-// cournand rig selftest uses too.
+// Implements the command cournand rig force. This file also implements the trial with powered motors, which
+// the command cournand rig selftest uses as well.
 #include "host/rig/rig.hpp"
 #include <algorithm>
 #include <cstdlib>
@@ -14,7 +14,7 @@ constexpr std::uint32_t round_ms = 10;          // forces fade when the host is 
 constexpr std::uint32_t coupling_N_per_m = 500; // half a millimetre for 250 mN
 constexpr std::uint32_t inserted_um = 50000;
 
-// Makes straight simulated tools of 300 mm length that fit into each other. The simulated tools lie in free
+// Makes simulated straight tools of 300 mm length that fit into each other. The simulated tools lie in free
 // space (without vessels), so only the friction of the sheath's valve holds them.
 std::vector<crn_wire_instrument> straight_tools(unsigned count)
 {

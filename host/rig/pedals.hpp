@@ -13,8 +13,8 @@ namespace crn
 class RigPedals
 {
   public:
-    // Returns commands for the pedals that have changed since the last call. In `buttons`, bit 0 is the X-ray
-    // pedal and bit 1 the cine pedal (docs/wire.md, `encoders`).
+    // Returns commands for those pedals whose state has changed since the last call. In `buttons`, bit 0 is
+    // the X-ray pedal and bit 1 the cine pedal (docs/wire.md, `encoders`).
     std::vector<RoomCommand> changes(std::uint32_t buttons)
     {
         std::vector<RoomCommand> commands;
@@ -39,7 +39,7 @@ class RigSyringe
     static constexpr std::uint32_t window_ticks = 20;
 
     // Receives the position of the plunger in counts at `tick`. The counts may wrap round, and the first
-    // position counts as zero.
+    // received position is the zero of the plunger.
     std::optional<RoomCommand> change(std::uint32_t tick, std::int32_t counts)
     {
         const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) -
@@ -50,8 +50,8 @@ class RigSyringe
             window_ = tick / window_ticks;
             return {};
         }
-        // A hand cannot inject faster than this limit. If the plunger seems to move faster, its sensor has
-        // jumped, and nothing is injected.
+        // This limit is higher than the flow with which a hand can inject. If the plunger seems to move
+        // faster than a hand can, its sensor has jumped, and nothing is injected.
         if (moved > 0 && moved <= inject_rate_max_ul_s) volume_ul_ += moved;
         if (tick / window_ticks == window_) return {};
         window_ = tick / window_ticks;

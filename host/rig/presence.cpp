@@ -19,7 +19,7 @@ Presence::~Presence()
     thread_.join();
 }
 
-// This thread ignores errors, because the next function that uses the device will also find that it is
+// The thread ignores errors, because the next function that uses the device also finds that the device is
 // disconnected.
 void Presence::say(Link &link)
 {

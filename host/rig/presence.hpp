@@ -1,7 +1,8 @@
 // Sends messages to the rig from another thread while the host computes a picture, so that the rig knows that
-// the host is alive. Without these messages the force that the hand feels would fade during every picture
-// that takes longer than 30 ms. The messages end after half a second, because the rig must notice a host that
-// hangs. No other code may use the link while an object of this class exists.
+// the host is alive. Without messages from the host, the force that the hand feels would fade during every
+// picture that takes longer than 30 ms. The thread sends no more messages after half a second, because the
+// rig must notice when the host no longer responds. No other code may use the link while an object of this
+// class exists.
 #pragma once
 #include "host/link/link.hpp"
 #include <chrono>

@@ -30,7 +30,7 @@ std::string RigTalk::ask(const std::string &question) const
 namespace
 {
 
-// Reads by read(2) after poll(2), so that Ctrl-C works while the user types nothing.
+// Reads the terminal by read(2) after poll(2), so that Ctrl-C works while the user types nothing.
 bool read_line_console(std::string &line)
 {
     line.clear();
@@ -100,8 +100,8 @@ void require_ready(Link &link, bool may_reset)
 namespace
 {
 
-// The command `list` contacts every connected rig. Because of these time limits the command ends even if a
-// rig does not answer.
+// The command `list` contacts every connected rig, and these time limits end the command even if a rig does
+// not answer.
 constexpr auto list_patience = std::chrono::milliseconds(1500);
 constexpr auto list_limit = std::chrono::seconds(6);
 
@@ -265,7 +265,7 @@ int rig_log(Link &link, const RigTalk &talk)
     return 0;
 }
 
-// The function waits up to one second for a report, in short steps, so that it reacts to Ctrl-C soon.
+// The function waits up to one second for a report, in short steps, so that Ctrl-C soon takes effect.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
                     const RigTalk &talk)
 {

@@ -39,15 +39,16 @@ struct RigTalk {
 };
 RigTalk console_talk();
 
-// This exception is thrown when the user ends the dialogue; its message states what was left unchanged.
+// This exception is thrown when the user ends the dialogue; its message states which settings were left
+// unchanged.
 class RigStopped : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// Every function below carries out one command, on a link on which the device has already answered HELLO.
-// These functions return 0 for success, and 1 for a failure.
+// Every function below carries out one command, on a link to a device that has already answered HELLO. These
+// functions return 0 for success, and 1 for a failure.
 int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk);
 int rig_log(Link &link, const RigTalk &talk);
 int rig_selftest(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options,
@@ -57,7 +58,7 @@ int rig_force(Link &link, const RigOptions &options, const RigTalk &talk);
 // The function `next` returns the next state report, or no value while the rig is silent.
 using StateSource = std::function<std::optional<crn_hid_state>()>;
 int rig_monitor(const StateSource &next, const RigOptions &options, const RigTalk &talk);
-// Prints the rig's state as rig_monitor does, but reads it through the HID interface.
+// Prints the rig's state as rig_monitor does, but reads the state through the HID interface.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
                     const RigTalk &talk);
 
@@ -67,15 +68,15 @@ std::string state_name(unsigned state);
 std::string sensor_name(unsigned status);
 std::string serial_of(const crn_wire_hello_reply &hello);
 // Brings the rig to the state READY, in which settings may change; if `may_reset` is true, the function may
-// reset the rig for this. Throws LinkError if the rig is not in READY; the message names the activity of the
-// rig.
+// reset the rig to reach READY. Throws LinkError if the rig does not reach READY; the message names the rig's
+// present activity.
 void require_ready(Link &link, bool may_reset);
 
 // A trial on one track. During the trial a spring connects the user's hand with a simulated straight tool in
 // free space; the valve around the tool has the friction `force_mN`. The hand feels at most the friction
-// force of the valve while the hand moves slowly, and no force while the hand rests. The motors have power
-// from begin() to end(). The function end() restores the former settings of the rig; the destructor calls
-// end().
+// force of the valve while the hand moves slowly, and no force while the hand rests. The rig's motors have
+// power from begin() to end(). The function end() restores the former settings of the rig; the destructor
+// calls end().
 class MotorTrial
 {
   public:

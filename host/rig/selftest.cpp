@@ -102,8 +102,8 @@ void check_track(Lines &lines, unsigned number, const crn_wire_track_sensors &fi
                 "a limit of 0 was written; power the rig off and on");
 }
 
-// Requests a force limit that is 1 mN larger than the present limit. The device must refuse this request and
-// keep its limit.
+// The test requests a force limit that is 1 mN larger than the present limit. The device must refuse the
+// larger force limit and keep its present limit.
 void check_limits_hold(Lines &lines, Link &link, const crn_wire_rig &rig)
 {
     for (std::uint16_t k = 0; k < rig.tracks_count; k++) {

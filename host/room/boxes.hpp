@@ -1,5 +1,5 @@
-// Computes the gap between two boxes at any angle by the method of separating axes (Gottschalk 1996). The
-// result is the largest gap between the projections of the boxes on fifteen axes. The computed gap never
+// Computes the gap between two boxes at any angle by the method of separating axes (Gottschalk 1996). The gap
+// is the largest distance between the projections of the two boxes on fifteen axes. The computed gap never
 // exceeds the true distance, and is negative when the boxes overlap.
 #pragma once
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-// Checks that every value of a command is in its range.
+// Checks that every value of a command is within its range.
 #include "host/room/command.hpp"
 #include <algorithm>
 #include <iterator>

@@ -57,8 +57,8 @@ struct Refusal {
 // forbids it, class Room reports the refusal when it happens.
 std::string refusal(const RoomCommand &command);
 
-// Whether the commands to the X-ray room come from scripts, keys or recordings, their values must lie within
-// the limits below.
+// The values of commands to the X-ray room must lie within the limits below, whether a command comes from a
+// script, a key or a recording.
 inline constexpr std::int32_t primary_max_mdeg = 120'000, secondary_max_mdeg = 50'000;
 inline constexpr std::int32_t table_max_um = 1'900'000;
 inline constexpr std::int32_t field_min_um = 100'000, field_max_um = 450'000;

@@ -54,7 +54,7 @@ class DoseMeter
     std::optional<int> unseen_alert() const { return unseen_; }
     int alerts_passed() const { return alerts_passed_; }
     std::uint32_t fluoro_reminders() const { return fluoro_ticks_ / fluoro_reminder_ticks; }
-    // Returns true if the user has not yet acknowledged the last reminder of the fluoroscopy time.
+    // Returns true if the user has not yet acknowledged the latest reminder of the fluoroscopy time.
     bool has_unseen_reminder() const { return fluoro_reminders() > reminders_seen_; }
 
   private:

@@ -33,13 +33,14 @@ inline constexpr int gantry_axes = 7;
 using GantryPose = std::array<double, gantry_axes>;
 
 // Angles are in degrees and lengths in metres; speeds are per s and accelerations per s2. The speeds and
-// accelerations are assumed to be typical of C-arms mounted on the ceiling or the floor.
+// accelerations are assumed values, typical of C-arms mounted on the ceiling or the floor.
 struct AxisLimits {
     double speed, acceleration, low, high;
 };
 const std::array<AxisLimits, gantry_axes> &gantry_limits();
 
-// Returns the boxes that the interlock checks, in the patient frame, for these positions of the motors.
+// Returns the boxes that the interlock checks, in the patient's coordinates, for these positions of the
+// motors.
 struct GantryBoxes {
     Box table, tube, collimator, detector;
 };

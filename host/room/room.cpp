@@ -14,7 +14,7 @@ constexpr std::uint32_t look_every_ticks = 50; // how often the tip is checked, 
 constexpr double follow_zone =
     0.22; // distance of the tip from the middle that is allowed, share of the field's width
 
-// Returns the dose in nGy that one frame brings to the detector, behind patient and grid; this dose is in the
+// Returns the dose in nGy that reaches the detector per frame, behind patient and grid; this dose is in the
 // middle of the usual range (host/xray/xray.hpp).
 double frame_dose_nGy(RunKind kind)
 {
@@ -246,7 +246,7 @@ void Room::press_pedals(std::uint32_t tick)
     }
 }
 
-// If the user released the pedal before the motors came to rest, there is no run, and the user must be
+// If the user released the pedal before the motors came to rest, no run is made, and the user must be
 // informed.
 void Room::release_acquisition(std::uint32_t tick)
 {

@@ -1,6 +1,6 @@
-// Simulates the X-ray room as a state machine: pedals, geometry, pulses, numbered runs, and dose. This class
-// contains no window, no clock, no X-ray computation and no pictures. The class Room receives commands and
-// ticks, and returns requests for X-ray pulses, and events.
+// Simulates the X-ray room as a state machine: pedals, geometry, pulses, numbered runs, and dose. The class
+// Room contains no window, no clock, no X-ray computation and no pictures. The class Room receives commands
+// and ticks, and returns events and requests for X-ray pulses.
 //
 //   room.give(tick, command);                    // before that tick is processed; in force from then on
 //   room.advance(tick, &tip);                    // every millisecond up to `tick`
@@ -50,7 +50,7 @@ struct RoomEvent {
 };
 
 // Describes a finished run, which is a series of X-ray pictures, as the room records it. The class RoomScreen
-// keeps the pictures of a run, if any pictures are made.
+// keeps the pictures of a run, if pictures are made at all.
 struct RoomRun {
     int number = 0;
     RunKind kind = RunKind::fluoro;

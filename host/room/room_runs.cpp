@@ -11,10 +11,10 @@ namespace crn
 namespace
 {
 
-// A roadmap keeps for each pixel the largest of many differences, so the noise of every frame makes it
-// brighter. Therefore an estimate of the noise is subtracted from every pixel of the roadmap. This estimate
-// of a roadmap's noise is the median of the pixels, which is the background, plus a fixed multiple of the
-// difference between the median and the 10th percentile.
+// A roadmap keeps for each pixel the largest of many differences, so the noise of the frames makes every
+// pixel brighter. To compensate for the noise, an estimate of it is subtracted from every pixel of the
+// roadmap. This estimate of a roadmap's noise is the median of the pixels, which is the background, plus a
+// fixed multiple of the difference between the median and the 10th percentile.
 constexpr float roadmap_noise_steps = 2.0f;
 
 float background_of(const std::vector<float> &peak)
@@ -188,8 +188,8 @@ void RoomScreen::keep(const RoomEvent &event, const XrayPicture &picture)
         held_index_ = static_cast<int>(stored.run.frames.size()) - 1;
         return;
     }
-    // If the memory is full, the beam stays on, because dose and runs must not depend on the size of the
-    // pictures.
+    // If the memory for pictures is full, the beam stays on, because dose and runs must not depend on the
+    // size of the pictures.
     notify(event.tick, "IMAGE MEMORY IS FULL - the rest of the run is not kept");
 }
 
@@ -254,7 +254,8 @@ void RoomScreen::roadmap_from_run(StoredRun &stored)
     finish_roadmap();
 }
 
-// The first frame after the press of the pedal is the reference from which the other frames are subtracted.
+// In a roadmap run, the first frame after the press of the pedal is the reference from which the other frames
+// are subtracted.
 void RoomScreen::collect_roadmap(const RunFrame &frame, int size)
 {
     std::vector<float> live, density;

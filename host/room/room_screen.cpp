@@ -48,8 +48,8 @@ RoomScreen::Source RoomScreen::shown() const
     return {&held_frame_.raw, &held_grey_, stored, held_index_, held_size_};
 }
 
-// Every frame of a subtraction run (DSA) is shown subtracted. The exception is a mask that consists of a
-// single frame: that frame is shown unsubtracted, because its difference from itself would be empty.
+// Every frame of a subtraction run (DSA) is shown subtracted. A frame that alone forms the mask is shown
+// unsubtracted, because its difference from itself would be empty.
 bool RoomScreen::is_subtracted(const Source &source) const
 {
     if (!source.run || source.run->run.kind != RunKind::dsa || source.run->is_dropped) return false;

@@ -7,7 +7,7 @@
 //       screen.take(event, event.kind == RoomEvent::Kind::pulse ? &picture_of(event) : nullptr);
 //   screen.compose(size, grey); screen.status();
 //
-// Two screens that receive equal events and pictures show images that are equal bit for bit. See
+// Two screens that receive the same events and pictures show images that are equal bit for bit. See
 // docs/room.md.
 #pragma once
 #include "host/room/room.hpp"
@@ -51,19 +51,19 @@ class RoomScreen
     // If the event is an X-ray pulse, `picture` is the picture of that pulse; for every other event,
     // `picture` is null.
     void take(const RoomEvent &event, const XrayPicture *picture);
-    // describe() returns the description of the run to which a pulse's picture belongs, as files contain it,
-    // but without frames. frame_of() returns the picture as a frame of that run.
+    // describe() returns a description (without frames) of the run to which a pulse's picture belongs, in the
+    // form that files contain. frame_of() returns the picture as a frame of that run.
     static XrayRun describe(const RoomEvent &pulse, const XrayPicture &picture);
     static RunFrame frame_of(const RoomEvent &pulse, const XrayPicture &picture);
 
     const Room &room() const { return room_; }
     RoomStatus status() const;
     // Writes the present picture of the screen, which has size*size pixels and is black before the first
-    // pulse. Returns false if the picture has not changed since the last call.
+    // pulse. Returns false if the screen's picture has not changed since the last call.
     bool compose(int size, std::vector<std::uint8_t> &grey);
-    // Writes one frame of a stored run as the review shows it, in `grey`, and describes it in `status`. Frame
-    // -1 is the one at which a loop of the run is now. Returns false if the run has no pictures, or if `grey`
-    // and `status` already hold this frame.
+    // Writes into `grey` one frame of a stored run as the review shows it, and describes the frame in
+    // `status`. If `frame` is -1, the function writes the frame that a loop of the run shows now. Returns
+    // false if the run has no pictures, or if `grey` and `status` already hold this frame.
     bool compose_stored(int run, int frame, std::vector<std::uint8_t> &grey, RoomStatus &status);
     const RunStore &store() const { return store_; }
 
@@ -73,7 +73,7 @@ class RoomScreen
         int run = 0, frame = 0;
         std::uint32_t tick_begin = 0;
     };
-    // Holds the frame that the screen shows, before the mask is subtracted or a roadmap is added.
+    // Holds the frame that the screen shows, before a mask is subtracted or a roadmap is added.
     struct Source {
         const std::vector<std::uint16_t> *raw = nullptr;
         const std::vector<std::uint8_t> *grey = nullptr;
@@ -112,8 +112,8 @@ class RoomScreen
     bool is_beam_on_ = false, is_acquired_ = false;
     Review review_;
     Roadmap roadmap_;
-    // Holds the last frame of the X-ray beam, which is shown live at first and as a held image later. If the
-    // run of this last frame is stored, the store contains the frame too.
+    // Holds the last frame of the X-ray beam; the frame is first shown live, and later as a held image. If
+    // the run of the held frame is stored, the store contains the frame too.
     RunFrame held_frame_;
     std::vector<std::uint8_t> held_grey_;
     int held_run_ = 0, held_index_ = 0, held_size_ = 0;
@@ -125,7 +125,7 @@ class RoomScreen
     // count at the last call of compose().
     std::uint64_t version_ = 0, composed_version_ = ~std::uint64_t{0};
     int composed_frame_ = -1;
-    // Holds the mask of the run that was shown last, in the form that the subtraction needs.
+    // Holds the mask of the run that was shown last, in the form that the subtraction uses.
     struct MaskCache {
         const StoredRun *run = nullptr;
         RunMask mask;
@@ -134,7 +134,8 @@ class RoomScreen
 };
 
 // Returns true if two poses of the C-arm agree within half a millimetre and a tenth of a degree. If two poses
-// of the C-arm differ by more than that, a roadmap made in one pose would be misleading in the other pose.
+// of the C-arm differ by more than half a millimetre or a tenth of a degree, a roadmap made in one pose would
+// be misleading in the other pose.
 bool is_same_geometry(const CArm &a, const CArm &b);
 
 } // namespace crn

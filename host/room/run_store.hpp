@@ -1,4 +1,4 @@
-// Stores the pictures of the screen: acquired runs, and the last seconds of fluoroscopy. Their memory is
+// Stores the pictures for the screen: acquired runs, and the last seconds of fluoroscopy. Their memory is
 // limited. When the memory for pictures is full, the pictures of the oldest run are deleted.
 #pragma once
 #include "host/xray/run.hpp"
@@ -29,17 +29,17 @@ class RunStore
   public:
     explicit RunStore(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
-    // Begins a new run; add() adds frames to it until finish() is called. The caller that adds the first
-    // frame must also fill in the remaining fields of the run's description.
+    // Begins a new run; add() adds frames to it until finish() is called. The caller must fill in the
+    // remaining fields of the run's description when it adds the first frame.
     void begin(int number, RunKind kind);
-    // Adds a frame to the run; returns false if this run alone has filled the memory.
+    // Adds a frame to the run; returns false if the memory is full although it holds no other run.
     bool add(RunFrame frame, std::vector<std::uint8_t> grey);
-    // Ends the run, and deletes it if it has no frame. If the room made a run but its pictures did not fit
-    // into the memory, the run stays in the list without pictures.
+    // Ends the run, and deletes it if the run has no frame. A run that the room has made stays in the list
+    // without pictures if its pictures did not fit into the memory.
     void finish(bool was_made);
 
     // Stores a frame of fluoroscopy; the frames of the last `store_max_ms` milliseconds stay available, and
-    // take up to half of the memory.
+    // may take half of the memory.
     void pass(const XrayRun &header, RunFrame frame, std::vector<std::uint8_t> grey);
     // Makes a stored run from the fluoroscopy in the last `milliseconds` before `tick`.
     void keep_passed(int number, std::uint32_t tick, std::uint32_t milliseconds);

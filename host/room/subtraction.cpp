@@ -16,8 +16,8 @@ struct Neighbour {
     float share; // of `high`
 };
 
-// Returns where a pixel lay in the original picture if it appears at index `i` after the picture was moved by
-// `shift`.
+// Returns the position in the original picture of the pixel that is at index `i` after the picture was moved
+// by `shift`.
 Neighbour source_of(int i, double shift, int size)
 {
     const double place = std::clamp(i - shift, 0.0, size - 1.0);

@@ -1,7 +1,7 @@
 // Computes differences of pictures: subtraction of a mask (DSA), the peak of opacification, and the roadmap.
-// All functions use the logarithm of the raw values, because in it a vessel with contrast medium is equally
-// dark in front of bone and of lung. Pixels are stored row by row, with row 0 on top. The functions use only
-// sums, products and the polynomials of float_math, so that the results are bit-identical on every machine.
+// All functions use the logarithm of the raw values, in which a vessel with contrast medium is equally dark
+// in front of bone and of lung. Pixels are stored row by row, with row 0 on top. The functions use only sums,
+// products and the polynomials of float_math, so that the results are bit-identical on every machine.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstdint>
@@ -23,13 +23,13 @@ std::vector<std::uint16_t> mean_frame(const XrayRun &run, const std::vector<int>
 // of the mask, the function uses the value at the edge.
 void shift_picture(const std::vector<float> &mask, int size, double dx, double dy, std::vector<float> &moved);
 
-// Computes mask - live, which is the density that was added after the mask was made, in doublings of
-// attenuation. The density is 0 where the collimator covers one of the two pictures.
+// Computes mask - live: the density that was added after the mask was made, in doublings of attenuation. The
+// density is 0 where the collimator covers one of the two pictures.
 void subtract(const std::vector<float> &mask_log2, const std::vector<float> &live_log2,
               std::vector<float> &density);
 
-// Converts density to grey: where the density is 0, the grey value is `background` (0 .. 255); more density
-// is darker, and `window` doublings are black.
+// Converts density to grey: density 0 gives the grey value `background` (0 .. 255), higher densities are
+// darker, and a density of `window` doublings is black.
 void grey_of_density(const std::vector<float> &density, std::span<const std::uint8_t> open, float window,
                      std::uint8_t background, std::vector<std::uint8_t> &grey);
 
@@ -37,10 +37,10 @@ void grey_of_density(const std::vector<float> &density, std::span<const std::uin
 // `density`.
 void hold_peak(const std::vector<float> &density, std::vector<float> &peak);
 
-// Draws the peak of opacification in white over a live picture. Before drawing, the function smooths the peak
-// by the mean over 3 x 3 pixels, and subtracts the noise, which is `floor` doublings of attenuation. Pixels
-// within three pixels of black pixels are left out, because along the collimator blades the peak contains
-// only noise.
+// Draws the peak of opacification (the densest state of each pixel) in white over a live picture. Before
+// drawing, the function smooths the peak by the mean over 3 x 3 pixels, and subtracts `floor` doublings of
+// attenuation, which is the noise. Pixels within three pixels of black pixels are left out, because along the
+// collimator blades the peak of opacification contains only noise.
 void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vector<std::uint8_t> &grey);
 
 } // namespace crn

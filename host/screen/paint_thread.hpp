@@ -1,12 +1,12 @@
-// Draws a window in a thread of its own, so that the thread of the events can read keys while a picture is
-// being drawn: without a graphics card that takes tens of milliseconds.
+// Draws a window in a separate thread, so that the thread of the events can read keys while a picture is
+// drawn: without a graphics card, drawing takes tens of milliseconds.
 //
 //   PaintThread paint(window);
 //   paint.run([] { load textures });              waits for the end
 //   paint.start([] { draw; swap buffers });       returns at once
 //   if (paint.is_idle()) ...                      begin the next picture
 //
-// The window's OpenGL context belongs to this thread; no other thread may call OpenGL for the window.
+// The window's OpenGL context belongs to the drawing thread; no other thread may call OpenGL for the window.
 #pragma once
 #include <condition_variable>
 #include <exception>
@@ -27,11 +27,11 @@ class PaintThread
     PaintThread(const PaintThread &) = delete;
     PaintThread &operator=(const PaintThread &) = delete;
 
-    // Begins a piece of work, after the one before has ended. When it ends, an empty event wakes the thread
-    // that waits for events.
+    // Starts `work` in the drawing thread, after the previous work has ended. When the work ends, an empty
+    // event wakes the thread that waits for events.
     void start(std::function<void()> work);
     bool is_idle() const;
-    // Waits for the end of the work, and throws what the work threw.
+    // Waits for the end of the work, and rethrows an exception that the work threw.
     void finish();
     void run(std::function<void()> work);
 

@@ -26,7 +26,7 @@ out vec4 colour;
 uniform sampler2D picture;
 void main() { colour = vec4(texture(picture, place).rgb, 1.0); })";
 
-// The OpenGL context stays current all the time, because the window's thread uses no other context.
+// The OpenGL context is current all the time, because the window's thread uses no other context.
 class WindowContext final : public GlContext
 {
   public:
@@ -96,7 +96,8 @@ std::unique_ptr<GlContext> Screen::context() const
 void Screen::on_pointer(PointerHandler handler)
 {
     pointer_handler_ = std::move(handler);
-    // GLFW's callbacks are C functions, which can find this C++ object only through the window.
+    // GLFW's callbacks are C functions, which can find this C++ object only through the window's user
+    // pointer.
     struct Of {
         Screen *operator()(GLFWwindow *window) const
         {
@@ -162,8 +163,8 @@ void Screen::show(const Image &rgb)
     glfwSwapBuffers(window_);
 }
 
-// Every drawing reads the size of the framebuffer again, so no other code must handle resizing or a move of
-// the window to a denser screen.
+// Every drawing reads the framebuffer's size again, so no other code needs to handle a new size, or a move of
+// the window to a screen with smaller pixels.
 void Screen::draw()
 {
     int width = 0, height = 0;

@@ -1,5 +1,5 @@
-// Opens a window with the library GLFW; it shows one square picture in its middle, as large as fits. The
-// program finds every OpenGL function by its name at run time, so it does not need to be linked with an
+// Opens a window with the library GLFW; the window shows one square picture in its middle, as large as fits.
+// The program finds every OpenGL function by its name at run time, so it does not need to be linked with an
 // OpenGL library.
 #pragma once
 #include "host/picture/picture.hpp"
@@ -31,8 +31,8 @@ class Screen
     };
     using PointerHandler = std::function<void(const PointerEvent &)>;
 
-    // Throws std::runtime_error if there is no display or no OpenGL 3.3; the message names which of them is
-    // missing.
+    // Throws std::runtime_error if the computer has no display or no OpenGL 3.3; the message says which of
+    // them is missing.
     Screen(const std::string &title, int edge);
     ~Screen();
     Screen(const Screen &) = delete;

@@ -26,7 +26,7 @@ struct Expectation {
     std::size_t tool = 0; // for tip, inserted and turned
     VesselName vessel;    // for tip and iodine
     // The limits of an expected value are in mm, percent or degrees; if `is_below` is true, the value must be
-    // less than the limit `most`.
+    // less than `most`, and not equal to it.
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool is_below = false;
 
@@ -50,7 +50,7 @@ class SessionWitness
     virtual std::optional<double> apposition_pct() const = 0;
 };
 
-// Computes these values from the simulated patient.
+// Computes iodine, remaining stenosis and stent apposition from the simulated patient.
 class EffectsWitness final : public SessionWitness
 {
   public:

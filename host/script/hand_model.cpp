@@ -13,8 +13,8 @@ namespace crn
 namespace
 {
 
-// Random numbers by SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA
-// 2014), so that every standard library gives the same session.
+// Random numbers are made by SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators,
+// OOPSLA 2014), so that every C++ standard library gives the same session.
 class Chance
 {
   public:
@@ -64,7 +64,7 @@ class HandModel
         : session_(session), skill_(hands.skill), chance_(hands.seed)
     {
         for (std::size_t k = 0; k < session_tools_max; ++k) inserted_um_[k] = session.inserted_um[k];
-        // Two people of the same skill differ.
+        // Two people of the same skill have different tempos.
         tempo_ = std::exp(0.5 * skill_.speed_spread * chance_.normal());
     }
 
@@ -146,7 +146,8 @@ class HandModel
         out_->push_back(changed);
     }
 
-    // The foot and the table follow the first stroke of a motion, if they are late.
+    // A pedal or table that the simulated person operates late follows only after the first stroke of the
+    // motion.
     void motion(const Statement &statement)
     {
         wait(statement.line, chance_.exponential(skill_.pause_s));
@@ -206,7 +207,8 @@ class HandModel
         by(statement, -over_mm);
     }
 
-    // A push to a length goes in strokes, maybe with a search before its end, and too far, and back.
+    // A push to a stated length consists of strokes; the hand may search before the end, push too far and
+    // pull back.
     void push_until(const Statement &statement, std::int64_t goal_um)
     {
         const std::size_t tool = statement.moves.front().tool;

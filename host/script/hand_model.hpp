@@ -1,12 +1,12 @@
-// Changes a session script as the hands of a person would: slower or faster, with pauses, pushes too far,
-// searching motions, a late foot on the pedal and missed checks. The same script, skill and seed give the
-// same session.
+// Changes a session script as a person's hands would: slower or faster, with pauses, pushes that go too far,
+// searching motions, a pedal pressed late, and forgotten checks. The same script, skill and seed always give
+// the same session.
 //
 //   const Session session = with_hands(read_session(path), read_hands("novice:7"));
 //
 // The model is an assumption with parameters that we chose (docs/assessment.md, "The hand model"): it serves
-// to test whether an assessment separates experts from novices as published studies do, and makes clumsy
-// sessions for tests of cases. Statements that steer a tool by its tip stay as they are.
+// to test whether an assessment separates experts from novices as published studies do. The model also makes
+// clumsy sessions for tests of cases. Statements that steer a tool by its tip stay unchanged.
 #pragma once
 #include "host/script/session.hpp"
 #include <cstdint>
@@ -43,12 +43,12 @@ const HandSkill &expert_hands();
 const HandSkill &novice_hands();
 const HandSkill &clumsy_hands(); // a novice who misses every second check
 
-// Reads "expert:7", "novice:7" or "clumsy:7": a skill and a seed. Throws std::runtime_error with a
+// Reads a skill and a seed, such as "expert:7", "novice:7" or "clumsy:7". Throws std::runtime_error with a
 // suggestion.
 Hands read_hands(const std::string &word);
 
-// Returns the changed session. Expectations are left out, because another course of a session has another
-// end.
+// Returns the changed session. Expectations of the script are left out, because a session with changed
+// motions ends differently.
 Session with_hands(const Session &session, const Hands &hands);
 
 } // namespace crn

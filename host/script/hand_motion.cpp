@@ -14,9 +14,9 @@ std::int64_t divide_rounded(std::int64_t a, std::int64_t b)
     return a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b);
 }
 
-// Returns a time in ticks, multiplied by 2 r^3: the time in which a hand at full speed moves as far as a hand
-// that accelerates from rest moves in the first t ticks of a ramp of r ticks. The returned number is t^3 (2 r
-// - t), which follows from the integral of the smoothstep 3u^2 - 2u^3.
+// Returns a time in ticks, multiplied by 2 r^3. In the returned time, a hand at full speed moves as far as an
+// accelerating hand moves in the first t ticks of a ramp of r ticks. The returned number is t^3 (2 r - t),
+// which follows from the integral of the smoothstep function 3u^2 - 2u^3.
 std::int64_t ramp_numerator(std::int64_t t, std::int64_t r)
 {
     return t * t * t * (2 * r - t);
@@ -71,8 +71,8 @@ void LiveHand::set_speed(std::int64_t translation_counts_per_s, std::int64_t rot
     rotation_.target = rotation_counts_per_s;
 }
 
-// If the speed of a resting hand changes by these steps in every tick, the hand reaches 60 mm/s and one turn
-// per second in about 150 ms.
+// With these steps of the speed per tick, a resting hand reaches 60 mm/s and one turn per second in about 150
+// ms.
 void LiveHand::advance_tick()
 {
     translation_.advance(400);

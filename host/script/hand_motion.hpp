@@ -44,8 +44,8 @@ class SteadyMove
     std::int64_t stop_tick_ = -1;
 };
 
-// Simulates the hand of a user at the keyboard. The target speeds of this hand may change at any time, and
-// its actual speed changes by a limited step per tick.
+// Simulates the hand of a user who moves tools with the keyboard. The target speeds of this hand may change
+// at any time, and its actual speed changes by a limited step per tick.
 class LiveHand
 {
   public:

@@ -1,5 +1,5 @@
 // Reads one line of a session script: words, numbers with units, and choices. If the line has a mistake, the
-// error message gives its position and suggests a correction.
+// error message gives the mistake's position and suggests a correction.
 #pragma once
 #include "host/base/text.hpp"
 #include <charconv>

@@ -50,8 +50,8 @@ std::size_t SessionPlayer::vessel_named(const VesselName &name, int line) const
                     "unknown vessel '" + name.text + "'" + map_.suggestion(name.text));
 }
 
-// Starts the move from the present position of the hand that holds the tool, and divides the move into
-// strokes if the statement demands strokes.
+// Starts the move from the present position of the hand that holds the tool; if the statement demands
+// strokes, the move is divided into strokes.
 void SessionPlayer::begin_move(const HandMove &move, std::size_t tool)
 {
     Active active{move, tool, position_counts_[tool][static_cast<int>(move.axis)], {}, {}, 0};
@@ -89,8 +89,8 @@ void SessionPlayer::ask(const RoomCommand &command)
     buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
 }
 
-// Executes all following statements that take no time, such as commands to the X-ray room, to heart and to
-// breath. The first statement after these that takes time then becomes the present statement.
+// Executes all following statements that take no time, such as commands to the X-ray room, the heart and the
+// breath. The first following statement that takes time then becomes the present statement.
 void SessionPlayer::enter_statement()
 {
     for (; !is_done(); statement_++) {
@@ -117,7 +117,7 @@ void SessionPlayer::enter_statement()
     }
 }
 
-// The present statement ends when its pause and all its moves have ended.
+// The present statement of the script ends when its pause and all its moves have ended.
 void SessionPlayer::finish_statement()
 {
     const Statement &statement = session_.statements[statement_];
@@ -171,8 +171,8 @@ crn_wire_tick_input SessionPlayer::next()
     return input;
 }
 
-// The statement of an exchange waits for longer than a batch of ticks, so its answer comes while it is the
-// present one.
+// The statement of an exchange takes more ticks than one batch, so the answer to the exchange arrives while
+// that statement is the present one.
 void SessionPlayer::answer_exchange(std::uint8_t answer)
 {
     if (answer <= CRN_WIRE_EXCHANGE_DONE || is_done() || !session_.statements[statement_].exchange) return;
@@ -229,7 +229,8 @@ void SessionPlayer::look_at_steering(const SessionView &view)
     enter_statement();
 }
 
-// Consecutive expectations are checked at one tick, and every expectation that does not hold is reported.
+// Consecutive expectations of a script are checked at one tick, and every expectation that is not met is
+// reported.
 void SessionPlayer::look_at_expectation(const SessionView &view)
 {
     while (expects()) {

@@ -12,7 +12,7 @@ inline constexpr std::uint16_t premature_usual_milli = 600; // share of the inte
 const std::vector<std::string> &rhythm_verbs();
 
 // Parses the words after the verb of a statement that controls heart or breath. Throws FileError; the message
-// gives the position in the script, and the allowed range if a number is out of range.
+// gives the position in the script and, if a number is out of range, the allowed range.
 crn_wire_order parse_rhythm(LineParser &line, const std::string &verb);
 
 } // namespace crn

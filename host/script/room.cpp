@@ -23,12 +23,12 @@ std::int32_t nearest(double value)
 
 std::int32_t um_between(LineParser &line, const std::string &what, std::int32_t low_um, std::int32_t high_um)
 {
-    // The limits are divided by 1e6 and not multiplied by 1e-6, because 450000 * 1e-6 is less than 0.45, so
-    // that "45 cm" would be out of range.
+    // The limits are divided by 1e6 and not multiplied by 1e-6, because 450000 * 1e-6 is slightly less than
+    // 0.45, so that "45 cm" would be out of range.
     return nearest(line.quantity(what, length_units, low_um / 1e6, high_um / 1e6) * 1e6);
 }
 
-// Reads a rate in 1/100 per second, which must be a member of the list `rates`.
+// Reads a rate and returns it in hundredths per second; the rate must be a member of the list `rates`.
 template <std::size_t count> std::int32_t rate(LineParser &line, const std::int32_t (&rates)[count])
 {
     const LineParser before = line;
@@ -136,8 +136,8 @@ void RoomParser::pedal(LineParser &line, const std::string &verb)
         if (what == "on") add(RoomAction::program, verb == "dsa" ? 1 : 0);
         add(RoomAction::acquire_pedal, what == "on" ? 1 : 0);
     } while (!line.is_at_end());
-    // A rate applies to the press of the pedal on the same line of the script, so the commands for rates come
-    // before the commands for pedals.
+    // A rate applies to the press of the pedal on the same line of the script, so commands for rates are
+    // returned before commands for pedals.
     std::stable_sort(commands_.begin(), commands_.end(), [](const RoomCommand &a, const RoomCommand &b) {
         const auto is_pedal = [](RoomAction action) {
             return action == RoomAction::fluoro_pedal || action == RoomAction::acquire_pedal;

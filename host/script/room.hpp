@@ -9,7 +9,8 @@ namespace crn
 
 const std::vector<std::string> &room_verbs();
 
-// Remembers the settings of the previous lines, because a statement may leave some settings unchanged.
+// Remembers the settings of the previous lines, because a statement may leave some of these settings
+// unchanged.
 class RoomParser
 {
   public:

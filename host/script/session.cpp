@@ -174,7 +174,7 @@ class SessionParser
     }
 
     // Reads statements such as "load coronary_014 as wire", "exchange catheter for balloon_3x20" or "remove
-    // catheter". The hand does nothing else for a moment.
+    // catheter". The hand pauses for a moment while tools are exchanged.
     void exchange(LineParser &line, const std::string &verb, Statement &statement)
     {
         constexpr std::uint32_t pause_ticks = 48; // longer than the force on the hand needs to end
@@ -206,7 +206,8 @@ class SessionParser
         return line.name();
     }
 
-    // Reads "begin with j_wire nothing guide_jl4_6f": the tools on the line, from the innermost.
+    // Reads a statement such as "begin with j_wire nothing guide_jl4_6f": the tools on the line at the start,
+    // from the innermost.
     void begin_with(LineParser &line, int number)
     {
         if (!session_.line_names.empty()) line.fail("the tools on the line are stated in a line above");
@@ -263,7 +264,7 @@ class SessionParser
     bool has_selected_ = false, has_begun_ = false;
 };
 
-// Returns the number of a tool in the table, from 1.
+// Returns the number of a tool in the table, counted from 1.
 std::uint8_t number_of(const std::string &name, std::span<const std::string> names, const std::string &file,
                        int line)
 {

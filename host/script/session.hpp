@@ -6,7 +6,7 @@
 //   SessionPlayer player(session, tool_count);
 //   while (!player.is_done()) { input = player.next(); ...; player.observe({inserted_m, tips}); }
 //
-// Error messages give file, line and column, and suggest a spelling.
+// Error messages give file, line and column, and suggest the right spelling of a word.
 #pragma once
 #include "host/model/order_queue.hpp"
 #include "host/model/tool_line.hpp"
@@ -63,9 +63,9 @@ struct Statement {
     std::optional<Exchange> exchange; // resolve_tools() makes an order of it
 };
 
-// Names the files that a script was written for, as `needs` statements state them. The names are those of the
-// options --scene, --tool (from the innermost, or in any order if the script says `begin with`) and --stent,
-// which replace them.
+// Names the files for which a script was written, as its `needs` statements state them. The options --scene,
+// --tool and --stent replace these names; --tool lists the tools from the innermost, or in any order if the
+// script says `begin with`.
 struct SessionNeeds {
     std::string scene; // empty: free space, or not stated
     std::vector<std::string> tools, stents;
@@ -76,9 +76,9 @@ inline constexpr std::uint32_t inserted_unstated = 0xffffffffu;
 struct Session {
     std::string file;
     SessionNeeds needs;
-    // This member holds the length of each tool that is inserted at the start of the session. The statement
-    // `begin inserted` sets the length of all tools that no other `begin` statement names. A length that no
-    // statement sets is the scene's own start length.
+    // This member holds the inserted length of each tool at the start of the session. The statement `begin
+    // inserted` sets the inserted length of all tools that no other `begin` statement names. If no statement
+    // sets a tool's inserted length, the start length of the scene applies.
     std::uint32_t inserted_um[session_tools_max] = {inserted_unstated, inserted_unstated, inserted_unstated};
     std::vector<std::string> line_names{}; // of `begin with`: name or number of the tool at each position
     int line_names_line = 0;
@@ -90,9 +90,9 @@ struct Session {
 Session parse_session(std::string_view text, const std::string &file); // throws FileError
 Session read_session(const std::string &path);                         // throws FileError
 
-// Gives every exchange of a script its number in a table of tools with these names, and returns the line at
-// the start (tool_line.hpp). Without `begin with`, the line is empty, and then there are at most three tools.
-// Throws FileError if a name is unknown, or names several tools.
+// Gives every exchange in a script the number of its tool in a table with these tool names, and returns the
+// line of tools at the start (tool_line.hpp). If a script has no statement `begin with`, the returned line is
+// empty, and at most three tools are allowed. Throws FileError if a name is unknown, or names several tools.
 LineNumbers resolve_tools(Session &session, std::span<const std::string> names);
 inline constexpr std::string_view free_position = "nothing"; // a free position in `begin with`
 
@@ -100,7 +100,7 @@ class SessionPlayer
 {
   public:
     // The conditions of a script are checked only at ticks that are multiples of this number, so that the
-    // results depend neither on the batches of ticks nor on pictures.
+    // results depend neither on the size of tick batches nor on pictures.
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 
@@ -119,16 +119,17 @@ class SessionPlayer
     // script.
     void answer_exchange(std::uint8_t answer);
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
-    // Returns the commands for the X-ray room that the script has given since the last call of this function.
-    // Before the first call of next(), this function returns the commands at the start of the session.
+    // Returns the commands for the X-ray room that the script has given since the previous call of this
+    // function. Before the first call of next(), this function returns the commands at the start of the
+    // session.
     std::vector<RoomCommand> take_commands() { return std::exchange(commands_, {}); }
-    // Returns the numbers of the lines whose `until` condition was not met after until_limit_ticks of
+    // Returns the numbers of the lines whose `until` condition was still not met after until_limit_ticks of
     // pushing.
     const std::vector<int> &given_up_lines() const { return given_up_lines_; }
     const std::vector<SteeringResult> &steered() const { return steered_; }
     const std::vector<ExpectationResult> &expected() const { return expected_; }
-    // Every message has the form "FILE:LINE: what was not reached or did not hold, what was found; remedy".
-    // The script ends at the first statement that fails. If empty, every expectation held.
+    // Every message has the form "FILE:LINE: what was not reached or not true, what was found; remedy". The
+    // script ends at the first statement that fails to reach its goal. If empty, every expectation held.
     const std::vector<std::string> &failures() const { return failures_; }
 
   private:

@@ -137,16 +137,16 @@ void Steerer::stop_for(Stage next)
     after_ = next;
 }
 
-// If a bent tip catches at an ostium at every angle, it gets past the ostium when the guidewire is spun
-// between the fingers and pushed at the same time. The attempts spin in both directions, because the vessel
-// bends and the two directions therefore have different effects.
+// If a bent tip catches at an ostium at every angle, the tip can pass the ostium when the fingers spin the
+// guidewire and push it at the same time. The attempts spin in both directions: as the vessel is curved, the
+// two directions have different effects.
 std::int64_t Steerer::spin_of(int attempt) const
 {
     if (what_.engages || attempt % 3 == 1) return 0;
     return attempt % 3 == 2 ? -spin_counts_per_s : spin_counts_per_s;
 }
 
-// If every attempt turns the tool further by the golden angle, the attempts soon cover all orientations of a
+// If every attempt turns the tool further by the golden angle, a few attempts cover all orientations of a
 // bent tip. A guiding catheter already has a suitable shape and needs little turning, so small angles to both
 // sides are tried first.
 std::int64_t Steerer::next_angle()
@@ -172,7 +172,8 @@ void Steerer::observe(const TipPlace &tip, std::int64_t inserted_um)
         begin(is_in_goal(what_.depth_um) ? Stage::watch : Stage::push);
     }
     if (run_ && run_->is_stopping()) return;
-    // A turn near the ostium may have moved the tip into the wanted vessel, even before the tool is pushed.
+    // A turn near the ostium may have moved the tip into the wanted vessel even before the tool is pushed
+    // again.
     const bool turns = stage_ == Stage::turn || stage_ == Stage::rest;
     if (what_.engages && turns && is_in_goal(mouth_um)) return begin(Stage::seat);
     if (stage_ == Stage::push) look_pushing();
@@ -186,8 +187,8 @@ bool Steerer::is_in_goal(std::int64_t least_um) const
     return tip_.place.vessel == goal_ && way_.inside_um >= least_um;
 }
 
-// Returns the remaining distance along the route to the wanted vessel, without the distance of the tip from
-// the route.
+// Returns the remaining distance to the wanted vessel along the route; the distance of the tip from the route
+// does not count.
 std::int64_t Steerer::route_left_um() const
 {
     return way_.ahead_um + what_.depth_um - way_.inside_um;
@@ -209,8 +210,8 @@ void Steerer::look_pushing()
     const bool is_astray = way_.astray_um > reach_um_ || left_um() > best_um_ + reach_um_;
     const bool is_stalled = now_.translation - best_at_ > habit_of(what_.engages).stall_um;
     if (!is_astray && !is_stalled) return;
-    // If the tip has passed an ostium in a wide vessel, the hand turns the tool and pulls it back over the
-    // ostium, which is another attempt.
+    // If the tip has passed an ostium in a wide vessel, the hand turns the tool and pulls it back past the
+    // ostium, as another attempt to enter.
     if (what_.engages && is_astray) {
         go_back();
         after_turn_ = Stage::pull;
@@ -220,7 +221,7 @@ void Steerer::look_pushing()
     stop_for(Stage::pull);
 }
 
-// Decides how far the hand pulls the tool back from the present position.
+// Decides how far the hand pulls back the tool from its present position.
 void Steerer::go_back()
 {
     wrong_um_ = route_left_um();
@@ -253,7 +254,7 @@ void Steerer::look_seating()
     seat_misses_ = is_deeper ? 0 : seat_misses_ + 1;
     seat_best_um_ = std::max(seat_best_um_, way_.inside_um);
     if (seat_misses_ < seat_misses_max) return begin(Stage::seat);
-    // A guiding catheter cannot go deeper into an ostium that a lesion narrows, but it counts as engaged.
+    // A guiding catheter that cannot go deeper into a narrowed ostium counts as engaged in it.
     if (is_in_goal(what_.depth_um / 2)) return begin(Stage::watch);
     go_back();
     begin(Stage::pull);

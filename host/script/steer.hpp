@@ -1,12 +1,12 @@
-// Executes statements that steer a tool as a person does (docs/session.md): push, observe the tip, turn, pull
-// back and try again, until the tip lies in the named vessel.
+// Executes statements that steer a tool as a person does (docs/session.md): the hand pushes, turns, pulls
+// back and tries again, until the tip lies in the named vessel.
 //
 //   steer wire into ascending aorta at 60 mm/s until 30 mm within 90 s
 //   engage catheter left main ostium
 //
 // Every decision uses only integers, and is made at the ticks at which the script observes the session. A
 // session therefore gives equal encoder counts, whatever pictures are made. While a statement steers a tool,
-// the counts are those of an ordinary motion of a hand.
+// the encoder counts are those of an ordinary motion of a hand.
 #pragma once
 #include "host/script/hand_motion.hpp"
 #include "host/script/tip_places.hpp"

@@ -1,6 +1,6 @@
 // Computes where the tips of the tools are in the vessels, for scripts that steer and for the report. The
-// motion of heart and breath is removed first, so that the position of a tip that moves with its artery does
-// not change.
+// motion of heart and breath is first subtracted, so that a tip that moves with its artery keeps its
+// position.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_map.hpp"
@@ -40,8 +40,8 @@ class TipPlaces
     std::optional<Motion> motion_;
 };
 
-// Reads the vessels from the scene's bodies, and the motion of the vessels from the scene. If the path is
-// empty, or the bodies have no vessel tree, no vessel is known. Throws std::runtime_error.
+// Reads the vessels from the scene's bodies, and the motion of the vessels from the scene. If the path of the
+// scene is empty, or the bodies have no vessel tree, no vessel is known. Throws std::runtime_error.
 std::unique_ptr<TipPlaces> read_tip_places(const std::string &bodies_path, const std::string &scene_path);
 
 } // namespace crn

@@ -29,7 +29,8 @@ std::size_t accept_one_tool(LineParser &line, const ToolChoice &selected);
 // Returns the name "wire", "catheter" or "guide" of a tool; tool 0 is the innermost one.
 const std::string &tool_name(std::size_t tool);
 
-// Holds the name of a vessel as the script spells it; the vessel is searched for when the scene is known.
+// Holds the name of a vessel as the script spells it; the vessel of this name is looked up when the scene is
+// known.
 struct VesselName {
     std::string text;
     int column = 0;

@@ -22,7 +22,8 @@ struct BalloonFigures {
                                                 // (docs/balloon.md)
 
     bool is_there = false; // whether some tool has a balloon
-    // The highest pressure while these tools were on the line: an exchange may bring another balloon.
+    // The highest pressure while these tools were on the line; an exchange may have brought another balloon
+    // onto the line.
     struct Peak {
         LineNumbers line;
         std::uint32_t pressure_kPa = 0, tick = 0;

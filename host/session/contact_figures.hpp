@@ -15,7 +15,7 @@ struct ContactSample {
     float force_N = 0; // sum of the magnitudes of all nodes' contacts
 };
 
-// Returns the sum of the magnitudes of all contact forces.
+// Returns the sum of the magnitudes of all contact forces on the line.
 inline double contact_sum_N(const crn_wire_contacts &contacts)
 {
     constexpr double N_per_q22 = 1.0 / (1 << 22);
@@ -35,7 +35,7 @@ struct ContactFigures {
     double impulse_N_s = 0.0, force_max_N = 0.0;
     std::vector<ContactSample> series; // every sample_every_ticks
 
-    // Adds the sum of the contact forces at this tick; the integral over time counts this sum for the last
+    // Adds the sum of the contact forces at this tick to the integral over time, as the force of the last
     // look_every_ticks ticks.
     void take(const crn_wire_contacts &contacts)
     {

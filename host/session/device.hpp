@@ -40,9 +40,9 @@ class Device
 {
   public:
     // `tools` is the table of the session's tools, and `line` names the tool at each position from the
-    // innermost (tool_line.hpp); without a line, the tools are the line. Throws LinkError if the device
-    // refuses; the message contains the device's reason, the remedy, and the name of the tool that caused the
-    // refusal.
+    // innermost (tool_line.hpp); if `line` is empty, all tools are on the line, in the order of the table.
+    // Throws LinkError if the device refuses; the message contains the device's reason, the remedy, and the
+    // name of the tool that caused the refusal.
     Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
            const crn_wire_rig &rig, const DeviceChoice &choice = {}, const LineNumbers &line = {});
     // The destructor restores the settings that a rig had before.
@@ -56,8 +56,8 @@ class Device
     std::size_t positions() const { return line_.size(); }
     const crn_wire_hello_reply &identity() const { return identity_; }
     const crn_wire_rig &rig() const { return rig_; } // active; no limit above the device's own
-    // Returns what a recording of this device's session begins with. `session` names the script, or says who
-    // leads the session.
+    // Returns the header of a recording of this device's session. `session` names the script, or states who
+    // controls the session.
     RecordingHeader recording_header(const std::string &session,
                                      const std::vector<StentDesign> &stents = {}) const;
     // Sets the device to the state of a snapshot of this session.
@@ -65,29 +65,30 @@ class Device
 
     // Advances the device as Link::step does, but the session survives an unplugged cable (docs/rig.md,
     // "Unplugged in a session"). If the device disappears and comes back within
-    // DeviceChoice::return_limit_ms, its last snapshot is restored. The inputs since that snapshot are then
-    // sent again, and the new results are compared with the former results. Afterwards the session continues,
-    // equal bit for bit to a session without interruption. Throws LinkError if the device does not come back,
-    // or if its new results differ from its former results.
+    // DeviceChoice::return_limit_ms, its last snapshot is restored. The inputs after that snapshot are then
+    // sent to the device again, and the new results are compared with the former results. After a
+    // disconnection the session continues, equal bit for bit to a session without interruption. Throws
+    // LinkError if the device does not come back, or if its new results differ from its former results.
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
-    // Makes any other request to the device, with the same protection against an unplugged cable.
+    // Sends any other request to the device, with the same protection against an unplugged cable as step().
     void ask(const std::function<void(Link &)> &request);
-    // The next three functions return what a recording contains besides the ticks. If the device is a rig,
-    // its ticks, hashes and snapshots are first compared with the results of this machine's core
-    // (witness.hpp). These functions throw LinkError if the results differ.
+    // The next three functions return the data that a recording contains besides the ticks. If the device is
+    // a rig, its ticks, hashes and snapshots are compared with the results of this machine's core
+    // (witness.hpp) before they are returned. The next three functions throw LinkError if the rig's results
+    // differ from those of this machine's core.
     Hash64 read_hash64();                      // hash of the last tick given or stepped
     std::optional<Hash64> last_hash64();       // last one that came without a request
     std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
     std::uint32_t resumes() const { return resumes_; }
-    // Returns true if the device runs on its own clock, and removes the motor forces when the host is silent
-    // too long.
+    // Returns true if the device runs on its own clock; such a device removes the motor forces when the host
+    // is silent too long.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
 
     // In FREE_RUN (`free_run` of the choice), this function waits until `milliseconds` have passed, even
-    // while the cable is disconnected. `sink` receives every tick once and in order. After a disconnection
-    // the session continues from the last received tick. When the session continues after a disconnection,
-    // the present positions of the hands become the new reference (FreeRunSink::resumed). Throws LinkError
-    // with the cause if the device has stopped, or does not come back.
+    // while the cable is disconnected. `sink` receives every tick exactly once and in order. After a
+    // disconnection the session continues from the last received tick. When the session continues after a
+    // disconnection, the present positions of the hands become the new reference (FreeRunSink::resumed).
+    // Throws LinkError with the cause if the device has stopped, or does not come back.
     void run_free(std::uint32_t milliseconds, FreeRunSink &sink);
     // Stops the device; `sink` still receives the ticks that the device had already computed.
     void stop_free(FreeRunSink &sink);
@@ -150,7 +151,7 @@ crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
 
 // Returns the shape of the nested tools and the readings of every tool after a batch of steps. The returned
 // frame is made from the nodes that the link received last, the result of the last tick, and the input of
-// that tick. Before the first tick, `state` is empty and there are no forces yet.
+// that tick. Before the first tick, `state` is empty and no forces are known yet.
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state,
                            const crn_wire_tick_input &input);
 

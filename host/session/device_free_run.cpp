@@ -1,12 +1,13 @@
 // Runs sessions in FREE_RUN mode: the timer of the device makes the ticks, and the device's encoders measure
-// the motion of the hands. The device sends every tick together with its input, so that the recording replays
-// in LOCKSTEP bit for bit.
+// the motion of the hands. The device sends every tick together with its input, so that the recording can be
+// replayed in LOCKSTEP bit for bit.
 //
-// During a disconnection the device has continued without the host, and some of its ticks are lost. The
-// session therefore returns to the last received tick. The host sets up the device again, restores a
-// snapshot, and repeats the inputs since then in LOCKSTEP, while it compares every hash. Afterwards FREE_RUN
-// continues, with the present positions of the hands as the new reference. The recording contains the state
-// from which FREE_RUN then continues.
+// During a disconnection the device continues without the host, and some of its ticks are lost. After a
+// disconnection the session therefore returns to the last tick that the host received. The host sets up the
+// device again, restores a snapshot, and repeats the inputs since that snapshot in LOCKSTEP, while it
+// compares every hash. After the inputs are repeated, FREE_RUN continues, with the present positions of the
+// hands as the new reference. The recording contains the state from which FREE_RUN continues after a
+// disconnection.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -22,13 +23,13 @@ namespace
 constexpr std::uint32_t look_ms = 5;         // the device has read its rig by then
 constexpr std::uint32_t silent_max_ms = 500; // without a tick
 constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
-// With this stiffness of the virtual coupling, the motors did not oscillate in any of the five situations of
-// docs/haptics.md.
+// With this stiffness of the virtual coupling, the motors did not oscillate in any of the five situations
+// that docs/haptics.md describes.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
-// Returns the wanted coupling stiffness, or four fifths of the largest stiffness that the device accepts, if
-// that is less. The device accepts a stiffness of the coupling if (gain, if above one) x stiffness x (half a
-// tick + lag of the actuator) <= own damping.
+// Returns the wanted coupling stiffness, or four fifths of the largest stiffness that the device accepts,
+// whichever is less. The device accepts a coupling stiffness if (gain, if above one) x stiffness x (half a
+// tick + lag of the actuator) <= damping of the track itself.
 std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::uint32_t wanted)
 {
     const std::uint64_t gain_milli = std::max<std::uint32_t>(track.force_gain_milli, 1000);
@@ -37,7 +38,8 @@ std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::u
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, stiffest * 4 / 5));
 }
 
-// Sets the virtual coupling of a track (the part of the rig for one tool), unless the track already has one.
+// Sets the virtual coupling of a track (the part of the rig for one tool), unless the track has a coupling
+// already.
 void couple(crn_wire_track &track)
 {
     if (track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0) return;
@@ -111,8 +113,7 @@ void Device::give(const crn_wire_live_tick &tick, FreeRunSink &sink)
     hashes_.clear();
 }
 
-// Passes on the ticks that the device has sent; returns false if ticks are missing after the last
-// tick that was passed on.
+// Passes on the ticks that the device has sent; returns false if the next tick to be passed on is missing.
 bool Device::take_live(FreeRunSink &sink)
 {
     std::uint32_t expected = given_tick_ + static_cast<std::uint32_t>(without_hands_.size()) + 1;
@@ -127,7 +128,7 @@ bool Device::take_live(FreeRunSink &sink)
             continue;
         }
         // Before the device has read its encoders for the first time, nothing moves. A replay takes the first
-        // encoder reading as the reference, so the earlier ticks are recorded with that reading too.
+        // encoder reading as the reference, so the ticks before it are recorded with that reading too.
         for (crn_wire_live_tick &early : without_hands_) {
             early.input = tick.input;
             give(early, sink);
@@ -138,7 +139,7 @@ bool Device::take_live(FreeRunSink &sink)
     return true;
 }
 
-// Waits for a snapshot that the device is sending.
+// Waits for a snapshot of the device's state.
 void Device::ask_snapshot()
 {
     if (!choice_.may_return() || inputs_.size() < free_run_kept_max || !snapshot_to_come_.empty()) return;

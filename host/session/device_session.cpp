@@ -1,5 +1,5 @@
 // Implements the class Device: opens and sets up the device, steps it, and continues after the device
-// disappeared and came back.
+// disappeared and returned.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -65,8 +65,8 @@ void Device::check_identity(const crn_wire_hello_reply &reply) const
         "on both");
 }
 
-// A device in this process already uses this machine's core, so its results need not be compared with a
-// second computation (witness).
+// A device in this process already uses this machine's core, so no second computation (class Witness) needs
+// to check its results.
 void Device::call_witness()
 {
     if (!choice_.may_return()) return;
@@ -90,7 +90,7 @@ Device::~Device()
         link_->set_rig(rig_before_);
     } catch (const std::exception &) {
         // If the device has disappeared or refuses a request, the error is ignored, because the next user of
-        // the device will set it up anyway.
+        // the device sets the device up anyway.
     }
 }
 
@@ -171,7 +171,7 @@ void Device::go_back_to_snapshot()
     }
 }
 
-// If a device disappears again and again, its session must end at some time.
+// If a device disappears again and again, the session must end after a limited number of returns.
 void Device::count_resume(std::uint32_t tick)
 {
     if (resumes_here_ == 0 || tick >= resumes_from_tick_ + resumes_within_ticks) {

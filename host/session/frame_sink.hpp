@@ -19,7 +19,7 @@ struct ToolReading {
     double torque_N_m = 0.0;
 };
 
-// Holds all data of one tick that a picture and the display around it need.
+// Holds all data about one tick that a picture and the display around it need.
 struct SessionFrame {
     WireFrame wire;
     std::vector<ToolReading> tools; // from the innermost
@@ -32,9 +32,10 @@ class FrameSink
     // Receives every tick in order, with its input and its result, before the frame of that tick.
     virtual void tick(const crn_wire_tick_input &, const crn_wire_tick_state &) {}
     // Receives the forces of the walls on the tools every ContactFigures::look_every_ticks ticks, before the
-    // frame of that tick. A session in FREE_RUN does not read these forces, and does not call this function.
+    // frame of that tick. A session in FREE_RUN does not read the forces of the walls, and does not call this
+    // function.
     virtual void contacts(const crn_wire_contacts &) {}
-    // Returns the next tick at which frame() must be called, as far as the observer can know now.
+    // Returns the next tick at which frame() must be called, as far as the observer knows it now.
     virtual std::uint32_t next_tick() const = 0;
     virtual void frame(const SessionFrame &frame) = 0;
     virtual void finish() {
@@ -48,7 +49,7 @@ inline std::uint32_t picture_tick(std::uint32_t index, std::uint32_t per_second)
                                       per_second);
 }
 
-// Observes a session at a steady number of frames per second, whatever the X-ray room does.
+// Observes a session at a steady number of frames per second, independently of the X-ray room.
 class SteadySink : public FrameSink
 {
   public:
@@ -65,8 +66,8 @@ class SteadySink : public FrameSink
     std::uint32_t per_second_, index_ = 0;
 };
 
-// Passes everything on to several observers. Every observer also receives the frames that only another
-// observer requested; an observer must ignore a frame that it does not need.
+// Passes every tick and every frame on to several observers. Every observer also receives the frames that
+// another observer requested; an observer must ignore a frame that it does not need.
 class FrameSinks final : public FrameSink
 {
   public:

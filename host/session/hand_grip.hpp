@@ -1,9 +1,9 @@
-// Simulates how firmly a hand, which a script or the keys move, holds its tool. The grip is rigid up to the
-// force that fingers can hold; beyond this force, the tool slips in the hand. The device receives the
+// Simulates how firmly a hand holds its tool; a script or the keys move this hand. The grip is rigid up to
+// the force that fingers can hold; above this force, the tool slips in the hand. The device receives the
 // position of the hand minus the slip, in encoder counts. A recording therefore includes the slip, and a
-// replay does not need this code. The computation uses only integers, and the ticks at which it reads forces
-// depend only on the forces. A script's tools therefore slip equally with and without pictures, in batches of
-// any size, and on every machine.
+// replay does not need to compute it. The simulated grip uses only integers, and the ticks at which it reads
+// forces depend only on the forces. The tools of a script therefore slip equally with and without pictures,
+// in batches of any size, and on every machine.
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>
@@ -14,7 +14,7 @@
 namespace crn
 {
 
-// States how far one tool has slipped in the hand, summed over both directions.
+// States how far one tool has slipped in the hand, as the sum of the slips in both directions.
 struct GripFigures {
     double slipped_mm = 0.0, slipped_deg = 0.0;
     std::optional<std::uint32_t> first_tick;

@@ -25,8 +25,8 @@ struct RangeBreak {
     double penetration_m = 0.0; // deepest contact
     double length_error = 0.0;  // of the free part of the line
     // Holds the position of the node with the largest wall force. The position of the largest wall force is
-    // read shortly after the physics left its range, at a tick that every run and replay reads. `place_m` is
-    // empty if the tools touch no wall.
+    // read shortly after the physics left its range, at the next tick that every run and every replay reads.
+    // `place_m` is empty if the tools touch no wall.
     std::optional<Eigen::Vector3d> place_m{};
     std::string branch{}; // branch of the vessel around it; empty: not known
 };
@@ -45,7 +45,7 @@ class RangeWatch
     } // the range was left and its place has been looked up: nothing remains to be done
     const std::optional<RangeBreak> &left() const { return left_; }
     // Returns true if the physics has left its range and the position of the largest wall force must be read
-    // now. `is_last` states that no later tick will be read.
+    // now. If `is_last` is true, no later tick will be read.
     bool wants_place(std::uint32_t tick, bool is_last) const;
     // Reads the position of the largest wall force from the device. Throws LinkError.
     void find_place(Link &link);
@@ -57,7 +57,8 @@ class RangeWatch
     bool is_placed_ = false;
 };
 
-// Returns a short text such as "physics left its range at 00:12.3".
+// Returns a short text about where and when the physics left its range, such as "physics left its range at
+// 00:12.3".
 std::string range_notice(const RangeBreak &left);
 // Returns the text of range_notice(), followed by tick, quantity, position, limit and remedy.
 std::string range_text(const RangeBreak &left);

@@ -116,8 +116,8 @@ Recorder::Recorder(const std::string &path, const RecordingHeader &header) : pat
     for (const StentDesign &stent : header.stents) chunk(STENT, stent_of(stent));
 }
 
-// A destructor may not throw. If the remaining ticks cannot be written, they are lost, and a reader finds
-// that the recording was cut off.
+// A destructor may not throw. If the remaining ticks cannot be written, they are lost, and a reader
+// recognises that the recording was cut off.
 Recorder::~Recorder()
 {
     try {

@@ -81,7 +81,7 @@ class Reader
             fail(RecordingFault::inconsistent, "is inconsistent: another number of lengths than tools");
     }
 
-    // Every tool is on the line at most once, and one tool at least is on it.
+    // Every tool is on the line at most once, and at least one tool is on the line.
     void read_line()
     {
         RecordingHeader &header = recording_.header;

@@ -6,9 +6,9 @@
 //   order  = HEAD, SIDE_HOLES, BALLOON and STENT; then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen;
 //            END when the session was closed properly
 //
-// A recorder writes the file in chunks. If a crash cuts off the recording, it can therefore be read up to its
-// last complete chunk. A reader refuses a file that is not a recording, has another version, or is damaged in
-// the middle.
+// A recorder writes the recording in chunks. If a crash cuts off the recording, the file can be read up to
+// its last complete chunk. A reader refuses a file that is not a recording, that has another version, or that
+// is damaged in the middle.
 #pragma once
 #include "host/model/tool_line.hpp"
 #include "host/room/command.hpp"
@@ -106,7 +106,7 @@ class Recorder
 
     // The constructor and all later calls throw RecordingError when the file cannot be written. Until the
     // recording is finished or abandoned, its file is called "path.partPID-RANDOM". If the program is killed
-    // before it has finished the recording, the file with that temporary name stays and can be replayed.
+    // before the recording is finished, the file with that temporary name stays and can be replayed.
     Recorder(const std::string &path, const RecordingHeader &header);
     ~Recorder(); // closes as a cut-off recording unless finish() was called
 

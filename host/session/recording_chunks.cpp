@@ -9,8 +9,8 @@ namespace crn::recording_format
 namespace
 {
 
-// Recordings from before the project was renamed begin with this magic text, and do not differ from later
-// recordings otherwise.
+// Recordings from before the project was renamed begin with this magic text, but otherwise have the same
+// format as later recordings.
 constexpr char earlier_magic[8] = "\x53\x45\x4c\x44REC";
 
 bool is_known(std::uint32_t kind)

@@ -1,4 +1,5 @@
-// Reads the chunks of a recording in order, both for the reader and for the conversion of older versions.
+// Reads the chunks of a recording in order; both the reader and the converter of older versions use this
+// class.
 #pragma once
 #include "host/session/recording.hpp"
 #include <span>
@@ -8,16 +9,16 @@
 namespace crn::recording_format
 {
 
-// `is_size_of` returns true if a chunk of this kind can have this number of bytes. If the length of a chunk
-// is impossible, the file was damaged, and not merely cut off. `is_known` returns true if recordings of this
-// version have chunks of this kind.
+// `is_size_of` returns true if a chunk of this kind can have this number of bytes. An impossible length of a
+// chunk means that the file was damaged, and not merely cut off. `is_known` returns true if recordings of
+// this version have chunks of this kind.
 struct ChunkRules {
     bool (*is_known)(std::uint32_t kind);
     bool (*is_size_of)(std::uint32_t kind, std::size_t bytes, std::size_t tool_count);
 };
 extern const ChunkRules present_rules;
 
-// States what the bytes before the first chunk contain: the magic text and the version.
+// Holds the contents of the bytes before the first chunk: the magic text and the version.
 struct VersionMark {
     bool is_recording = false;
     char version = 0;
@@ -35,11 +36,11 @@ class ChunkReader
     // `bytes` and `name` must live longer than this object.
     ChunkReader(std::span<const std::uint8_t> bytes, const std::string &name) : bytes_(bytes), name_(name) {}
 
-    // Throws RecordingError with a message that names the file and the position in bytes.
+    // Throws RecordingError with a message that names the file and the position in bytes in it.
     [[noreturn]] void fail(RecordingFault fault, const std::string &text) const;
     // Reads the first chunk, which is the header of the recording. Throws RecordingError.
     void read_head(const ChunkRules &rules);
-    // Reads the next chunk; returns false at the end of the file, or where the file was cut off. Throws
+    // Reads the next chunk; returns false at the end of the file, and also where a file was cut off. Throws
     // RecordingError if the file is damaged.
     bool next(const ChunkRules &rules, std::size_t tool_count);
     bool is_at_end() const { return position_ == bytes_.size(); }

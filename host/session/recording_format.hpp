@@ -10,7 +10,7 @@ namespace crn::recording_format
 
 // The digit is the version. In versions 2 and 3 of the format, every tick had fields for all kinds of
 // commands (orders), and version 2 had chunks of the kind VIEW instead of ROOM. In versions 2 to 4, all tools
-// were on the line. recording_upgrade.hpp converts these versions.
+// were on the line. The code in recording_upgrade.hpp converts files of these versions.
 inline constexpr char magic[9] = "CRN-REC5";
 inline constexpr char oldest_version = '2', protocol_5_version = '4';
 
@@ -37,8 +37,8 @@ inline constexpr std::size_t recorded_stents_max = 64;
 inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
 inline constexpr std::size_t head_bytes_max = 1 << 18;
 // The next two functions return the number of bytes of one tick, which consists of the record `tick_input`
-// with this number of hands, and two hash lanes. tick_bytes_max() assumes all commands (orders) that a tick
-// may have, and tick_bytes_min() assumes no command.
+// with this number of hands, and of two hash lanes. tick_bytes_max() assumes all commands (orders) that a
+// tick may have, and tick_bytes_min() assumes that the tick has no command.
 constexpr std::size_t tick_bytes_max(std::size_t tool_count)
 {
     return CRN_WIRE_BYTES_tick_input - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;
@@ -68,8 +68,8 @@ inline constexpr double balloon_max_kPa = 1e4, balloon_profile_max_m = 0.05, bal
 inline constexpr std::size_t hash_bytes = 4 + 8; // HASH and END
 inline constexpr std::size_t state_bytes_max = 4 + (1 << 20);
 
-// Returns true if a chunk of this kind can have this number of bytes. If the length of a chunk is impossible,
-// the file was damaged, and not merely cut off.
+// Returns true if a chunk of this kind can have this number of bytes. An impossible length of a chunk means
+// that the file was damaged, and not merely cut off.
 constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
 {
     switch (kind) {

@@ -33,13 +33,13 @@ bool is_old_size(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
 constexpr ChunkRules old_rules = {is_old_kind, is_old_size};
 constexpr ChunkRules protocol_5_rules = {is_old_kind, is_size_of};
 
-// Where a snapshot of protocol 4 or 5 gets what it lacks: behind the 108 bytes of each of its three tools,
-// and behind the core's words that come before those of the 388 nodes of 84 bytes.
+// New data is inserted into a snapshot of protocol 4 or 5 at these places: behind the 108 bytes of each of
+// the three tools, and behind the core's words that precede the 388 nodes of 84 bytes.
 constexpr std::size_t snapshot_head_bytes = 12, snapshot_tool_bytes = 108, snapshot_tools = 3,
                       release_bytes = 12, node_bytes = std::size_t{388} * 84, exchange_words = 5;
 constexpr std::uint32_t old_snapshot_version = 3, snapshot_version = 4;
 
-// Appends a word, little end first.
+// Appends a word in little-endian byte order.
 void put_word(std::vector<std::uint8_t> &bytes, std::uint32_t value)
 {
     for (unsigned i = 0; i < 4; i++) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
@@ -90,8 +90,8 @@ class Upgrade
         bytes_.insert(bytes_.end(), chunk.begin(), chunk.end());
     }
 
-    // The header of the recording stays as it is, except for the schema hash, for two lengths behind each
-    // tool's values, which are not known, and for the line, which has all tools.
+    // The header of the recording keeps its contents except for three changes: the schema hash, two unknown
+    // lengths behind each tool's values, and the line, to which all tools belong.
     void take_head()
     {
         crn_wire_reader &payload = chunks_.payload();
@@ -134,8 +134,8 @@ class Upgrade
             crn_wire_read(&chunks_.payload(), 1);
     }
 
-    // A tool of protocol 5 has five values, its knots, three values of its balloon, and the balloon's table;
-    // then come its layers.
+    // A tool of protocol 5 has five values, its knots, three values of its balloon, the balloon's table, and
+    // its layers.
     void take_tool(std::vector<std::uint8_t> &head)
     {
         crn_wire_reader &payload = chunks_.payload();
@@ -168,8 +168,9 @@ class Upgrade
         add(kind, chunks_.payload_bytes());
     }
 
-    // A snapshot gets, of every tool, that no exchange releases it, and the tools on the line. A snapshot of
-    // an unknown form stays as it is: a device refuses it, as it did before.
+    // The upgraded snapshot states for every tool that no exchange has released it, and states which tools
+    // are on the line. A snapshot of an unknown form stays unchanged: a device refuses it, as before the
+    // conversion.
     void take_snapshot()
     {
         const auto old = chunks_.payload_bytes();
@@ -257,8 +258,8 @@ class Upgrade
         take(strut.number != 0, crn_wire_order_of_strut(strut));
     }
 
-    // Version 2 stored the whole view of the C-arm whenever a part of it changed. Only the parts of the view
-    // that differ from the previous view become commands.
+    // Version 2 of the recording's format stored the whole view of the C-arm whenever a part of it changed.
+    // The conversion makes commands only of those parts of the view that differ from the previous view.
     void take_view()
     {
         const std::uint32_t tick = chunks_.read_u32();

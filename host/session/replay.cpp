@@ -110,7 +110,7 @@ class Replayer
     }
 
     // Returns the next tick at which the patient or the observer needs the shape of the tools, or UINT32_MAX
-    // if neither needs it again.
+    // if no such tick is left.
     std::uint32_t next_stop() const
     {
         return std::min(patient_ ? patient_->next_look() : UINT32_MAX,
@@ -127,7 +127,7 @@ class Replayer
         look_when_due(false);
     }
 
-    // If the device disappeared and came back at this tick, the session continued from another state, which
+    // If the device disappeared and returned at this tick, the session continued from another state, which
     // the recording contains.
     void go_on_from_resume()
     {

@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// States the speed of the replay: 1 is real time, and 0 is as fast as the machine allows.
+// States the speed of the replay: 1 is real time, and 0 is as fast as the machine can compute.
 struct ReplaySpeed {
     double factor = 0.0;
     bool is_paused = false; // one tick at a time around every full second, with a pause there

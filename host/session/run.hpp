@@ -39,9 +39,9 @@ struct RunResult {
     crn_wire_fault_log faults{};
 };
 
-// In FREE_RUN this function sends the commands of the simulated patient to the core. Every call sends the
-// commands of one tick, because a device can store only a few commands. If the device did not carry out a
-// command, the patient repeats the command later.
+// In a FREE_RUN session, this function sends the commands of the simulated patient to the core. Every call of
+// this function sends the commands of one tick, because a device can store only a few commands. If the device
+// did not carry out a command, the patient repeats the command later.
 void send_orders(Link &link, Patient &patient);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
@@ -49,21 +49,21 @@ RunResult run_session(Device &device, Patient &patient, const Session &session, 
                       FrameSink *sink, const RunSettings &settings);
 
 // Runs a session in FREE_RUN for `seconds`, on the device's own clock. If `seconds` is 0, the session runs
-// until Ctrl-C, which ends it properly. The first button of the rig is the X-ray pedal, and the second is the
-// cine pedal. `begin` lists the commands that the X-ray room receives at the start. If the rig stops, the
-// session ends, and `stopped_by` gives the reason. All results up to the tick at which the rig stopped are
-// valid.
+// until the user presses Ctrl-C, which ends it properly. The first button of the rig is the X-ray pedal, and
+// the second is the cine pedal. `begin` lists the commands that the X-ray room receives at the start. If the
+// rig stops, the session ends, and `stopped_by` gives the reason. All results up to the tick at which the rig
+// stopped are valid.
 RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
                            double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
-// Returns the report of a session. The values in this report do not depend on the machine, or on which other
+// Returns the report of a session. The values in the report do not depend on the machine, or on which other
 // outputs are requested.
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
                                  const std::vector<Instrument> &tools, const std::string &session,
                                  Patient &patient);
 // Returns the computing time of the session on this machine, which differs from run to run.
 nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient);
-// Writes one of these two reports (report_of or timing_of) to a file. Throws OutputError.
+// Writes a report, returned by report_of() or timing_of(), to a file. Throws OutputError.
 void write_report(const std::string &path, const nlohmann::ordered_json &report);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// Runs a session in FREE_RUN, and records its ticks and shows its pictures as they arrive.
+// Runs a session in FREE_RUN, records its ticks, and shows its pictures as they arrive.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/rig/pedals.hpp"
@@ -19,8 +19,8 @@ void send_orders(Link &link, Patient &patient)
     try {
         link.give_orders(orders);
     } catch (const DeviceLost &) {
-        // The next request to the device will also find that the device has disappeared, and will wait until
-        // it comes back.
+        // The error is ignored, because the next request to the device also finds that the device has
+        // disappeared, and waits until it returns.
     }
 }
 
@@ -107,7 +107,7 @@ class FreeRunner final : private FreeRunSink
     }
 
     // A hash may arrive before the ticks to which it belongs, and those ticks may never arrive. The hash is
-    // therefore recorded only together with its ticks.
+    // therefore recorded only after the ticks to which it belongs.
     void record_hash()
     {
         const auto hash = device_.last_hash64();

@@ -16,13 +16,13 @@ struct SceneFile {
     std::vector<std::uint8_t> bytes;
     std::uint32_t crc32 = 0;
     crn_wire_entry entry{}; // the session sets inserted_um
-    // With this length inserted, a session begins whose script or user states no other length.
+    // A session begins with this inserted length if neither script nor user states another length.
     std::uint32_t start_um = start_default_um;
     std::string name;
 };
 
 // Throws FileError with the validator's message if the file is not a valid scene. If the path is empty, the
-// scene is free space without vessels, and the entry is at the origin and points towards the head.
+// scene is free space without vessels; its entry is at the origin and points towards the patient's head.
 SceneFile read_scene(const std::string &path);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// Sets a device up for a session in LOCKSTEP, up to its START. Sessions, replays, witnesses and the worlds of
-// the C library use it.
+// Sets a device up for a session in LOCKSTEP, up to the message START. Sessions, replays, the class Witness
+// and the worlds of the C library use this code.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/model/tool_line.hpp"
@@ -9,7 +9,7 @@
 namespace crn
 {
 
-// Holds what determines a session, besides its inputs.
+// Holds everything that determines a session, except its inputs.
 struct SessionSetUp {
     const SceneFile &scene;
     const std::vector<Instrument> &tools; // the table
@@ -21,8 +21,8 @@ struct SessionSetUp {
 // Sends the set-up to a device that has answered HELLO, and starts the session. Throws LinkError.
 void set_up_session(Link &link, const SessionSetUp &set_up);
 
-// Returns the error with the names of the tools that caused the refusal, as they are in the tools' files. If
-// no tool caused it, the error stays as it is.
+// Returns the error, with the names of the tools that caused the refusal added as they are in the tools'
+// files. If no tool caused the refusal, the error is returned unchanged.
 LinkError with_tool_names(const LinkError &error, const std::vector<Instrument> &tools,
                           const LineNumbers &line);
 

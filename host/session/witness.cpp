@@ -124,8 +124,8 @@ void Witness::snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes, 
         if (told != ours) differ("snapshot", tick, place_of_difference(told, ours), "its own");
         return;
     }
-    // The first part of the snapshot describes the rig's own hands and motors, which this core does not have.
-    // The hashes of the following ticks verify the effect of the hands and motors.
+    // The first part of the snapshot describes the rig's own hands and motors, which the core on this machine
+    // does not have. The effect of the hands and motors is checked by the hashes of the following ticks.
     const std::uint64_t before = link_.read_hash64().hash;
     restore(bytes);
     const std::uint64_t after = link_.read_hash64().hash;

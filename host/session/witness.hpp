@@ -1,7 +1,7 @@
 // Repeats the computation of a rig's session on this machine's core at the same time, and accepts the rig's
 // results only if both results agree. The recording therefore cannot contain a hash, snapshot or picture from
-// a device that is broken, sends false data, or computes with damaged memory. `replay --verify` would find
-// the same differences later, whereas the class Witness finds them before they are recorded.
+// a device that is broken, sends false data, or computes with faulty memory. The command `replay --verify`
+// would find such differences later, whereas the class Witness finds them before they are recorded.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/link/sim_transport.hpp"
@@ -34,8 +34,8 @@ class Witness
     // with the hash that this machine's core computed.
     void hash(const Hash64 &told);
     // Compares the rig's snapshot of the present tick, from which the session may continue later, with the
-    // snapshot of this machine's core. In LOCKSTEP every byte of the snapshot is compared, otherwise only the
-    // core's state in it.
+    // snapshot of this machine's core. In LOCKSTEP every byte of the snapshot is compared; in FREE_RUN only
+    // the core's state in it is compared.
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes, bool is_lockstep);
     void restore(std::span<const std::uint8_t> bytes);
     std::uint32_t tick() const { return link_.tick(); }

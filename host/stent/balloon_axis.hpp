@@ -1,4 +1,4 @@
-// Describes the balloon in one picture, as the core reports it: by balls along the tool that carries the
+// Describes the balloon at one step, as the core reports it: by balls along the tool that carries the
 // balloon, and by directions that follow the balloon's axis without twist.
 #pragma once
 #include <Eigen/Core>
@@ -25,8 +25,9 @@ struct BalloonPose {
 class BalloonAxis
 {
   public:
-    // `across` is the first direction of the frame in the previous picture. The new frame continues from this
-    // direction, so that the frame does not spin from picture to picture.
+    // `across` is the first direction of the frame (the axes perpendicular to the balloon) at the previous
+    // step. The new frame continues from the previous direction, so that the frame does not spin about the
+    // balloon from step to step.
     BalloonAxis(const BalloonPose &pose, const Eigen::Vector3d &across);
     bool is_known() const { return points_.size() >= 2; }
 
@@ -36,14 +37,14 @@ class BalloonAxis
         double radius_mm = 0.0, room_mm = std::numeric_limits<double>::infinity();
     };
     Place at(double arc_mm) const;
-    // Returns the first direction of the frame at the first ball, which is needed for the next picture.
+    // Returns the first direction of the frame at the first ball, which is needed for the next step.
     Eigen::Vector3d across() const
     {
         return points_.empty() ? Eigen::Vector3d::UnitX() : points_.front().across;
     }
     double first_arc_mm() const { return points_.front().arc_mm; }
     double last_arc_mm() const { return points_.back().arc_mm; }
-    // Returns the arc length of the point of the axis that is nearest to a given position, and their
+    // Returns the arc length of the point of the axis that is nearest to a given position, and stores their
     // distance; the point never lies beyond the ends of the axis.
     double nearest_arc_mm(const Eigen::Vector3d &place_mm, double &distance_mm) const;
 

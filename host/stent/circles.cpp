@@ -10,8 +10,8 @@ namespace
 
 using Eigen::Vector3d;
 
-// Returns crowns of a ring of struts: in the stent's first ring those towards the tip, in its last ring those
-// towards the hub, and in other rings all crowns.
+// Returns certain crowns of a ring of struts: in the stent's first ring those towards the tip, in its last
+// ring those towards the hub, and in other rings all crowns.
 std::vector<std::size_t> crowns_of(const Stent &stent, int ring)
 {
     const StentLattice &lattice = stent.lattice();

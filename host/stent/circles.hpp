@@ -15,9 +15,9 @@ struct StentCircle {
     double inside_mm = 0.0; // inside radius of the struts: the mean over the ring's crowns
 };
 
-// Returns at most `most` circles, and at least two circles. If the stent has more rings than `most`, the
-// function chooses rings at even distances. Returns an empty list unless the stent is deployed.
-// `to_reference` converts a present position to the reference pose of the vessels.
+// Returns at least two and at most `most` circles. If the stent has more rings than `most`, the function
+// chooses rings at even distances. Returns an empty list if the stent is not deployed. `to_reference`
+// converts a present position to the reference pose of the vessels.
 std::vector<StentCircle>
 stent_circles(const Stent &stent, std::size_t most,
               const std::function<Eigen::Vector3d(const Eigen::Vector3d &)> &to_reference);

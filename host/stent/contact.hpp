@@ -1,5 +1,5 @@
-// Computes the contact of struts with the triangles of the wall, by libccd. A strut is a capsule. Behind each
-// triangle lies tissue of some depth, so that a strut is always pushed back towards the blood.
+// Computes the contact of struts with the triangles of the wall, by libccd. A strut is a capsule. Tissue of
+// some depth lies behind each triangle, so that a strut is always pushed back towards the blood.
 #pragma once
 #include <Eigen/Core>
 #include <array>

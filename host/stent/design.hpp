@@ -1,5 +1,5 @@
-// Reads the design of a stent from its file (TOML, docs/stent.md), and computes the height of a ring and the
-// foreshortening, which follow from the geometry alone.
+// Reads the design of a stent from its file (TOML, docs/stent.md), and computes from its geometry the height
+// of a ring and the foreshortening.
 //
 //      tip <-- axis ----------------------------->      a ring is a zigzag of 2 N struts with N crowns on either side;
 //        /\  /\  /\        /\  /\  /\                   some crowns of neighbouring rings are joined by links:
@@ -49,8 +49,8 @@ struct StentDesign {
     double foreshortening(double radius_mm) const { return 1 - length_at_mm(radius_mm) / length_mm; }
 };
 
-// Describes the numbers of a stent's design, with their keys in files and their allowed ranges. The number in
-// the file is the design's number times `per_file` (100 for percent).
+// Describes a number of a stent's design, with its key in files and its allowed range. The number in the file
+// is the number of the design times `per_file` (100 for percent).
 struct StentNumber {
     const char *key;
     double StentDesign::*value;
@@ -65,14 +65,14 @@ struct StentCount {
 };
 std::span<const StentCount> stent_counts();
 
-// Holds the key of one of several values that are each allowed but impossible together in a design, and the
-// reason. If the key is empty, the values are possible together.
+// Names the key of a value that is allowed by itself but impossible together with other values of the design,
+// and the reason. If the key is empty, the values of the design are possible together.
 struct StentFault {
     std::string key, text;
 };
 StentFault stent_fault(const StentDesign &stent);
-// Returns true if all values of a design are in their ranges and possible together. Only designs that do not
-// come from a file need this check, because reading a file includes the same checks.
+// Returns true if all values of a design are in their ranges and are possible together. Only designs that do
+// not come from a file need this check, because reading a file includes the same checks.
 bool is_possible(const StentDesign &stent);
 
 // Throws FileError with file, line, key, the cause and the remedy.

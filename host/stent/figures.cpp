@@ -93,8 +93,8 @@ StentRing ring_of(const Stent &stent, int index)
     return ring;
 }
 
-// Returns half of a ring's height, which is the mean distance of the ring's crowns from its middle, measured
-// along its axis.
+// Returns half of a ring's height, which is the mean distance of the ring's crowns from the ring's middle,
+// measured along its axis.
 double half_height_mm(const Stent &stent, const StentRing &ring, int index)
 {
     double sum = 0.0;
@@ -157,7 +157,8 @@ namespace
 {
 
 // Returns the positions of a stent's two ends along a vessel. The position of an end is the mean position of
-// the outer crowns of the first or last ring. `along` converts a point to its position along the vessel.
+// the outer crowns of the first or last ring. The function `along` converts a point to its position along the
+// vessel.
 template <class Along>
 StentCoverage coverage(const Stent &stent, const Along &along, double lesion_from_mm, double lesion_to_mm)
 {

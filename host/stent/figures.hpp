@@ -10,7 +10,7 @@ namespace crn
 
 inline constexpr double apposed_mm = 0.1; // a strut this near the wall counts as apposed
 
-// Describes a strut that does not touch the wall, and the gap between them.
+// Describes a strut that does not touch the wall, and the gap between strut and wall.
 struct StentGap {
     int ring = 0;
     std::size_t strut = 0;    // of the lattice
@@ -40,11 +40,11 @@ struct StentFigures {
     double bedded_share = 0.0; // of the crowns
 };
 
-// If `wall` is null, no strut counts as apposed.
+// If `wall` is null, no strut counts as touching the wall (apposed).
 StentFigures stent_figures(const Stent &stent, const StentWall *wall);
 
 // Describes the position of a stent along a centreline, and the lengths of a lesion that the stent does not
-// cover; positions are in mm along that line.
+// cover; positions are in mm along the centreline.
 struct StentCoverage {
     double from_mm = 0.0, to_mm = 0.0;
     double missed_before_mm = 0.0, missed_behind_mm = 0.0; // of the lesion, at either end
@@ -63,7 +63,7 @@ StentCoverage stent_coverage(const Stent &stent, const VesselWall &vessel, std::
 double stent_stretch(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                      std::span<const double> healthy_radius_mm);
 
-// Returns the length, in mm along the stents, over which an inner stent lies inside an outer one.
+// Returns the length, in mm along the stents, over which an inner stent lies inside an outer stent.
 double stent_overlap_mm(const Stent &inner, const StentSleeve &outer);
 
 // A line of metal. Every ring of struts is one closed line through the middles of its struts, and every link

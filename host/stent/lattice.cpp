@@ -9,16 +9,16 @@ namespace crn
 namespace
 {
 
-// Forces between points of the stent are hundredths of a newton, so struts change their length by some
-// micrometres. Real struts are fifty times stiffer, but the difference would be invisible, and the
-// computation of the equilibrium would need more rounds. Links are bent wires, which yield easily along the
-// axis of the stent.
+// Forces between points of the stent are hundredths of a newton, so the struts change their length by a few
+// micrometres. Real struts are fifty times stiffer than these springs, but the difference would be invisible,
+// and the equilibrium would take more iterations. Links are bent wires, which yield easily along the axis of
+// the stent.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
 // A brace is a spring that resists the bending of a link; its stiffness is this fraction of a hinge's
-// stiffness, which is low because a stent is soft in bending.
+// stiffness; the fraction is low because a stent bends easily.
 constexpr double brace_share = 0.5;
-// The stiffness of hinges to farther neighbours is this fraction of the stiffness of hinges to the nearest
-// neighbours; hinges to farther neighbours keep a ring round.
+// Hinges to farther neighbours keep a ring round; their stiffness is this fraction of the stiffness of hinges
+// to the nearest neighbours.
 constexpr double wide_share = 0.5;
 
 struct Builder {
@@ -49,8 +49,8 @@ struct Builder {
     void links_behind(int ring) const
     {
         for (int link = 0; link < design.links; ++link) {
-            // Links are evenly spaced around the ring, and from one gap between rings to the next gap the
-            // links are shifted by one crown.
+            // Links are evenly spaced around the ring, and from one gap between rings to the next the links
+            // are shifted by one crown.
             const int crown = (link * lattice.crowns / design.links + ring) % lattice.crowns;
             int place = 2 * crown;
             if (lattice.side_of(lattice.point(ring, place)) < 0) ++place;
@@ -101,8 +101,8 @@ StentLattice::StentLattice(const StentDesign &design)
         builder.ring(ring);
         if (ring + 1 < rings) builder.links_behind(ring);
     }
-    // Up to here the code has set only the ratios between the stiffnesses of the hinges. These stiffnesses of
-    // the hinges are now scaled so that a ring is as stiff as the stent's design states.
+    // The code above has set only the ratios between the stiffnesses of the hinges. The stiffnesses of the
+    // hinges are now scaled so that a ring is as stiff as the stent's design states.
     const double scale = design.ring_stiffness_N_per_mm / hinge_ring_stiffness(*this);
     for (StentSpring &spring : springs)
         if (spring.yields()) spring.stiffness_N_per_mm *= scale;

@@ -1,4 +1,4 @@
-// Holds the points of a stent and the springs between these points, which are made from the stent's design
+// Holds the points of a stent and the springs between them, which are made from the stent's design
 // (docs/stent.md, "Springs").
 //
 // The k-th point of ring j, where k = 0 .. 2N-1 counts around the axis, lies at the angle k pi / N from the

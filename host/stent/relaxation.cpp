@@ -134,8 +134,8 @@ struct Symmetric {
 
 } // namespace
 
-// Returns the Newton step of one point while all other points are fixed: the force divided by the part of its
-// derivative that is never negative.
+// Returns the Newton step of one point while all other points are fixed: the force divided by that part of
+// its derivative which is never negative.
 Vector3d StentRelaxation::newton_step(std::size_t i) const
 {
     const StentLattice &lattice = stent_.lattice_;
@@ -190,8 +190,8 @@ double StentRelaxation::sweep()
 
 // --- struts against triangles ---
 
-// Once per picture, a grid finds the triangles of the wall that a strut can touch before it has slid far. The
-// triangles that a strut can touch are listed by their index, so that they move with the wall.
+// At each step, a grid finds the triangles of the wall that a strut can touch before the strut has slid far.
+// The triangles that a strut can touch are stored by index, so that they move with the wall.
 void StentRelaxation::list_near()
 {
     const StentLattice &lattice = stent_.lattice_;
@@ -248,7 +248,7 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
         const double from = plane.out.dot(capsule.from_mm) - plane.offset_mm;
         const double to = plane.out.dot(capsule.to_mm) - plane.offset_mm;
         // Skips a capsule (half a strut) that lies entirely in front of the triangle's plane, or entirely
-        // deeper than the tissue behind this plane.
+        // behind the tissue that lies behind this plane.
         if (std::max(from, to) <= reach || std::min(from, to) > tissue_limit_mm) continue;
         const std::size_t triangle = state_.patch[state_.near[k]];
         const StrutContact contact = strut_contact(
@@ -260,9 +260,9 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
     return worst;
 }
 
-// A strut consists of two capsules (cylinders with round ends), which meet at its middle. Each capsule is
-// moved out of the triangle into which it reaches deepest. Returns true if one of the strut's two capsules
-// was moved.
+// A strut consists of two capsules (cylinders with round ends), which meet at its middle. Each capsule of a
+// strut is moved out of the triangle into which it reaches deepest. Returns true if one of the strut's two
+// capsules was moved.
 bool StentRelaxation::push_strut(std::size_t strut)
 {
     if (state_.near_begin[strut] == state_.near_begin[strut + 1]) return false;
@@ -278,8 +278,9 @@ bool StentRelaxation::push_strut(std::size_t strut)
         const Vector3d middle = (ends[0]->place_mm + ends[1]->place_mm) / 2 + bulge;
         const StrutContact worst = deepest(strut, {ends[half]->place_mm, middle, radius});
         if (worst.depth_mm <= slop_mm) continue;
-        // The middle of a capsule (half a strut) lies at a quarter of the strut's length. So the two ends of
-        // the strut move by 3/4 and 1/4 of the capsule's displacement, divided by (3/4)^2 + (1/4)^2 = 10/16.
+        // The middle of a capsule (half a strut) lies at a quarter of the strut's length. The two ends of the
+        // strut move by 3/4 and 1/4 of the capsule's displacement, divided by (3/4)^2 + (1/4)^2 = 10/16, so
+        // that the capsule moves by its whole displacement.
         const Vector3d way = (worst.depth_mm - slop_mm / 2) * worst.direction / 0.625;
         ends[half]->place_mm += 0.75 * way;
         ends[1 - half]->place_mm += 0.25 * way;
@@ -291,8 +292,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
 
 // --- permanent changes ---
 
-// A spring that is stretched or compressed beyond its elastic range yields permanently. Once such a spring
-// has yielded, its length would change only by the recoil if the load were removed.
+// A spring that is stretched or compressed beyond its elastic range yields permanently. After a spring has
+// yielded, its length would change only by the recoil if the load were removed.
 void StentRelaxation::yield()
 {
     const double recoil = stent_.design_.recoil;
@@ -325,9 +326,9 @@ void StentRelaxation::bed()
             point.offset_mm = off;
             continue;
         }
-        // If a point of the stent slides, is pushed or touches nothing, its foot (the wall point that it
-        // follows) moves to the nearest point of the wall. A sliding point stops where the load on the spring
-        // that holds the point to the wall no longer exceeds the limit.
+        // If a point of the stent slides, is pushed or touches nothing, its foot (the point of the wall that
+        // it follows) moves to the nearest point of the wall. A point that slides stops where the load on the
+        // spring between point and wall no longer exceeds the limit.
         const bool slides = point.is_bedded && !is_pushed;
         const Vector3d place =
             slides ? Vector3d(point.place_mm - off * (bed_limit_N / pull_N)) : point.place_mm;

@@ -1,4 +1,4 @@
-// Finds the equilibrium of a deployed stent in one picture. The forces come from springs, from the lining and
+// Finds the equilibrium of a deployed stent at one step. The forces come from springs, from the lining and
 // the wall of the vessel, and from balloons inside the stent; libccd computes the contacts of struts. After
 // the equilibrium is found, the yielding of springs and the sliding of points become permanent.
 #pragma once
@@ -20,7 +20,7 @@ class StentRelaxation
     void run();
 
   private:
-    // Holds the loads on a point of the stent, except those of springs between points.
+    // Holds the loads on a point of the stent, except those from springs between points.
     struct Load {
         Eigen::Vector3d carried_mm;        // place to which the wall has carried it
         Eigen::Vector3d anchor_mm;         // place of the spring that holds it

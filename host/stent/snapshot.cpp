@@ -1,5 +1,5 @@
-// Stores the state of a stent as bytes in the machine's own byte order, for a replay on the same machine, as
-// the snapshot of the contrast medium does.
+// Stores the state of a stent as bytes in the machine's own byte order, for a replay on the same machine; the
+// snapshot of the contrast medium is stored in the same way.
 #include "host/stent/stent.hpp"
 #include <cmath>
 #include <cstring>

@@ -68,7 +68,7 @@ double Stent::radius_on(const BalloonAxis &axis, double arc_mm, int ring, int si
     return std::max(free, design_.radius_on_mm(axis.at(arc_mm).radius_mm));
 }
 
-// The radii of rings determine their heights, the heights determine the positions of the crowns along the
+// The radii of the rings determine their heights, the heights determine the positions of the crowns along the
 // balloon, and these positions determine the radii. A few iterations converge.
 Stent::Layout Stent::lay_out(const BalloonAxis &axis) const
 {
@@ -109,8 +109,8 @@ Stent::Layout Stent::lay_out(const BalloonAxis &axis) const
     return layout;
 }
 
-// Where the vessel is too narrow, a crimped stent stays behind if the vessel holds it with more force than
-// the balloon does.
+// A crimped stent stays behind in a narrow vessel if the vessel holds the stent with more force than the
+// balloon does.
 void Stent::slide(const BalloonAxis &axis)
 {
     double moved_mm = 0.0, held_N = 0.0, pull_mm = 0.0;
@@ -153,7 +153,7 @@ void Stent::follow(const StentSurroundings &around, const BalloonAxis &axis)
     if (state_.stage == StentStage::stripped || has_separated(axis)) deploy(around);
 }
 
-// Returns true if the balloon no longer touches any ring of the stent that it opened.
+// Returns true if the balloon no longer touches any ring of the stent that the balloon has opened.
 bool Stent::has_separated(const BalloonAxis &axis) const
 {
     const Layout layout = lay_out(axis);
@@ -169,7 +169,7 @@ bool Stent::has_separated(const BalloonAxis &axis) const
     return has_opened;
 }
 
-// Returns the triangles of the wall around the stent, which are found from the middles of the rings.
+// Returns the triangles of the wall around the stent, found from the middles of the rings.
 std::vector<std::uint32_t> Stent::patch_of(const StentWall &wall) const
 {
     std::vector<Vector3d> middles;
@@ -179,8 +179,8 @@ std::vector<std::uint32_t> Stent::patch_of(const StentWall &wall) const
     return wall.near(middles, widest + wall_reach_mm);
 }
 
-// When the stent is deployed, its springs begin to hold its shape. At first these springs carry no load,
-// because the elastic part of their stretch is lost when the balloon is deflated.
+// When the stent is deployed, its springs begin to hold its shape. At the deployment the springs carry no
+// load, because the elastic part of their stretch is lost when the balloon is deflated.
 void Stent::deploy(const StentSurroundings &around)
 {
     if (state_.stage == StentStage::on_balloon) state_.stage = StentStage::deployed;
@@ -285,8 +285,8 @@ Vector3d Stent::ring_axis(int ring) const
     return way.norm() > 1e-9 ? way.normalized() : Vector3d::UnitX();
 }
 
-// The middle of a strut lies on the circle through its ends, whereas the middle of the chord lies at R cos(pi
-// / 2N) from the axis of the ring.
+// The middle of a strut lies on the circle through the strut's ends, whereas the middle of the chord lies at
+// R cos(pi / 2N) from the axis of the ring.
 Vector3d Stent::strut_middle_mm(std::size_t strut) const
 {
     const auto [a, b] = lattice_.struts[strut];

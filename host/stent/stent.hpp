@@ -5,9 +5,9 @@
 //   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second
 //   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
 //
-// The state of the stent depends on the order of pictures and not on time, because masses of micrograms reach
-// their equilibrium at once. Equal sequences of pictures give results that are equal bit for bit. Lengths are
-// in mm and forces in N, in the patient frame: docs/stent.md.
+// The state of the stent depends on the sequence of steps (one for each picture) and not on time, because
+// masses of micrograms reach their equilibrium at once. Equal sequences of steps give results that are equal
+// bit for bit. Lengths are in mm and forces in N, in the patient's coordinates: docs/stent.md.
 #pragma once
 #include "host/stent/balloon_axis.hpp"
 #include "host/stent/design.hpp"
@@ -38,7 +38,7 @@ struct StentPoint {
     bool is_bedded = false; // held in the wall's lining
 };
 
-// Describes an outer stent as a sleeve, on whose inner side another stent lies.
+// Describes an outer stent as a sleeve, inside which another stent lies.
 struct StentSleeve {
     std::vector<Eigen::Vector3d> centres_mm; // of its rings
     double overhang_mm = 0.0;                // beyond the first and the last
@@ -60,7 +60,7 @@ struct StentSurroundings {
     std::span<const StentSleeve> sleeves = {};
 };
 
-// Holds the whole state of a stent on which its next step depends.
+// Holds those parts of a stent's state on which its next step depends.
 struct StentState {
     StentStage stage = StentStage::on_balloon;
     bool was_placed = false;
@@ -97,7 +97,7 @@ class Stent
     // unit vector.
     Eigen::Vector3d ring_centre_mm(int ring) const;
     Eigen::Vector3d ring_axis(int ring) const;
-    // Returns the middle of a strut, which is bent because the balloon opened the stent around itself.
+    // Returns the middle of a strut; the strut is bent, because the balloon opened the stent around itself.
     Eigen::Vector3d strut_middle_mm(std::size_t strut) const;
     StentSleeve sleeve() const;
     // Returns the elastic energy of the stent in N mm, which is the sum of k/2 (length - resting length)^2
@@ -105,8 +105,8 @@ class Stent
     double energy_N_mm() const;
 
     const StentState &state() const { return state_; }
-    // Returns, as bytes, the whole state of the stent on which its next step depends. restore() refuses a
-    // snapshot of another stent design.
+    // Returns, as bytes, the whole state of the stent on which its next step depends. The function restore()
+    // refuses a snapshot of another stent design.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

@@ -23,8 +23,8 @@ void Stents::step(const StentWall *wall, const BalloonPose *balloon)
     step(std::vector<const StentWall *>(stents_.size(), wall), balloon);
 }
 
-// Stents that were deployed earlier are stepped first, because a stent that is deployed in this picture lies
-// on the present inner side of those earlier stents.
+// Stents that were deployed earlier are stepped first, because a stent that is deployed in this step lies on
+// the present inner side of those earlier stents.
 void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *balloon)
 {
     std::vector<StentSleeve> sleeves;
@@ -43,12 +43,12 @@ void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *ba
 namespace
 {
 
-// Describes a ring of a stent whose outside holds the surrounding wall open.
+// Describes a ring of a stent that holds the surrounding wall open with its outer side.
 struct HoldingRing {
     double along_mm = 0.0, radius_mm = 0.0;
 };
 
-// Returns the rings of a stent that are opened and lie in this vessel.
+// Returns the rings of a stent that are opened and lie in the given vessel.
 std::vector<HoldingRing> holding_rings(const Stent &stent, const VesselWall &vessel)
 {
     std::vector<HoldingRing> rings;

@@ -1,5 +1,5 @@
-// Holds all stents of a session: the stent on the balloon that is in the patient, and those that were
-// deployed before it. The class also computes, for the core, how far the stents hold a lesion open.
+// Holds all stents of a session: the stent on the balloon in the patient, and the stents that were deployed
+// before. The class also computes, for the core, how far the stents hold a lesion open.
 //
 //   Stents stents;
 //   stents.add(read_stent(path), mount_arc_mm);          with the balloon that carries it
@@ -16,9 +16,9 @@ namespace crn
 {
 
 // A stent holds a lesion open: the points `first` to `last` of the lesion cannot become narrower than
-// open_256 / 256, where 0 is as baked and 1 is healthy. These points ("stations") are evenly spaced from the
-// lesion's beginning to its end. The opening has steps of 1/256, so that every machine sends the core the
-// same command.
+// open_256 / 256, where 0 is the opening in the scene file and 1 that of the healthy vessel. The points of a
+// lesion ("stations") are evenly spaced from the lesion's beginning to its end. The opening of a station has
+// steps of 1/256, so that every machine sends the core the same command.
 struct StentHold {
     std::uint32_t first = 0, last = 0;
     std::uint32_t open_256 = 0;
@@ -27,14 +27,14 @@ struct StentHold {
 class Stents
 {
   public:
-    // If the stent that was added before is still on its balloon, it leaves the patient together with that
+    // If the previously added stent is still on its balloon, that stent leaves the patient together with the
     // balloon.
     void add(const StentDesign &design, double mount_arc_mm);
-    // Takes the stent that was added last out of the patient, if it is still on its balloon.
+    // Removes the stent that was added last from the patient, if it is still on its balloon.
     void take_out();
     void step(const StentWall *wall, const BalloonPose *balloon);
-    // Advances each stent by one picture with a wall of its own, because stents may lie in several vessels.
-    // `walls` has one entry per stent; a null entry means that the stent lies in no vessel.
+    // Advances each stent by one step with its own wall, because stents may lie in several vessels. `walls`
+    // has one entry per stent; a null entry means that the stent lies in no vessel.
     void step(std::span<const StentWall *const> walls, const BalloonPose *balloon);
 
     std::size_t size() const { return stents_.size(); }
@@ -45,9 +45,9 @@ class Stents
     // spaced points). Neighbouring stations (points) of the lesion that are held equally far open are merged
     // into one entry of the returned list. A ring that is still on the balloon counts with its width after
     // deflation, which is its present width minus the recoil. `open` holds the present opening of each
-    // station of the lesion, 0 .. 1. A stent opens no lesion by itself, so it holds a station of the lesion
-    // no farther open than this station is now. If `open` is empty, each ring holds the lesion open at the
-    // ring's full width.
+    // station of the lesion, 0 .. 1. A stent opens no lesion by itself, so it holds each station of a lesion
+    // open only as far as the station is open now. If `open` is empty, each ring holds the lesion open with
+    // the ring's full width.
     std::vector<StentHold> holds(const VesselWall &vessel, std::size_t lesion, std::uint32_t stations,
                                  std::span<const double> open = {}) const;
 

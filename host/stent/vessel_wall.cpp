@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 constexpr std::size_t around = 24; // vertices of a row: facets cut off 0.9 % of the circle's radius
 constexpr double row_mm = 0.5;     // from row to row
 
-// Describes a branch of vessels with and without its lesions; both shapes are functions of the distance along
-// the healthy branch, in mm.
+// Describes a vessel branch with and without its lesions; both shapes are functions of the distance along the
+// healthy branch, in mm.
 struct Line {
     std::vector<double> along_mm;
     std::vector<Vector3d> healthy_m, narrow_m;
@@ -87,8 +87,8 @@ std::vector<WallTriangle> VesselWall::triangles_of(std::size_t rows)
             const auto a = static_cast<std::uint32_t>(row * around + k);
             const auto b = static_cast<std::uint32_t>(row * around + (k + 1) % around);
             constexpr auto next = static_cast<std::uint32_t>(around);
-            // Every second row is shifted by half a step around the tube, so that triangles have no long
-            // edges.
+            // Every second row of vertices is shifted by half a step around the tube, so that triangles have
+            // no long edges.
             if (row % 2 == 0) {
                 triangles.push_back({a, b, a + next});
                 triangles.push_back({b, b + next, a + next});
@@ -100,8 +100,8 @@ std::vector<WallTriangle> VesselWall::triangles_of(std::size_t rows)
     return triangles;
 }
 
-// The middles of the tube's facets lie on a circle with the vessel's radius. The frame of directions follows
-// the centreline without twist.
+// The middles of the tube's facets lie on a circle with the vessel's radius. The directions in which the
+// vertices of a row lie follow the centreline without twist.
 void VesselWall::add_points(const std::vector<Row> &rows, const Motion *motion)
 {
     const double out = 1 / std::cos(std::numbers::pi / around);
@@ -164,7 +164,7 @@ Vector3d VesselWall::at_m(std::size_t point, std::size_t row, double share,
     return place + (narrow + share * (healthy - narrow)) * 1e-6;
 }
 
-// Interpolates linearly between the positions for which a lesion's list has values.
+// Interpolates linearly between the positions for which the list `opened` of a lesion has values.
 double VesselWall::opened_at(std::size_t row, std::span<const std::vector<double>> opened) const
 {
     const Row &at = rows_[row];

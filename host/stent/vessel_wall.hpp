@@ -1,16 +1,16 @@
 // Makes a wall for stents from a stretch of a vessel: a tube of fine triangles around a branch of the vessel
-// tree. The tube is narrow where the branch has lesions, as far as no balloon has opened them, and the tube
-// moves with the heart.
+// tree. The tube is narrow at lesions of the branch that no balloon has opened, and the tube moves with the
+// heart.
 //
 //   VesselWall vessel(tree, branch, 5, 45, motion);      mm along the branch
 //   vessel.move(moment, opened);                         every picture
 //   stent.step({&vessel.wall(), ...});
 //
-// The meshes of bodies are too coarse to be walls for stents, because each facet of a mesh cuts off a tenth
-// of a millimetre of a coronary artery. Gaps between strut and wall of a tenth of a millimetre decide whether
-// a strut counts as apposed. The vessel tree contains the radius of every inscribed sphere to some
-// micrometres, and also the position of the healthy vessel. Where side branches leave the vessel, the tube
-// has no openings.
+// The meshes of bodies are too coarse to be walls for stents, because each flat facet of a mesh lies up to a
+// tenth of a millimetre inside the wall of a coronary artery. Gaps between strut and wall of a tenth of a
+// millimetre decide whether a strut counts as apposed. The vessel tree contains the radius of every inscribed
+// sphere to within some micrometres, and also the position of the healthy vessel. The tube has no openings
+// where side branches leave the vessel.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"
@@ -28,21 +28,22 @@ class VesselWall
 {
   public:
     // The tube of triangles never begins before the ostium of the branch. `motion` may be null; the tube then
-    // does not move. Throws std::invalid_argument, with the reason, if the branch does not contain the
+    // stays at rest. Throws std::invalid_argument, with the reason, if the branch does not contain the
     // stretch from `from_mm` to `to_mm`.
     VesselWall(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm,
                const Motion *motion);
 
-    // `opened` contains a list of values for each lesion of the tree. These values give how far the lesion is
-    // open at evenly spaced points from its beginning to its end, such as the core's stations. A list with
-    // only one value applies to the whole lesion. The value 0 means as narrow as baked, 1 means healthy, and
-    // above 1 the vessel is overstretched. Lesions without a list, or with an empty list, are as narrow as
-    // baked.
+    // `opened` contains a list of values for each lesion of the tree; the values state how far the lesion is
+    // open. The values of `opened` belong to evenly spaced points from the lesion's beginning to its end,
+    // such as the core's stations. A list in `opened` with only one value applies to the whole lesion. The
+    // value 0 means as narrow as in the scene file, 1 means as wide as the healthy vessel, and above 1 the
+    // vessel is overstretched. Lesions without a list in `opened`, or with an empty list, are as narrow as in
+    // the scene file.
     void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});
 
     const StentWall &wall() const { return wall_; }
-    // The next functions return the present centreline of the stretch, and its radii, at every row of
-    // vertices.
+    // The next functions return the present centreline of this part of the vessel, and its radii, at every
+    // row of vertices.
     std::span<const Eigen::Vector3d> line_mm() const { return line_mm_; }
     std::span<const double> radius_mm() const { return radius_mm_; }
     std::span<const double> healthy_radius_mm() const { return healthy_radius_mm_; }
@@ -52,8 +53,8 @@ class VesselWall
     // Sets the distance between the first and the last point for which `opened` has values; the middle
     // between these two points is the middle of the lesion.
     void set_places(std::size_t lesion, double span_mm);
-    // Holds the beginning and end of a lesion on this stretch of the vessel; this range is empty if the
-    // branch has no lesion with that number.
+    // Holds the beginning and end of a lesion on this part of the vessel; this range is empty if the branch
+    // has no lesion with that number.
     struct Stretch {
         double from_mm = 0.0, to_mm = 0.0;
         bool is_empty() const { return !(to_mm > from_mm); }
@@ -62,14 +63,14 @@ class VesselWall
     {
         return lesion < lesions_.size() ? lesions_[lesion] : Stretch{};
     }
-    // Returns the beginning and end of the stretch of vessel along which `opened` has values for the lesion
+    // Returns the beginning and end of the part of the vessel along which `opened` has values for the lesion
     // with this number.
     Stretch places_mm(std::size_t lesion) const
     {
         return lesion < places_.size() ? places_[lesion] : Stretch{};
     }
-    // The next functions return the baked and the healthy radius at a position along the branch; beyond an
-    // end of the stretch they return the radius at that end.
+    // The next functions return the radius in the scene file and the healthy radius at a position along the
+    // branch; beyond an end of this part of the vessel they return the radius at that end.
     double narrow_radius_mm(double along_mm) const;
     double healthy_radius_mm(double along_mm) const;
     // Holds the position along the branch that is nearest to a point of the patient, and the distance of that

@@ -101,8 +101,8 @@ WallFoot StentWall::walk(const Vector3d &place_mm, std::int32_t from) const
         for (std::uint32_t vertex : triangles_[best])
             for (std::uint32_t k = fan_begin_[vertex]; k < fan_begin_[vertex + 1]; ++k) {
                 const Closest candidate = closest(place_mm, fan_[k]);
-                // At equal distances, the function prefers a point inside a triangle's face to a point on a
-                // neighbouring triangle's edge.
+                // At equal distances, the function prefers a point inside a triangle's face to a point on the
+                // edge of a neighbouring triangle.
                 const bool is_nearer = candidate.squared < next_at.squared - 1e-12;
                 const bool is_as_near = candidate.squared <= next_at.squared + 1e-12;
                 if (!is_nearer && !(is_as_near && candidate.is_inside && !next_at.is_inside)) continue;

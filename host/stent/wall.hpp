@@ -1,5 +1,5 @@
-// Represents the wall on which a stent lies, a closed mesh of triangles around the blood. The vertices of
-// this mesh move from picture to picture, and each triangle keeps its three vertices.
+// Represents the wall on which a stent lies, a closed mesh of triangles around the blood. The vertices of the
+// wall's mesh move from step to step, and each triangle keeps its three vertices.
 //
 //   StentWall wall(triangles, vertex_count);
 //   wall.move(vertices_um);                        every picture: that of the motion (host/model/motion.hpp)
@@ -32,10 +32,10 @@ struct WallFoot {
 class StentWall
 {
   public:
-    // The constructor leaves out triangles that refer to vertices that do not exist.
+    // The constructor leaves out triangles with vertices that do not exist.
     StentWall(std::span<const WallTriangle> triangles, std::size_t vertex_count);
-    // Moves the wall to new positions of its vertices. If the number of vertices differs from that of the
-    // wall, the wall does not move.
+    // Moves the wall to new positions of its vertices. If `vertices_um` has another number of vertices than
+    // the wall, the wall does not move.
     void move(std::span<const Eigen::Vector3i> vertices_um);
     bool is_placed() const { return is_placed_; } // has been given its vertices
 
@@ -49,19 +49,19 @@ class StentWall
     normal(std::size_t triangle) const; // unit, away from the blood; 0 for a triangle without area
 
     // place() returns the present position of a foot (a point that moves with the wall); on_plane() returns
-    // this position without its height, in the plane of its triangle.
+    // the foot's position in the plane of its triangle, without the height above this plane.
     Eigen::Vector3d place(const WallFoot &foot) const;
     Eigen::Vector3d on_plane(const WallFoot &foot) const;
 
-    // Steps from the triangle `from` to neighbouring triangles as long as each step reduces the distance to
-    // `place_mm`, and returns the nearest point of the wall that is found in this way.
+    // Walks from the triangle `from` to neighbouring triangles while each step reduces the distance to
+    // `place_mm`, and returns the nearest point of the wall that is found.
     WallFoot walk(const Eigen::Vector3d &place_mm, std::int32_t from) const;
-    // Returns the point on the triangles `among` that is nearest to `place_mm`; if no point is within
+    // Returns the point on the triangles `among` that is nearest to `place_mm`; if no such point is within
     // `reach_mm`, the returned foot has no triangle.
     WallFoot nearest(const Eigen::Vector3d &place_mm, std::span<const std::uint32_t> among,
                      double reach_mm) const;
-    // Returns a patch: in ascending order, the triangles that are nearer than `reach_mm` to any of the given
-    // points.
+    // Returns, in ascending order, the triangles of a patch: those that are nearer than `reach_mm` to any of
+    // the given points.
     std::vector<std::uint32_t> near(std::span<const Eigen::Vector3d> places_mm, double reach_mm) const;
 
   private:
@@ -78,8 +78,8 @@ class StentWall
     bool is_placed_ = false;
 };
 
-// Finds the triangles of a patch of the wall that may touch a box. A grid divides the space into cells, and
-// each cell lists the triangles whose bounding boxes reach into it.
+// Finds those triangles of a patch of the wall that may touch a given box. A grid divides the space into
+// cells, and each cell lists the triangles whose bounding boxes reach into it.
 class WallGrid
 {
   public:

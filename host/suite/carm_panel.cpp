@@ -1,5 +1,5 @@
-// Draws the C-arm: a small view of arm, table and patient in space, the dial of its angles, the standard
-// views, the table's cross and the field.
+// Draws the panel of the C-arm: a small spatial view of arm, table and patient, the dial of the angles, the
+// standard views, a cross for the table's position, and the field.
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/suite/suite_screen.hpp"
@@ -20,7 +20,8 @@ struct Face {
     ImU32 colour = 0;
 };
 
-// Looks at the isocentre from above the patient's left foot, without perspective.
+// The spatial view of the C-arm looks at the isocentre from above the patient's left foot, without
+// perspective.
 class SpaceView
 {
   public:
@@ -74,7 +75,8 @@ class SpaceView
     float scale_;
 };
 
-// A person on the table, for orientation only: the interlock does not check the patient.
+// Boxes for a person on the table, which are only drawn for orientation: the interlock does not check the
+// patient.
 std::vector<Box> patient_boxes()
 {
     const auto box = [](double y, double half_x, double half_y, double half_z) {
@@ -117,7 +119,8 @@ void SuiteScreen::draw_space(const UiRect &place)
     draw->PopClipRect();
 }
 
-// The dial: LAO and RAO from right to left, CRA and CAU upwards and downwards. A click aims the C-arm.
+// Draws the dial of the C-arm's angles: LAO and RAO lie on the horizontal axis, CRA and CAU on the vertical
+// axis. A click aims the C-arm.
 void SuiteScreen::draw_dial(const UiRect &place)
 {
     constexpr float primary_max = 120.0f, secondary_max = 50.0f;

@@ -58,7 +58,7 @@ CaseCard case_card(const WindowOptions &options, const Case &lesson)
     try {
         if (!lesson.picture.empty()) card.picture = read_grey_png(lesson.picture);
     } catch (const std::runtime_error &) {
-        // A card without its picture still serves; `cournand case check` names a bad picture.
+        // A case card without a picture can still be used; `cournand case check` reports a bad picture.
     }
     if (card.picture.width != card.picture.height) card.picture = {};
     return card;

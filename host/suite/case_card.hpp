@@ -1,4 +1,4 @@
-// Describes what the start screen offers: one card per case or practice, and the recordings that are kept.
+// Describes what the start screen offers: one card per case or practice, and the stored recordings.
 #pragma once
 #include "host/command/view_options.hpp"
 #include "host/picture/picture.hpp"
@@ -9,8 +9,8 @@
 namespace crn
 {
 
-// One card. Whoever has cases (files, a server, a test) makes cards of them; the window only shows cards and
-// begins sessions with their options.
+// One card. Any code that has cases (from files, a server or a test) makes cards of them; the window only
+// shows cards and begins sessions with their options.
 struct CaseCard {
     std::string name;      // "Free practice: aorta"
     std::string story;     // one or two sentences about the patient
@@ -22,20 +22,21 @@ struct CaseCard {
 };
 
 // Returns the cards of all cases: those of the user's own folder and those that come with the program. The
-// scene of a case is made later, so the options name none. A file that cannot be read gives a card that says
-// why. `best` holds the best score of each case, by its name.
+// scene of a case is made later, so the card's options do not name a scene. A case file that cannot be read
+// gives a card that states the reason. `best` holds the best score of each case, keyed by the case's name.
 std::vector<CaseCard> case_cards(const WindowOptions &options, const std::map<std::string, double> &best);
 CaseCard case_card(const WindowOptions &options, const Case &lesson);
 
-// Returns the cards for free practice on the scene that ships, and in free space. `options` gives what the
-// user has named on the command line, such as the scene, the size of pictures and the device.
+// Returns the cards for free practice in the scene that comes with the program, and in free space. `options`
+// holds what the user has stated on the command line, such as the scene, the size of pictures and the device.
 std::vector<CaseCard> practice_cards(const WindowOptions &options);
 
 struct KeptRecording {
     std::string path, name, when; // when: "2026-11-24 21:19"
     std::uintmax_t bytes = 0;
 };
-// Returns the newest recordings of the user's folder, newest first; empty if there is no such folder.
+// Returns the newest recordings in the user's folder, newest first; the list is empty if this folder does not
+// exist.
 std::vector<KeptRecording> kept_recordings(std::size_t count_max);
 
 } // namespace crn

@@ -1,5 +1,6 @@
-// Draws the goals of a case and their state, its limits, and hints on demand, beside the live monitor. No
-// marks are shown during a session: feedback at its end is remembered better (docs/assessment.md).
+// Draws the panel of a case beside the live monitor: its goals and whether they are reached, its limits, and
+// hints on demand. No marks are shown during a session, because trainees remember feedback better if they get
+// it at the end (docs/assessment.md).
 #include "host/base/format.hpp"
 #include "host/suite/pages.hpp"
 #include "host/suite/prep_page.hpp"

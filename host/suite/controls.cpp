@@ -1,5 +1,5 @@
-// Turns controls into commands to the X-ray room. Most controls change the present state of the room by a
-// step.
+// Converts controls of the window to commands to the X-ray room. Most controls change the present state of
+// the X-ray room by one step.
 #include "host/suite/controls.hpp"
 #include "host/room/presets.hpp"
 #include <algorithm>
@@ -23,7 +23,7 @@ std::int32_t rounded(double value)
     return static_cast<std::int32_t>(std::lround(value));
 }
 
-// Returns the rate that follows `per_second` in the list; after the last rate comes the first.
+// Returns the rate that follows `per_second` in the list; the last rate is followed by the first.
 template <std::size_t count> std::int32_t next_rate(double per_second, const std::int32_t (&rates)[count])
 {
     const auto *at = std::find(std::begin(rates), std::end(rates), rounded(per_second * 100.0));
@@ -92,7 +92,7 @@ Commands go_to(std::string_view name)
             {RoomAction::field, {view->field_um, 0, 0}}};
 }
 
-// Returns the standard view of a control; empty: the control is no view.
+// Returns the name of the standard view that a control selects, or an empty text if the control selects none.
 std::string_view view_of(ControlId id)
 {
     constexpr std::string_view views[] = {
@@ -199,8 +199,8 @@ Commands mode_of(ControlId id, const Room &room, const RoomStatus &screen)
     }
 }
 
-// Steps from the displayed frame to the frame before or after it and shows that frame as a still picture,
-// even if the screen shows a held picture or a loop.
+// Selects the frame before or after the displayed frame and shows it as a still picture, even if the screen
+// shows a held picture or a loop.
 Commands step_frame(const RoomStatus &screen, int step)
 {
     if (screen.frames == 0) return {{RoomAction::review, {2, 0, 0}}}; // the last run's first frame

@@ -1,6 +1,7 @@
-// Lists every control of the suite in one table: its name, key, mouse and gamepad binding, and one sentence
-// about it; a second table has those of the screens without a session. The keys, the tooltips, the help and
-// the tables in docs/suite.md come from these tables.
+// Lists every control of the suite (the window of a live session) in one table: its name, key, mouse and
+// gamepad binding, and one sentence about it; a second table lists the controls of the screens without a
+// session. The key bindings, the tooltips, the help and the tables in docs/suite.md are made from the two
+// tables of controls.
 #pragma once
 #include "host/room/room_screen.hpp"
 #include "shared/wire/wire.h"
@@ -112,7 +113,8 @@ enum class ControlId : std::uint8_t {
 };
 inline constexpr std::size_t control_count = static_cast<std::size_t>(ControlId::end) + 1;
 
-// `press` acts once, `repeat` acts again while its key is held, `hold` acts as long as it is held.
+// A control of the kind `press` acts once, one of the kind `repeat` acts again while its key is held, and one
+// of the kind `hold` acts as long as it is held.
 enum class ControlKind : std::uint8_t { press, repeat, hold };
 
 struct Control {
@@ -127,15 +129,16 @@ struct Control {
     std::string_view what; // one sentence: tooltip, help and document
 };
 
-// The table, in the order of the help.
+// Returns the table of controls, in the order in which the help shows them.
 std::span<const Control> controls();
 const Control &control(ControlId id);
-// Returns the control of a key. A key with Shift or Control that has no control of its own is the control of
-// the key alone, except that Control with an arrow never moves a tool. Null: the key has no control.
+// Returns the control to which a key belongs. If a key with Shift or Control has no control of its own, the
+// control of the key alone is returned, except that Control with an arrow never moves a tool. The function
+// returns null if the key has no control.
 const Control *control_of_key(int key, int modifiers);
 const Control *control_of_pad(int button);
 
-// Returns the table of docs/suite.md, in Markdown.
+// Returns the table of controls for docs/suite.md, in Markdown.
 std::string controls_document();
 
 // --- the screens without a session, and the replay ---
@@ -166,7 +169,8 @@ enum class ScreenControlId : std::uint8_t {
 };
 inline constexpr std::size_t screen_control_count = static_cast<std::size_t>(ScreenControlId::leave_rig) + 1;
 
-// A key of a screen, or a range of neighbouring keys: the key after `key` is then the second choice.
+// Describes a key of a screen, or a range of neighbouring keys, in which the first key selects the first
+// choice, the next key the second, and so on.
 struct ScreenControl {
     ScreenControlId id;
     ScreenId screen;
@@ -178,14 +182,14 @@ struct ScreenControl {
 
 std::span<const ScreenControl> screen_controls();
 const ScreenControl &screen_control(ScreenControlId id);
-// Returns the control of a key on a screen; null: the key has none there.
+// Returns the control of a key on a screen, or null if the key has no control there.
 const ScreenControl *screen_control_of_key(ScreenId screen, int key);
 // Returns the text of one key of a range: "F2" for the second of "F1 to F7".
 std::string screen_key_text(ScreenControlId id, std::size_t index);
 std::string screen_controls_document();
 
-// Returns the commands to the X-ray room that a control stands for, if its effect depends on the present
-// state of the room. `screen` is the state of the live monitor. Controls that are no such command give none.
+// Returns the commands to the X-ray room that a control causes, if its effect depends on the present state of
+// the room. `screen` is the state of the live monitor's screen. Other controls give no commands.
 std::vector<RoomCommand> commands_of(ControlId id, const Room &room, const RoomStatus &screen);
 
 } // namespace crn

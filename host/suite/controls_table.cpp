@@ -268,7 +268,7 @@ std::string_view title_of_screen(ScreenId screen)
     return titles[static_cast<std::size_t>(screen)];
 }
 
-// Other keys that stand for the same control.
+// Converts other keys for the same control, such as those of the number pad, to the usual key.
 int usual_key(int key)
 {
     switch (key) {

@@ -1,5 +1,5 @@
-// Draws the debrief: errors first, then phases, marks, motion, and the curve of learning. A click on an
-// error, a phase or the timeline shows that moment in the replay.
+// Draws the debrief: errors first, then phases, marks, motion, and the learning curve. A click on an error, a
+// phase or the timeline shows the moment of the click in the replay.
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
 #include "host/picture/room_text.hpp"
@@ -83,7 +83,7 @@ class DebriefView
         choice_ = {PageChoice::Kind::replay, 0, debrief_.recording, tick.get<std::uint32_t>()};
     }
 
-    // A row with the time as a button that leads to the replay.
+    // Draws a row with its time as a button, which shows that moment in the replay.
     void moment(const std::string &name, const Json &tick)
     {
         if (ui_.plain_button(name.c_str(), clock_of(tick).c_str(), 84.0f, "Shows this moment in the replay."))
@@ -256,8 +256,8 @@ class DebriefView
         ImGui::Dummy({place.width, place.height});
     }
 
-    // Scores from 0 to 100: the cohort's middle half, the experts' range, the fit with its band, the
-    // sessions.
+    // Draws scores from 0 to 100: the middle half of the cohort, the range of the experts, the fitted curve
+    // with its band, and the trainee's sessions.
     void draw_curve(const UiRect &place)
     {
         ImDrawList *draw = ImGui::GetWindowDrawList();

@@ -1,7 +1,8 @@
-// Draws the device rail: one row per position of the line with the travel and the turn of its tool, and the
-// force and torque on the hand. The mouse drags a row to push and turn its tool. Below it draws the device
-// table: the devices of the session that are not on the line, of which the user selects the one to be loaded.
-// Two buttons load it at the chosen position, or take the chosen device off the line.
+// Draws the panel of devices: one row per position of the line with the travel and the turn of its tool, and
+// the force and torque on the hand. The mouse drags a row to push and turn its tool. Below these rows, the
+// function draws the device table: the devices of the session that are not on the line; the user selects the
+// one that is to be loaded. One button loads the selected device at the chosen position of the line; another
+// button takes the chosen device off the line.
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/script/hand_motion.hpp"
@@ -16,7 +17,8 @@ namespace
 
 constexpr double force_full_N = 2.0, torque_full_mN_m = 2.0;
 constexpr float force_share = 0.66f, torque_share = 0.83f; // of a row's width, where their bars begin
-// A drag of one unit moves a tool by half a millimetre or turns it by one degree; with Shift a fifth of that.
+// Dragging by one layout unit moves a tool by half a millimetre or turns it by one degree; with Shift, by a
+// fifth of that.
 constexpr double um_per_unit = 500.0, counts_per_unit = counts_per_turn / 360.0, slow_share = 0.2;
 const std::string free_text = "free: load a device of the device table";
 constexpr double wheel_um = 2000.0, wheel_counts = counts_per_turn / 24.0;
@@ -31,7 +33,7 @@ ImU32 load_colour(double share)
 constexpr float head_units = 17.0f, row_units = 28.0f, buttons_units = 216.0f; // of the layout
 constexpr std::size_t columns = 4;
 
-// Returns the numbers of the tools that are not on the line.
+// Returns the numbers of the tools in the table that are not on the line.
 std::vector<std::uint8_t> off_line(const SuiteView &view)
 {
     std::vector<std::uint8_t> numbers;
@@ -42,7 +44,8 @@ std::vector<std::uint8_t> off_line(const SuiteView &view)
     return numbers;
 }
 
-// The height depends on the table only, so that an exchange moves no panel.
+// The height of the device table depends only on the number of tools, so that an exchange of tools moves no
+// panel.
 std::size_t rack_rows(const SuiteView &view)
 {
     const std::size_t positions = view.state->line.size(), count = view.table->size();
@@ -76,14 +79,14 @@ void SuiteScreen::draw_devices(const UiRect &place)
     ui_.end_panel();
 }
 
-// Takes the drag or the turn of the wheel on the row that was drawn last.
+// Reads the drag of the mouse, or the turn of its wheel, on the row that was drawn last.
 void SuiteScreen::take_drag(std::size_t tool)
 {
     const ImGuiIO &io = ImGui::GetIO();
     const double slow = io.KeyShift ? slow_share : 1.0;
     const double units = 1.0 / static_cast<double>(ui_.px(1.0f));
-    // The drag is measured from the place where the button was pressed, because the pointer may have moved
-    // there in the same frame.
+    // The drag is measured from the point where the button was pressed, because the pointer may have moved to
+    // that point in the same frame.
     const ImVec2 way = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0.0f);
     if (ImGui::IsItemActive() && (way.x != 0.0f || way.y != 0.0f)) {
         actions_.drags.push_back(
@@ -131,7 +134,7 @@ void SuiteScreen::draw_device(std::size_t tool, float width)
         return;
     }
 
-    // The rail: how much of the tool is inside the patient.
+    // Draws a bar that shows how much of the tool is inside the patient.
     const float text_y = at.y + ui_.px(7.0f), rail_x = at.x + 0.27f * width, rail_w = 0.24f * width;
     draw->PushClipRect(at, {rail_x - ui_.px(8.0f), at.y + height}, true);
     draw->AddText({at.x + ui_.px(12.0f), text_y}, tint::text,

@@ -9,7 +9,8 @@ namespace crn
 namespace
 {
 
-// Leaves out the middle of a stick, in which a resting stick lies, and begins at 0 outside it.
+// Returns 0 in the middle zone of a stick, in which a resting stick lies; outside this zone the returned
+// value begins at 0.
 double stick(float value)
 {
     const double size = std::fabs(value);

@@ -1,4 +1,4 @@
-// Turns the state of a gamepad into controls: buttons by the table of controls, the right stick pushes, the
+// Converts the state of a gamepad to controls: buttons by the table of controls, the right stick pushes, the
 // left stick turns, and the triggers are the pedals.
 #pragma once
 #include "host/suite/user_input.hpp"
@@ -15,12 +15,12 @@ struct GamepadState {
 class Gamepad
 {
   public:
-    // Passes on what has changed since the last call. Without a gamepad, `state` is null, and everything that
-    // it held is released.
+    // Passes on what has changed on the gamepad since the last call. Without a gamepad, `state` is null, and
+    // every control that the gamepad held is released.
     void take(const GamepadState *state, UserInput &input);
 
     static constexpr float dead_zone = 0.18f;
-    // A trigger presses its pedal above the first value, and releases it below the second.
+    // A trigger presses its pedal above the value trigger_on, and releases it below trigger_off.
     static constexpr float trigger_on = 0.2f, trigger_off = -0.2f;
 
   private:
@@ -30,7 +30,7 @@ class Gamepad
     bool is_fluoro_ = false, is_acquire_ = false, was_moving_ = false;
 };
 
-// Reads the first gamepad with a known mapping. Returns false if there is none.
+// Reads the first gamepad with a known mapping. Returns false if no gamepad has a known mapping.
 bool read_gamepad(GamepadState &state);
 
 } // namespace crn

@@ -1,4 +1,5 @@
-// Draws the live and the reference monitor. The texts stand beside the pictures, never over the anatomy.
+// Draws the live monitor and the reference monitor. The monitors' texts are beside the pictures, never over
+// the anatomy.
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/suite/suite_screen.hpp"
@@ -44,8 +45,8 @@ void GreyRange::drag(double right, double up)
     level = std::clamp(level + up, 0.0, 1.0);
 }
 
-// Draws a picture in the middle of a place: as large as fits, or with one pixel of the picture on one pixel
-// of the screen. `shown` is where it is then.
+// Draws a picture in the middle of a rectangle, either as large as fits, or with one pixel of the picture on
+// one pixel of the screen. `shown` receives the rectangle that the picture then occupies.
 void SuiteScreen::draw_picture(std::size_t slot, const MonitorPicture &picture, const UiRect &place,
                                bool is_sharp, UiRect &shown)
 {
@@ -64,8 +65,9 @@ void SuiteScreen::draw_picture(std::size_t slot, const MonitorPicture &picture, 
         return;
     }
     const bool is_changed = slot == live_slot && !range_.is_whole();
-    // The version tells the texture that the picture or its range of greys has changed. Both numbers only
-    // grow, and a range changes at most once per screen.
+    // A new version number makes the texture load the picture again after the picture or its grey range has
+    // changed. The version consists of the picture's number and the number of changes of the grey range; both
+    // only grow, and the range changes at most once per drawing of the window.
     const std::uint64_t version = picture.number + (slot == live_slot ? range_changes_ << 32 : 0);
     if (is_changed && stretched_version_ != version) {
         stretched_ = range_.shown(picture.grey);
@@ -119,7 +121,7 @@ void SuiteScreen::draw_live(const UiRect &place)
     ui_.end_panel();
 }
 
-// A drag over the live picture changes its range of greys, and a double click resets it.
+// Dragging over the live picture changes its range of greys, and a double click resets the range.
 void SuiteScreen::draw_grey_range(const UiRect &place)
 {
     const ImVec2 way = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0.0f);
@@ -143,8 +145,8 @@ void SuiteScreen::draw_grey_range(const UiRect &place)
                                         tint::sky, text.c_str());
 }
 
-// Writes the patient's sides beside the picture: to the left and the right in bands that the picture leaves
-// free, above and below in the margin of the panel.
+// Writes the patient's sides around the picture: left and right in bands that the picture leaves free, above
+// and below in the margin of the panel.
 void SuiteScreen::draw_orientation(const UiRect &place, const UiRect &picture)
 {
     const View view = make_view(clamp_carm(view_->live->status.carm), 16);
@@ -180,7 +182,7 @@ void SuiteScreen::draw_live_texts(const UiRect &left, const UiRect &right)
         ImGui::EndChild();
     };
     begin("live left", left);
-    // The kind and the rate of live pictures stand in the next line.
+    // The kind and the rate of live pictures are written in the next line.
     const bool is_live = status.source == ScreenSource::live;
     ui_.text(room.is_beam_on ? tint::yellow : tint::dim, "%s",
              is_live ? "X-RAY ON" : state_text(status).c_str());

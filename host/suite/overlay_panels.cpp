@@ -1,4 +1,4 @@
-// Draws the bar at the top, the notices that appear for some seconds, and the help.
+// Draws the bar at the top, the toasts (notices that appear for some seconds), and the help.
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/suite/suite_screen.hpp"
@@ -46,7 +46,7 @@ void SuiteScreen::draw_bar(const UiRect &place)
     ui_.end_panel();
 }
 
-// A notice of the room, the syringe or the inflator becomes a toast once, when it appears.
+// A notice of the room, the syringe or the inflator is shown as a toast once, when it appears.
 void SuiteScreen::toast(const RoomNotice &notice)
 {
     if (notice.from < 0 || notice.text.empty()) return;
@@ -81,8 +81,8 @@ void SuiteScreen::forget_toasts()
     told_.clear();
 }
 
-// Toasts stand in the line below the picture, and grow upwards; alerts that need an answer stay until it is
-// given.
+// Toasts are stacked upwards from the line below the picture; alerts that need an answer stay until the user
+// has answered.
 void SuiteScreen::draw_toasts(const UiRect &live)
 {
     struct Line {

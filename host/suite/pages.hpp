@@ -1,4 +1,4 @@
-// Draws the screens of the window besides the suite: start, debrief and rig; prep_page.hpp has the
+// Draws the window's screens other than the session itself: start, debrief and rig; prep_page.hpp draws the
 // preparation.
 #pragma once
 #include "host/live/background_task.hpp"
@@ -15,7 +15,7 @@ namespace crn
 {
 
 inline constexpr float page_margin = 60.0f; // units, at the left of the screens
-// Slots of the window's textures that these screens use; the monitors have those below.
+// Indices of the window's textures for the preparation and the case cards; the monitors use lower indices.
 inline constexpr std::size_t prep_slot = 4, card_slot = 8;
 
 struct PageChoice {
@@ -38,7 +38,7 @@ struct PageChoice {
     std::uint32_t tick = 0; // of replay: the moment that it begins with
 };
 
-// Begins a screen with its title and the line below it. Call Ui::end_panel() afterwards.
+// Begins a screen with its title and a line of text below the title. Call Ui::end_panel() afterwards.
 void begin_page(Ui &ui, const char *name, const char *title, const char *below);
 
 // Returns the colour of an error with this weight, 3 (moderate) to 5 (life-threatening).
@@ -50,43 +50,44 @@ struct StartView {
     std::string trouble;
     std::size_t page = 0; // of the cards
 };
-// A page has as many cards as there are keys for them.
+// A page has as many cards as keys can select.
 inline std::size_t cards_per_page()
 {
     return static_cast<std::size_t>(screen_control(ScreenControlId::card).keys());
 }
-// Returns the page after (+1) or before (-1) a page of the cards; the first and the last one stay.
+// Returns the page after (+1) or before (-1) the given page of the cards; beyond the first and the last page
+// the number stays unchanged.
 std::size_t turned_page(std::size_t page, int step, std::size_t cards);
-// `trainee` is the pseudonym, which the user may change here.
+// `trainee` is the pseudonym, which the user may change on the start screen.
 PageChoice draw_start(Ui &ui, const StartView &view, std::string &trainee);
 
-// The score of a session, and where it was stored if it was that of a case.
+// Holds the score of a session, and where the score was stored if the session was one of a case.
 struct ScoredSession {
     RecordedScore score;
     std::optional<StoredSession> stored;
 };
 
-// What the debrief shows of a session that has ended.
+// Holds what the debrief shows about a session that has ended.
 struct Debrief {
     nlohmann::ordered_json report;
     std::string recording, title, fault;
     std::vector<std::string> files;
     std::shared_ptr<const Case> lesson;                  // null: no case
     std::unique_ptr<BackgroundTask<ScoredSession>> task; // null: no recording, so no score
-    // Returns the score, or null while there is none.
+    // Returns the score, or null while the score is not yet known.
     const ScoredSession *scored() const
     {
         const ScoredSession *done = task ? task->result() : nullptr;
         return done && !done->score.was_stopped ? done : nullptr;
     }
 };
-// `said` is the last message, such as the names of saved files.
+// `said` is the last message to the user, such as the names of saved files.
 PageChoice draw_debrief(Ui &ui, const Debrief &debrief, const std::string &said);
 
 struct RigRow {
     std::string name, state;
 };
-// Looks for rigs on USB. A machine without USB has one row that says why.
+// Looks for rigs on USB; on a machine without USB, the only row states the reason.
 std::vector<RigRow> rig_rows();
 PageChoice draw_rig(Ui &ui, const std::vector<RigRow> &rows, const std::string &device);
 

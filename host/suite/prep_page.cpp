@@ -24,7 +24,7 @@ double outer_mm(const Instrument &tool)
     return 2e-3 * um;
 }
 
-// The narrowest place of the lumen; 0: the device has none.
+// Returns the narrowest inner diameter of the device, or 0 if the device has no lumen.
 double inner_mm(const Instrument &tool)
 {
     std::uint32_t um = tool.table.knots_count > 0 ? tool.table.knots[0].radius_inner_um : 0;
@@ -43,7 +43,8 @@ std::string mm_text(double mm)
 DeviceCabinet::DeviceCabinet(const Case &lesson) : lesson_(lesson)
 {
     for (const std::string &path : lesson.offered) devices_.push_back({path, read_instrument(path), false});
-    // A device may be offered twice, and the line begins with as many of them as the case names.
+    // The same kind of device may be offered twice; the line begins with as many of these devices as the case
+    // names.
     for (const std::string &path : lesson.start.tools) {
         const auto found = std::find_if(devices_.begin(), devices_.end(), [&](const CabinetDevice &device) {
             return device.path == path && !device.is_on_line;
@@ -73,7 +74,8 @@ std::vector<std::size_t> DeviceCabinet::sorted_line() const
     std::vector<std::size_t> line;
     for (std::size_t i = 0; i < devices_.size(); ++i)
         if (devices_[i].is_on_line) line.push_back(i);
-    // The order of the case decides between devices of the same width, such as a balloon and a catheter.
+    // Devices of the same width, such as a balloon and a catheter, are sorted in the order that the case
+    // states.
     const auto rank = [&](std::size_t i) {
         const auto &start = lesson_.start.tools;
         return std::find(start.begin(), start.end(), devices_[i].path) - start.begin();
@@ -92,8 +94,9 @@ std::vector<std::string> DeviceCabinet::paths() const
     return paths;
 }
 
-// Tries every way to leave positions free. The best one has most devices where the case has them; among
-// those, a device without a lumen lies innermost, and the outermost device as far outside as possible.
+// Tries every choice of positions of the line that stay free. The best choice has the most devices at the
+// positions that the case states; among equal choices, a device without a lumen should be innermost, and the
+// outermost device as far outside as possible.
 std::vector<std::optional<std::size_t>> DeviceCabinet::positions() const
 {
     const std::size_t count = lesson_.start.tools.size();

@@ -1,6 +1,6 @@
-// Draws the preparation of a case: the patient, the goals, the cabinet of devices with what fits into what, a
-// picture, and the scene that is being made meanwhile. The trainee chooses the devices on the line here; the
-// others stay on the device table, and can be exchanged in during the session.
+// Draws the preparation of a case: the patient, the goals, the devices and whether they fit into each other,
+// a picture, and the progress of making the scene. In the preparation the trainee chooses the devices on the
+// line; the others stay on the device table, and can be exchanged onto the line during the session.
 #pragma once
 #include "host/cases/recipe.hpp"
 #include "host/live/background_task.hpp"
@@ -23,9 +23,9 @@ struct CabinetDevice {
     bool is_on_line = false;
 };
 
-// The devices that a case offers, and those of them that the trainee has put on the line. The line has as
-// many positions as that of the case's start. A device of that start keeps its position, if the other devices
-// let it.
+// Holds the devices that a case offers, and which of them the trainee has put on the line. The line has as
+// many positions as at the start that the case states. A device that the case puts on the line keeps its
+// position there, if the other devices permit it.
 class DeviceCabinet
 {
   public:
@@ -35,12 +35,12 @@ class DeviceCabinet
     explicit DeviceCabinet(const Case &lesson);
     const std::vector<CabinetDevice> &devices() const { return devices_; }
     void toggle(std::size_t device);
-    // Returns the devices on the line from the innermost, which is the thinnest.
+    // Returns the devices on the line, beginning with the innermost, which is the thinnest.
     const std::vector<std::size_t> &line() const { return line_; }
     std::vector<std::string> paths() const; // of the whole table
     // Returns the device at each position of the line, from the innermost; a free position has no value.
     std::vector<std::optional<std::size_t>> positions() const;
-    // Returns the words of the option --line: the number in the table at each position.
+    // Returns the words of the option --line: the number in the table of the device at each position.
     std::vector<std::string> line_words() const;
     std::vector<double> inserted_mm() const; // where the device at each position begins
 
@@ -48,9 +48,10 @@ class DeviceCabinet
         bool is_good = true;
         std::string text;
     };
-    // Says for each pair of neighbours whether the inner one passes through the outer one, and why.
+    // States for each pair of neighbours on the line whether the inner device passes through the outer one,
+    // and why.
     const std::vector<Finding> &findings() const { return findings_; }
-    // Says why this line cannot begin the case; empty: it can.
+    // Returns the reason why the case cannot begin with this line, or an empty text if it can.
     std::string refusal() const;
 
   private:
@@ -61,24 +62,27 @@ class DeviceCabinet
     const Case &lesson_;
     std::vector<CabinetDevice> devices_;
     std::vector<StentDesign> stents_;
-    // Computed when the line changes, because the screen shows them sixty times a second.
+    // The devices on the line and the findings about them are computed when the line changes, because the
+    // window shows them sixty times a second.
     std::vector<std::size_t> line_;
     std::vector<Finding> findings_;
 };
 
-// Returns "largest hand force: 5 marks up to 4 N, none from 10 N".
+// Returns a text about a limit, such as "largest hand force: 5 marks up to 4 N, none from 10 N".
 std::string limit_text(const CaseLimit &limit);
 
 class PrepPage
 {
   public:
-    // `card` is that of a case. Begins to make the scene at once. Throws FileError.
+    // `card` must be the card of a case. The constructor at once begins to make the scene in the background.
+    // Throws FileError.
     PrepPage(Ui &ui, CaseCard card);
 
     PageChoice draw();
-    // Returns true if a session can begin.
+    // Returns true if the session can begin.
     bool is_ready() const { return scene_.result() && cabinet_.refusal().empty(); }
-    // Returns the session with the chosen devices, as soon as is_ready().
+    // Returns the options of a session with the chosen devices; call this function only when is_ready() is
+    // true.
     WindowOptions options() const;
     const Case &lesson() const { return *card_.options.lesson; }
     const CaseCard &card() const { return card_; }

@@ -25,8 +25,8 @@ bool is_same(const CArm &a, const CArm &b)
            a.field_m == b.field_m;
 }
 
-// A room whose C-arm and table are where this view has them: commands before its first tick take effect at
-// once.
+// Returns a room whose C-arm and table are in the positions of this view: commands before the room's first
+// tick take effect at once.
 Room room_at(const CArm &carm)
 {
     const auto milli = [](double value) { return static_cast<std::int32_t>(std::lround(value * 1e3)); };
@@ -73,7 +73,7 @@ void ReplayPage::go_to_error(bool is_next)
     if (found) go_to(shown_at(*found));
 }
 
-// The first time, the expert's run is looked for or made in the background.
+// At the first call, a background task looks for the expert's run or makes it.
 void ReplayPage::toggle_expert()
 {
     shows_expert_ = lesson_ && !shows_expert_;
@@ -91,7 +91,7 @@ ReplayThread *ReplayPage::expert() const
     return made ? made->get() : nullptr;
 }
 
-// The expert is shown at the same time of the session, and from the same angle if the user has chosen one.
+// The expert's picture shows the same time of the session, and the same angle if the user has chosen one.
 void ReplayPage::ask_expert()
 {
     ReplayThread *thread = expert();
@@ -141,7 +141,7 @@ void ReplayPage::go_to(std::uint32_t tick)
     tick_ = std::min(tick, thread_.room().ticks());
 }
 
-// Asks for the picture of the present view, if that view has changed.
+// Requests the picture of the present view, if the view has changed.
 void ReplayPage::ask()
 {
     const ReplayAsk now{tick(), carm_};
@@ -210,7 +210,7 @@ void ReplayPage::draw_picture(const char *name, std::size_t slot, const ReplaySh
     ui_.end_panel();
 }
 
-// Writes the patient's sides beside the picture.
+// Writes the letters of the patient's sides beside the picture.
 void ReplayPage::draw_sides(const CArm &carm, const UiRect &picture)
 {
     const View view = make_view(clamp_carm(carm), 16);
@@ -227,7 +227,8 @@ void ReplayPage::draw_sides(const CArm &carm, const UiRect &picture)
     letter(x + out, y, view.right);
 }
 
-// Says beside the expert's picture how far its making is, or when the expert was finished.
+// Writes beside the expert's picture how far the making of the expert's run is, or when the expert was
+// finished.
 void ReplayPage::draw_expert_text()
 {
     const ReplayThread *thread = expert();
@@ -319,7 +320,7 @@ void ReplayPage::draw_scrub_buttons(double ticks)
     ui_.text(tint::red, "    \u25b2 %s", near->title.c_str());
 }
 
-// Errors are triangles above the bar.
+// Draws a triangle above the time bar for each handling error.
 void ReplayPage::draw_errors(const UiRect &place, double ticks)
 {
     ImDrawList *draw = ImGui::GetWindowDrawList();

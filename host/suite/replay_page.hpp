@@ -1,5 +1,5 @@
-// Draws the replay: the picture of any moment from any angle, a scrub bar with the pedals and injections of
-// the session, and the devices' readings.
+// Draws the replay: the picture of any moment from any angle, a time bar with the pedals and injections of
+// the session, and the readings of the devices.
 #pragma once
 #include "host/cases/case.hpp"
 #include "host/live/background_task.hpp"
@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// A handling error of the assessment, on the time line.
+// A handling error of the assessment, with its tick on the time bar.
 struct ReplayError {
     std::uint32_t tick = 0;
     int weight = 3; // 3 moderate, 4 serious, 5 life-threatening
@@ -21,18 +21,18 @@ struct ReplayError {
 class ReplayPage
 {
   public:
-    // `lesson` is the case whose expert can be shown beside the session; null: none. Throws what ReplayRoom
-    // throws.
+    // `lesson` is the case whose expert can be shown beside the session, or null if there is no case. Throws
+    // what ReplayRoom throws.
     ReplayPage(Ui &ui, const std::string &recording, const PictureSettings &settings,
                std::shared_ptr<const Case> lesson = {}, std::vector<ReplayError> errors = {});
 
     void draw();
-    // Carries out a control of the C-arm, table or field for this view only. Returns false for other
-    // controls.
+    // Carries out a control of the C-arm, table or field, which changes only this view of the replay. Returns
+    // false for other controls.
     bool act(ControlId id);
     void jump(double seconds); // relative
     void go_to(std::uint32_t tick);
-    // Shows the second before the next error, or before the one that comes before.
+    // Goes to one second before the next error, or before the previous error.
     void go_to_error(bool is_next);
     void toggle_expert();
     void toggle_play() { is_playing_ = !is_playing_; }

@@ -60,7 +60,8 @@ void SessionHost::begin(int number)
     pictures.line = line_;
     take_stents(pictures, options_.stents, table_);
     std::vector<RoomCommand> commands = entry_commands(scene_);
-    // The trainee of a case loads the stent, as its expert does: a bare balloon may have to come first.
+    // In a case the trainee orders the stent to be loaded, as the expert does, because a balloon without a
+    // stent may be needed first.
     const bool has_balloon = balloon_tool(crn::tools_on(table_, line_)).has_value();
     if (!pictures.stents.empty() && !options_.lesson && has_balloon) commands.push_back(first_stent);
     if (options_.lesson)
@@ -68,7 +69,7 @@ void SessionHost::begin(int number)
             commands.insert(commands.end(), statement.room.begin(), statement.room.end());
     pictures.dicom.folder = export_folder(pictures.dicom, number_);
     recording_ = numbered(options_.record, begun_);
-    // Files and tests must contain the picture of every pulse.
+    // The stored files and the tests must contain the picture of every X-ray pulse.
     const bool is_counted = options_.frames > 0;
     const bool keeps_all = is_counted || !pictures.dicom.folder.empty();
     auto session = std::make_unique<LiveSession>(scene_, table_, entry_, recording_, pictures, commands,

@@ -1,4 +1,4 @@
-// Draws the start screen: cards of the cases, free practice, kept recordings, the trainee, and the rig.
+// Draws the start screen: cards of the cases, free practice, stored recordings, the trainee, and the rig.
 #include "host/base/format.hpp"
 #include "host/suite/pages.hpp"
 #include "host/suite/ui_text.hpp"
@@ -14,8 +14,8 @@ namespace
 constexpr float side_units = 320.0f, card_width = 356.0f, card_height = 196.0f, card_gap = 14.0f;
 constexpr float picture_units = 104.0f;
 
-// Draws text in a rectangle, in lines of its width and at most as many as fit; three dots say that more
-// follows. Returns the height of the lines.
+// Draws text in a rectangle, broken into as many lines as fit; three dots at the end show that text is
+// missing. Returns the height of the drawn lines.
 float wrapped(ImDrawList *draw, ImFont *font, const UiRect &place, ImU32 colour, const std::string &text)
 {
     const float line = font->FontSize;
@@ -41,7 +41,7 @@ struct CardState {
     bool is_pressed = false, is_hovered = false;
 };
 
-// Draws one card. The whole card is a button.
+// Draws one card. The whole card of a case is a button.
 CardState draw_card(Ui &ui, const CaseCard &card, std::size_t index, float width, float height)
 {
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -68,7 +68,7 @@ CardState draw_card(Ui &ui, const CaseCard &card, std::size_t index, float width
     y += wrapped(draw, ui.fonts().small_text, {x, y, right - x, bottom - foot - y}, tint::sky, card.goal);
     if (!card.trouble.empty())
         wrapped(draw, ui.fonts().small_text, {x, y, right - x, bottom - y}, tint::orange, card.trouble);
-    // The story goes below the picture, over the whole width.
+    // The story of the case is drawn below the picture, over the whole width of the card.
     const float story_y = std::max(
         y + ui.px(4.0f), at.y + pad + (card.picture.bytes.empty() ? 0.0f : ui.px(picture_units + 6.0f)));
     ImFont *small_font = ui.fonts().small_text;
@@ -90,7 +90,7 @@ struct CardsState {
     std::optional<std::size_t> pressed, hovered;
 };
 
-// Draws one page of the cards of the cases, as a grid that scrolls in a small window.
+// Draws one page of case cards as a grid, which scrolls in a small window.
 CardsState draw_cards(Ui &ui, const std::vector<CaseCard> &cards, std::size_t page, const UiRect &place)
 {
     CardsState state;
@@ -102,8 +102,8 @@ CardsState draw_cards(Ui &ui, const std::vector<CaseCard> &cards, std::size_t pa
         std::max(1, static_cast<int>((available + ui.px(card_gap)) / ui.px(card_width + card_gap)));
     const float width =
         (available - ui.px(card_gap) * static_cast<float>(columns - 1)) / static_cast<float>(columns);
-    // The rows of a full page share the height, so that the cards have more of their stories in a large
-    // window.
+    // The rows of a full page of cards share the height of the window, so that in a large window the cards
+    // show more of their stories.
     const auto rows = static_cast<float>((cards_per_page() + static_cast<std::size_t>(columns) - 1) /
                                          static_cast<std::size_t>(columns));
     const float height =
@@ -120,7 +120,7 @@ CardsState draw_cards(Ui &ui, const std::vector<CaseCard> &cards, std::size_t pa
     return state;
 }
 
-// Which cards are shown, and the buttons that show others; nothing if one page holds all.
+// Draws which cards are shown, and the buttons that show others; draws nothing if one page holds all cards.
 void draw_pager(Ui &ui, const StartView &view, float right, PageChoice &choice)
 {
     const std::size_t count = view.cases->size(), first = view.page * cards_per_page();
@@ -178,7 +178,7 @@ void draw_side(Ui &ui, const StartView &view, const CaseCard *hovered, std::stri
     if (ui.screen_button(ScreenControlId::to_rig, "Rig", width)) choice.kind = PageChoice::Kind::rig;
     if (ui.screen_button(ScreenControlId::quit, "End", width)) choice.kind = PageChoice::Kind::quit;
     if (!hovered) return;
-    // The story of the card under the pointer stands here, because a tooltip would cover other cards.
+    // The full story of the card under the pointer is drawn here, because a tooltip would cover other cards.
     ImGui::Dummy({1.0f, ui.px(8.0f)});
     ui.text(tint::text, "%s", hovered->name.c_str());
     ui.note_last_item("story", hovered->name);

@@ -1,5 +1,5 @@
-// Draws the haemodynamics strip: the electrocardiogram in green, the arterial pressure in red, the rate, the
-// pressure S/D (mean), the oxygen saturation in cyan, and alarms.
+// Draws the haemodynamics strip: the electrocardiogram in green, the arterial pressure in red, the heart
+// rate, systolic/diastolic (mean) pressure, the oxygen saturation in cyan, and alarms.
 #include "host/base/format.hpp"
 #include "host/suite/suite_screen.hpp"
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace crn
 namespace
 {
 
-// Limits of the alarms: assumptions, usual in adults at rest.
+// Alarm limits; they are assumed values, usual for adults at rest.
 constexpr double rate_low = 40.0, rate_high = 130.0, systolic_low = 80.0, systolic_high = 180.0;
 constexpr float numbers_width = 300.0f, saturation_width = 84.0f;
 constexpr std::size_t gap_samples = 24; // between the newest and the oldest sample
@@ -24,8 +24,8 @@ struct Lane {
     float thick;
 };
 
-// Draws one trace, from left to right as on a monitor: new samples replace the old ones. Every column shows
-// the range of its samples, so no peak is lost.
+// Draws one trace from left to right, as a monitor does: new samples replace the old ones. Every column of
+// the trace shows the range of its samples, so that no peak is lost.
 template <class Value>
 void draw_trace(ImDrawList *draw, const PulseMonitor &pulse, const Lane &lane, Value value)
 {
@@ -91,7 +91,7 @@ void SuiteScreen::draw_strip(const UiRect &place)
     ui_.end_panel();
 }
 
-// The finger sensor finds no saturation without a pulse.
+// Without a pulse the finger sensor cannot measure an oxygen saturation.
 void SuiteScreen::draw_saturation(const UiRect &place)
 {
     const PulseMonitor &pulse = view_->state->pulse;
@@ -110,7 +110,8 @@ void SuiteScreen::draw_saturation(const UiRect &place)
     ImGui::EndGroup();
 }
 
-// An alarm shows a sign besides its colour: *** needs help at once, ** needs attention.
+// An alarm has a sign besides its colour: *** means that help is needed at once, and ** that attention is
+// needed.
 void SuiteScreen::draw_pressure_numbers(const UiRect &place)
 {
     const PulseMonitor &pulse = view_->state->pulse;

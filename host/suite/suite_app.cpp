@@ -16,8 +16,8 @@ namespace
 {
 
 constexpr double screens_per_s = 60.0;
-// The window draws at most 60 times a second, and leaves the processors to physics and X-ray: a screen that
-// takes d to draw is followed by a pause of at least 1.5 d.
+// The window is drawn at most 60 times a second, and leaves processor time to physics and X-ray: after a
+// drawing that takes the time d, the window pauses for at least 1.5 d.
 constexpr double pause_share = 1.5, pause_max_s = 0.12;
 constexpr double look_s = 2e-3; // between looks for a new picture during that pause
 constexpr auto step_memory = std::chrono::milliseconds(400);
@@ -39,13 +39,13 @@ SuiteApp::SuiteApp(const WindowOptions &options)
     window_.on_key([this](int key, int action, int modifiers) {
         last_input_ = SuiteClock::now();
         if (is_in_session() || page_ == Page::replay) input_->key(key, action, modifiers);
-        // A key that is held must not lead through several screens.
+        // A key that is held down must not lead through several screens.
         if (!is_in_session() && action == GLFW_PRESS) take_page_key(key);
     });
     window_.on_focus_lost([this] {
         if (input_) input_->release_all();
     });
-    // The X-ray's context is made here, because only this thread may make windows.
+    // The OpenGL context for the X-ray is made here, because only this thread may make windows.
     if (options.pictures.xray == "opengl") window_.context();
     if (!options.replays.empty())
         open_replay(options.replays);
@@ -57,8 +57,8 @@ SuiteApp::SuiteApp(const WindowOptions &options)
         open_session(options_);
 }
 
-// A session that begins from a screen keeps a recording of its own; only the first one uses the file that the
-// command line named.
+// A session that begins from a screen of the window has a recording of its own; only the first session uses
+// the file that the command line named.
 WindowOptions SuiteApp::session_options(const WindowOptions &options) const
 {
     WindowOptions chosen = options;
@@ -76,7 +76,7 @@ void SuiteApp::open_session(const WindowOptions &options)
     enter_session();
 }
 
-// Shows the session that host_ has begun.
+// Shows the session that the member host_ has begun.
 void SuiteApp::enter_session()
 {
     input_.emplace(host_->line().size());
@@ -116,7 +116,7 @@ int SuiteApp::run()
     return finish();
 }
 
-// Shows one screen. Returns false if the program must end.
+// Shows one screen. The function returns false if the program must end.
 bool SuiteApp::show_screen(int frame)
 {
     if (window_.wants_close() || is_interrupted() || wants_quit_) return false;
@@ -194,7 +194,7 @@ void SuiteApp::show_suite()
     write_layout();
 }
 
-// Returns true if the live monitor has a picture that no screen has shown.
+// Returns true if the live monitor has a picture that the window has not shown yet.
 bool SuiteApp::is_picture_new() const
 {
     if (!is_in_session()) return false;
@@ -202,7 +202,7 @@ bool SuiteApp::is_picture_new() const
     return live && live->number != shown_number_;
 }
 
-// Waits until the screen is drawn, and passes input on meanwhile.
+// Waits until the window is drawn, and passes on input meanwhile.
 void SuiteApp::finish_screen()
 {
     while (window_.is_drawing()) {
@@ -213,8 +213,9 @@ void SuiteApp::finish_screen()
     drawn_.reset();
 }
 
-// Waits until the next screen is due: a new picture is shown at once, and a screen just before a picture is
-// left out. Input is passed on at once, so its delay does not depend on the rate of the screens.
+// Waits until the window must be drawn again: a new picture is shown at once, and a drawing shortly before a
+// picture is left out. Input is passed on at once, so its delay does not depend on how often the window is
+// drawn.
 void SuiteApp::keep_rate(SuiteClock::time_point begin)
 {
     using Seconds = std::chrono::duration<double>;
@@ -263,8 +264,8 @@ void SuiteApp::pass(const UserWishes &wishes)
     });
 }
 
-// A step of a frame or of the mask starts from what the screen shows. The screen may not yet show the step
-// before, so the steps of the last moments are remembered here.
+// A step to another frame, or a shift of the mask, starts from the state that the screen shows. The screen
+// may not yet show the previous step, so the steps of the last 400 ms are remembered here.
 RoomStatus SuiteApp::predicted(ControlId id)
 {
     const std::shared_ptr<const MonitorPicture> live = host_->physics().live();
@@ -338,7 +339,7 @@ void SuiteApp::act_own()
     }
 }
 
-// Shows the stored run after the one that is shown; after the last comes the first.
+// Shows the stored run that follows the shown run; the last run is followed by the first.
 void SuiteApp::next_reference()
 {
     const std::vector<RoomRun> &runs = host_->physics().state()->room.runs();
@@ -349,7 +350,8 @@ void SuiteApp::next_reference()
     host_->physics().show_reference({ReferenceChoice::Kind::loop, reference_run_});
 }
 
-// Writes where the controls are, and the texts that change, for tests that act on what they see.
+// Writes the positions of the controls, and the texts that change, to a file, for tests that react to what
+// the window shows.
 void SuiteApp::write_layout()
 {
     if (options_.layout.empty()) return;

@@ -1,4 +1,5 @@
-// Runs the window: shows its screens, hands the user's actions to the session, and keeps the window's rate.
+// Runs the window: shows its screens, passes the user's actions to the session, and limits the rate of
+// drawing.
 #pragma once
 #include "host/live/picture_rhythm.hpp"
 #include "host/suite/gamepad.hpp"
@@ -20,7 +21,7 @@ class SuiteApp
 {
   public:
     explicit SuiteApp(const WindowOptions &options);
-    // Shows the window until the user ends it. Returns the program's exit code.
+    // Shows the window until the user closes it. Returns the program's exit code.
     int run();
 
   private:

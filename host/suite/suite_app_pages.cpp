@@ -1,4 +1,4 @@
-// The screens of the window without a session: which one is shown, and what its keys and buttons do.
+// Controls the screens of the window without a session: which one is shown, and what its keys and buttons do.
 #include "host/base/pending_file.hpp"
 #include "host/records/record.hpp"
 #include "host/report/session_summary.hpp"
@@ -49,7 +49,7 @@ void SuiteApp::go_on(Page page)
     if (page == Page::rig) rigs_ = rig_rows();
 }
 
-// Throws what check_pseudonym throws, because a session cannot be stored under such a name.
+// Throws the exceptions of check_pseudonym(), because no session can be stored under an invalid pseudonym.
 void SuiteApp::open_prep(const CaseCard &card)
 {
     trainee_ = without_outer_blanks(trainee_);
@@ -73,7 +73,7 @@ void SuiteApp::open_replay(const std::string &recording, std::uint32_t tick)
     page_ = Page::replay;
 }
 
-// Opens a session in the background: a beating heart takes seconds to read.
+// Opens a session in the background, because reading a beating heart takes seconds.
 void SuiteApp::begin_opening(const WindowOptions &options)
 {
     opening_ = std::make_unique<BackgroundTask<std::unique_ptr<SessionHost>>>(
@@ -84,7 +84,7 @@ void SuiteApp::begin_opening(const WindowOptions &options)
         });
 }
 
-// Shows the session that was opened, or says why it was not.
+// Shows the session that was opened, or the reason why opening it failed.
 void SuiteApp::look_at_opening()
 {
     if (!opening_ || !opening_->is_done()) return;
@@ -133,7 +133,7 @@ void SuiteApp::show_page()
     look_at_opening();
 }
 
-// A card or a recording that cannot be opened leaves the screen where it is, and says why.
+// If a card or a recording cannot be opened, the same screen stays and shows the reason.
 void SuiteApp::follow(const PageChoice &choice)
 {
     if (choice.kind == PageChoice::Kind::none) return;
@@ -188,7 +188,7 @@ void SuiteApp::carry_out(const PageChoice &choice)
     }
 }
 
-// Writes the page and the figures of the debrief beside the recording.
+// Writes the page of the debrief and its figures as files beside the recording.
 void SuiteApp::save_debrief()
 {
     const Debrief &debrief = host_->debrief();
@@ -202,8 +202,8 @@ void SuiteApp::save_debrief()
     said_ = "written " + page + "\nwritten " + figures;
 }
 
-// Returns what a key chooses on a screen without a session (controls_table.cpp). A key of a range, such as
-// "1 to 9", chooses by its place in the range.
+// Returns the choice that a key makes on a screen without a session (controls_table.cpp). A key of a range,
+// such as "1 to 9", makes the choice with the key's position in the range.
 PageChoice SuiteApp::choice_of_key(int key) const
 {
     using Kind = PageChoice::Kind;

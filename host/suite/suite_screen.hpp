@@ -1,5 +1,6 @@
-// Draws the suite: the monitors, the panels around them, and what lies over them for a while. Each part reads
-// a copy of the session's state, and gives the user's actions to UserInput.
+// Draws the suite (the window of a live session): the monitors, the panels around them, and temporary parts
+// such as notices and help. Each part of the suite reads a copy of the session's state, and passes the user's
+// actions to UserInput.
 #pragma once
 #include "host/cases/goals.hpp"
 #include "host/live/oximeter.hpp"
@@ -14,7 +15,7 @@
 namespace crn
 {
 
-// Everything that one frame of the suite shows.
+// Holds everything that one drawing of the suite shows.
 struct SuiteView {
     std::shared_ptr<const SuiteState> state;
     std::shared_ptr<const MonitorPicture> live, reference;
@@ -29,7 +30,8 @@ struct SuiteView {
     bool is_measured = true; // false: figures that depend on the clock are left out, for tests
 };
 
-// A drag or turn of the wheel on a device: what the session must do with it.
+// Describes a drag, or a turn of the mouse wheel, on a device: how far the session must push and turn the
+// tool.
 struct DeviceDrag {
     std::size_t tool = 0;
     std::int32_t push_um = 0, turn_counts = 0;
@@ -46,15 +48,15 @@ struct Toast {
     std::int64_t from_tick = -1;
 };
 
-// The greys of a picture that a monitor shows from black to white, as a share of all greys: the window is how
-// many, and the level is their middle.
+// The range of greys that a monitor shows from black to white, as shares of all greys: `window` is the width
+// of the range, and `level` its middle.
 struct GreyRange {
     double window = 1.0, level = 0.5;
     bool is_whole() const { return window == 1.0 && level == 0.5; }
-    // Returns the picture with this range stretched from black to white.
+    // Returns the picture with this range of greys stretched from black to white.
     std::vector<std::uint8_t> shown(const std::vector<std::uint8_t> &grey) const;
-    // A drag to the right widens the window, and a drag upwards raises the level, so that the picture gets
-    // darker; `right` and `up` are shares of the picture's edge.
+    // Dragging to the right widens the window of greys, and dragging upwards raises its level, so that the
+    // picture gets darker; `right` and `up` are shares of the picture's edge.
     void drag(double right, double up);
 };
 
@@ -63,7 +65,7 @@ class SuiteScreen
   public:
     explicit SuiteScreen(Ui &ui) : ui_(ui) {}
 
-    // Draws one frame. Returns what the mouse did in it, besides pressing controls.
+    // Draws one frame. Returns the user's actions with the mouse, except for presses of controls.
     SuiteActions draw(const SuiteView &view);
     void forget_toasts(); // of the last session
 

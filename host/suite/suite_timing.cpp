@@ -8,7 +8,7 @@ namespace crn
 namespace
 {
 
-// Returns the value below which this share of the values lies; null if there are none.
+// Returns the value below which this share of the values lies, or null if `values` is empty.
 nlohmann::ordered_json quantile(std::vector<double> values, double share)
 {
     if (values.empty()) return nullptr;
@@ -19,7 +19,7 @@ nlohmann::ordered_json quantile(std::vector<double> values, double share)
 
 } // namespace
 
-// The delay of an input ends with the first screen that shows a pulse which came after the input.
+// The delay of an input ends when the window first shows an X-ray pulse that came after the input.
 void SuiteTiming::take(const SuiteState &state, const MonitorPicture *live, SuiteClock::time_point now)
 {
     ++screens_;

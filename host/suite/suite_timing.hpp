@@ -1,5 +1,5 @@
 // Measures how the window performs on this machine: pictures per second, the delay from hand to picture, and
-// the punctuality of the physics. None of it is part of a session's result.
+// how punctual the physics is. These measurements are not part of a session's result.
 #pragma once
 #include "host/live/picture_thread.hpp"
 #include "host/live/suite_state.hpp"
@@ -13,7 +13,7 @@ namespace crn
 class SuiteTiming
 {
   public:
-    // Takes one screen, and when it was shown.
+    // Receives the contents of one drawing of the window, and the time at which this drawing was shown.
     void take(const SuiteState &state, const MonitorPicture *live, SuiteClock::time_point now);
     // Throws OutputError.
     void write(const std::string &path) const;

@@ -23,7 +23,7 @@ namespace
 constexpr float layout_width = 1600.0f, layout_height = 900.0f, scale_min = 0.8f;
 constexpr float text_units = 15.0f, small_units = 12.5f, bold_units = 17.0f, large_units = 27.0f;
 
-// Holds the OpenGL context of the X-ray, in a window that is never shown.
+// Holds the OpenGL context of the X-ray code, in a window that is never shown.
 class HiddenContext final : public GlContext
 {
   public:
@@ -37,7 +37,7 @@ class HiddenContext final : public GlContext
     GLFWwindow *window_;
 };
 
-// The window's own context, which is current in the thread that draws all the time.
+// The context of the visible window, which is always current in the thread that draws.
 class ShownContext final : public GlContext
 {
   public:
@@ -50,7 +50,8 @@ class ShownContext final : public GlContext
 struct FontFiles {
     const char *text, *bold;
 };
-// DejaVu has every sign that the suite writes, and nearly every Debian desktop has it already.
+// The font DejaVu contains every character that the window writes, and is installed on nearly every Debian
+// desktop.
 constexpr FontFiles font_files[] = {
     {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
      "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf"},
@@ -147,8 +148,8 @@ void SuiteWindow::open(const std::string &title, WindowSize size)
     glfwSetWindowUserPointer(window_, this);
     glfwSetKeyCallback(window_, [](GLFWwindow *window, int key, int, int action, int modifiers) {
         auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
-        // A field that was clicked in the last frame sets WantTextInput in the next one only; a key that
-        // comes before belongs to the field as well.
+        // A click on a text field sets WantTextInput only in the frame after the click; a key that is pressed
+        // before that frame belongs to the field as well.
         const bool has_field =
             ImGui::GetIO().WantTextInput || ImGui::GetCurrentContext()->WantTextInputNextFrame == 1;
         const bool is_typing = has_field && action != GLFW_RELEASE;
@@ -170,9 +171,9 @@ void SuiteWindow::open(const std::string &title, WindowSize size)
     });
 }
 
-// ImGui's callbacks call those above. The program keeps its own callbacks for keys and for the mouse's left
-// button. This version of ImGui loses a key that is pressed and released between two frames. If the button is
-// released and pressed again between two frames, ImGui sees no release, and a drag goes on.
+// ImGui's callbacks call those above. The program handles keys and the left mouse button in its own
+// callbacks. This version of ImGui loses a key that is pressed and released between two frames. If the button
+// is released and pressed again between two frames, ImGui does not notice the release, and a drag continues.
 void SuiteWindow::set_up_imgui()
 {
     ImGui::CreateContext();
@@ -187,8 +188,8 @@ void SuiteWindow::set_up_imgui()
     fit();
 }
 
-// Sets the size of everything from the size of the window. Text grows with the window, and stays legible on
-// a dense screen.
+// Computes the sizes of text and panels from the size of the window. Text grows with the window, and stays
+// legible on a screen with small pixels.
 void SuiteWindow::fit()
 {
     int width = 0, height = 0;
@@ -236,7 +237,8 @@ bool SuiteWindow::wants_close() const
     return glfwWindowShouldClose(window_) != 0;
 }
 
-// Shows ImGui at most one press or release of the left button per frame, at the place where it happened.
+// Passes to ImGui at most one press or release of the left button per frame, with the position of the pointer
+// at that moment.
 void SuiteWindow::show_button()
 {
     ImGuiIO &io = ImGui::GetIO();
@@ -249,7 +251,7 @@ void SuiteWindow::show_button()
     io.MouseDown[ImGuiMouseButton_Left] = is_button_down_;
 }
 
-// ImGui makes the texture of the letters only once by itself, together with its shaders.
+// Makes the texture of the letters again, because ImGui itself makes it only once, together with its shaders.
 void SuiteWindow::begin_frame()
 {
     paint_->finish();
@@ -266,7 +268,7 @@ void SuiteWindow::begin_frame()
     ImGui::NewFrame();
 }
 
-// ImGui keeps the lists of what to draw until the next frame begins.
+// ImGui keeps its lists of drawing commands until the next frame begins.
 void SuiteWindow::end_frame()
 {
     ImGui::Render();
@@ -288,8 +290,8 @@ void SuiteWindow::draw(int width, int height)
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-// Draws the last frame once more, and reads OpenGL's back buffer before it is shown; OpenGL returns the
-// lowest row first.
+// Draws the last frame once more, and reads OpenGL's back buffer before this buffer is shown; OpenGL returns
+// the lowest row first.
 Image SuiteWindow::read_back()
 {
     Image image{0, 0, 3, {}};
@@ -308,7 +310,7 @@ Image SuiteWindow::read_back()
     return image;
 }
 
-// A frame is being composed, so nothing is being drawn.
+// Nothing is being drawn at this moment, because a frame is being composed.
 void *SuiteWindow::texture(std::size_t slot, int size, const std::vector<std::uint8_t> &grey,
                            std::uint64_t version, bool is_sharp)
 {

@@ -1,6 +1,6 @@
-// Opens the suite's window with GLFW and draws it with Dear ImGui: fonts, textures for the monitors, and the
-// size of everything. One thread uses the window, the one that made it. A thread of the window's own draws,
-// so that keys are read meanwhile.
+// Opens the suite's window with GLFW and draws its contents with Dear ImGui: fonts, textures for the
+// monitors, and the sizes of all parts. Only the thread that made this object may use it. The window is drawn
+// in a separate thread, so that keys can be read during the drawing.
 #pragma once
 #include "host/picture/picture.hpp"
 #include "host/screen/paint_thread.hpp"
@@ -31,23 +31,25 @@ class SuiteWindow
   public:
     using KeyHandler = std::function<void(int key, int action, int modifiers)>;
 
-    // `font` names a TrueType file; empty: the installed DejaVu Sans or Liberation Sans. Throws
-    // std::runtime_error if there is no display, no OpenGL 3.3 or no font; the message names the remedy.
+    // `font` names a TrueType file; if it is empty, the installed DejaVu Sans or Liberation Sans is used.
+    // Throws std::runtime_error if the computer has no display, no OpenGL 3.3 or no font; the message names
+    // the remedy.
     SuiteWindow(const std::string &title, WindowSize size, const std::string &font);
     ~SuiteWindow();
     SuiteWindow(const SuiteWindow &) = delete;
     SuiteWindow &operator=(const SuiteWindow &) = delete;
 
-    // Keys do not reach the handler while the user types into a text field.
+    // The handler receives no keys while the user types into a text field.
     void on_key(KeyHandler handler) { key_handler_ = std::move(handler); }
     void on_focus_lost(std::function<void()> handler) { focus_handler_ = std::move(handler); }
-    // Handles events; waits for the first one up to `seconds`.
+    // Handles all pending events; if none is pending, waits up to `seconds` for the first one.
     void poll(double seconds);
     bool wants_close() const;
     void begin_frame(); // waits until the frame before is shown
     void end_frame();   // hands the frame to the thread that draws and shows it
     bool is_drawing() const { return !paint_->is_idle(); }
-    // Returns when the last frame was shown; only while none is being drawn.
+    // Returns the time at which the last frame was shown; call this function only while no frame is being
+    // drawn.
     std::chrono::steady_clock::time_point shown_at() const { return shown_at_; }
     Image read_back(); // the window as last shown
 
@@ -56,8 +58,8 @@ class SuiteWindow
     float height() const { return height_; }
     const UiFonts &fonts() const { return fonts_; }
 
-    // Puts a grey picture into texture number `slot`, unless this `version` is already there, and returns the
-    // texture for ImGui. `is_sharp` shows single pixels.
+    // Loads a grey picture into texture number `slot`, unless the texture already has this `version`, and
+    // returns the texture for ImGui. `is_sharp` shows single pixels.
     void *texture(std::size_t slot, int size, const std::vector<std::uint8_t> &grey, std::uint64_t version,
                   bool is_sharp);
     // Returns an OpenGL context for the X-ray code, which another thread may use. The window must outlive it.
@@ -84,7 +86,7 @@ class SuiteWindow
     void upload(const Upload &upload);
     void draw(int width, int height);
 
-    // A press or a release of the mouse's left button, and where the pointer was then.
+    // A press or a release of the left mouse button, with the position of the pointer at that moment.
     struct ButtonEvent {
         bool is_down = false;
         float x = 0.0f, y = 0.0f;

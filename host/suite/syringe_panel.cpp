@@ -1,4 +1,5 @@
-// Draws the dose, the injector with the limit of the lumen, and the inflator with the balloon's chart.
+// Draws the panels of dose, injector and inflator; the injector shows the flow limit of the lumen, and the
+// inflator the balloon's compliance chart.
 #include "host/base/format.hpp"
 #include "host/effects/lumen_pressure.hpp"
 #include "host/patient/balloon.hpp"
@@ -136,8 +137,8 @@ void SuiteScreen::draw_inflator(const UiRect &place)
     ui_.end_panel();
 }
 
-// The balloon's compliance chart: diameter over pressure, with nominal and rated burst pressure, and the
-// present point.
+// Draws the balloon's compliance chart: diameter over pressure, with nominal and rated burst pressure, and
+// the present state.
 void SuiteScreen::draw_chart(const UiRect &place, const Instrument &tool)
 {
     if (place.height < ui_.px(30.0f)) return;
@@ -166,7 +167,7 @@ void SuiteScreen::draw_chart(const UiRect &place, const Instrument &tool)
         draw->AddText({x + ui_.px(3.0f), place.y + place.height - ui_.px(30.0f)}, colour,
                       formatted("%s\n%.0f bar", name, kPa / kPa_per_bar).c_str());
     };
-    // The largest and the smallest diameter of the table, at their height.
+    // Marks the largest and the smallest diameter of the balloon's table at their heights in the chart.
     const float line = ImGui::GetFontSize();
     for (const crn_wire_balloon_point *point : {&first, &last}) {
         const double mm = point->diameter_um * 1e-3;

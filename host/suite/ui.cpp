@@ -57,7 +57,7 @@ void Ui::button(ControlId id, const char *label, float width, bool is_lit)
     std::string shown(label ? std::string_view(label) : found.name);
     if (!shown.empty() && shown[0] >= 'a' && shown[0] <= 'z')
         shown[0] = static_cast<char>(shown[0] - 'a' + 'A');
-    // A button of a fixed width leaves less room beside its label than one that is as wide as its label.
+    // A button of a fixed width has less space beside its label than a button that is as wide as its label.
     const float beside = width > 0.0f ? px(3.0f) : ImGui::GetStyle().FramePadding.x;
     const bool is_cut = width > 0.0f && ImGui::CalcTextSize(shown.c_str()).x > px(width) - 2.0f * beside;
     const std::string text = shown + "##" + std::string(found.name);
@@ -96,7 +96,7 @@ bool Ui::plain_button(const char *name, const char *label, float width, const ch
     return is_pressed;
 }
 
-// Draws the text with a font; where a wrapping width is set, the lines are broken here.
+// Draws the text with a font; if ImGui has a width for line breaks, the text is broken into lines here.
 void Ui::draw_text(ImFont *font, ImU32 colour, const char *format, va_list arguments)
 {
     std::string text = formatted_with(format, arguments);

@@ -1,5 +1,5 @@
-// Draws the parts of which the suite's panels are made: panels at fixed places, buttons of controls, texts
-// and bars. It also notes where every control is, so that a test can press it.
+// Draws the parts of which the window's panels are made: panels at fixed places, buttons of controls, texts
+// and bars. The class also stores the position of every control, so that a test can press it.
 #pragma once
 #include "host/suite/suite_window.hpp"
 #include "host/suite/user_input.hpp"
@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// Colours of Okabe and Ito, which people with colour blindness can tell apart, and greys.
+// Colours of Okabe and Ito, which people with colour blindness can distinguish, and greys.
 namespace tint
 {
 inline constexpr ImU32 background = IM_COL32(16, 20, 24, 255), panel = IM_COL32(30, 36, 43, 255),
@@ -47,21 +47,23 @@ class Ui
     // Begins a panel at a fixed place; `title` may be empty. Call end_panel() afterwards.
     void begin_panel(const char *name, const UiRect &place, const char *title);
     void end_panel();
-    // Draws the button of a control. `label` replaces its name, and begins with a capital letter. A lit
-    // button shows that its state is on. `width` is in units; 0: as wide as the label; below 0: as wide as is
-    // left. The layout file says of a button with a fixed width if its label does not fit.
+    // Draws the button of a control. `label` replaces the control's name, and is shown with a capital letter
+    // at its beginning. A button that is lit shows that the state of its control is on. `width` is in layout
+    // units; 0 means as wide as the label, and a negative value means the whole remaining width. If the label
+    // of a button does not fit into its fixed width, the layout file (for tests) says so.
     void button(ControlId id, const char *label = nullptr, float width = 0.0f, bool is_lit = false);
-    // Draws the button of a screen's control; a wide one also shows its key. Returns true when it was
-    // pressed.
+    // Draws the button of a screen's control; a wide button also shows its key. Returns true if the user
+    // pressed the button.
     bool screen_button(ScreenControlId id, const std::string &label, float width);
-    // Draws a button that is no control of the session, such as a card. Returns true when it was pressed.
+    // Draws a button that belongs to no control of the session, such as a card. Returns true if the user
+    // pressed this button.
     bool plain_button(const char *name, const char *label, float width, const char *tooltip = nullptr);
-    // Shows a tooltip for the last item, if the pointer rests on it.
+    // Shows a tooltip for the last drawn item, if the pointer rests on the item.
     void tooltip(const std::string &text);
     static std::string tooltip_of(const Control &control);
     void text(ImU32 colour, const char *format, ...) IM_FMTARGS(3);
     void small_text(ImU32 colour, const char *format, ...) IM_FMTARGS(3);
-    // A horizontal bar from the middle, for values of both signs, -1 .. 1.
+    // Draws a horizontal bar from the middle to the left or right, for values from -1 to 1.
     void bar(float share, ImU32 colour, const char *label, float width);
     void note(const std::string &name, const UiRect &place, const std::string &text = "")
     {
@@ -69,7 +71,7 @@ class Ui
     }
     void note_last_item(const std::string &name, const std::string &text = "");
 
-    // Returns the controls that the present screen shows, with their places in pixels.
+    // Returns the controls that the present screen shows, with their positions in pixels.
     const std::vector<PlacedControl> &placed() const { return placed_; }
 
   private:

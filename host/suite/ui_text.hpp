@@ -1,4 +1,4 @@
-// Converts the display's texts to the letters of the window's font.
+// Converts texts of the X-ray display to the characters of the window's font.
 #pragma once
 #include <algorithm>
 #include <string>
@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// The display's own letters have the degree sign at 0x7f.
+// Replaces the character 0x7f, which is the degree sign in the display's own font.
 inline std::string with_degrees(std::string_view text)
 {
     std::string result;
@@ -21,8 +21,9 @@ inline std::string with_degrees(std::string_view text)
     return result;
 }
 
-// Breaks a text into lines of at most this width, at its blanks only: ImGui also breaks behind the point of
-// "3.0 mm". `measure` returns the width of a text. A word that is too wide stays whole.
+// Breaks a text into lines of at most this width, only at blanks, because ImGui also breaks after the point
+// in "3.0 mm". The function `measure` returns the width of a text. A word that is wider than the line is not
+// broken.
 template <class Measure>
 std::vector<std::string> lines_of(std::string_view text, float width, Measure measure)
 {
@@ -54,7 +55,7 @@ inline std::string joined_lines(const std::vector<std::string> &lines)
     return text;
 }
 
-// Leaves out the moment behind a notice, " (at 4569 ms)": it is written for the report.
+// Removes the time at the end of a notice, such as " (at 4569 ms)", which is meant for the report.
 inline std::string without_moment(const std::string &notice)
 {
     const std::size_t at = notice.rfind(" (at ");
@@ -62,7 +63,8 @@ inline std::string without_moment(const std::string &notice)
     return is_moment ? notice.substr(0, at) : notice;
 }
 
-// Leaves out the remedy of a condition that does not hold: it is written for the author of a script.
+// Removes the remedy from the text about a condition that is not met, because the remedy is meant for the
+// author of a script.
 inline std::string without_remedy(const std::string &found)
 {
     return found.substr(0, found.find("; remedy:"));

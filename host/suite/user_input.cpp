@@ -132,7 +132,7 @@ bool UserInput::is_on_line(std::size_t number) const
     return std::find(line_.begin(), line_.end(), number) != line_.end();
 }
 
-// Selects the next tool of the table that is not on the line, so many numbers farther on.
+// Selects the next tool that is not on the line, in steps of `step` numbers through the table.
 void UserInput::step_to_load(std::size_t step)
 {
     for (std::size_t i = 1; i <= table_count_; ++i) {
@@ -147,7 +147,8 @@ void UserInput::step_to_load(std::size_t step)
 void UserInput::see_line(const LineNumbers &line, std::size_t table_count)
 {
     if (line == line_ && table_count == table_count_) return;
-    // A tool that has just left the line is the one that is most often loaded again.
+    // The tool that has just left the line is selected, because it is the one that is most often loaded
+    // again.
     LineNumbers left = line_;
     std::erase_if(left, [&](std::uint8_t number) {
         return number == 0 || std::find(line.begin(), line.end(), number) != line.end();
@@ -166,7 +167,7 @@ void UserInput::select_to_load(std::uint8_t number)
     if (number >= 1 && number <= table_count_ && !is_on_line(number)) to_load_ = number;
 }
 
-// An exchange is one order to the core, which says why it refuses one.
+// An exchange of tools is one order to the core, which states the reason if it refuses the exchange.
 bool UserInput::act_on_rack(ControlId id)
 {
     const auto position = static_cast<std::uint8_t>(chosen_tool_);
@@ -178,7 +179,8 @@ bool UserInput::act_on_rack(ControlId id)
         if (table_count_ > 0) step_to_load(table_count_ - 1);
         return true;
     case ControlId::load_tool:
-        // Without a tool to load, the core is asked for the tool that is there, and answers that it is there.
+        // If no tool can be loaded, the core is asked for the tool that is already at this position, and
+        // answers that this tool is there.
         orders_.push_back(crn_wire_order_of_exchange(
             {position, to_load_ != 0 || chosen_tool_ >= line_.size() ? to_load_ : line_[chosen_tool_]}));
         return true;
@@ -220,7 +222,7 @@ double UserInput::injection_ml_s() const
     return injection_rates_ul_s[injection_rate_] * 1e-3;
 }
 
-// A pedal whose state has changed gives one command.
+// Each pedal whose state has changed gives one command.
 void UserInput::add_pedals(UserWishes &wishes)
 {
     const auto change = [](bool now, bool &before) {

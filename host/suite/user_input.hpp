@@ -1,5 +1,5 @@
-// Collects what the user does with keys, mouse, gamepad and foot pedals, and turns it into what the session
-// must do. A control that is pressed and released between two calls of take() still acts once. A control may
+// Collects the user's actions with keys, mouse, gamepad and foot pedals, and converts them to actions of the
+// session. A control that is pressed and released between two calls of take() still acts once. A control may
 // be held by several inputs at once, such as a key and a button on the screen.
 #pragma once
 #include "host/live/hand_speed.hpp"
@@ -13,7 +13,7 @@
 namespace crn
 {
 
-// What has changed since the last call of UserInput::take().
+// Holds the user's actions since the last call of UserInput::take().
 struct UserWishes {
     std::vector<ControlId> actions; // whose commands depend on the room: commands_of()
     std::vector<RoomCommand> commands;
@@ -38,21 +38,22 @@ class UserInput
     void press(ControlId id);
     void repeat(ControlId id);
     void release(ControlId id);
-    // Releases everything. A window that loses the keyboard calls this, because it hears no later release.
+    // Releases everything. A window that loses the keyboard focus calls this function, because it receives no
+    // later release of keys.
     void release_all();
-    // Sets the sticks of a gamepad, -1 .. 1: a full stick moves as fast as a key.
+    // Sets the sticks of a gamepad, -1 .. 1: at full deflection a stick moves the tool as fast as a key does.
     void analog(double push, double turn);
     void choose(std::size_t tool);
-    // Says which tools of a table with so many are on the line now; the others can be loaded.
+    // Receives which tools of the table are on the line now; the other tools of the table can be loaded.
     void see_line(const LineNumbers &line, std::size_t table_count);
-    // Selects the tool to be loaded, by its number in the table.
+    // Selects the tool that is to be loaded, by its number in the table.
     void select_to_load(std::uint8_t number);
     std::uint8_t to_load() const { return to_load_; } // 0: every tool of the table is on the line
     void latch_pedal() { is_latched_ = true; }
 
     UserWishes take();
-    // A new session begins, in which all pedals are up, the heart beats at its own rate, and so on. Pedals
-    // that are still held are pressed again.
+    // Call this function when a new session begins: all its pedals are up, and the heart beats at its own
+    // rate. Pedals that are still held when a session begins are pressed again.
     void begin_session();
 
     std::size_t chosen_tool() const { return chosen_tool_; }
@@ -60,7 +61,8 @@ class UserInput
     bool is_latched() const { return is_latched_; }
     double injection_ml_s() const;
     bool is_held(ControlId id) const { return held_[static_cast<std::size_t>(id)] > 0; }
-    // Controls of the window itself, since the last call of take_own(), such as help and end.
+    // Returns the controls of the window itself (such as help and end) that were used since the last call of
+    // take_own().
     std::vector<ControlId> take_own() { return std::exchange(own_, {}); }
 
   private:

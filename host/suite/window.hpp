@@ -1,4 +1,4 @@
-// Shows the window of `cournand view`. By keyboard, the user controls the hand, the pedals and the C-arm, and
+// Shows the window of `cournand view`. The user controls the hand, the pedals and the C-arm by keyboard, and
 // sees the same pictures that `cournand run` makes. The program records the user's input in the same way as
 // the commands of a script. A replay of the recording gives results that are equal bit for bit.
 #pragma once
@@ -7,11 +7,12 @@
 namespace crn
 {
 
-// Checks that the output files can be written, and then opens the window. Returns 0, or 1 when a signal ended
-// the window or the session ended with a fault. Throws std::runtime_error when there is no display or no
-// OpenGL 3.3, or when a file is bad; the exit code is then 1.
+// Checks that the output files can be written, and then opens the window. Returns 0, or 1 if a signal closed
+// the window or the session ended with a fault. Throws std::runtime_error if the computer has no display or
+// no OpenGL 3.3, or if a file is bad; the exit code is then 1.
 int run_window(WindowOptions options);
-// Opens the start screen, as `cournand` does without any other word. Returns and throws as run_window() does.
+// Opens the start screen, as the command `cournand` without any argument does. Returns the same values and
+// throws the same exceptions as run_window().
 int open_start();
 
 } // namespace crn

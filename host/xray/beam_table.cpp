@@ -1,6 +1,7 @@
 // Computes the energies and weights of Gauss's quadrature for an X-ray spectrum. Stieltjes' recurrence gives
-// the polynomials that are orthogonal under the discrete weights of the spectrum. Each root is found by
-// bisection between two roots of the previous polynomial, and Christoffel's sum gives the weights.
+// the polynomials that are orthogonal under the discrete weights of the spectrum. Each root of a polynomial
+// is found by bisection between two roots of the previous polynomial, and Christoffel's sum gives the
+// weights.
 #include "host/xray/beam_table.hpp"
 #include "host/xray/float_math.hpp"
 #include <cmath>

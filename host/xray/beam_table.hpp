@@ -1,11 +1,11 @@
 // Describes an X-ray beam by a few photon energies, by the fraction of the detector's signal that each energy
 // contributes, and by the signal of one photon of each energy.
 //
-// Gauss's quadrature approximates the sum of exp(-mu L) over the spectrum by a sum over two energies below
-// the K edge of iodine and four energies above it. The quadrature is exact for polynomials in 1/sqrt(energy):
-// up to degree 3 below the K edge of iodine, and up to degree 7 above this edge. The weight function of the
-// quadrature is the spectrum behind 10 cm of tissue and 1 mm of iohexol-350, so that the relative error is
-// similar for thin and for thick patients.
+// Gauss's quadrature approximates the sum of exp(-mu L) over the spectrum (mu is the attenuation, L the path
+// length) by a sum over two energies below the K edge of iodine and four energies above it. The quadrature is
+// exact for polynomials in 1/sqrt(energy): up to degree 3 below the K edge of iodine, and up to degree 7
+// above this edge. The weight function of the quadrature is the spectrum behind 10 cm of tissue and 1 mm of
+// iohexol-350, so that the relative error is similar for thin and for thick patients.
 #pragma once
 #include "host/xray/spectrum.hpp"
 #include <array>
@@ -25,9 +25,9 @@ struct BeamTable {
     // Holds, for each material and energy, log2(1/transmission) of a layer of 1/1024 mm.
     std::array<std::array<float, beam_energy_count>, material_count> log2_per_q10mm{};
 
-    // The signal is counted in quanta. A quantum is a photon with the energy (sum of E^2)/(sum of E), where
-    // both sums run over the photons absorbed behind 20 cm of tissue. When the signal is counted in quanta,
-    // the variance of the signal equals its mean.
+    // The signal of a beam is counted in quanta. A quantum is a photon with the energy (sum of E^2)/(sum of
+    // E), where both sums run over the photons absorbed behind 20 cm of tissue. When the signal is counted in
+    // quanta, the variance of the signal equals its mean.
     double quantum_keV = 0.0;
     double quanta_mm2_mAs = 0.0;          // of the open beam at 1 m, absorbed by the scintillator
     double air_kerma_uGy_mAs = 0.0;       // of the open beam at 1 m

@@ -10,8 +10,8 @@
 // The focal spot and the pixel blur the expected signal, before photons are drawn at random. After photons
 // are drawn, the light in the scintillator spreads the contribution of each photon, so that the noise has the
 // scintillator's texture. All blurs are symmetric kernels, applied along rows and then along columns. Up to
-// 0.9 of half the sampling frequency, the modulation transfer function (MTF) of each kernel follows its
-// formula in the list above.
+// 0.9 of half the sampling frequency, the modulation transfer function (MTF) of each kernel follows the
+// kernel's formula in the list above.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -42,14 +42,14 @@ double mtf_of_scintillator(double frequency_per_mm);
 double mtf_of_system(const BlurGeometry &geometry, double frequency_per_mm); // the product
 
 // Each of the next functions returns a blur kernel; from frequency 0 to 0.9/(2 pixel), the kernel's MTF is
-// within 0.01 of the formula above, or as near to it as blur_radius_max allows.
+// within 0.01 of the formula at the top of this file, or as near to it as blur_radius_max allows.
 BlurKernel kernel_before_photons(const BlurGeometry &geometry);
 BlurKernel
 kernel_of_focal_spot(const BlurGeometry &geometry); // for signals that are already averaged over each pixel
 BlurKernel kernel_of_scintillator(double pixel_mm);
 
-// Holds the three kernels of one geometry. Fitting them takes longer than blurring a small picture, so they
-// are kept from picture to picture.
+// Holds the three blur kernels of one geometry. Fitting the kernels takes longer than blurring a small
+// picture, so the kernels are kept from picture to picture.
 struct BlurKernels {
     BlurGeometry geometry;
     BlurKernel before_photons, focal_spot, scintillator;

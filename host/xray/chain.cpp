@@ -42,8 +42,8 @@ CoarseSums attenuate(XrayChain &chain)
     return sums;
 }
 
-// Computes scatter from the unblurred sums over the cells of the coarse grid, because the blur of focal spot
-// and pixel does not change these sums.
+// Computes scatter from the sums over the cells of the coarse grid before the blur, because the blur of focal
+// spot and pixel does not change these sums.
 void scatter(XrayChain &chain, const CoarseSums &transmitted, bool is_on)
 {
     const int cells = chain.size / coarse_cell;
@@ -153,7 +153,7 @@ CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells
 }
 
 // Estimates from about 32 x 32 pixels the value that blur_add_and_measure computes from all pixels: the mean
-// over the measuring field of log2(signal), where the open beam's signal is 1.
+// of log2(signal) over the measuring field, where the signal of the open beam is 1.
 double sampled_log_mean(const XrayChain &chain, const BeamTable &beam, bool with_scatter)
 {
     int cell = coarse_cell;
@@ -211,14 +211,15 @@ float transmitted(const BeamTable &beam, const Exponents &exponent)
     return sum;
 }
 
-// If the exponents of all rays through a pixel differ by less than ray_spread_max, one transmission of their
-// mean path length is used. For such small differences, the mean of the rays' transmissions differs from the
-// transmission of the mean path length by a relative error of only 1e-4.
+// If the exponents of all rays through a pixel differ by less than ray_spread_max, a single transmission is
+// computed, for their mean path length. If the exponents differ by less than ray_spread_max, the mean of the
+// rays' transmissions differs from the transmission of the mean path length by a relative error of only 1e-4.
 constexpr float ray_spread_max = 0.1f;
 
-// Several rays pass through each pixel. The transmissions of these rays are averaged, because averaged path
-// lengths would make thin metal too dark. Inside a wide column of contrast medium the path lengths of these
-// rays are nearly equal, and one transmission, for the mean path length, is enough.
+// Several rays pass through each pixel, because tools are thin. The transmissions of the rays through a pixel
+// are averaged, because averaged path lengths would make thin metal too dark. Inside a wide column of
+// contrast medium the path lengths of the rays through a pixel are nearly equal, and a single transmission,
+// for the mean path length, is accurate enough.
 float behind_tools(const XrayChain &chain, std::size_t touched)
 {
     const ToolPaths &tools = chain.paths.tools();
@@ -350,14 +351,14 @@ void attenuate_tools(XrayChain &chain)
             count > 500 ? rows_of_thread(thread, chain.threads, count) : RowRange{0, count};
         for (int i = range.begin; i < range.end; ++i) {
             // The lower limit of 1e-12 avoids a division by zero, and a pixel that the bodies make black
-            // stays black.
+            // still stays black.
             const float body = std::max(chain.transmission[tools.pixels[i]], 1e-12f);
             chain.tool_gain[i] = std::min(behind_tools(chain, i) / body, 1e3f) - 1.0f;
         }
     });
     // The average over several rays per pixel already includes the blur by the pixel, and the signal of the
-    // bodies is already blurred. So the tools' shadow must still be blurred by the focal spot, and by nothing
-    // else.
+    // bodies is already blurred. The shadow of the tools must still be blurred by the focal spot, but not by
+    // the pixel.
     chain.tool_blur.run(chain.size, tools.pixels, chain.tool_gain, chain.kernels->focal_spot);
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
     chain.tool_signal.resize(pixels.size());

@@ -1,5 +1,5 @@
-// Holds the state of the signal chain, which is kept from frame to frame. The chain converts path lengths
-// (paths.hpp) to the signal at the detector.
+// Holds the state of the signal chain, which is kept from frame to frame. The signal chain converts path
+// lengths (paths.hpp) to the signal at the detector.
 //
 //    paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw
 //                           └─> scatter ───────────┘   (here)    (detector)                    ─> shown ─> grey
@@ -44,8 +44,8 @@ struct XrayChain {
     BeamTable beam;
     int size = 0;
 
-    // `is_settled` is true if `settled` holds the exposure that automatic exposure reaches for a single
-    // picture of the present path lengths.
+    // `is_settled` is true if `settled` holds the exposure at which automatic exposure settles for a single
+    // picture with the present path lengths.
     bool is_settled = false;
     ExposureDemand settled_demand;
     SignalKey settled_key;
@@ -69,7 +69,8 @@ struct XrayChain {
     std::vector<float> tool_signal; // at the pixels of tool_blur
 };
 
-// Automatic exposure measures a round field whose diameter is this fraction of the picture's width.
+// Automatic exposure measures the signal in a round field whose diameter is this fraction of the picture's
+// width.
 inline constexpr double measuring_field_share = 0.65;
 
 // held_settings() limits the X-ray settings to the ranges that the signal chain supports. demand_of() returns
@@ -89,12 +90,13 @@ ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, c
 void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
 // Does both as one pulse. If the settings contain a fixed technique (voltage, current, pulse width and
-// filter), that technique is used. Otherwise automatic exposure takes the technique from `state`, and then
-// updates `state` from the measured signal. If `state` is null, the function uses the technique at which
-// automatic exposure settles for this view.
+// filter), that technique is used. Without a fixed technique, automatic exposure takes the technique from
+// `state`, and then updates `state` from the measured signal. If `state` is null, the function uses the
+// technique at which automatic exposure settles for this view.
 ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, ExposureState *state);
 
-// Computes chain.tool_signal, the signal behind the tools, for each pixel that their shadow touches.
+// Computes chain.tool_signal, the signal behind the tools, for each pixel that the shadow of the tools
+// touches.
 void attenuate_tools(XrayChain &chain);
 
 } // namespace crn

@@ -8,7 +8,7 @@ namespace crn
 namespace
 {
 
-// Computes the sum of five neighbouring cells along one axis; cells outside the grid are not counted.
+// Computes the sum of five neighbouring cells along one axis; cells outside the grid do not contribute.
 void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 {
     std::vector<float> pass(grid.size());

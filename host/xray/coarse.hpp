@@ -14,8 +14,8 @@ struct OpenColumns {
     int begin = 0, end = 0;
 };
 
-// Holds for each cell of the coarse grid the sum over its open pixels, which the collimator does not cover,
-// and the number of these pixels. Both vectors have (size/8)^2 values.
+// Holds for each cell of the coarse grid the sum over its open pixels (those that the collimator does not
+// cover), and the number of these pixels. Both vectors have (size/8)^2 values.
 struct CoarseSums {
     std::vector<float> sum, count;
 
@@ -23,8 +23,8 @@ struct CoarseSums {
         : sum(static_cast<std::size_t>(cells) * cells, 0.0f), count(sum.size(), 0.0f)
     {
     }
-    // Adds one row of a picture to the sums of the cells. A single thread must add all rows of a cell, in
-    // order.
+    // Adds one row of a picture to the sums of the coarse grid's cells. All rows of a cell must be added by
+    // the same thread, in order.
     void add_row(const float *values, int size, int row, const OpenColumns &open);
 };
 CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);

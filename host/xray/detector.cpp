@@ -98,7 +98,7 @@ inline __attribute__((always_inline)) void exp2_negative_lanes(Lanes_f &x)
     x = sum * 1.41421356f * scale;
 }
 
-// Returns a number that is not zero if any of the values is not zero.
+// Returns zero if all values are zero, and otherwise a number that is not zero.
 CRN_WIDE std::int32_t any_of(const std::int32_t *from, int count)
 {
     std::int32_t any = 0;

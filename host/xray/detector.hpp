@@ -27,8 +27,8 @@ inline constexpr std::uint32_t photons_max = 1u << 22;
 
 // Returns a random number of counted photons for a pixel at which `expected` photons arrive on average. The
 // number of counted photons has Poisson's distribution and depends only on `expected`, the key and the pixel.
-// If `expected` is below 12, the function inverts Poisson's distribution. Otherwise the function uses a
-// distribution with the same mean, variance and skewness as Poisson's.
+// If `expected` is below 12, the function inverts Poisson's distribution. If `expected` is 12 or more, the
+// function uses a distribution with the same mean, variance and skewness as Poisson's.
 std::uint32_t count_photons(float expected, std::uint32_t key, std::uint32_t pixel);
 
 // Returns the key from which the random numbers for the noise of one frame are computed.

@@ -113,8 +113,8 @@ const BeamTable &Exposure::table(double tube_voltage_kV, double copper_mm)
     return place->second;
 }
 
-// Returns the voltage, current and pulse width of the exposure curve at a given voltage. If the curve at this
-// voltage gives more than the demanded dose, current and pulse width are lowered until the dose is the
+// Returns the voltage, current and pulse width on the exposure curve at a given voltage. If the curve gives
+// more than the demanded dose at this voltage, current and pulse width are lowered until the dose is the
 // demanded one.
 Exposure::Candidate Exposure::on_curve(const ExposureDemand &demand, double water_cm, double copper_mm,
                                        int kV)

@@ -10,18 +10,18 @@
 // 125 kV.
 //
 // The exposure control takes the thickest copper filter with which the voltage stays low enough for iodine
-// (80 kV in fluoroscopy, 75 kV otherwise). With the thinnest copper filter the voltage may exceed this limit
+// (80 kV in fluoroscopy, 75 kV otherwise). With the thinnest copper filter the voltage may exceed the limit
 // for iodine. The exposure control returns to a thicker copper filter only if that filter needs a voltage at
 // least 4 kV below the limit for iodine.
 //
-// Fluoroscopy never exceeds 88 mGy/min at the reference point (21 CFR 1020.32). At the limit of the kerma
-// rate, pictures are underexposed, as in real systems.
+// Fluoroscopy never exceeds 88 mGy/min at the reference point (21 CFR 1020.32). If the kerma rate reaches its
+// limit, pictures are underexposed, as in real systems.
 //
 // With each pulse the estimated thickness changes by half of its difference from the thickness that the
 // signal shows, and by at most 3 cm, so that a new view settles within about five pulses.
 //
-// Manufacturers do not publish the numbers of their exposure curves. The curves below are assumptions within
-// the limits of angiography tubes.
+// Manufacturers do not publish the numbers of their exposure curves. The exposure curves below are
+// assumptions within the limits of angiography tubes.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include <cstdint>
@@ -67,7 +67,7 @@ struct ExposureChoice {
     bool is_limited = false; // the curve ends below the demanded dose
 };
 
-// The reference point lies at this distance from the isocentre, towards the tube (IEC 60601-2-54).
+// The reference point lies 15 cm from the isocentre, towards the tube (IEC 60601-2-54).
 inline constexpr double reference_point_m = 0.15;
 
 // The anti-scatter grid transmits this fraction of primary photons; scatter.hpp has the fraction for
@@ -111,12 +111,11 @@ class Exposure
 // Returns the thicknesses of the copper filters for an exposure mode, thickest first.
 std::span<const double> copper_filters_mm(ExposureMode mode);
 
-// Returns current and pulse width of the exposure curve at a voltage, before they are lowered to the demanded
-// dose.
+// Returns the current and the pulse width of the exposure curve at a voltage, before they are lowered to give
+// the demanded dose.
 XrayTechnique curve_point(ExposureMode mode, double tube_voltage_kV);
 
-// Returns the quanta per mm2 that a technique brings to the detector behind the grid, when there is no
-// patient.
+// Returns the quanta per mm2 that a technique brings to the detector behind the grid without a patient.
 double open_quanta_mm2(const BeamTable &table, const XrayTechnique &technique, double source_detector_m);
 
 // Limits a technique (voltage, current, pulse width, filter) to the ranges of tube and generator.

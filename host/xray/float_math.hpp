@@ -7,8 +7,8 @@
 namespace crn
 {
 
-// Returns 2^f on [0, 1) with a relative error of 1.2e-7. The polynomial is nearly minimax (Taylor of degree 6
-// about 1/2).
+// Returns 2^f for f in [0, 1) with a relative error of 1.2e-7. The polynomial for 2^f is nearly minimax (a
+// Taylor polynomial of degree 6 about 1/2).
 inline float exp2_fraction(float f)
 {
     const float x = (f - 0.5f) * 0.69314718f;

@@ -5,9 +5,9 @@
 // the time T to the next read-out, the traps release a fraction b(T) = 1 - 2^(-T/h), h = 140 ms, of the
 // trapped signal q.
 //     out = (1 - a) s + b q,   q <- (1 - b) q + a s
-// No signal is lost. After a long exposure, the first picture without X-rays has 3 % of the last picture's
-// signal, at any picture rate. The signal of each later picture is 1 - b times the signal of the previous
-// picture: 0.72 times at 15 pictures/s.
+// No signal is lost. After a long exposure, the first picture without X-rays has a signal of 3 % of the last
+// picture's, at any picture rate. The signal of each later picture without X-rays is 1 - b times the signal
+// of the previous picture: 0.72 times at 15 pictures/s.
 #pragma once
 #include <cstdint>
 
@@ -20,7 +20,7 @@ inline constexpr float lag_half_time_ms = 140.0f;
 // Returns the fraction of the trapped signal that the detector releases within the given time.
 float lag_released_share(std::uint32_t elapsed_ms);
 
-// Adds the signal that the traps release to each pixel of a row, and traps a part of the pixel's own signal.
+// Adds to each pixel of a row the signal that its traps release, and traps a part of the pixel's own signal.
 void lag_row(float released_share, int size, float *trapped, float *signal);
 
 } // namespace crn

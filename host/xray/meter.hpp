@@ -16,7 +16,7 @@
 namespace crn
 {
 
-// States how automatic exposure uses the previous pulse.
+// States how automatic exposure uses the signal of the previous pulse.
 enum class MeterPace {
     follows, // from pulse to pulse, as a generator does
     settles  // as after test exposures, until the control has settled: the first frame of DSA
@@ -31,7 +31,7 @@ struct XrayExposure {
 };
 
 // Returns the area of the open field at the reference point, in cm2. The kerma at the reference point times
-// this area is the kerma-area product, which is the same at every distance from the source.
+// the area of the open field is the kerma-area product, which is the same at every distance from the source.
 double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
 
 class XrayMeter
@@ -45,7 +45,8 @@ class XrayMeter
     XrayMeter &operator=(const XrayMeter &) = delete;
 
     // Simulates one X-ray pulse through the bodies at their present positions. Tools and contrast medium are
-    // too small to change the exposure. The display window and the picture size in the settings are ignored.
+    // ignored, because they are too small to change the exposure. The display window and the picture size in
+    // the settings are ignored.
     XrayExposure expose(const XraySettings &settings, std::span<const MovedBody> bodies, MeterPace pace);
 
   private:

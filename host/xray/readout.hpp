@@ -7,7 +7,7 @@ namespace crn
 {
 
 // Computes the raw values, display values and grey values (`raw`, `shown`, `grey`) of a picture whose photons
-// have been counted. Without `memory` (nullptr) there is no lag. If there is a `memory`, the array of its
+// have been counted. If `memory` is nullptr, the picture has no lag. If `memory` is not null, its array of
 // traps must have the size of the picture.
 void read_out(const XrayChain &chain, const XrayDisplay &display, XrayMemory *memory, XrayPicture &picture);
 

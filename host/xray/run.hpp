@@ -56,8 +56,8 @@ struct RunContrast {
     double duration_s = 0.0;
 };
 
-// The mask of a DSA run is the mean of the frames listed here. This mean frame is shifted and subtracted from
-// every other frame.
+// The mask of a DSA run is the mean of the frames that this list names. The mean frame (mask) is shifted and
+// subtracted from every other frame.
 struct RunMask {
     std::vector<int> frames; // counted from 0 within the run; at least one
     double shift_x_px = 0.0; // shift of the mask to the right ...
@@ -85,8 +85,9 @@ struct XrayRun {
 };
 
 // Replaces each raw value of a linear run with 16 bits by 65535/16 log2(1 + value), and converts the run's
-// display window in the same way. One step of the logarithmic values is 0.017 % of the intensity. The
-// difference of two logarithmic frames is the DSA picture, also in viewers that cannot compute logarithms.
+// display window in the same way. One step of the logarithmic values is a change of the intensity by 0.017 %.
+// The difference of two logarithmic frames is the DSA picture, also in viewers that cannot compute
+// logarithms.
 void make_logarithmic(XrayRun &run);
 // Returns the table of the logarithmic conversion, which has 65,536 entries; XrayRun::to_linear has the
 // inverse table.

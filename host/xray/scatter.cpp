@@ -1,4 +1,4 @@
-// Approximates the Gaussian on the coarse grid by three box blurs along each axis.
+// Approximates the Gaussian of the scatter on the coarse grid by three box blurs along each axis.
 #include "host/xray/scatter.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace
 constexpr float scatter_per_neper = 0.70f;
 constexpr double spread_mm = 60.0;
 
-// Computes the mean over 2 reach + 1 cells; no photons are scattered into it from outside the grid.
+// Computes the mean over 2 reach + 1 cells; the cells outside the grid count as 0.
 void box(const float *in, int count, int step, int reach, float *out, std::vector<float> &before)
 {
     before.resize(count + 1);

@@ -1,18 +1,19 @@
 // Scattered photons are computed by convolution of the picture of primary (unscattered) photons.
 //
-// Each point of the detector is the middle of a broad patch of scattered photons. The sum of the patch is in
-// proportion to P ln(1/P), where P is the transmission of primary photons at that point. P ln(1/P) is the
-// fraction of photons lost in the patient times the fraction still transmitted (Ohnesorge, Flohr and
-// Klingenbeck-Regn, Eur Radiol 9 (1999) 563).
+// From each point of the detector, scattered photons are spread over a broad area around the point. The
+// number of the photons scattered from a point is in proportion to P ln(1/P), where P is the transmission of
+// primary photons at that point. P ln(1/P) is the fraction of photons lost in the patient times the fraction
+// still transmitted (Ohnesorge, Flohr and Klingenbeck-Regn, Eur Radiol 9 (1999) 563).
 //
 //     S = 0.70 [P ln(1/P)] * G,   G: Gaussian of 60 mm standard deviation at the detector, of sum 1
 //
-// So the ratio S/P of scattered to primary photons rises with the thickness of the patient, and with the size
-// of the field up to about 25 cm. Photons scattered from bright areas brighten dark areas. One measurement
-// sets the factor of 0.70: 30 cm of acrylic in a field of 40 x 30 cm scatter 4.51 times the primary photons.
-// Behind a grid of ratio 10 the ratio S/P is 1.28; that grid transmits 70.6 % of the primary and 21 % of the
-// scattered photons (Altunbas et al., Med Phys 43 (2016), abstract WE-AB-207A-10). The measured ratio S/P
-// includes the effect of the air gap between patient and detector, which is constant in this model.
+// By this formula the ratio S/P of scattered to primary photons rises with the thickness of the patient, and
+// with the size of the field up to about 25 cm. Photons scattered from bright areas brighten dark areas. The
+// factor of 0.70 is set by one measurement: 30 cm of acrylic in a field of 40 x 30 cm scatter 4.51 times the
+// primary photons. Behind a grid of ratio 10 the measured ratio S/P is 1.28; that grid transmits 70.6 % of
+// the primary and 21 % of the scattered photons (Altunbas et al., Med Phys 43 (2016), abstract
+// WE-AB-207A-10). The measured ratio S/P includes the effect of the air gap between patient and detector,
+// which is constant in this model.
 #pragma once
 #include "host/xray/coarse.hpp"
 

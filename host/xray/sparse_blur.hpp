@@ -1,5 +1,5 @@
 // Blurs values that are zero except at some pixels, such as the signal that tools absorb. The cost of the
-// blur depends on the number of those pixels, and not on the size of the picture.
+// blur depends on the number of nonzero pixels, and not on the size of the picture.
 #pragma once
 #include "host/xray/blur.hpp"
 #include <cstdint>
@@ -14,13 +14,13 @@ class SparseBlur
   public:
     // Blurs the values first along rows and then along columns. `pixels` holds the indices row*size + column
     // of the pixels that are not zero, each index only once, and `values` holds their values. A pixel beyond
-    // an edge of the picture counts with the value of the nearest pixel on that edge. The order of the sums
-    // is fixed, so the result is equal bit for bit on every machine.
+    // an edge of the picture counts with the value of the nearest pixel on that edge. The sums are made in a
+    // fixed order, so the result is equal bit for bit on every machine.
     void run(int size, std::span<const std::int32_t> pixels, std::span<const float> values,
              const BlurKernel &kernel);
 
-    // The next functions return the result of the last call of run(): the pixels that became nonzero, and
-    // their values.
+    // The next functions return the result of the last call of run(): the pixels that are not zero after the
+    // blur, and their values.
     const std::vector<std::int32_t> &pixels() const { return pixels_; }
     const std::vector<float> &values() const { return values_; }
 

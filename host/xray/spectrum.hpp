@@ -2,9 +2,9 @@
 //
 // The model is that of Tucker, Barnes and Chakraborty, "Semiempirical model for generating tungsten target
 // x-ray spectra", Med Phys 18 (1991) 402. Electrons slow down in the anode (Thomson-Whiddington) and make
-// bremsstrahlung and K lines, which are attenuated by the tungsten above them. The anode angle is 11 degrees.
-// One factor scales the output to the kerma that spekpy 2.5.4 gives at 80 kV behind 2.5 mm Al + 0.2 mm Cu.
-// The computation uses no libm, so that every compiler gives the same table.
+// bremsstrahlung and K lines, which are attenuated by the tungsten above them. The anode angle of the
+// modelled tube is 11 degrees. One factor scales the tube's output to the kerma that spekpy 2.5.4 gives at 80
+// kV behind 2.5 mm Al + 0.2 mm Cu. The computation uses no libm, so that every compiler gives the same table.
 #pragma once
 #include "host/xray/attenuation.hpp"
 #include <array>
@@ -28,9 +28,9 @@ Spectrum behind(const Spectrum &spectrum, Material material, double thickness_cm
 // Returns the air kerma of the photons in a spectrum, in uGy.
 double air_kerma_uGy(const Spectrum &photons_mm2);
 
-// Returns the fraction of photons of this energy that the scintillator absorbs. The scintillator is simulated
-// as 0.55 mm of CsI at the density of the crystal, which corresponds to a layer of needles about 0.6 mm
-// thick.
+// Returns the fraction of photons of the given energy that the scintillator absorbs. The scintillator is
+// simulated as 0.55 mm of CsI at the density of the crystal, which corresponds to a layer of needles about
+// 0.6 mm thick.
 double scintillator_absorption(int energy_index);
 
 } // namespace crn

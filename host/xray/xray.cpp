@@ -19,7 +19,7 @@ std::string describe(const Body &body, std::size_t index)
 }
 
 // Exchanges the signal at the tools' pixels with the signal behind the tools; a second call of this function
-// exchanges the two signals back.
+// reverses the exchange.
 void swap_tools(XrayChain &chain)
 {
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
@@ -80,7 +80,7 @@ void expose(XrayChain &chain, const XraySettings &settings, const ExposureChoice
 }
 
 // If the size or the field of the picture changes, each pixel covers another area of the detector, so the
-// memory of lag is emptied.
+// stored lag is cleared.
 void prepare_lag(const XraySettings &settings, std::uint32_t tick, XrayMemory &memory)
 {
     const std::size_t pixels = static_cast<std::size_t>(settings.size) * settings.size;

@@ -1,5 +1,5 @@
-// Makes X-ray pictures of bodies and tools. Making a picture includes path lengths, tube spectrum, exposure
-// control, scatter, blur, quantum noise, lag and display.
+// Makes X-ray pictures of bodies and tools. To make a picture, the program computes path lengths, tube
+// spectrum, exposure control, scatter, blur, quantum noise, lag and display.
 //
 //   XrayScene scene; scene.set_bodies(bodies, error);
 //   Xray xray(scene, threads);
@@ -31,13 +31,13 @@ namespace crn
 struct XrayBeam {
     ExposureMode mode = ExposureMode::fluoro;
     // The dose per frame is the mean over the measuring field, behind patient and grid. Automatic exposure
-    // aims at this dose per frame, and the gain of the detector is chosen for this dose. Usual values are 20
-    // .. 60 in fluoroscopy, 100 .. 250 in cine, and 500 .. 3000 in DSA.
+    // aims at the demanded dose per frame, and the gain of the detector is chosen for this dose. Usual values
+    // are 20 .. 60 in fluoroscopy, 100 .. 250 in cine, and 500 .. 3000 in DSA.
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
-    // If a fixed technique (voltage, current, pulse width and filter) is given, it replaces automatic
-    // exposure; either the user has set it, or a DSA run locks it. The fixed technique is limited to the
-    // ranges of the tube.
+    // If a fixed technique (voltage, current, pulse width and filter) is given, automatic exposure is not
+    // used; either the user has set the fixed technique, or a DSA run locks it. The fixed technique is
+    // limited to the ranges of the tube.
     std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
     bool scatter = true;
@@ -51,7 +51,7 @@ struct XrayDisplay {
     double brightness = 0.0; // -1 .. 1
     double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled
     // `window` and `level` select the displayed part of the 12-bit values `shown`, as defined by DICOM PS3.3
-    // C.11.2.1.2: the values between level -+ window/2 cover all greys.
+    // C.11.2.1.2: the values from level - window/2 to level + window/2 cover all greys.
     double window = 4096.0;
     double level = 2048.0;
 };
@@ -63,7 +63,7 @@ struct XraySettings {
     int size = 512; // pixels along each edge, 64 .. 2048
 };
 
-// Returns the size in pixels with which a picture is made: a multiple of 16 within 64 .. 2048.
+// Returns the size in pixels of the picture that is made: a multiple of 16 within 64 .. 2048.
 int held_size(int size);
 
 // Raw values are 14 bits. The demanded dose gives raw_of_wanted_dose.
@@ -109,7 +109,7 @@ struct BodyMeshes;
 // Makes the back end that computes the path lengths of the bodies (paths.hpp).
 using BodyPathsMaker = std::function<std::unique_ptr<BodyPaths>(const BodyMeshes &meshes, int threads)>;
 
-// The bodies of a scene. The bodies do not change after set_bodies, and any number of Xray objects may use
+// The bodies of a scene. The bodies do not change after set_bodies(), and any number of Xray objects may use
 // them.
 class XrayScene
 {
@@ -132,8 +132,8 @@ class XrayScene
 class Xray
 {
   public:
-    // With `threads` 0, Xray uses one thread per processor, and at most 4. Without `make_paths`, RasterPaths
-    // draws the bodies.
+    // If `threads` is 0, Xray uses one thread per processor, and at most 4. If `make_paths` is empty,
+    // RasterPaths draws the bodies.
     explicit Xray(const XrayScene &scene, int threads = 0, const BodyPathsMaker &make_paths = {});
     ~Xray();
     Xray(const Xray &) = delete;
@@ -145,7 +145,8 @@ class Xray
                 const WireFrame &wire, std::uint64_t seed, XrayPicture &picture);
 
     // Makes the next picture of a sequence: its exposure depends on the earlier pictures, and the detector
-    // has lag. A picture without `memory` has the exposure at which automatic exposure settles, and no lag.
+    // has lag. A picture without `memory` is made with the exposure at which automatic exposure settles, and
+    // without lag.
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture);
 
@@ -157,7 +158,7 @@ class Xray
     // The next functions return the path lengths of the last picture in 1/1024 mm, size*size pixels each.
     // body_path_q10mm() returns those of the bodies, where nested bodies are subtracted from their parents.
     // instrument_path_q10mm() returns those of tools and curves; they are negative where tools and curves
-    // displace a material. The result is empty if the picture does not have the material.
+    // displace a material. The returned list is empty if the picture does not contain the material.
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
     std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
     bool last_render_used_cache() const;

@@ -1,7 +1,8 @@
 // These tests check the following. A catheter measures the aortic pressure where blood flows past its tip.
-// The pressure falls, and its pulse gets narrower, as the tip blocks the vessel. The share of the pressure
-// agrees with Poiseuille's law for an annulus. The pressure does not depend on the pictures that are made.
-// After a tool was taken out of the catheter's lumen, the lumen may hold air until blood is aspirated.
+// The catheter's pressure falls, and its pulse gets narrower, as the tip blocks the vessel. The pressure that
+// remains behind a partial block agrees with Poiseuille's law for an annulus. The catheter's pressure does
+// not depend on which pictures are made. After a tool was taken out of the catheter's lumen, the lumen may
+// hold air until blood is aspirated.
 #include "host/effects/flow_network.hpp"
 #include "host/patient/patient.hpp"
 #include <cmath>
@@ -60,7 +61,7 @@ Instrument guide()
     return made;
 }
 
-// The guide of this radius crosses the aorta and reaches `inside_m` into the artery.
+// Makes a guiding catheter of the given radius that crosses the aorta and reaches `inside_m` into the artery.
 WireFrame guide_at(std::uint32_t tick, double radius_m, double inside_m)
 {
     WireFrame wire;
@@ -87,7 +88,7 @@ crn_wire_tick_state state_at(std::uint32_t tick, std::int32_t inserted_m_q30 = 1
     return state;
 }
 
-// An aortic pressure of 80 to 120 mmHg, as a triangle.
+// Returns an aortic pressure that rises and falls linearly between 80 and 120 mmHg (a triangular wave).
 double aortic_mmHg(std::uint32_t tick)
 {
     const double place = (tick % 857) / 857.0;
@@ -115,7 +116,8 @@ void beside_a_thin_catheter_the_pressure_is_that_of_the_aorta(void **)
     beats(pressure, 0.3e-3, 0, 3 * 857);
     assert_true(pressure.is_measuring() && !pressure.is_damped());
     assert_true(pressure.share() > 0.99);
-    // The triangle of the aorta is at most 0.093 mmHg/ms steep, and the catheter lags by less than 3 ms.
+    // The triangular wave of the aortic pressure changes by at most 0.093 mmHg/ms, and the catheter lags by
+    // less than 3 ms.
     assert_true(std::fabs(pressure.beat().systolic - 120.0) < 1.0);
     assert_true(std::fabs(pressure.beat().diastolic - 80.0) < 1.0);
 }
@@ -126,12 +128,14 @@ void a_catheter_that_fills_the_artery_measures_the_collateral_pressure(void **)
     beats(pressure, artery_radius_m, 0, 6 * 857);
     assert_true(pressure.is_damped());
     assert_true(std::fabs(pressure.share() - CatheterPressure::collateral_share) < 1e-12);
-    // 6 + 0.18 (100 - 6); after 5 s only exp(-5/0.3) of the first difference is left.
+    // The expected mean is 6 + 0.18 (100 - 6) mmHg; after 5 s only exp(-5/0.3) of the initial difference is
+    // left.
     assert_true(std::fabs(pressure.beat().mean - 22.92) < 0.2);
     assert_true(pressure.beat().pulse() < 0.18 * 40.0);
 }
 
-// A table may hold two guides of the same name. The second one has no place yet when it comes.
+// A session's table of tools may hold two guiding catheters of the same name. Directly after the exchange,
+// the second catheter of that name has no position yet.
 void another_guide_of_the_same_name_measures_anew(void **)
 {
     CatheterPressure pressure = catheter();
@@ -143,7 +147,8 @@ void another_guide_of_the_same_name_measures_anew(void **)
     assert_true(pressure.share() == 1.0);
 }
 
-// A wire that is taken out of the guide may let air in; another guide has been flushed.
+// The removal of a guidewire from the guiding catheter may let air in; a newly exchanged guiding catheter has
+// been flushed.
 void another_guide_of_the_same_name_holds_no_air(void **)
 {
     Instrument wire = guide();
@@ -163,8 +168,8 @@ void another_guide_of_the_same_name_holds_no_air(void **)
     assert_false(air.may_hold_air());
 }
 
-// The reference computes the annulus around the part of the guide that is in the artery, and the rest of the
-// artery, by Poiseuille's law, in series with the bed.
+// The reference value follows from Poiseuille's law for three resistances in series: the annulus around the
+// guide in the artery, the rest of the artery, and the bed.
 void the_share_agrees_with_an_annulus_in_series_with_the_bed(void **)
 {
     for (const double k : {0.6, 0.8, 0.9, 0.95}) {
@@ -177,7 +182,7 @@ void the_share_agrees_with_an_annulus_in_series_with_the_bed(void **)
         const double bed = mean_pressure_mmHg / artery_flow_ml_s;
         const double share = (behind + bed) / (before + behind + bed);
         const double wanted = 0.18 + 0.82 * share;
-        // The artery is divided into cells of 1 mm, so the covered length is uncertain by one cell in 20.
+        // The artery is divided into cells of 1 mm, so the covered length of 20 mm is uncertain by one cell.
         assert_true(std::fabs(pressure.share() - wanted) < 0.06 * (1.0 - wanted) + 1e-3);
     }
 }
@@ -194,8 +199,8 @@ void the_pressure_returns_when_the_catheter_is_withdrawn(void **)
     assert_true(!pressure.is_damped());
 }
 
-// Whoever runs the session has made the tick in which the tip enters the vessels before it can know of a
-// look.
+// The program that runs the session has already made the tick in which the tip enters the vessels before it
+// can learn that the tools' shape must be read.
 void the_first_look_comes_after_the_tick_in_which_the_tip_enters(void **)
 {
     for (const std::uint32_t entered : {79u, 80u, 81u}) {
@@ -245,7 +250,7 @@ void an_injection_while_the_pressure_is_damped_is_noted(void **)
     assert_int_equal(patient.damped_injections()[0], 4 * 857);
 }
 
-// A wire lies in the guide until tick 100, and is then taken out.
+// A guidewire lies in the guiding catheter until tick 100, and is then taken out.
 void with_wire(Patient &patient, std::uint32_t from, std::uint32_t to, double guide_radius_m)
 {
     for (std::uint32_t tick = from + 1; tick <= to; ++tick) {

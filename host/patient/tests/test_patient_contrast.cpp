@@ -51,8 +51,8 @@ Instrument tool(const char *name, std::uint32_t inner_um)
     return made;
 }
 
-// The nested tools go up the aorta from its lower end. The tip of the guidewire is 50 mm ahead of the tip of
-// the catheter, which is at y = -150 mm.
+// The nested tools go up the aorta from its lower end. The tip of the catheter is at y = -150 mm, and the tip
+// of the guidewire is 50 mm ahead of it.
 WireFrame line_at(std::uint32_t tick)
 {
     WireFrame wire;
@@ -132,8 +132,8 @@ void after_washing_out_no_look_is_wanted(void **)
     assert_true(std::fabs(contrast.flow().budget().injected_mg - 6.0 * 350.0) < 1e-6);
 }
 
-// In this test an artery divides into two branches. In both branches a column must begin where the artery
-// ends.
+// In this test an artery divides into two branches. In both branches a column of medium must begin where the
+// artery ends.
 void columns_have_no_gap_where_a_vessel_divides(void **)
 {
     VesselTree tree = aorta();
@@ -220,8 +220,8 @@ void blood_around_the_line_takes_its_colour(void **)
     assert_true(wire.nodes[15].contrast_mg_per_ml > 10.0); // downstream of the catheter's tip
 }
 
-// Every one of the catheter's 20 side holes has a fifth of the end hole's area. Therefore a fifth of the
-// medium leaves at the tip, and the remainder leaves between 20 and 58 mm behind the tip.
+// Every one of the catheter's 20 side holes has a fifth of the end hole's area. A fifth of the medium leaves
+// at the tip, and the remainder leaves between 20 and 58 mm behind the tip.
 void a_pigtail_gives_medium_through_its_side_holes(void **)
 {
     Instrument pigtail = tool("pigtail", 500);
@@ -268,7 +268,7 @@ void blood_flows_with_the_cores_heart(void **)
 }
 
 // In this test a vessel passes through the lattice of the sample scene, which heart and breath move. The
-// cells of the vessel must be where the lattice moves them, to 0.1 mm; the vessel has a point every
+// cells of the vessel must be where the lattice moves them, to within 0.1 mm; the vessel has a point every
 // millimetre.
 void medium_moves_with_the_vessels(void **)
 {

@@ -1,7 +1,8 @@
 // Tests balloon and stents in a session; this file makes the shapes of the nested tools. The tests check
-// which stents may be mounted and when the stents are updated. They also check which commands the core gets,
-// and when a command is repeated. Other tests check that making pictures does not change the session, and
-// check the X-ray of a filled balloon and the contents of a recording.
+// which stents may be mounted and when the stents are updated. The tests of this file also check which
+// commands the core gets, and when a command is repeated. The tests of this file also check that making
+// pictures does not change the session, and check the X-ray of a filled balloon and the contents of a
+// recording.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
@@ -154,9 +155,10 @@ std::optional<crn_wire_strut> next_ring(PatientStents &stents)
     return order ? std::optional(order->strut) : std::nullopt;
 }
 
-// The whole lesion lies inside the stent and has been opened. The commands to the core must cover every point
-// of the lesion except two at each end, and must hold the middle point open by more than 90 %. After the core
-// has carried out these commands, the stents must not send any further command about this lesion.
+// In this test the whole lesion lies inside the stent and has been opened. The commands to the core must
+// cover every point of the lesion except two at each end, and must hold the middle point open by more than 90
+// %. After the core has carried out the commands about this lesion, the stents must not send any further
+// command about it.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
     PatientStents stents = session_stents();
@@ -199,7 +201,8 @@ std::vector<crn_wire_strut> take_struts(PatientStents &stents)
 
 // While the stent is on the balloon, no command about struts may reach the core. After the stent has been
 // deployed, every ring from end to end must become one circle in the core, with the ring's own width. After
-// the core has carried out these commands, the stents must not send any further command about the rings.
+// the core has carried out the commands about the rings, the stents must not send any further command about
+// them.
 void struts_are_told_once_the_stent_is_deployed(void **)
 {
     PatientStents stents = session_stents();
@@ -234,8 +237,8 @@ void struts_are_told_once_the_stent_is_deployed(void **)
 }
 
 // The balloon of a second stent widens the first stent from inside. The widened rings must be sent to the
-// core again. If the core does not confirm the commands about these rings, the commands must be sent once
-// more at the next update.
+// core again. If the core does not confirm the commands about the widened rings, the commands must be sent
+// once more at the next update.
 void struts_that_are_widened_are_told_again(void **)
 {
     PatientStents stents = session_stents(2);
@@ -289,7 +292,7 @@ void what_the_core_did_not_confirm_is_asked_for_again(void **)
     assert_true(first && again && first->first == again->first && first->open_q15 == again->open_q15);
 }
 
-// A stent does not open a lesion by itself: the lesion stays only as far open as the balloon has opened it.
+// A stent does not open a lesion by itself: the lesion stays open only as far as the balloon has opened it.
 void a_stent_holds_no_more_than_is_open(void **)
 {
     PatientStents stents = session_stents();
@@ -301,8 +304,8 @@ void a_stent_holds_no_more_than_is_open(void **)
     assert_false(next_hold(stents).has_value());
 }
 
-// A line may begin without the balloon; the refusal says what a trainee can do, not how the program was
-// called.
+// The tools on the line at the start may include no balloon; the message of the refusal then says what a
+// trainee can do, not how the program was called.
 void without_a_balloon_on_the_line_the_refusal_says_what_to_do(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();
@@ -338,9 +341,9 @@ void another_one_is_loaded_outside_only(void **)
     assert_true(results[0].was_taken_out && !results[1].was_taken_out);
 }
 
-// The test compares the iodine in the column with that in the parts of the balloon. The parts of the balloon
-// are the cylinder, the cones and the waist. A cone has the volume pi h / 3 (R^2 + R r + r^2), less that of
-// the shaft.
+// The test compares the iodine in the column of medium with that in the parts of the balloon. The parts of
+// the balloon in this test are the cylinder, the cones and the waist. A conical end of the balloon has the
+// volume pi h / 3 (R^2 + R r + r^2), less that of the shaft.
 void the_filling_holds_as_much_as_the_balloon(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();
@@ -428,8 +431,8 @@ std::vector<std::uint8_t> recorded(const std::string &path, const StentDesign &s
     return {bytes.begin(), bytes.end()};
 }
 
-// A recording must contain a stent exactly, to the last bit. The reader must refuse a stent that no stent
-// file could describe.
+// A recording must contain a stent exactly, to the last bit. The reader must refuse a recorded stent that no
+// stent file could describe.
 void a_recording_keeps_its_stents(void **)
 {
     const tests::Folder folder("stents");

@@ -1,6 +1,6 @@
 // Tests the export of a session's X-ray runs as DICOM files: which frames go into which file, how values are
-// converted, and what remains after the export was stopped. The library DCMTK reads the pixels of the files;
-// the frames are tiny.
+// converted, and what remains after the export was stopped. The tests read the pixels of the exported files
+// with the library DCMTK; the frames are tiny.
 #include "host/base/output_files.hpp"
 #include "host/base/tests/folder.hpp"
 #include "host/picture/dicom_export.hpp"
@@ -185,15 +185,15 @@ static void values_are_logarithmic_unless_asked_otherwise(void **)
         out.add_run(run);
         Read read(out.finish(go_on)[0]);
         const bool is_log = std::string(values) == "log";
-        // The computed logarithm is exact to 2e-5, which is one step of the stored value here.
+        // The computed logarithm is accurate to 2e-5, which here is one step of the stored value.
         assert_in_range(read.pixel(0), is_log ? 32767 : 255, is_log ? 32769 : 255);
         assert_string_equal(read.text(DCM_PixelIntensityRelationship).c_str(), is_log ? "LOG" : "LIN");
     }
 }
 
 // The run has 1,000 frames with the values 1, 2, .. 1,000. The display window must leave out the lowest and
-// the highest hundredth of these values. Pixel values of a saturated detector must not count for the display
-// window.
+// the highest hundredth of the run's values. Pixel values of a saturated detector must not count for the
+// display window.
 static void the_window_spans_the_run(void **)
 {
     for (bool is_bright : {false, true}) {

@@ -1,6 +1,6 @@
 // Tests the films that the program writes, by reading them with ffprobe and ffmpeg. Pictures, colours, frame
-// rate and key pictures must be right, and the index must come first, also with millions of pictures and
-// above 4 GiB. Equal pictures must give equal bytes, and failures and Ctrl-C must leave no file behind.
+// rate and key pictures of a film must be right, and the film's index must come first, also with millions of
+// pictures and above 4 GiB.
 #include "host/base/tests/folder.hpp"
 #include "host/picture/h264.hpp"
 #include "host/picture/mp4_file.hpp"
@@ -388,7 +388,7 @@ static void error_of_the_library_is_a_message(void **)
         fail_msg("%s", error.c_str());
 }
 
-// The disk becomes full while pictures are written, or later when only the index is missing.
+// In this test the disk becomes full while pictures are written, or later when only the index is missing.
 static void film_on_a_full_disk_says_so_and_leaves_nothing(void **)
 {
     const std::string path = all_files().file("a.mp4");

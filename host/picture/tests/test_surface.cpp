@@ -42,8 +42,8 @@ std::array<int, 3> pixel(const Image &image, int x, int y)
 
 constexpr std::array<int, 3> white = {255, 255, 255};
 
-// The first box is 20 mm wide and covers 92 pixels. The second box is 10 mm wide, so it ends 23 pixels from
-// the middle of its panel.
+// The first box is 20 mm wide and covers 92 pixels of the panel. The second box is 10 mm wide, so it ends 23
+// pixels from the middle of its panel.
 void panels_are_side_by_side_on_one_scale(void **)
 {
     const Image image = draw_surfaces(
@@ -67,7 +67,7 @@ void what_is_nearer_hides_what_is_behind(void **)
 }
 
 // Beside the balloon the picture of the wall is red. Where the wall covers the balloon, the balloon's blue
-// must be visible through the wall, but less than without the wall.
+// must be visible through the wall, but fainter than without the wall.
 void a_wall_is_glass(void **)
 {
     const SurfaceMesh balloon = box(SurfaceKind::balloon, 3, 0);

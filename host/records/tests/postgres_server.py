@@ -1,5 +1,5 @@
-"""Starts a PostgreSQL server of its own in a temporary folder, for tests. The server has no network port: clients use
-a socket in the folder."""
+"""Starts a separate PostgreSQL server in a temporary folder, for tests. The test's server has no network port: clients
+use a socket in the server's folder."""
 
 import glob
 import os

@@ -1,4 +1,4 @@
-"""Makes a class of invented trainees for the tests of `cournand records`, and runs its commands."""
+"""Makes a class of invented trainees for the tests of `cournand records`, and runs the program's commands."""
 
 import json
 import math
@@ -11,7 +11,8 @@ PROGRAM = os.path.join(ROOT, os.environ.get("BUILD") or "build", "bin/cournand")
 
 
 def sessions(people=7, each=14, seed=3):
-    """Trainees t0, t1 ... get faster and make fewer errors; the expert plays three times."""
+    """The trainees t0, t1 ... get faster and make fewer errors from session to session; the expert plays three
+    times."""
     rng = random.Random(seed)
     made = []
     for person in range(people):
@@ -39,7 +40,7 @@ def session(trainee, number, slowness, rng, hour, by_expert=False):
 
 
 class Desk:
-    """One file of records in a folder, and the commands on it."""
+    """Holds a file of records in a folder, and runs commands on the file."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -48,7 +49,7 @@ class Desk:
         self.environment["HOME"] = folder
 
     def run(self, *words, code=0, place=None):
-        """Returns (standard output, standard error); the claim that the exit code is `code` is checked here."""
+        """Returns (standard output, standard error), and checks that the exit code is `code`."""
         command = [PROGRAM, "records", *words]
         if "ship" not in words or place:
             command += ["--records", place or self.file]
@@ -73,7 +74,8 @@ class Desk:
 
 
 def check(claims):
-    """Prints TAP for functions that raise AssertionError, each on a desk of its own."""
+    """Runs test functions, each with a folder and records of its own, and prints TAP; a function fails if it raises
+    AssertionError."""
     import sys
     import tempfile
     import traceback

@@ -1,7 +1,7 @@
-// A station of a centre, as a program that tests may kill at any moment: it stores sessions one by one in its
-// own file, prints the number of each stored session, and ships to the server after each. It
-// ends when everything is shipped and the file HOLD does not exist, so that a test has time for all of its
-// kills.
+// Simulates a station (a simulator's computer) that tests may kill at any moment: the program stores sessions
+// one by one in the station's own file, prints the number of each stored session, and sends it to the server.
+// The program ends when every session is sent and the file HOLD does not exist; this file keeps the program
+// alive until a test has made all of its kills.
 //   records_station FILE URL STATION FIRST COUNT HOLD
 #include "host/records/outbox.hpp"
 #include "host/records/tests/sample_records.hpp"
@@ -16,7 +16,7 @@ namespace
 
 constexpr int patience_rounds = 600; // of 0.1 s, while the server is away
 
-// Half of the sessions are those of a trainee who practises at all stations.
+// Half of the sessions belong to a trainee who practises at all stations.
 crn::SessionRecord session_of(int station, int number)
 {
     const std::string trainee = number % 2 == 0 ? "shared" : "trainee " + std::to_string(station);

@@ -1,5 +1,6 @@
-"""Lets many stations ship their sessions to one PostgreSQL server at once, while stations and server are killed at
-random moments (SIGKILL). Afterwards the server has to have each stored session once, with the same contents."""
+"""Lets many stations send their sessions to one PostgreSQL server at once, while stations and server are killed at
+random moments (SIGKILL). At the end the server must have each stored session exactly once, with the same contents as
+the station."""
 
 import collections
 import json
@@ -19,7 +20,7 @@ STATION = os.path.join(BUILD, "test/records_station")
 
 
 class Station:
-    """One station, which is started again after each kill and goes on behind its last reported session."""
+    """Runs one station, which is started again after each kill and continues after its last reported session."""
 
     def __init__(self, number, folder, url, count):
         self.number, self.url, self.count = number, url, count
@@ -59,7 +60,8 @@ def sessions(place):
 
 
 def kill(kind, rng, server, stations):
-    """Kills one station, one connection or the whole server, and starts it again. Returns False if there was none."""
+    """Kills one station, one connection or the whole server; a killed station or server is started again. Returns False
+    if nothing of this kind was running."""
     if kind == "servers":
         server.kill()
         time.sleep(rng.uniform(0.0, 0.5))
@@ -81,8 +83,9 @@ def kill(kind, rng, server, stations):
 
 
 def run(stations_count, sessions_each, seed, kills):
-    """Prints TAP. `kills` has the number of kills of each kind, in a random order. They are spread over the progress
-    of the stations and not over time, so that a fast machine has as many of them as a slow one."""
+    """Prints TAP; `kills` states the number of kills of each kind, which are made in a random order. The kills are
+    distributed over the number of stored sessions and not over time, so that fast and slow machines make equally many
+    of them."""
     rng = random.Random(seed)
     print("# seed %d" % seed)
     begun = time.monotonic()

@@ -1,5 +1,5 @@
-// Tests curves of learning against simulated trainees whose truth is known, the cohort's protection of single
-// persons, and the CUSUM's limits and signals.
+// Tests learning curves against simulated trainees whose true curve is known, the protection of single
+// persons in a cohort, and the limits and signals of the CUSUM.
 #include "host/records/learning.hpp"
 #include "host/records/tests/sample_records.hpp"
 #include <algorithm>
@@ -23,7 +23,7 @@ double truth(std::size_t n)
     return 20.0 + 30.0 * std::exp(-static_cast<double>(n) / 4.0);
 }
 
-// The sum of twelve uniform numbers is nearly normal, and the same with every C++ library.
+// The sum of twelve uniform numbers is nearly normal, and does not depend on the C++ standard library.
 double noise(std::mt19937 &random)
 {
     double sum = -6.0;
@@ -45,7 +45,7 @@ void a_curve_without_noise_is_found(void **)
     }
 }
 
-// Share of the sessions whose true value lies in the band, over many simulated trainees.
+// Returns the share of the sessions whose true value lies in the band, over many simulated trainees.
 double coverage(std::size_t sessions, double sigma, int trainees)
 {
     std::mt19937 random(5);
@@ -94,7 +94,7 @@ void quantiles_are_those_of_type_seven(void **)
     assert_float_equal(quantile({9.0}, 0.975), 9.0, 1e-12);
 }
 
-// Five trainees play three, three, three, three and two sessions, and an expert plays one.
+// Four trainees of this class play three sessions each, a fifth plays two sessions, and an expert plays one.
 std::vector<SessionRecord> class_of(int people)
 {
     std::vector<SessionRecord> sessions;
@@ -128,7 +128,7 @@ void a_cohort_is_shown_only_where_five_people_are(void **)
     assert_int_equal(five.expert->sessions, 1);
 }
 
-// Weights of Biau and others 2008 for rates of 10 and 30 %.
+// The expected weights are those of Biau and others 2008 for failure rates of 10 and 30 %.
 void weights_are_the_published_ones(void **)
 {
     const Cusum cusum = cusum_of({}, {});
@@ -156,7 +156,8 @@ double share_of_signals(double rate, double Cusum::*limit, bool is_relapse, int 
     return signals / double(runs);
 }
 
-// Another generator than the one that found the limits plays trainees of known rates.
+// The trainees in this test have known failure rates; their random numbers come from another generator than
+// the one with which the limits were found.
 void wrong_signals_are_as_rare_as_promised(void **)
 {
     const double wrong = share_of_signals(0.3, &Cusum::learning_limit, false, 3),

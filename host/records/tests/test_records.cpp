@@ -1,6 +1,6 @@
-// Tests the records of trainees in a file: what is stored is read back, what cannot be stored is refused with
-// a remedy, a file of another version or program is left alone, and erased data is gone from the file's
-// bytes.
+// Tests the records of trainees in a file: stored data can be read back, invalid data is refused with a
+// remedy, a file of another version or program is left unchanged, and no bytes of erased data remain in the
+// file.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/records/exchange.hpp"
@@ -26,7 +26,7 @@ namespace
 using namespace crn;
 using Cause = RecordsError::Cause;
 
-// Returns the message of the RecordsError that the action has to throw, with this cause.
+// Returns the message of the RecordsError that `action` must throw; the error must have this cause.
 std::string refusal(Cause cause, const std::function<void()> &action)
 {
     try {
@@ -53,7 +53,7 @@ bool has_bytes(const std::filesystem::path &folder, const std::string &bytes)
     return false;
 }
 
-// Test vectors of FIPS 180-4 (NIST CSRC examples) and of RFC 9562, A.4.
+// These test vectors come from FIPS 180-4 (NIST CSRC examples) and RFC 9562, A.4.
 void hashes_and_names_agree_with_published_examples(void **)
 {
     assert_string_equal(sha256("abc").c_str(),
@@ -99,7 +99,7 @@ void a_stored_session_is_read_back_whole(void **)
     assert_float_equal(*found.metric("score"), 70.0, 1e-12);
 }
 
-// A session without pass, score, metrics and events is whole, too.
+// A session without pass, score, metrics and events is complete as well.
 void a_session_may_have_neither_score_nor_metrics(void **)
 {
     const tests::Folder folder("records");
@@ -142,7 +142,7 @@ void only_the_user_may_read_the_file(void **)
     assert_int_equal(status.st_mode & 0777, 0600);
 }
 
-// What cannot be stored at a server later (control characters, other encodings) is refused at once.
+// Texts that a server could not store later (control characters, other encodings) are refused at once.
 void a_record_outside_its_ranges_is_refused(void **)
 {
     const tests::Folder folder("records");
@@ -299,7 +299,7 @@ void a_deleted_name_and_an_old_pseudonym_are_gone_too(void **)
     store.rename("zebrafinch", "otter");
     assert_false(has_bytes(folder.path, "zebrafinch") || has_bytes(folder.path, "Quicksilver"));
     assert_int_equal(store.sessions({"otter", "", ""}).size(), 1);
-    // The id follows from the first pseudonym, which nobody else may have now.
+    // The trainee's id follows from the first pseudonym, so nobody else may get this pseudonym later.
     assert_says(refusal(Cause::refused, [&] { store.add_trainee("zebrafinch"); }), "another one today");
 }
 

@@ -1,5 +1,5 @@
-// Tests what is left of the records after a crash: a program that is killed at random moments, and one whose
-// disk is full, lose no session that was reported as stored, and leave no part of another one.
+// Tests the records after a crash: if a program is killed at random moments or its disk is full, no session
+// that was reported as stored is lost, and no session is stored in part.
 #include "host/base/tests/folder.hpp"
 #include "host/records/store.hpp"
 #include "host/records/tests/sample_records.hpp"
@@ -25,8 +25,9 @@ using namespace crn;
 constexpr int kills = 25, sessions_per_child = 1000;
 constexpr unsigned seed = 1;
 
-// The child runs `work`, which writes the number of each stored session into the pipe. Returns the last
-// number, after the child has ended; `while_it_runs` gets the child's process id.
+// The child process runs `work`, which writes the number of each stored session into the pipe. Returns the
+// last number in the pipe, after the child process has ended; `while_it_runs` receives the child's process
+// id.
 int last_stored(const std::function<void(int pipe)> &work, const std::function<void(pid_t)> &while_it_runs,
                 int before)
 {
@@ -54,13 +55,13 @@ void report(int pipe, int number)
     if (::write(pipe, &number, sizeof number) != sizeof number) ::_exit(9);
 }
 
-// Every session up to `last` is there, and every session that is there has all of its parts.
+// Checks that every session up to `last` is stored, and that every stored session has all of its parts.
 void assert_whole(RecordStore &store, int last, const char *after)
 {
     assert_int_equal(store.faults().size(), 0);
     const std::vector<SessionRecord> sessions = store.sessions({});
     std::printf("# %s: %zu sessions, %d reported\n", after, sessions.size(), last + 1);
-    // One more may be stored, whose report was lost.
+    // One more session may be stored if the child was killed before it could report that session.
     assert_true(static_cast<int>(sessions.size()) >= last + 1 &&
                 static_cast<int>(sessions.size()) <= last + 2);
     for (std::size_t i = 0; i < sessions.size(); i++) {
@@ -79,7 +80,7 @@ void a_killed_program_loses_no_stored_session(void **)
     std::mt19937 random(seed);
     std::printf("# seed %u\n", seed);
     int last = -1;
-    // A slow machine needs more rounds until the children have stored some sessions.
+    // On a slow machine more rounds are needed until the child processes have stored some sessions.
     for (int round = 0; round < kills || (last <= kills && round < 40 * kills); round++) {
         const unsigned wait_us = 3000 + static_cast<unsigned>(random() % 100000);
         last = last_stored(
@@ -102,8 +103,8 @@ void a_killed_program_loses_no_stored_session(void **)
     assert_true(last > kills); // the children did store sessions
 }
 
-// A limit on the size of files stands for the full disk: the write call fails in the same way (EFBIG for
-// ENOSPC).
+// A limit on the size of files simulates the full disk: the write call fails in the same way, with EFBIG
+// instead of ENOSPC.
 void a_full_disk_is_reported_and_harms_nothing(void **)
 {
     const tests::Folder folder("records");

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""These tests check the following. The pages of a trainee and of a cohort open in Chromium without a network, and
-their charts, sentences and tables have the figures of the records. Prints TAP."""
+"""Tests that the pages of a trainee and of a cohort open in Chromium without a network, and that their charts,
+sentences and tables have the figures of the records. Prints TAP."""
 
 import html.parser
 import os
@@ -42,7 +42,7 @@ def short(value):
 
 
 def open_page(path):
-    """Returns the document as Chromium sees it."""
+    """Returns the HTML document after Chromium has loaded it."""
     browser = shutil.which("chromium")
     assert browser, "chromium is missing: apt-get install chromium"
     with tempfile.TemporaryDirectory(prefix="cournand-chromium-") as profile:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""These tests check the following. Sessions of a station reach a PostgreSQL server once, even if they are shipped
-again; erasing on one side erases on the other; names and passwords never leave the station; the server's records
-are read like a file. The test starts a server of its own. Prints TAP."""
+"""Tests that sessions of a station reach a PostgreSQL server once, even if they are sent again; erasing on one side
+erases on the other; names and passwords never leave the station; a server's records can be read like those in a file.
+The test starts its own PostgreSQL server. Prints TAP."""
 
 import json
 import shutil
@@ -13,7 +13,7 @@ SERVER = postgres_server.Server()
 
 
 def fresh():
-    """Removes all tables, so that each claim begins with an empty server."""
+    """Removes all tables, so that each test function begins with an empty server."""
     SERVER.query("DROP SCHEMA public CASCADE; CREATE SCHEMA public")
 
 

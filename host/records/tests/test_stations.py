@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""These tests check the following. Eight stations ship 48 sessions to one server at once; kills of stations and
-server lose none and double none. This is the short form of test_thousand_sessions.py. Prints TAP."""
+"""Tests that eight stations can send 48 sessions to one server at once; although stations and server are killed, no
+session is lost or stored twice. This test is the short form of test_thousand_sessions.py. Prints TAP."""
 
 import stations
 

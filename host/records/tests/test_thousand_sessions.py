@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""These tests check the following. Eight stations ship 1,000 sessions to one server at once; kills of stations,
-connections and server lose none and double none. Prints TAP."""
+"""Tests that eight stations can send 1,000 sessions to one server at once; although stations, connections and server
+are killed, no session is lost or stored twice. Prints TAP."""
 
 import stations
 

@@ -1,5 +1,5 @@
-// A session may use several balloons one after the other. Each pressure is judged by the label of the balloon
-// that was on the line then.
+// Several balloons may be used in a session, one after the other. Each pressure is compared with the label of
+// the balloon that was on the line at that time.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

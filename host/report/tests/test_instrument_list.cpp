@@ -16,7 +16,7 @@
 #include "host/report/instrument_list.hpp"
 #include <nlohmann/json.hpp>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -130,7 +130,7 @@ void the_fits_hold_the_table_of_the_thesis(void **)
     assert_int_equal(crn::list_instruments({}, "vcsim3-fit").size(), std::size(rows));
 }
 
-// Half-way along a taper the stiffness is the geometric mean of those at its two ends.
+// Half-way along a taper the stiffness is the geometric mean of the stiffnesses at its two ends.
 void tapers_change_by_equal_ratios(void **)
 {
     expect_bend(crn::read_instrument(folder + "bentson.toml"), 250, 2.449e-5);

@@ -69,7 +69,8 @@ void marks_fall_in_proportion_between_the_limits(void **)
     assert_float_equal(points(report, "apposition_pct"), 7.5, 1e-9);
 }
 
-// Every fault in the treatment must lower its own metric and must not change the other metrics.
+// Every fault in the treatment must lower the points of its own metric and must not change those of the other
+// metrics.
 void a_fault_is_seen_by_the_metric_that_should_notice(void **)
 {
     const struct {
@@ -132,8 +133,8 @@ void other_limits_give_other_marks(void **)
     assert_float_equal(score["of"].get<double>(), 104.0, 1e-9);
 }
 
-// A metric without a value gets no points and leaves the others unchanged; here the session has a balloon but
-// no stent.
+// A metric without a value gets no points and leaves the other metrics unchanged; here the session has a
+// balloon but no stent.
 void what_is_not_known_is_not_judged(void **)
 {
     Json report = good_report();

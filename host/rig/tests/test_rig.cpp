@@ -1,7 +1,7 @@
-// Tests the commands of `cournand rig`: every command must print what the device reports, write only what the
-// user confirmed, and read it back. A command may power a motor only after the user has typed yes. When the
-// user stops the command, it must leave the rig as it was. The functions for the HID interface must survive a
-// rig that sends false reports.
+// Tests the commands of `cournand rig`: every command must print what the device reports, write only settings
+// that the user confirmed, and read these settings back. A command may power a motor only after the user has
+// typed yes. A command that the user stops must leave the rig as the command found it. The functions for the
+// HID interface must survive a rig that sends false reports.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -20,7 +20,7 @@
 #include "host/rig/rig.hpp"
 #include <hidapi/hidapi.h>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -28,7 +28,7 @@ extern "C" {
 namespace
 {
 
-// Simulates a rig whose sensors the test moves.
+// Simulates a rig whose sensor values the test sets.
 class Rig final : public crn::Transport
 {
   public:
@@ -65,8 +65,8 @@ class Rig final : public crn::Transport
     unsigned powered_ms = 0, stop_after_ms = ~0u; // then the emergency stop is pressed
 };
 
-// A user with prepared answers. Before the simulated user gives each answer, a function of the test may
-// change something at the rig. `text` collects the output of the command.
+// A user with prepared answers. Before each answer of the simulated user, a function of the test may change
+// something at the rig. `text` collects the output of the command.
 struct User {
     std::deque<std::pair<std::string, std::function<void()>>> answers;
     bool is_interrupted = false;

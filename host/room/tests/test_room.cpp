@@ -200,8 +200,8 @@ static void a_tap_within_one_tick_gives_neither_beam_nor_run(void **)
                 bench.room.dose().irradiations().empty());
 }
 
-// The kerma-area product of a run must be the sum over its frames. This product must also be the kerma times
-// the field's area at the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (0.6 m / 1.05 m x 25 cm x 60 %).
+// The kerma-area product of a run must be the sum over its frames, and the kerma times the field's area at
+// the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (0.6 m / 1.05 m x 25 cm x 60 %).
 static void dose_of_a_run_is_the_sum_over_its_frames(void **)
 {
     Bench bench;
@@ -255,8 +255,8 @@ static void dose_alerts_come_at_two_and_five_gray_and_are_acknowledged(void **)
     assert_int_equal(*meter.unseen_alert(), 1);
 }
 
-// The contrast must be equal in front of bone and of lung: a doubling of attenuation must make the background
-// (grey value 160) darker by 255/2.
+// In DSA the contrast must be equal in front of bone and of lung: a doubling of attenuation must make the
+// background (grey value 160) darker by 255/2.
 static void dsa_shows_what_came_since_the_mask_and_no_bone(void **)
 {
     Bench bench(bar);
@@ -286,8 +286,8 @@ static void a_new_mask_is_taken_from_the_frames_named(void **)
     assert_int_equal(bench.screen.status().mask_last, 5);
 }
 
-// The bone's edge (two doublings of attenuation, columns 31 to 32) moves with the mask. A mask shifted right
-// by one pixel leaves a seam of one pixel, in which the mask is bright and the live picture is not.
+// The bone's edge (two doublings of attenuation, columns 31 to 32) moves when the mask is moved. Moving the
+// mask right by one pixel leaves a seam of one pixel, in which only the mask is bright.
 static void pixel_shift_moves_the_mask(void **)
 {
     Bench bench;
@@ -420,7 +420,7 @@ static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
     assert_true(bench.screen.status().roadmap == RoadmapState::shown);
     assert_int_equal(bench.grey_at(10, 30), 128);
     assert_true(bench.grey_at(33, 30) > 32 + 60); // bone is 32
-    // If the geometry has changed, the roadmap must not be shown until the old geometry returns.
+    // If the geometry has changed, the roadmap must not be shown until the former geometry returns.
     bench.ask(RoomAction::field, 200'000);
     bench.run_to(bench.now + 100);
     assert_int_equal(bench.grey_at(33, 30), 32);

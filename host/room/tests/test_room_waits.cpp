@@ -1,7 +1,7 @@
 // Tests runs that must wait: a run of cine or DSA begins only when C-arm and table have reached the ordered
 // pose, and the screen shows a notice while the run waits. If the user releases the pedal while the run still
 // waits, there must be no run, and a notice must give the reason. After every five minutes of fluoroscopy, a
-// reminder must appear and stay until the user acknowledges it.
+// reminder must appear and stay until the user acknowledges the reminder.
 #include "host/room/room_screen.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -100,8 +100,8 @@ static void a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why(vo
     assert_non_null(std::strstr(bench.room.refusals()[0].why.c_str(), "hold the pedal longer"));
 }
 
-// A run that was made must not count as refused, and a run that was requested while the motors were at rest
-// must not count as refused either.
+// A run that was made must not count as refused; nor must a run that was requested while the motors were at
+// rest.
 static void a_pedal_on_a_room_that_stands_is_never_refused(void **)
 {
     Bench bench;
@@ -130,8 +130,8 @@ static void fluoroscopy_goes_on_while_a_run_waits(void **)
     assert_true(bench.room.is_beam_on() && bench.screen.status().kind == RunKind::cine);
 }
 
-// In this test the tip of the tools keeps moving, and the table follows it for ever. Therefore the table must
-// stop so that a cine run can start, and must follow the tip again during the run.
+// In this test the tip of the tools keeps moving, and the table follows it for ever. The table must stop so
+// that a cine run can start, and must follow the tip again during the run.
 static void a_table_that_follows_a_tip_comes_to_rest_for_a_run(void **)
 {
     Bench bench;

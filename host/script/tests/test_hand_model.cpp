@@ -1,5 +1,5 @@
 // Tests the model of a person's hands: the same seed gives the same session, novices make more and shorter
-// motions than experts, and every push still ends where the script wants it.
+// motions than experts, and every push still ends at the length that the script states.
 #include "host/script/hand_model.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -84,7 +84,8 @@ void every_push_ends_where_the_script_wants_it(void **)
         }
 }
 
-// A pedal that is pressed late is still pressed, and a pedal that the foot left is pressed again.
+// A pedal that the hand model presses late is still pressed, and a pedal that the foot has left is pressed
+// again.
 void the_pedals_end_as_in_the_script(void **)
 {
     for (int seed = 1; seed <= 50; ++seed) {

@@ -14,7 +14,7 @@
 #include "host/base/text.hpp"
 #include "host/script/session.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -83,7 +83,7 @@ void withdraw_and_negative_turns_go_the_other_way(void **)
     assert_int_equal(inputs.back().hands[0].rotation_counts, -16384);
 }
 
-// The move consists of three strokes with two pauses of 150 ms.
+// This move consists of three strokes with two pauses of 150 ms.
 void strokes_add_up_to_the_whole(void **)
 {
     const auto whole = play("advance 100 mm at 50 mm/s"),
@@ -99,8 +99,8 @@ void moves_joined_by_while_run_together(void **)
     assert_int_equal(both[1300].hands[0].translation_counts, 40000);
 }
 
-// The `until` condition is met at 100 mm. After the condition is met, the hand may move on while it slows
-// down during one ramp: 30 mm/s x 0.1 s = 3 mm.
+// The tool meets the `until` condition of this script at 100 mm. After the condition is met, the hand may
+// move on while it slows down during one ramp: 30 mm/s x 0.1 s = 3 mm.
 void until_stops_within_one_ramp(void **)
 {
     const crn::Session session = crn::parse_session("advance until inserted 100 mm at 30 mm/s", "test");
@@ -224,8 +224,8 @@ void heart_and_breath_are_asked_at_their_ticks(void **)
     expect_error("hart rate 90 /min\n", "did you mean 'heart'");
 }
 
-// At 2 bar/s, a pressure of 8 bar is reached in four seconds; deflating releases 4 bar in a second. While the
-// pressure changes, the hands must be at rest.
+// At 2 bar/s, the pressure reaches 8 bar in four seconds; the statement `deflate` without a rate releases 4
+// bar per second. While the pressure changes, the hands must be at rest.
 void the_inflator_goes_to_its_pressure_at_its_rate(void **)
 {
     const auto inputs = play("inflate to 8 bar at 2 bar/s\nwait 0.5 s\ndeflate\nadvance 10 mm\n");
@@ -331,7 +331,7 @@ void together_moves_every_tool_of_the_line(void **)
     }
 }
 
-// The tool that an `until` condition names is the tool whose inserted length decides whether the condition is
+// If an `until` condition names a tool, the inserted length of that tool decides whether the condition is
 // met.
 void until_looks_at_its_own_tool(void **)
 {
@@ -405,7 +405,8 @@ void a_tool_that_is_not_there_is_named_with_its_line(void **)
     }
 }
 
-// When the user moves a hand by keyboard, its speed changes in steps, and its counters must follow the speed.
+// When the user moves a hand by keyboard, the hand's speed changes in steps, and the encoder counters must
+// follow the speed.
 void a_live_hand_comes_to_rest(void **)
 {
     crn::LiveHand hand;

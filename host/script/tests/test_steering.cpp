@@ -1,10 +1,10 @@
 // Tests that positions in a tree of vessels get the names that anatomists use. A script that steers must
-// reach its vessel although the tip usually turns into another vessel. Only some angles of the hand lead into
-// the wanted vessel. The script must reach the vessel for every width and position of this range of angles.
-// If the script fails, the message must state where the tip was. Each expectation must be reported with its
-// result and the number of its line in the script. The simulated anatomy of these tests is only a tube with
-// one wrong branch. Only the angle of the hand decides which of the two vessels the tip enters, which is the
-// hardest case for a bent tip.
+// reach its vessel although the tip usually turns into another vessel. In this test only some angles of the
+// hand lead into the wanted vessel. The script must reach the vessel for every width and position of the
+// range of angles that lead into it. If a script fails to reach the vessel, the message must state where the
+// tip was. Each expectation must be reported with its result and the number of its line in the script. The
+// simulated anatomy of these tests is only a tube with one wrong branch. Only the angle of the hand decides
+// which of the two vessels the tip enters, which is the hardest case for a bent tip.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -50,9 +50,9 @@ crn::VesselTree tree()
     return tree;
 }
 
-// The tip is `pushed_m` beyond the introducer sheath, which ends at y = 290 mm. At the left subclavian artery
-// the tip stays in the aorta only if the angle of the hand is within `window_deg` of `open_deg`. After the
-// tip has passed the branching, it stays in its vessel until it is pulled back.
+// The tip is `pushed_m` beyond the end of the introducer sheath, which is at y = 290 mm. At the left
+// subclavian artery the tip stays in the aorta only if the angle of the hand is within `window_deg` of
+// `open_deg`. After the tip has passed the branching, it stays in its vessel until it is pulled back.
 struct World {
     double open_deg, window_deg;
     bool is_astray = false, was_beyond = false;

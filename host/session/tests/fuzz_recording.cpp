@@ -1,8 +1,8 @@
-// This fuzz target reads files with arbitrary bytes as recordings. The fuzz target tries every input
+// This fuzz target reads files with arbitrary bytes as recordings. The fuzz target tests every input
 // unchanged, and then with corrected checksums and schema hash, so that the fuzzer reaches the code behind
-// those checks. The fuzz target reads every input as a recording of this version, and as a recording of the
-// previous version that must be converted. An accepted recording must have the properties that recording.hpp
-// promises, and a refusal must have a text.
+// the checks of these values. The fuzz target reads every input as a recording of this version, and as a
+// recording of the previous version that must be converted. An accepted recording must have the properties
+// that recording.hpp promises, and a refusal must have a message.
 #include "host/session/recording_chunks.hpp"
 #include "host/session/recording_format.hpp"
 #include "host/session/recording_upgrade.hpp"
@@ -178,7 +178,7 @@ std::vector<std::uint8_t> old_ticks(unsigned tools, std::uint32_t first, std::ui
     return bytes;
 }
 
-// Makes a recording of version 2 that includes one chunk of the kind that only that version had.
+// Makes a recording of version 2 that includes one chunk of a kind that only version 2 had.
 std::vector<std::uint8_t> old_file(unsigned tools)
 {
     Writer file;

@@ -1,6 +1,6 @@
-// Tests sessions that exchange tools (docs/session.md, "Exchange"). The script's orders reach the core, the
-// patient and the pictures follow the tools on the line, a recording replays bit for bit from its start and
-// from a snapshot, and a refused exchange ends the script with its reason.
+// Tests sessions that exchange tools (docs/session.md, "Exchange"). The commands of the script reach the
+// core, and patient and pictures use the tools on the line. A recording replays bit for bit from its start
+// and from a snapshot, and a refused exchange ends the script with its reason.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -17,7 +17,7 @@
 #include "host/session/run.hpp"
 #include "host/session/witness.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -76,8 +76,8 @@ Recorded record(const std::string &script)
     return recorded;
 }
 
-// A wire is withdrawn from a guide, another one goes in, and a balloon over it; more than one snapshot is
-// recorded.
+// A guidewire is withdrawn from a guiding catheter, another guidewire is inserted, and a balloon catheter is
+// advanced over it; the recording contains more than one snapshot.
 const Recorded &whole()
 {
     static const Recorded recorded = record("begin with amplatz_super_stiff nothing guide_jl4_6f\n"
@@ -148,7 +148,7 @@ void a_refused_exchange_ends_the_script_by_name(void **)
     assert_true(recorded.recording.ticks.size() < 1000);
 }
 
-// In FREE_RUN, a rig could tell the host of tools that are not on the line.
+// In FREE_RUN, a rig could report tools to the host that are not on the line.
 void the_witness_refuses_a_false_line(void **)
 {
     const crn::LineNumbers line = {5, 0, 3};

@@ -1,7 +1,7 @@
-// Tests that physics that leaves its range is detected in the same tick and reported with its values and
-// limits. A session whose physics stays in range must not be ended. The grip of a scripted hand must be rigid
-// up to the force that fingers can hold, and the tool must slip beyond this force. The slip of the tool must
-// not depend on the size of the batches.
+// Tests that the program detects in the same tick when the physics leaves its range, and reports the values
+// and their limits. A session whose physics stays in range must not be stopped. The simulated grip of a hand
+// must be rigid up to the force that fingers can hold, and the tool must slip above this force. The slip of
+// the tool must not depend on how many ticks are stepped in one batch.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -16,7 +16,7 @@
 #include "host/session/hand_grip.hpp"
 #include "host/session/range_watch.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -46,7 +46,7 @@ bool says(const RangeWatch &watch, const std::string &what)
     return watch.is_left() && range_text(*watch.left()).find(what) != std::string::npos;
 }
 
-// A value that equals its limit is still in range. The core also reports stalled feeds, limited steps, and
+// A value that equals its limit counts as in range. The core also reports stalled feeds, limited steps, and
 // tools at the end of their travel (fault bits 1 to 3), which are all normal.
 void what_stays_within_the_limits_is_no_error(void **)
 {
@@ -88,8 +88,8 @@ void a_line_too_long_or_too_short_and_a_saturated_core_are_out_of_range(void **)
     assert_true(watch.left()->is_saturated && says(watch, "CORE_SATURATED"));
 }
 
-// A run and its replay step the ticks in different batches. Run and replay must read the position at the same
-// tick, which is the next multiple of 16 or the last tick.
+// A session and its replay step the ticks in different batches. Session and replay must read the position of
+// the largest wall force at the same tick, which is the next multiple of 16 or the last tick.
 void where_it_happened_is_looked_at_on_a_tick_that_every_run_has(void **)
 {
     RangeWatch watch;
@@ -128,10 +128,11 @@ void below_its_limits_the_grip_is_rigid(void **)
     assert_false(grip.figures(0).first_tick.has_value());
 }
 
-// A hand pushes at 20 mm/s against a wall of 20 N/mm: without slip, 1 s would give a force of 400 N there.
-// When the force reaches 25 N, the tool must slip in the hand. The force may exceed this limit by the 0.4 N
-// that the motion of one tick (20 um) adds, and by another 0.4 N before the slip takes effect. The test is
-// repeated in the other direction, and the counts of the hand wrap round as those of encoders do.
+// A hand pushes a tool at 20 mm/s against a wall of 20 N/mm: without slip, the force on the wall would be 400
+// N after 1 s. When the force reaches 25 N, the tool must slip in the hand. The force may exceed the limit of
+// 25 N by the 0.4 N that the motion of one tick (20 um) adds, and by another 0.4 N before the slip takes
+// effect. The test is repeated in the other direction, and the simulated encoder counts wrap round as real
+// ones do.
 void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
 {
     for (int sign : {1, -1}) {
@@ -156,8 +157,8 @@ void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
     }
 }
 
-// The tool is stuck with a stiffness of 1 N m/rad, so a torque of 50 mN m turns it by 0.05 rad, or 2.9
-// degrees. The hand turns by one turn per second, and the test checks the torque from tick 16 on.
+// The tool is held with a stiffness of 1 N m/rad, so a torque of 50 mN m turns it by 0.05 rad, or 2.9
+// degrees. The hand turns the tool by one turn per second, and the test checks the torque from tick 16 on.
 void beyond_its_torque_it_slips_as_well(void **)
 {
     HandGrip grip;
@@ -171,8 +172,8 @@ void beyond_its_torque_it_slips_as_well(void **)
     assert_true(std::fabs(grip.figures(0).slipped_deg - 354.0) < 1.0);
 }
 
-// Whether the session steps single ticks or the largest batches that the grip allows, the device must get
-// equal counts.
+// The encoder counts must be equal whether the session steps single ticks or the largest batches that the
+// grip allows.
 void what_slips_does_not_depend_on_the_batches(void **)
 {
     const auto run = [](std::uint32_t batch_most) {

@@ -1,4 +1,4 @@
-// Tests that a session replays bit for bit at any speed and from any snapshot. If a recording was cut off, it
+// Tests that a session replays bit for bit at any speed and from any snapshot. A recording that was cut off
 // must be readable up to its last complete chunk. A damaged recording must be refused, whichever byte is
 // damaged.
 #include <algorithm>
@@ -20,7 +20,7 @@
 #include "host/session/run.hpp"
 #include "shared/wire/wire_frame.h"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -146,8 +146,8 @@ void a_replay_from_later_on_knows_what_was_injected_before(void **)
     }
 }
 
-// If two premature beats are ordered at once, the second one must be ordered a tick later. Only the two ticks
-// with the commands for premature beats need more bytes in the recording.
+// If two premature beats are ordered at once, the second beat must be ordered a tick later. Only the two
+// ticks with the commands for premature beats need more bytes in the recording.
 void orders_are_recorded_in_their_ticks_and_replay(void **)
 {
     const Recorded recorded = record("heart rate 120 /min\nbreath hold on\nwait 1 s");
@@ -275,7 +275,8 @@ void other_files_and_newer_versions_are_refused_by_name(void **)
     }
 }
 
-// In this test the ticks of the second chunk come first: its CRC is correct, but it is in the wrong position.
+// In this test the ticks of the second chunk come first: the chunk's CRC is correct, but it is in the wrong
+// position.
 void ticks_out_of_order_are_refused(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -303,7 +304,7 @@ void a_recording_cannot_be_written_into_a_missing_folder(void **)
     }
 }
 
-// An observer that makes pictures divides the batches of ticks, and this must not change the session.
+// An observer that makes pictures divides the batches of ticks; this division must not change the session.
 class CountingSink final : public crn::SteadySink
 {
   public:

@@ -23,7 +23,7 @@
 #include "host/session/replay.hpp"
 #include "shared/wire/wire_frame.h"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -62,7 +62,7 @@ std::size_t chunk_of(const Bytes &bytes, std::uint32_t kind)
     return at;
 }
 
-// Corrects the checksum of a chunk that the test changed.
+// Corrects the checksum of a chunk that the test has changed.
 void seal(Bytes &bytes, std::size_t at)
 {
     const std::uint32_t covered = 8 + word(bytes, at + 4);
@@ -126,8 +126,8 @@ void a_converted_recording_replays_bit_for_bit(void **)
     assert_int_equal(recording.commands[1].tick, 300);
 }
 
-// In protocol 4, every tick had 26 bytes of fields for commands. Now a tick without commands has one byte
-// instead, which is the number of its commands.
+// In protocol 4, every tick had 26 bytes of fields for commands. In the present protocol, a tick without
+// commands has one byte instead of these fields: the number of its commands.
 void what_was_nothing_costs_nothing_any_more(void **)
 {
     const Bytes bytes = crn::upgraded_recording(old_bytes(), "old.rec");
@@ -178,8 +178,9 @@ void a_scaffold_becomes_an_order(void **)
     assert_true(hold.lesion == 2 && hold.first == 4 && hold.last == 12 && hold.open_q15 == 0x7ffe);
 }
 
-// The test replaces each command to the X-ray room by a chunk of the kind VIEW, as in version 2, which
-// contains tick, fluoroscopy, follows, primary and secondary angle, table and field.
+// The test replaces each command to the X-ray room by a chunk of the kind VIEW, as in version 2; such a chunk
+// contains the tick, whether fluoroscopy is on, whether the table follows the tip, both angles, table and
+// field.
 Bytes with_views()
 {
     Bytes bytes(old_bytes().begin(), old_bytes().begin() + 8);
@@ -238,7 +239,8 @@ void what_was_cut_off_stays_cut_off(void **)
     assert_int_equal(upgraded(bytes).ticks.size(), 0);
 }
 
-// The file protocol_5.rec was written by a program with protocol 5: about 0.9 s of a wire and a catheter.
+// The file protocol_5.rec was written by a program with protocol 5: about 0.9 s of a session with a guidewire
+// and a catheter.
 const Bytes &protocol_5_bytes()
 {
     static const Bytes bytes = crn::read_binary_file("host/session/tests/protocol_5.rec");
@@ -258,8 +260,8 @@ void a_recording_of_protocol_5_replays_bit_for_bit(void **)
     assert_int_equal(result.ticks_compared, recording.ticks.size());
 }
 
-// Makes of a present snapshot what a program with protocol 5 would have written: without the release of each
-// tool, and without the five words of the line before the core's nodes.
+// Converts a present snapshot to that of a program with protocol 5: without the release of each tool, and
+// without the five words about the line before the core's nodes.
 Bytes snapshot_of_protocol_5(const Bytes &now)
 {
     constexpr std::ptrdiff_t nodes = 388 * 84, exchange = 5 * 4;

@@ -1,7 +1,7 @@
 // Makes a beating artery for tests and benchmarks of stents. The artery is 50 mm long and bent, and has a
 // lesion that narrows it by 75 %. The displacements of the artery are given at the points of a lattice, as in
-// the core. The artery moves as much as those of the heart that is shipped with the program: 12 mm to and
-// fro, 4 % of its length, 3.5 % of its width, and 6 degrees of rotation; the artery also bends.
+// the core. The artery moves as much as those of the heart that comes with the program: 12 mm to and fro, 4 %
+// of its length, 3.5 % of its width, and 6 degrees of rotation; the artery also bends.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/stent/vessel_wall.hpp"
@@ -65,8 +65,8 @@ struct BeatingLattice {
     }
 };
 
-// Makes a bent artery of 50 mm along x, with a radius from 1.6 to 1.4 mm. If `is_diseased`, a lesion of 12 mm
-// narrows the artery by 75 %.
+// Makes a bent artery of 50 mm along x, with a radius from 1.6 to 1.4 mm. If `is_diseased` is true, a lesion
+// of 12 mm narrows the artery by 75 %.
 inline VesselTree beating_artery(bool is_diseased)
 {
     VesselBranch branch;

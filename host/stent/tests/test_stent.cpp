@@ -1,7 +1,7 @@
-// These tests check the following. A stent file is either read as a whole, or refused with the place of the
-// error in the file. A stent opens to the width of its balloon, and its shortening and recoil follow the
-// formulas. The rings of a stent have the stiffness in the stent's file, and its struts touch walls as
-// capsules touch planes. Every sequence of actions on a stent has a defined outcome.
+// These tests check the following. A stent file is either read completely, or refused with the position of
+// the error in the file. A stent opens to the width of its balloon, and its shortening and recoil agree with
+// the formulas. The rings of a stent have the stiffness that the stent's file states, and the struts touch
+// walls as capsules touch planes. Every sequence of actions on a stent has a defined result.
 #include "firmware/tests/reference/long_run.h"
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
@@ -27,7 +27,7 @@ constexpr double pi = std::numbers::pi, mount_mm = 20.0;
 const std::string coronary_file = "shared/examples/stents/coronary_3_0x18.toml";
 const std::string renal_file = "shared/examples/stents/renal_6_0x18.toml";
 
-// Prints the expected and the actual value if they differ, so that a failure can be understood.
+// Prints the expected and the actual value if they differ.
 void near(const char *what, double got, double wanted, double allowed)
 {
     if (!(std::abs(got - wanted) <= allowed))
@@ -59,8 +59,7 @@ StentWall wall_of(const TestVessel &vessel)
     return wall;
 }
 
-// Inflates the balloon to `radius_mm` in the course of ten pictures, and deflates it again in ten more
-// pictures.
+// Inflates the balloon to `radius_mm` in ten steps, and deflates it again in ten more steps.
 void inflate(Stent &stent, const StentWall *wall, const TestVessel &vessel, double radius_mm,
              double length_mm = 20.0)
 {
@@ -158,7 +157,7 @@ static void stent_opens_to_its_balloon(void **)
 }
 
 // A diamond cell consists of struts of length s with a chord c = 2 r sin(pi/2N), so its height per strut is
-// sqrt(s^2 - c^2). The test computes the expected length of the stent by a formula of its own, and compares
+// sqrt(s^2 - c^2). The test computes the expected length of the stent with a separate formula, and compares
 // it with the actual length between the outermost points of the stent.
 static void cells_shorten_as_diamonds_do(void **)
 {
@@ -174,8 +173,8 @@ static void cells_shorten_as_diamonds_do(void **)
         const double r0 = (1.05 - 0.081) / 2, r1 = balloon + 0.081 / 2;
         const double gap = (18 - 12 * height(r0)) / 11;
         near("length", stent_figures(stent, nullptr).length_mm, 12 * height(r1) + 11 * gap, 1e-9);
-        // A stent with open cells, whose links join crowns of the same side, loses only the height of one
-        // ring.
+        // A stent with open cells, whose links join crowns of the same side, shortens only by the change in
+        // height of one ring.
         Stent open(read_stent(coronary_file), mount_mm);
         open.step({nullptr, &pose});
         near("length, open cells", stent_figures(open, nullptr).length_mm, 18 - height(r0) + height(r1),
@@ -198,8 +197,8 @@ static void free_stent_recoils_by_its_share(void **)
     }
 }
 
-// The radius of one ring is changed by small steps. From differences of the springs' energy E the test
-// computes F = dE/dR and K = d2E/dR2, and compares them with the values in the file. Only the chords between
+// The test changes the radius of one ring in small steps. From differences of the springs' energy E the test
+// computes F = dE/dR and K = d2E/dR2, and compares both with the values in the file. Only the chords between
 // crowns change: the height of a ring changes without force, because the struts only turn.
 static void ring_is_as_stiff_as_stated(void **)
 {
@@ -223,8 +222,8 @@ static void ring_is_as_stiff_as_stated(void **)
 }
 
 // A ring that a wall holds at a radius R below its free radius R0 stores the energy K/2 (R0 - R)^2 in its
-// springs. Here R is the radius of a circle with the same area as the ring. The flat facets of the wall, and
-// the braces between rings, make the ring uneven, which adds 10 % to its energy.
+// springs. The radius R of a ring is that of a circle with the same area as the ring. The flat facets of the
+// wall, and the braces between rings, make the ring uneven, which adds 10 % to its energy.
 static void pressed_ring_stores_what_its_stiffness_says(void **)
 {
     const TestVessel vessel = tube(1.5);
@@ -260,9 +259,10 @@ static void contact_of_a_strut_is_that_of_its_plane(void **)
     }
 }
 
-// From a triangle two millimetres away, the test steps over the tube's triangles to the nearest point, and
-// compares it with a search over all triangles. The result of the steps and that of the full search agree
-// only to a micrometre, because beyond an edge between two faces either face may be the nearest.
+// The test walks over the tube's triangles, from one that is two millimetres away, to the nearest point, and
+// compares this point with the result of a search over all triangles. The point that the walk finds and that
+// of the full search agree only to a micrometre, because beyond an edge between two faces either face may be
+// the nearest.
 static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 {
     const TestVessel vessel = tube(1.5, 0.04, 0.1);
@@ -284,7 +284,7 @@ static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 // --- deployment ---
 
 // The test places a stent with the radius of the vessel in bends and in an oval tube. More than 95 % of the
-// struts must lie on the wall, and no part may pass through the wall.
+// struts must lie on the wall, and no part of the stent may pass through the wall.
 static void stent_of_the_right_size_lies_on_the_wall(void **)
 {
     const struct {
@@ -319,7 +319,7 @@ static void stent_a_size_too_small_is_found_out(void **)
     assert_true(figures.apposed_share < 0.8);
     assert_true(!figures.gaps.empty());
     // The gap between strut and wall is the vessel's radius of 1.5 mm minus 1.25 mm for the balloon and 0.081
-    // mm for the strut, plus the recoil: 0.21 mm all around. The gap varies around the stent, because the
+    // mm for the strut, plus the recoil: 0.21 mm on all sides. The gap varies around the stent, because the
     // balloon does not lie exactly in the middle.
     for (const StentGap &gap : figures.gaps) assert_true(gap.gap_mm > apposed_mm && gap.gap_mm < 0.4);
 }
@@ -355,8 +355,8 @@ static void post_dilation_brings_a_small_stent_to_the_wall(void **)
                               std::vector<double>{1.5, 1.5}) > 0.02);
 }
 
-// The second stent lies inside the first. Where the two stents overlap, the crowns of the inner stent must be
-// nearer to the axis by the thickness of a strut, which also shows the length of the overlap.
+// In this test the second stent lies inside the first. Where the two stents overlap, the crowns of the inner
+// stent must be nearer to the axis by the thickness of a strut; this also shows the length of the overlap.
 static void second_stent_lies_on_the_first_where_they_overlap(void **)
 {
     const TestVessel vessel = tube(1.5);
@@ -400,8 +400,8 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
         Stent stent(read_stent(coronary_file), mount_mm);
         for (double at = 20; at <= to_mm; at += 0.25) {
             BalloonPose pose = balloon_in(straight, at, 20, 0.4);
-            // While the tool is pulled along the vessel, the arc length of each of the balloon's balls along
-            // the tool does not change. The narrow part of the vessel is at 30 mm along it.
+            // While the tool is pulled along the vessel, the arc length along the tool of each ball of the
+            // balloon does not change. The narrow part of the vessel is 30 mm from the vessel's beginning.
             for (BalloonPoint &ball : pose.points) {
                 if (std::abs(ball.arc_mm - 30) < 1.0) ball.room_mm = room_mm;
                 ball.arc_mm += mount_mm - at;
@@ -416,7 +416,7 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
     assert_int_equal(begun.stage(), StentStage::on_balloon);
     assert_true(begun.slip_mm() < -1.0);
     assert_int_equal(stuck.stage(), StentStage::stripped);
-    // The crimped stent must stay where it came off the balloon.
+    // The crimped stent must stay where it was stripped off the balloon.
     assert_true(stuck.ring_centre_mm(6).x() < 40);
     near("crimped", mean_inside_mm(stent_figures(stuck, nullptr)), 1.05 - 2 * 0.081, 1e-6);
 }
@@ -436,8 +436,8 @@ static void stent_deployed_outside_a_vessel_is_adrift(void **)
     }
 }
 
-// Half of the stent lies beyond the end of the vessel, as at an ostium. The half inside the vessel must hold
-// the stent, and the report must name the crowns outside.
+// Half of the stent lies beyond the end of the vessel, as at an ostium. The half of the stent inside the
+// vessel must be held by the vessel, and the report must name the crowns outside.
 static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
 {
     TestVessel vessel = tube(1.5);

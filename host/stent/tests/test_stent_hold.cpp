@@ -1,9 +1,9 @@
 // These tests check the following. For a minute, a stent in a beating artery stays at the part of the wall on
 // which it was deployed. The struts lie on the wall and do not pass through it, at 15 and at 60 pictures per
 // second. A stent that is too small for its vessel does not stay where it was deployed. A lesion that a
-// balloon has opened gets the shape of the healthy vessel, as the tree of vessels describes it. The artery
-// moves 12 mm to and fro, turns and bends; its length and width change by as much as those of the arteries in
-// the shipped heart.
+// balloon has opened gets the shape that the tree of vessels gives for the healthy vessel. The artery moves
+// 12 mm to and fro, turns and bends; its length and width change by as much as those of the arteries in the
+// heart that comes with the program.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -97,8 +97,8 @@ static void stent_a_size_too_small_is_not_apposed_while_it_beats(void **)
 }
 
 // The middles of the tube's facets lie on the circle of radius r, so every vertex must be at r / cos(pi/24)
-// from the centreline. The centreline and the radius r come from the tree of vessels; every 23rd triangle is
-// tested.
+// from the centreline. The expected centreline and radius come from the tree of vessels; the test checks
+// every 23rd triangle.
 static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
 {
     const VesselTree tree = beating_artery(true);
@@ -130,8 +130,8 @@ static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
     }
 }
 
-// The lesion is open at one end only. The stations (points) of the lesion are evenly spaced from its
-// beginning to its end, as in the core.
+// In this test the lesion is open at one end only. The stations (points) of the lesion are evenly spaced from
+// its beginning to its end, as in the core.
 static void lesion_opens_station_by_station(void **)
 {
     VesselWall vessel(beating_artery(true), 0, 5, 45, nullptr);
@@ -147,8 +147,9 @@ static void lesion_opens_station_by_station(void **)
     assert_true(std::abs(stretch.to_mm - stretch.from_mm - 12) < 0.6 && vessel.lesion_mm(1).is_empty());
 }
 
-// Two stents are deployed one after the other. The second stent lies in one end of the first stent and covers
-// half of the lesion. Then the test compares the commands that the two stents cause for the core.
+// In this test two stents are deployed one after the other. The second stent lies in one end of the first
+// stent and covers half of the lesion. The test then compares the commands to the core that result from the
+// two stents.
 struct Two {
     VesselWall vessel{beating_artery(true), 0, 5, 45, nullptr};
     Stents stents;
@@ -188,8 +189,8 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     assert_int_equal(two.stents.size(), 2);
     const std::vector<StentHold> whole = two.stents.holds(two.vessel, 0, 13);
     assert_int_equal(whole.back().last, 12);
-    // Where the plaque is thick, the recoil of 3 % has little effect, and at the minimal lumen diameter nine
-    // tenths of the opening must remain.
+    // Where the plaque is thick, the recoil of 3 % has little effect; at the minimal lumen diameter, at least
+    // nine tenths of the opening must remain.
     for (const StentHold &hold : whole)
         if (hold.first <= 6 && hold.last >= 6) assert_true(hold.open_256 > 230 && hold.open_256 <= 256);
     assert_true(stent_overlap_mm(two.stents[1], two.stents[0].sleeve()) > 1.5);

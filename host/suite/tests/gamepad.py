@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Writes a gamepad for umockdev: the device, its replies to the system calls with which GLFW reads it, and what its
-user does. The sizes in the replies are those that GLFW 3.3 asks for. The right trigger is pressed and the right stick
-is pushed forward soon after the program has opened the gamepad, and both stay so.
+"""Writes the files of a simulated gamepad for umockdev: the device, its replies to the system calls by which GLFW reads
+it, and the actions of its user. The sizes in the gamepad's replies are those that GLFW 3.3 requests. The simulated
+user presses the right trigger and pushes the right stick forward soon after the program has opened the gamepad, and
+keeps both so.
+
 usage: gamepad.py NAME    writes NAME.umockdev, NAME.ioctl and NAME.evemu"""
 
 import struct

@@ -1,6 +1,6 @@
-// Tests the controls of the suite. Every control has a key, a sentence and a row in docs/suite.md; keys,
-// buttons and pedals act in the same way; a control that is pressed and released between two screens still
-// acts; and every standard view can be reached.
+// Tests the controls of the suite (the window of a live session). Every control must have a key, a sentence
+// and a row in docs/suite.md; keys, buttons and pedals must act in the same way; a control that is pressed
+// and released between two drawings of the window must still act; and every standard view must be reachable.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -21,7 +21,7 @@
 #include "host/suite/ui_text.hpp"
 #include "host/suite/user_input.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -77,7 +77,7 @@ void the_document_has_the_table_of_controls(void **)
     fail_msg("docs/suite.md differs from the table of controls; it must contain what is in %s", wanted);
 }
 
-// On each screen a key has one control, and each control a key and a sentence.
+// On each screen a key has only one control, and each control has a key and a sentence.
 void every_control_of_the_other_screens_has_keys_of_its_own(void **)
 {
     std::set<std::pair<crn::ScreenId, int>> keys;
@@ -106,7 +106,7 @@ void the_document_has_the_table_of_the_other_screens(void **)
              table.c_str());
 }
 
-// 14 cards: the tenth is the first card of the second page, and the pages end there.
+// With 14 cards, the tenth card is the first card of the second page, which is the last page.
 void every_card_is_on_a_page_with_a_key_for_it(void **)
 {
     assert_int_equal(crn::cards_per_page(), 9);
@@ -119,8 +119,8 @@ void every_card_is_on_a_page_with_a_key_for_it(void **)
     assert_int_equal(crn::turned_page(3, 1, 0), 0);
 }
 
-// A line breaks at a blank, never inside "3.0"; a word that is too wide stays whole, and an indentation
-// stays.
+// A line of text is broken at a blank, never inside "3.0"; a word that is too wide is not broken, and an
+// indentation is kept.
 void lines_break_at_blanks_only(void **)
 {
     const auto lines = [](const char *text) {
@@ -185,8 +185,8 @@ void a_held_key_moves_only_the_chosen_tool_until_it_is_released(void **)
     assert_int_equal(hands[1].turn_counts_per_s, 32768);
 }
 
-// A quick tap, such as that of a foot or of a test, comes between two screens. Its pedal is down in the one
-// call of take() and up in the next.
+// A quick tap of a pedal or a key, such as one from a test, may lie between two drawings of the window. The
+// tapped pedal is down in one call of take() and up in the next.
 void a_pedal_that_is_tapped_between_two_screens_acts_once(void **)
 {
     crn::UserInput input(1);
@@ -213,7 +213,7 @@ void a_pedal_that_two_inputs_hold_is_up_when_both_are_released(void **)
     assert_true(input.take().commands == (Commands{{RoomAction::acquire_pedal, {0, 0, 0}}}));
 }
 
-// A window that loses the keyboard hears no release.
+// A window that loses the keyboard focus receives no release of keys.
 void without_the_keyboard_nothing_stays_pressed(void **)
 {
     crn::UserInput input(1);
@@ -258,7 +258,7 @@ crn_wire_exchange exchange_of(crn::UserInput &input)
     return orders[0].exchange;
 }
 
-// The line has the tools 2 and 4 of a table with five, and its middle position is free.
+// In this test the line has the tools 2 and 4 of a table with five tools, and its middle position is free.
 void keys_load_a_tool_of_the_table_at_the_chosen_position(void **)
 {
     crn::UserInput input(3);
@@ -316,7 +316,8 @@ void heart_and_breath_are_orders_to_the_core(void **)
     assert_true(input.take().orders.empty());
 }
 
-// The control of a standard view gives three commands: for the detector's distance, the angles and the field.
+// The control of a standard view gives three commands to the room: for the detector's distance, the angles
+// and the field.
 void every_standard_view_has_a_control(void **)
 {
     const crn::Room room;
@@ -332,7 +333,7 @@ void every_standard_view_has_a_control(void **)
 }
 
 // Every key must become a command to the X-ray room. Pressing a key moves the motors' target position by one
-// step, but not beyond the limit of travel.
+// step, but not beyond the limit of the axis.
 void keys_are_commands_to_the_room(void **)
 {
     crn::Room room;
@@ -378,7 +379,7 @@ void keys_are_commands_to_the_room(void **)
     }
 }
 
-// A frame step wraps round at the ends of the run.
+// A step beyond the first or the last frame of a run wraps round to the other end.
 void frames_are_stepped_from_the_one_on_the_screen(void **)
 {
     const crn::Room room;

@@ -54,19 +54,19 @@ class GlEntered
 
 enum class GlLibrary { any, osmesa, egl };
 
-// The program tries these file names of a library, in the order of each list.
+// The program tries to open a library under these file names, in the order of each list.
 struct GlFileNames {
     std::vector<std::string> osmesa = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
     std::vector<std::string> egl = {"libEGL.so.1", "libEGL.so"};
 };
 
 // Opens a context that needs no window, from OSMesa or, where that is missing, from EGL without a surface
-// (Mesa removed OSMesa in 25.1). Throws GlError, whose message names what was tried and which packages to
+// (Mesa removed OSMesa in 25.1). Throws GlError, whose message states what was tried and which packages to
 // install.
 std::unique_ptr<GlContext> open_headless(GlLibrary library = GlLibrary::any, const GlFileNames &names = {});
 
-// Loads every OpenGL function of the table by its name; throws GlError with the name of the first function
-// that is missing. The context must be current.
+// Loads every OpenGL function of the table by its name; throws GlError with the name of the first missing
+// function. The context must be current.
 GlFunctions load_functions(const GlContext &context);
 
 struct GlDescription {

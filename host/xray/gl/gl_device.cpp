@@ -23,8 +23,8 @@ void main() {
 })";
 
 // 1 / gl_FragCoord.w is the depth, interpolated with correct perspective. The picture is drawn as seen from
-// the detector and mirrored. So a face that is turned towards the source appears anticlockwise in the
-// picture, as it does when seen from outside the body.
+// the detector and mirrored. In the mirrored picture, a face that is turned towards the source has its
+// corners anticlockwise, as when the body is seen from outside.
 constexpr const char *fragment_text = R"(#version 330 core
 uniform float reference_mm;
 out float sum_mm;
@@ -58,7 +58,7 @@ struct Pyramid {
     }
 };
 
-// Lists, for each channel, the runs of consecutive chunks of triangles to draw, in the form that
+// Lists, for each channel, the ranges of consecutive chunks of triangles to draw, in the form that
 // MultiDrawElements requires.
 struct DrawList {
     std::vector<int> counts;
@@ -231,8 +231,8 @@ void GlDevice::set_view(const View &view, float reference_mm) const
     gl_.Uniform1f(gl_.GetUniformLocation(program_, "reference_mm"), reference_mm);
 }
 
-// Restores those OpenGL settings that drawing changes and that other users of the context rely on. The other
-// users of the OpenGL context set all other settings themselves.
+// Restores those OpenGL settings that the drawing changes and on which other users of the context rely. The
+// other users of the OpenGL context set all other settings themselves.
 class GlDevice::StateGuard
 {
   public:

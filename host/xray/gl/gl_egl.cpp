@@ -1,5 +1,5 @@
-// Implements EGL without a surface, which Mesa offers as the replacement for OSMesa. Like OSMesa, EGL without
-// a surface needs no display server.
+// Implements EGL without a surface, which Mesa offers as the replacement for OSMesa. EGL without a surface
+// needs no display server, and neither does OSMesa.
 #include "host/base/format.hpp"
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_library.hpp"
@@ -71,8 +71,8 @@ std::string code_of(const Egl &egl)
 }
 
 // Holds the display for EGL without a surface; a process has only one such display. EGL gives every caller in
-// a process the same display, and ending this display ends all its contexts. So the display is ended only
-// together with the last context.
+// a process the same display, and ending this display ends all its contexts. The EGL display is therefore
+// ended only together with the last context.
 class Display
 {
   public:

@@ -6,7 +6,7 @@
 namespace crn
 {
 
-// Both functions throw GlError, whose message names the package to install.
+// Both functions (for OSMesa and for EGL) throw GlError, whose message names the package to install.
 std::unique_ptr<GlContext> open_osmesa(const std::vector<std::string> &file_names);
 std::unique_ptr<GlContext> open_egl(const std::vector<std::string> &file_names);
 

@@ -1,7 +1,8 @@
 // Computes path lengths of bodies by OpenGL 3.3 core. Where a ray leaves a body, the face there adds its
 // depth to a picture of floats, and where the ray enters, the face subtracts its depth. The order of the
-// faces does not matter, so neither a depth buffer nor sorting is needed. RasterPaths computes the same path
-// lengths with independent code; host/xray/tests/test_gl.cpp compares the two. See docs/xray.md.
+// faces does not matter, so neither a depth buffer nor sorting is needed. The class RasterPaths computes the
+// same path lengths with independent code; host/xray/tests/test_gl.cpp compares the results of both. See
+// docs/xray.md.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/paths/paths.hpp"
@@ -19,7 +20,7 @@ class GlPaths final : public BodyPaths
 {
   public:
     // GlPaths reads back the sums of depths, and `threads` threads convert them to integers. Throws GlError
-    // if there is no context, a function is missing, or the driver refuses a shader.
+    // if no context is available, a function is missing, or the driver refuses a shader.
     GlPaths(const BodyMeshes &meshes, GlOpener open, int threads);
     ~GlPaths() override;
 

@@ -1,5 +1,5 @@
-// Builds an OpenGL program from a pair of shaders. Only files in the same folder, and host/app's window, may
-// include this header.
+// Builds an OpenGL program from a pair of shaders. Only files in the same folder, and host/screen/screen.cpp,
+// may include this header.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 

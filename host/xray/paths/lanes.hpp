@@ -1,7 +1,7 @@
-// Computes with eight numbers at a time, in the vector types that gcc and clang provide. Code that uses these
-// vector types is compiled twice, with and without AVX2. The results are equal on any processor; processors
-// with vectors of eight numbers compute them faster. The code does not use fused multiply-add, because this
-// operation rounds differently.
+// Computes with eight numbers at a time, in the vector types that gcc and clang provide. Code with these
+// vector types is compiled twice, with and without AVX2. The results are equal on every processor; processors
+// with vectors of eight numbers compute them faster than others. The code does not use fused multiply-add,
+// because this operation rounds differently.
 #pragma once
 #include <cstdint>
 
@@ -17,7 +17,7 @@ inline constexpr Lanes_i lane_index = {0, 1, 2, 3, 4, 5, 6, 7};
 
 #if defined(__x86_64__)
 #define CRN_HAS_AVX2 1
-// Functions between these two macros may use AVX2, and may be called only on a processor that has AVX2.
+// Functions between these two macros may use AVX2, and may be called only if the processor has AVX2.
 #if defined(__clang__)
 #define CRN_AVX2_BEGIN _Pragma("clang attribute push(__attribute__((target(\"avx2\"))), apply_to = function)")
 #define CRN_AVX2_END _Pragma("clang attribute pop")
@@ -28,9 +28,9 @@ inline constexpr Lanes_i lane_index = {0, 1, 2, 3, 4, 5, 6, 7};
 #endif
 
 // The macro CRN_WIDE marks a function whose loops the compiler vectorises. The compiler makes a second
-// version of the function for AVX2, and when the program starts the version for its processor is chosen. With
-// sanitizers the function is compiled only once, because the choice between two versions would be made before
-// the sanitizers are ready.
+// version of the function for AVX2; when the program starts, it chooses the version that its processor can
+// execute. With sanitizers the function is compiled only once, because the choice between the versions would
+// be made before the sanitizers are ready.
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define CRN_WIDE

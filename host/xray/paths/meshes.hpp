@@ -11,9 +11,9 @@
 namespace crn
 {
 
-// A channel is one picture of depth sums: all bodies of one material that lie in bodies of one other material
-// share a channel. The sums of a channel are added to the path lengths in the bodies' own material, and
-// subtracted from the path lengths in the surrounding material, the parent.
+// A channel is one picture of depth sums: all bodies of the same material that lie in bodies of the same
+// other material share a channel. The sums of a channel are added to the path lengths in the bodies' own
+// material, and subtracted from those in the surrounding material (the parent).
 struct MeshChannel {
     int own = 0;     // material
     int parent = -1; // material, -1: air

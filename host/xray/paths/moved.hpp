@@ -18,15 +18,16 @@ struct RadiopaqueSection {
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
-    // This member is the inner radius of the section, as a fraction of the tool's outer radius. If the inner
-    // radius is above 0, the section is a ring around this radius, such as a jacket or a marker band, and
-    // `fill` is the filled fraction of the ring. If the inner radius is 0, the section reaches inwards to the
-    // lumen, and `fill` is the filled fraction of the tool's whole cross-section.
+    // This member is the inner radius of the section of a tool, as a fraction of the tool's outer radius. If
+    // the inner radius of a section is above 0, the section is a ring around this radius, such as a jacket or
+    // a marker band, and `fill` is the filled fraction of the ring. If the inner radius of a section is 0,
+    // the section reaches inwards to the lumen, and `fill` is the filled fraction of the tool's whole
+    // cross-section.
     double inner_radius_share = 0.0;
 };
 
-// Holds a tool's outer and inner radius at an arc length from the tool's tip. Between two entries of the list
-// the radii change linearly; two entries at the same arc length make a step.
+// Holds a tool's outer and inner radius at an arc length from the tool's tip. Between two entries of a list
+// of radii, the radii change linearly; two entries at the same arc length make a step.
 struct RadiopaqueRadius {
     double arc_m = 0.0;
     double outer_m = 0.0;
@@ -42,7 +43,7 @@ struct RadiopaqueInstrument {
 // the coil are of platinum.
 RadiopaqueInstrument guidewire_look(double tip_m = 0.03);
 
-// A point of a curve. From one point of a curve to the next, the radius and the filled fraction of the
+// A point of a curve. From one point of the curve to the next, the radius and the filled fraction of the
 // cross-section change linearly.
 struct SweptPoint {
     Eigen::Vector3d at_m;
@@ -51,8 +52,8 @@ struct SweptPoint {
 };
 
 // Describes a round body along a chain of straight pieces, such as a strut of a stent, or the contrast medium
-// in a stretch of vessel. Such a curve is drawn without triangles, by exact path lengths, so that a picture
-// can have hundreds of curves.
+// in a stretch of vessel. A curve is drawn without triangles, by exact path lengths, so that a picture can
+// have hundreds of curves.
 struct SweptCurve {
     Material material = Material::steel;
     std::vector<SweptPoint> points; // two at least; a curve that is not finite is left out
@@ -69,7 +70,7 @@ struct MovedBody {
     std::span<const Eigen::Vector3i> vertices_um;
 };
 
-// Holds everything that moves in a picture, as it is at the tick (millisecond) of the WireFrame.
+// Holds everything that moves in a picture, in its position at the tick (millisecond) of the WireFrame.
 struct XrayFrame {
     std::span<const RadiopaqueInstrument>
         tools; // from the innermost out, each over its part of the line (wire.tip_arc_m)

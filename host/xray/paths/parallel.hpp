@@ -28,8 +28,8 @@ inline RowRange rows_of_thread(int index, int count, int rows)
     return {rows * index / count, rows * (index + 1) / count};
 }
 
-// Runs work(range) over all rows of a picture, `step` rows at a time; each range goes to the next thread that
-// is free.
+// Runs work(range) over all rows of a picture, `step` rows at a time; each range of rows goes to the next
+// thread that is free.
 template <class Work> void run_on_rows(int threads, int rows, int step, const Work &work)
 {
     std::atomic<int> next = 0;

@@ -71,8 +71,8 @@ PixelRect around_both(const PixelRect &a, const PixelRect &b)
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
-// Returns the rectangle of pixels that this box of points can cover. If the box reaches behind the source,
-// the function returns the whole picture.
+// Returns the rectangle of pixels that the box around the points can cover. If the box around the points
+// reaches behind the source, the function returns the whole picture.
 PixelRect covered(const View &view, const PointBox &box_um)
 {
     const auto &[low, high] = box_um;
@@ -214,7 +214,7 @@ bool PathKeeper::see(const CArm &carm, int size, const XrayFrame &frame)
     changed_ = {};
     const bool is_any_moved = std::find(is_moved_.begin(), is_moved_.end(), 1) != is_moved_.end();
     const bool are_bodies_drawn = is_new || (is_any_moved && have_moved);
-    // One thread draws the tools and curves while the others draw the bodies.
+    // One thread draws the tools and curves while the other threads draw the bodies.
     const int lines = are_bodies_drawn && threads_ > 1 ? 2 : 1;
     run_on_threads(lines, [&](int line) {
         if (line == 0 && is_new) see_view();

@@ -7,12 +7,12 @@
 //     tools on the wire, by exact chords (tube.hpp) ──────────────┘
 //
 // A back end, which computes path lengths, must deliver one int32 for each material and pixel (see
-// BodyPaths::draw), in units of 1/1024 mm. The int32 is (depth where the ray leaves a body) - (depth where it
-// enters the body), along the ray through the middle of the pixel, summed over all faces of the selected
-// bodies. The sum of a body is added to the path length in the body's own material, and subtracted from the
-// path length in the parent's material, in which the body lies. So bodies may be nested to any depth and need
-// no sorting. RasterPaths is the reference. The results of another back end may differ from those of
-// RasterPaths by rounding, and a test limits this difference.
+// BodyPaths::draw), in units of 1/1024 mm. The number for a pixel is the sum, over all faces of the selected
+// bodies, of (depth where the ray leaves a body) - (depth where it enters the body), along the ray through
+// the middle of the pixel. The sum of a body is added to the path length in the body's own material, and
+// subtracted from the path length in the parent's material, which surrounds the body. Bodies may therefore be
+// nested to any depth and need no sorting. RasterPaths is the reference. The results of another back end may
+// differ from those of RasterPaths by rounding, and a test limits this difference.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -55,10 +55,10 @@ class BodyPaths
     virtual void move(int body, std::span<const Eigen::Vector3i> vertices_um) = 0;
 
     // Sets every pixel in `rect` to the sum of depths of those bodies whose entry in `is_drawn` is not 0; the
-    // list has one entry per body. The sums are set in the pictures of all materials that the channels of the
-    // meshes use. Pixels outside `rect` do not change. `pictures` must already have the right sizes. Parts of
-    // bodies behind the source, or nearer to the source than 1 mm, are not drawn. Returns false with a
-    // message if the graphics device fails; PathKeeper then continues with RasterPaths.
+    // list has one entry per body. The depth sums are set in the pictures of all materials that the channels
+    // of the meshes use. Pixels outside `rect` do not change. `pictures` must already have the right sizes.
+    // Those parts of bodies that lie behind the source, or nearer to the source than 1 mm, are not drawn.
+    // Returns false with a message if the graphics device fails; PathKeeper then continues with RasterPaths.
     virtual bool draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect,
                       PathForm form, PathPictures &pictures, std::string &error) = 0;
 };
@@ -67,9 +67,9 @@ class BodyPaths
 // [begin, end) of one row.
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line);
 
-// Holds the path lengths in tools, which are added to the path lengths in the bodies. Only pixels that a tool
-// touches have entries. Several rays pass through each of these pixels, because tools are thin. Each ray has
-// one length for each of the drawn materials.
+// Holds the path lengths in tools, which are added to the path lengths in the bodies. Only the pixels that a
+// tool touches have an entry with path lengths in tools. Several rays pass through each pixel that a tool
+// touches, because tools are thin. Each ray has one path length for each of the drawn materials.
 inline constexpr int tool_rays = 9;
 
 struct ToolPaths {

@@ -55,9 +55,9 @@ CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const flo
             const bool is_plain =
                 int{depth >= near_um} & int{std::fabs(u) <= guard_pixels} & int{std::fabs(v) <= guard_pixels};
             is_far |= is_plain ? 0 : 1;
-            // The projected coordinate is limited, because converting a number that is too large for an
-            // integer is undefined. A chunk of triangles with such a far corner is drawn by raster_clipped
-            // instead.
+            // The projected coordinate is limited, because converting a number to an integer is undefined if
+            // the number is too large. A chunk of triangles with a corner beyond guard_pixels is drawn by
+            // raster_clipped instead.
             const float held_u = u < guard_pixels ? (u > -guard_pixels ? u : -guard_pixels) : guard_pixels;
             const float held_v = v < guard_pixels ? (v > -guard_pixels ? v : -guard_pixels) : guard_pixels;
             at_x[i] = snap(held_u);

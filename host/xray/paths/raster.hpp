@@ -1,6 +1,6 @@
 // Computes depth sums of closed meshes: the depth at which a ray leaves a body is added, and the depth at
-// which the ray enters is subtracted. The sums are int32 in 1/1024 mm along the central axis, so they do not
-// depend on the order of the triangles.
+// which the ray enters is subtracted. The depth sums are int32 in 1/1024 mm along the central axis, so they
+// do not depend on the order of the triangles.
 //
 // A picture is drawn in two passes, and several threads share the work of each pass. In the first pass
 // project_chunk projects the corners of every chunk to the picture, and keeps the triangles that cover the
@@ -34,8 +34,8 @@ inline constexpr float near_um = 1000.0f;      // nothing closer to the source t
 inline constexpr float guard_pixels = 8000.0f; // beyond it a chunk takes the slow path
 inline constexpr float q10mm_per_um = 1.024f;
 
-// Rounds a position within guard_pixels to the nearest integer, and halves upwards; an offset keeps the
-// number positive, so that truncation rounds down.
+// Rounds a position within guard_pixels to the nearest integer (halves upwards); an offset keeps the number
+// positive, so that truncation rounds down.
 inline std::int32_t snap(float pixels)
 {
     constexpr float offset = 8192.0f * subpixels;
@@ -56,8 +56,8 @@ struct RasterVertices {
     std::vector<std::uint32_t> begin; // of each chunk
 
     explicit RasterVertices(const BodyMeshes &meshes);
-    // Moves the vertices of one chunk to the places in the list of its body, and the sphere around the chunk
-    // with them. meshes.vertices_um stays as it is.
+    // Moves the vertices of one chunk, and the sphere around the chunk, to the new positions in the vertex
+    // list of the chunk's body. meshes.vertices_um stays unchanged.
     void move(BodyMeshes &meshes, std::size_t chunk, std::span<const Eigen::Vector3i> vertices_um);
 
   private:

@@ -31,8 +31,8 @@ Projected project_um(const Camera &camera, const Eigen::Vector3f &vertex_um)
 }
 
 // Within guard_pixels a corner is rounded like the corners in TileRaster, because a neighbouring triangle may
-// have the same corner. The coordinates of a corner farther away are limited to +-4 million pixels, so that
-// products of differences of coordinates fit into 64 bits.
+// have the same corner. The coordinates of a corner outside guard_pixels are limited to +-4 million pixels,
+// so that products of differences of coordinates fit into 64 bits.
 std::int32_t snap_far(float pixels)
 {
     if (std::fabs(pixels) <= guard_pixels) return snap(pixels);

@@ -41,7 +41,7 @@ CRN_WIDE void add_rows(std::span<const SignedRow> rows, int count, std::int32_t 
     }
 }
 
-// Most materials do not occur in most tiles of the picture. For a row of path lengths, testing for zeros is
+// In most tiles of the picture, most materials do not occur. For a row of path lengths, testing for zeros is
 // cheaper than writing zeros again, because a write uses memory bandwidth twice.
 CRN_WIDE void clear_row(int count, std::int32_t *to)
 {

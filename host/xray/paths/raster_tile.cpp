@@ -58,8 +58,8 @@ void TileRaster::finish()
 {
     static const DrawBatch draw_batch = choose_draw_batch();
     if (batch_.count == 0) return;
-    // Unused entries of the group may still hold values of an earlier triangle with which 32-bit numbers
-    // would overflow.
+    // The unused entries of the group are set to 0, because old values of an earlier triangle could make
+    // 32-bit numbers overflow.
     for (int k = batch_.count; k < lane_count; ++k)
         batch_.ax[k] = batch_.ay[k] = batch_.bx[k] = batch_.by[k] = batch_.cx[k] = batch_.cy[k] = 0;
     draw_batch(batch_, tile_);

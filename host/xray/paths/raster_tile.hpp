@@ -1,5 +1,5 @@
-// Draws the chunks of triangles that touch one tile of the picture. The triangles of these chunks are
-// collected in groups of eight, across the borders of chunks.
+// Draws the chunks of triangles that touch one tile of the picture. The triangles of the chunks are collected
+// in groups of eight, across the borders of chunks.
 #pragma once
 #include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/raster.hpp"
@@ -19,7 +19,7 @@ struct Batch {
     // edge functions are divided by `subpixels` and rounded down. The rounding of the edge functions is
     // harmless, because their changes are whole multiples, and only the sign matters.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
-    // Holds the range of rows that an edge allows in each strip of eight columns.
+    // Holds, for each strip of eight columns, the range of rows that an edge of the triangle allows.
     float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];
     float area[lane_count], slope_x[lane_count], slope_y[lane_count], low[lane_count], high[lane_count];
     std::int32_t sign[lane_count];  // -1 for an entry, 0 for an exit

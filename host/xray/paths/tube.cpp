@@ -204,7 +204,7 @@ std::vector<Point> to_camera(const SweptCurve &curve, const View &view)
     return points;
 }
 
-// The pieces of a conical curve are drawn as cylinders with the same volume.
+// The pieces of a conical curve are drawn as cylinders of equal volume.
 void draw_curve(TubePainter &painter, const SweptCurve &curve, const View &view)
 {
     const std::vector<Point> points = to_camera(curve, view);
@@ -251,7 +251,7 @@ double contrast_share(double iodine_mg_per_ml)
 RadiopaqueInstrument guidewire_look(double tip_m)
 {
     // The wire of a coil fills about three quarters of the tube that represents the coil; together with the
-    // core, .75 of the cross-section is steel. At the guidewire's tip a platinum coil surrounds a core that
+    // core, 75 % of the cross-section is steel. At the guidewire's tip a platinum coil surrounds a core that
     // is ground down; 15 % of platinum is already darker than solid steel.
     return {{{0.0, tip_m, Material::platinum, 0.15, 1.0},
              {0.0, tip_m, Material::steel, 0.45, 1.0},

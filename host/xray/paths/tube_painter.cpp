@@ -1,6 +1,6 @@
-// A ray consists of the points t d with d = (u, v, focal length) in pixels, and the middle of the cylinder
-// lies at t0 d0. Single precision is enough, because all values computed in it are small: the distances in
-// pixels from d0, and t - t0.
+// A ray consists of the points t d with the direction d = (u, v, focal length) in pixels, and the middle of
+// the cylinder lies at t0 d0. Single precision is enough, because all values computed in it are small: the
+// distances in pixels from d0, and t - t0.
 #include "host/xray/paths/tube_painter.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -83,7 +83,7 @@ CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int c
     }
 }
 
-// Finds the columns [first, second) of the rows [y, y + 1] that are nearer than `pad` to the line from (ax,
+// Finds those columns [first, second) of the rows [y, y + 1] that are nearer than `pad` to the line from (ax,
 // ay) to (bx, by).
 struct Extent {
     double ax, ay, bx, by, pad;
@@ -199,8 +199,8 @@ void TubePainter::paint(const TubePiece &piece)
     }
     auto pixel_x = [&](const Vector3d &p) { return half_ + focal_pixels_ * p.x() / p.z(); };
     auto pixel_y = [&](const Vector3d &p) { return half_ - focal_pixels_ * p.y() / p.z(); };
-    // `pad` allows for the rim of the cylinder, for its oblique ends at the bisecting planes, and for half a
-    // pixel's diagonal.
+    // `pad` includes an allowance for the rim of the cylinder, for its oblique ends at the bisecting planes,
+    // and for half a pixel's diagonal.
     const double pad = 1.6 * outer * focal_pixels_ / near_mm + 1.0;
     const Extent extent{pixel_x(piece.a_mm), pixel_y(piece.a_mm), pixel_x(piece.b_mm), pixel_y(piece.b_mm),
                         pad};

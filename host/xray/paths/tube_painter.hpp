@@ -18,8 +18,8 @@ struct TubePiece {
 class TubePainter
 {
   public:
-    // Empties `paths`. `materials` must list all materials that will be drawn. `displaced` is the material
-    // around tools and contrast medium that they displace, usually blood.
+    // Empties `paths`. `materials` must list all materials that will be drawn. `displaced` is the material,
+    // usually blood, that tools and contrast medium displace.
     TubePainter(const View &view, std::span<const Material> materials, Material displaced, ToolPaths &paths);
 
     void paint(const TubePiece &piece);

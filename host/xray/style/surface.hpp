@@ -1,6 +1,6 @@
-// Computes sums over surfaces. Every triangle adds a value at each pixel whose centre it covers, and this
-// value changes linearly between the corners. All arithmetic uses integers, so that the sum depends neither
-// on the order of triangles nor on the number of threads.
+// Computes sums over surfaces. Every triangle adds a value at each pixel whose centre the triangle covers;
+// this value changes linearly between the corners. All arithmetic uses integers, so that the sum depends
+// neither on the order of triangles nor on the number of threads.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <array>

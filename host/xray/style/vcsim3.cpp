@@ -70,7 +70,8 @@ std::vector<SurfaceCorner> corners_of(const SurfaceScene::Part &part,
     return corners;
 }
 
-// Adds to the density sums either the bodies that have moved or the bodies that have not moved.
+// If `moved` is true, adds the bodies that have moved to the density sums, and otherwise the bodies that have
+// not moved.
 void add_parts(const SurfaceScene &scene, std::span<const std::span<const Eigen::Vector3i>> places_um,
                bool moved, const View &view, std::vector<std::int32_t> &sums)
 {
@@ -88,8 +89,8 @@ void add_parts(const SurfaceScene &scene, std::span<const std::span<const Eigen:
     });
 }
 
-// Keeps the density sums of bodies that do not move from picture to picture, and redraws the bodies that have
-// moved.
+// Keeps, from picture to picture, the density sums of the bodies that do not move, and redraws the bodies
+// that have moved.
 void fill_bodies(SurfaceScene &scene, const CArm &carm, int size, std::span<const MovedBody> moved)
 {
     std::vector<std::uint8_t> is_moved(scene.parts.size(), 0);

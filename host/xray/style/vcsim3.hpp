@@ -1,7 +1,7 @@
-// Draws pictures that look like VCSim3's fluoroscopy screen (thesis, 5.3.4.1), as an alternative to the
-// physical picture. This look has no attenuation. A surface has an opacity that depends on the angle between
-// its normal and the direction of view, and noise is added to the picture afterwards. The thesis gives the
-// idea without an equation; ours is in docs/xray-style.md:
+// Draws pictures that look like the fluoroscopy screen of the simulator VCSim3 (thesis, 5.3.4.1), as an
+// alternative to the physical picture. This look has no attenuation. In this style a surface has an opacity
+// that depends on the angle between its normal and the direction of view; noise is added to the picture
+// afterwards. The thesis gives the idea without an equation; ours is in docs/xray-style.md:
 //
 //   I = product over all surfaces s on the ray of (1 - A_s (1 - |n_s . v|)^p_s),   grey = 255 (b I + sigma g)
 #pragma once
@@ -17,8 +17,8 @@ struct SurfaceLook {
     double power = 2.0;        // p
 };
 
-// Returns the opacity of a body's surface if the thesis shows such bodies: skeleton, heart and filled
-// vessels. The opacity of skin, fat, lungs and gas is 0, so they are not drawn.
+// Returns the opacity of a body's surface, if the body is of a kind that the thesis shows: skeleton, heart
+// and filled vessels. The opacity of skin, fat, lungs and gas is 0, so they are not drawn.
 SurfaceLook surface_look(const Bodies &bodies, std::size_t index);
 
 inline constexpr double vcsim3_background = 0.84; // b, share of white
@@ -42,7 +42,7 @@ class Vcsim3Look
 
     // Replaces only `grey` and `shown` of a picture; the picture's photon counts and doses remain those of
     // Xray::render. Like Xray::render, draw() gives the same result, bit for bit, for any number of threads.
-    // Of the settings, only `carm` and `size` have an effect on the picture.
+    // The function uses only `carm` and `size` of the settings.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
     // Returns for each pixel of the last picture the sum of -ln(1 - opacity) over the surfaces of the bodies,

@@ -64,9 +64,9 @@ Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
     return sum / weight;
 }
 
-// Predicts the pixel of a marker without the program's own C-arm code. The calculation turns the patient
-// instead, first about the long axis by the primary angle and then about the left-right axis by the secondary
-// angle, and looks from the front.
+// Predicts the pixel of a marker without the program's own C-arm code. Instead of the C-arm, the calculation
+// turns the patient, first about the long axis by the primary angle and then about the left-right axis by the
+// secondary angle, and looks from the front.
 Eigen::Vector2d predicted(const CArm &carm, int size, const Eigen::Vector3d &point_m)
 {
     const Eigen::Vector3d p = point_m - carm.isocentre_m;
@@ -267,16 +267,16 @@ static void a_blocked_arm_is_free_to_go_back(void **)
     assert_true(gantry.pose()[axis_primary] == 0.0 && !gantry.is_blocked());
 }
 
-// The gap between C-arm and table in the AP view is known. The tube's housing ends 25 cm in front of the
-// focal spot, which is 50 cm below the isocentre. The underside of the table is 13 + 6 cm below the patient's
-// origin.
+// The expected gap between C-arm and table in the AP view follows from the dimensions of tube and table. The
+// tube's housing ends 25 cm in front of the focal spot, which is 50 cm below the isocentre. The underside of
+// the table is 13 + 6 cm below the patient's origin.
 static void the_gap_under_the_table_is_the_one_of_the_drawing(void **)
 {
     const double gap_m = table_clearance_m({0, 0, 0, 0, 0, 1.05, 0.75});
     assert_float_equal(gap_m, 0.50 - 0.19, 1e-9);
 }
 
-// The heart is at the isocentre, as in coronary views. In views of the aortic arch and of the renal and iliac
+// In coronary views the heart is at the isocentre. In views of the aortic arch and of the renal and iliac
 // arteries, the table has another height than in coronary views.
 static void every_preset_is_reached_clear_of_the_table(void **)
 {

@@ -2,15 +2,15 @@
 // no window. The test also covers a library, a function or an OpenGL context that is missing or has been
 // lost.
 //
-// Tolerances. The tolerances of the comparison have the following reasons. Both OpenGL and the rasteriser
-// move the corners of a triangle to a grid, and then cover each pixel whose centre lies in the triangle. The
-// grid of corners is 1/256 pixel in the rasteriser, and the driver's choice in OpenGL (llvmpipe uses 1/256
-// too, with its own rounding). So OpenGL may cover a pixel at an edge that the rasteriser does not cover, or
-// the reverse. Away from edges, the path length changes by less than 2 mm between neighbouring pixels, so a
-// shift by 1/128 pixel changes it by 0.016 mm. The sums of OpenGL are floating-point numbers around 100 mm,
-// each exact to 0.00001 mm, and the rasteriser rounds each face to 1/1024 mm. Therefore path lengths inside
-// bodies may differ by 0.05 mm, and by 0.002 mm on average, and some of the pixels at edges may differ by
-// more.
+// Tolerances. The tolerances of the comparison between OpenGL and the rasteriser have the following reasons.
+// Both OpenGL and the rasteriser move the corners of a triangle to a grid, and then cover each pixel whose
+// centre lies in the triangle. In the rasteriser the grid of corners has a spacing of 1/256 pixel; in OpenGL
+// the driver chooses the spacing (llvmpipe uses 1/256 too, with its own rounding). OpenGL may therefore cover
+// a pixel at an edge that the rasteriser does not cover, or the reverse. Away from edges, the path length
+// changes by less than 2 mm between neighbouring pixels, so a shift by 1/128 pixel changes the path length by
+// 0.016 mm. The sums of OpenGL are floating-point numbers around 100 mm, each exact to 0.00001 mm, and the
+// rasteriser rounds each face to 1/1024 mm. The tolerance for path lengths inside bodies is therefore 0.05
+// mm, and 0.002 mm on average; some of the pixels at edges may differ by more.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -32,8 +32,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-// Mesa and LLVM never free what they allocate at start-up. The test suppresses reports of leaks only for
-// blocks that Mesa and LLVM allocated.
+// Mesa and LLVM never free the memory that they allocate at start-up. The test suppresses leak reports only
+// for memory that Mesa and LLVM allocated.
 extern "C" const char *__lsan_default_suppressions();
 extern "C" const char *__lsan_default_suppressions()
 {
@@ -175,7 +175,7 @@ const NamedView views[] = {
     {"source 10 mm from the trunk", {20, 10, {0.3, 0.2, 0.27}, 1.05, 0.75, 0.2}, 256},
 };
 
-// In the last view the source is 10 mm in front of the trunk.
+// In the last view of the list, the source is 10 mm in front of the trunk.
 CArm placed(const NamedView &of)
 {
     CArm carm = of.carm;
@@ -240,8 +240,8 @@ void a_source_inside_a_body_sees_the_way_out_only(void **)
     draw(raster, view, expected, 2);
     draw(opengl, view, got, 2);
     assert_same(expected, got, 256, "source inside");
-    // On the axis, the path in air is the distance from the source, at 750 mm, to the far wall, at 900 mm,
-    // minus the path in the trunk.
+    // On the axis, the path in air has the length of the axis from the source, at 750 mm, to the far wall, at
+    // 900 mm, minus the path in the trunk.
     const double axis_mm = got[static_cast<int>(Material::air)][128 * 256 + 128] * q10_mm;
     std::printf("# axis %.2f mm, expected 1470 mm\n", axis_mm);
     assert_true(std::fabs(axis_mm - 1470.0) < 1.5); // facets of the large sphere
@@ -318,8 +318,8 @@ void every_size_from_64_to_2048_and_back_is_right(void **)
     }
 }
 
-// In this test a guidewire passes through the trunk, and the whole signal chain computes the picture. In the
-// picture under test, only the path lengths of the bodies come from another back end.
+// In this test a guidewire passes through the trunk, and the whole signal chain computes the picture. The
+// compared pictures differ only in the back end that computes the path lengths of the bodies.
 void pictures_with_a_wire_look_the_same_to_the_eye(void **)
 {
     XrayScene scene;
@@ -400,8 +400,8 @@ void nothing_compiled(unsigned, unsigned, int *value)
     *value = 0;
 }
 
-// Wraps a real OpenGL context to simulate a fault: the context is lost the n-th time that a thread makes it
-// current, or one of its functions is replaced.
+// Wraps a real OpenGL context to simulate a fault: either the context is lost when a thread makes it current
+// for the n-th time, or one of its functions is replaced.
 class Tampered final : public GlContext
 {
   public:
@@ -543,8 +543,8 @@ void another_thread_may_go_on_with_it(void **)
     }
 }
 
-// EGL unloads its driver together with its last context, and then leaks in the driver could not be
-// distinguished from leaks in our code. So the test keeps the driver loaded.
+// EGL unloads its driver together with its last context; leaks in the driver could then not be distinguished
+// from leaks in our code. The test therefore keeps the EGL driver loaded.
 int keep_driver(void **)
 {
     std::unique_ptr<GlContext> context;
@@ -568,9 +568,9 @@ int keep_driver(void **)
 
 } // namespace
 
-// LeakSanitizer calls this function at the program's end. LeakSanitizer's own tracer crashes at the program's
-// end on the threads of Mesa's llvmpipe (clang 14, Mesa 22.3.6), so the test does not search for leaks; one
-// test above bounds the growth of memory.
+// LeakSanitizer calls the function below when the program ends. LeakSanitizer's own tracer would crash on the
+// threads of Mesa's llvmpipe (clang 14, Mesa 22.3.6), so the test searches for no leaks; another test in this
+// file limits the growth of memory.
 extern "C" int __lsan_is_turned_off()
 {
     return 1;

@@ -1,6 +1,6 @@
 // These tests check the following. The measuring chamber gives the same techniques that automatic exposure
-// would choose from a picture of any size. So the dose of a session does not depend on which pictures the
-// program makes. The kerma-area product of the chamber is the kerma times the area of the open field.
+// would choose from a picture of any size. The dose of a session therefore does not depend on which pictures
+// the program makes. The kerma-area product of the chamber is the kerma times the area of the open field.
 #include "host/xray/meter.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <algorithm>
@@ -12,8 +12,8 @@ using namespace crn;
 namespace
 {
 
-// Makes a trunk of uneven thickness, with bone beside the middle and air above it. So the chamber and the
-// pictures measure at different points of the trunk.
+// Makes a trunk (of a body) with uneven thickness, with bone beside the middle and air above it. The chamber
+// and the pictures measure at different points of this uneven trunk.
 Bodies trunk()
 {
     Bodies bodies = slab(0.2);
@@ -82,8 +82,8 @@ static void kerma_area_product_is_kerma_times_the_open_area(void **)
                   1.0) < 1e-12);
 }
 
-// The first frame of a DSA run follows test exposures. So this first frame must have the technique of a
-// single picture, whatever pulses came before.
+// Before the first frame of a DSA run, the generator makes test exposures. The first frame of a DSA run must
+// have the technique of a single picture, whatever pulses came before.
 static void test_exposures_settle_at_once(void **)
 {
     Room room(trunk());

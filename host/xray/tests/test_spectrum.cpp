@@ -85,10 +85,10 @@ bool is_near(const char *what, double value, double expected, double share)
 
 } // namespace
 
-// The reference is spekpy 2.5.4, whose model uses other cross-sections (by Omar) than ours. The anode angle
-// is 11 degrees; the beam passes 2.5 mm Al + 0.2 mm Cu and 20 cm of soft tissue, and the signal is that of
-// 0.55 mm of CsI crystal. The two models differ by 1 % in mean energy, and therefore by 1 % in the
-// attenuation of tissue and by 5 % in that of bone.
+// The reference is the program spekpy 2.5.4, whose model uses other cross-sections (by Omar) than this
+// project. In both models the anode angle is 11 degrees; the beam passes 2.5 mm Al + 0.2 mm Cu and 20 cm of
+// soft tissue, and the signal is that of 0.55 mm of CsI crystal. The model of this project and that of spekpy
+// differ by 1 % in mean energy, and therefore by 1 % in the attenuation of tissue and by 5 % in that of bone.
 static void beam_behind_a_patient_agrees_with_spekpy(void **)
 {
     struct Row {
@@ -110,8 +110,8 @@ static void beam_behind_a_patient_agrees_with_spekpy(void **)
     }
 }
 
-// Iodine hardens the beam. The test compares the effective attenuation in 1/cm of 3 mm and 10 mm of
-// iohexol-350 behind the patient with that of the same spekpy model.
+// Iodine hardens the beam. The test compares the effective attenuation (in 1/cm) of 3 mm and 10 mm of
+// iohexol-350 behind the patient with the attenuation that spekpy gives.
 static void contrast_hardens_the_beam_as_in_spekpy(void **)
 {
     struct Row {
@@ -127,8 +127,8 @@ static void contrast_hardens_the_beam_as_in_spekpy(void **)
     }
 }
 
-// The half-value layers are spekpy's. Tucker's spectrum is known to be somewhat harder, by 6 % without a
-// copper filter and by 3 % with a copper filter.
+// The half-value layers are spekpy's. Tucker's spectrum is known to be somewhat harder than the reference, by
+// 6 % without a copper filter and by 3 % with a copper filter.
 static void half_value_layers_agree_with_spekpy(void **)
 {
     struct Row {
@@ -141,9 +141,9 @@ static void half_value_layers_agree_with_spekpy(void **)
                             row.aluminium_mm, row.tolerance));
 }
 
-// Tests every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast medium that
-// transmits a fraction of more than 1e-4. It uses every filter of the tube, from 60 to 125 kV. The result
-// must be within 1 % of that with steps of 1 keV.
+// The test covers every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast
+// medium that transmits more than 1e-4 of the beam. It uses every filter of the tube, from 60 to 125 kV. The
+// result must be within 1 % of that with steps of 1 keV.
 static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
 {
     double worst = 0.0;
@@ -167,8 +167,8 @@ static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
     assert_true(worst <= 0.01);
 }
 
-// Metals with a K edge inside the spectrum have no smooth curve, so their transmission is compared with a
-// wide tolerance.
+// The attenuation of a metal with a K edge inside the spectrum has no smooth curve, so its transmission is
+// tested with a wide tolerance.
 static void platinum_lets_through_what_it_should(void **)
 {
     for (double kV : {70.0, 90.0, 120.0})
@@ -206,8 +206,8 @@ static void functions_without_libm_are_exact(void **)
     }
 }
 
-// The bytes of a table must be equal with every compiler and optimisation level. The hash of the tables is
-// golden: it may change only when the simulated physics changes.
+// The bytes of each table must be equal with every compiler and optimisation level. The hash of the tables is
+// a golden hash: it may change only when the simulated physics changes.
 static void beam_tables_have_one_hash(void **)
 {
     std::uint64_t hash = 14695981039346656037ull;

@@ -1,6 +1,6 @@
 // These tests check the following. Pictures in the style of the VCSim3 thesis follow the formula for the
 // product over surfaces, show the bodies that the thesis shows, and are the same with any number of threads.
-// The test uses a sphere, where the chord of a ray determines the angle between normal and ray.
+// The test uses a sphere, in which the length of a ray's chord determines the angle between normal and ray.
 #include "host/xray/style/vcsim3.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include <algorithm>
@@ -74,7 +74,7 @@ void density_of_a_sphere_is_the_stated_product(void **)
             const double cosine = std::sqrt(1.0 - square / (sphere_radius_m * sphere_radius_m));
             const double opacity = surface.edge_opacity * std::pow(1.0 - cosine, surface.power);
             const double expected = -2.0 * std::log1p(-opacity);
-            // The normals of the mesh are those of flat facets, which are 0.9 degrees wide.
+            // The normals of the mesh are those of its flat facets, each of which spans 0.9 degrees.
             if (std::abs(got - expected) > 0.012 + 0.02 * expected)
                 fail_msg("pixel %d, %d: density %.4f, expected %.4f", x, y, got, expected);
             ++compared;
@@ -93,8 +93,9 @@ void noise_has_the_stated_mean_and_deviation(void **)
     }
     const double count = static_cast<double>(picture.grey.size()), mean = sum / count;
     const double deviation = std::sqrt(squares / count - mean * mean);
-    // Over 16,384 pixels the standard error is 0.07 grey values for the mean, and 0.05 grey values for the
-    // standard deviation. Rounding down to whole numbers lowers the mean by half a grey value.
+    // Over 16,384 pixels the standard error of the mean is 0.07 grey values, and that of the standard
+    // deviation is 0.05 grey values. Rounding down to whole numbers lowers the mean grey value by half a grey
+    // value.
     if (std::abs(mean - (255.0 * vcsim3_background - 0.5)) > 0.3) fail_msg("mean %.3f", mean);
     if (std::abs(deviation - 255.0 * vcsim3_noise) > 0.25) fail_msg("deviation %.3f", deviation);
 }
@@ -134,7 +135,7 @@ void wire_is_a_dark_line_at_its_place(void **)
 }
 
 // Returns the mean grey value along a line that is parallel to the tube's axis and lies `below_m` below the
-// axis; noise of 0.8 grey values remains in the mean.
+// axis; the mean still has a noise of 0.8 grey values.
 double grey_beside_the_axis(const XrayPicture &picture, double below_m)
 {
     const View view = make_view(small_view().carm, 128);

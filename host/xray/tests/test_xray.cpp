@@ -141,8 +141,8 @@ std::uint64_t hash_of(const XrayPicture &picture)
 
 } // namespace
 
-// With 100k triangles the remaining errors are that of the facets' chords (0.013 mm), and half a unit (1/2048
-// mm) of rounding per face.
+// With 100,000 triangles the remaining errors are the distance between facets and sphere (0.013 mm), and half
+// a unit (1/2048 mm) of rounding per face.
 static void sphere_path_is_the_chord(void **)
 {
     const Eigen::Vector3d centre_m(0.02, 0.01, -0.02);
@@ -155,8 +155,8 @@ static void sphere_path_is_the_chord(void **)
     assert_true(errors.mean_mm < 0.02);
 }
 
-// Flat faces have no facet error. The only errors come from the corners, which rounding moves by up to 1/512
-// pixel at the slanted rim, and from rounding of the depths.
+// On flat faces a mesh of facets has no error of shape. The errors of a box come only from its corners, which
+// rounding moves by up to 1/512 pixel at the slanted rim, and from rounding of the depths.
 static void box_path_is_the_chord(void **)
 {
     const Eigen::Vector3d low(-0.03, -0.05, -0.04), high(0.04, 0.03, 0.02);
@@ -200,8 +200,8 @@ static void picture_is_the_same_for_any_number_of_threads(void **)
     for (int threads : {2, 3, 7})
         assert_int_equal(hash_of(render(chest_like(), oblique_settings(), bent_wire(), threads)->picture),
                          one);
-    // This golden hash is equal for all compilers and optimisation levels; it changes only when the picture
-    // is meant to change.
+    // The golden hash of the picture is equal for all compilers and optimisation levels; it changes only when
+    // the picture is meant to change.
     std::printf("# hash %016llx\n", static_cast<unsigned long long>(one));
     assert_int_equal(one, 0x7a9083b12e5445e1);
 }
@@ -223,8 +223,8 @@ static void kept_view_gives_the_same_picture_as_a_new_one(void **)
     assert_false(first->xray->last_render_used_cache());
 }
 
-// The volume of the guidewire's tube, including its bends, must be the sum over all pixels of path length x
-// cross-section of the beam.
+// The sum over all pixels of path length x cross-section of the beam must be the volume of the guidewire's
+// tube, including its bends.
 static void tube_has_the_volume_of_its_wire(void **)
 {
     XraySettings settings;
@@ -274,8 +274,8 @@ static void tube_is_unbroken_and_as_thick_as_the_wire(void **)
         thickest_mm = std::max(thickest_mm, chord_mm);
     }
     std::printf("# between %.3f and %.3f mm, diameter 0.9\n", thinnest_mm, thickest_mm);
-    // The mean path length is taken over a pixel (.45 mm), whose centre may lie .3 mm beside the axis. So the
-    // mean path length is at least .60 mm, and a gap between pieces would make it smaller.
+    // The mean path length is taken over a pixel (0.45 mm), whose centre may lie 0.3 mm beside the axis. The
+    // mean path length is therefore at least 0.60 mm, and a gap between two pieces would make it smaller.
     assert_true(thinnest_mm > 0.60 && thickest_mm < 0.91);
 }
 

@@ -1,6 +1,6 @@
 // Compares path lengths with computed chords in random views, and tests the cases in which rasterisers often
-// fail. These cases are very thin triangles, corners at the centres of pixels, a source inside a body, and
-// faces behind the source.
+// fail. The difficult cases for rasterisers are very thin triangles, corners at the centres of pixels, a
+// source inside a body, and faces behind the source.
 #include "host/xray/paths/path_keeper.hpp"
 #include "host/xray/paths/raster_paths.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
@@ -216,8 +216,9 @@ Body slivers(Lot &lot, int count)
     return body;
 }
 
-// A face that is drawn without the opposite face would leave its distance from the source in the sum. Such a
-// distance from the source is 500 mm or more, and no closed body in this test has such a path length.
+// If a face were drawn without the opposite face, its distance from the source would remain in the sum. The
+// distance of a face from the source is 500 mm or more, and no closed body in this test has such a path
+// length.
 void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double largest_mm)
 {
     const PathPictures pictures = draw(meshes, view, PathForm::axis_sums);
@@ -232,8 +233,8 @@ void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double lar
 
 } // namespace
 
-// On the sphere the flat facets cause an error of 0.010 mm. The cylinder has 720 sides, which cause an error
-// of 0.3 um. The corners of the bodies are rounded to 1 um.
+// On the sphere the flat facets cause an error of 0.010 mm in the path length. The cylinder has 720 sides,
+// whose flatness causes an error of 0.3 um. The corners of the bodies are rounded to 1 um.
 static void paths_of_sphere_cylinder_and_tilted_box_are_their_chords(void **)
 {
     Lot lot(1);
@@ -320,8 +321,8 @@ static void corners_and_edges_on_the_centres_of_pixels_are_covered_once(void **)
         }
 }
 
-// The expected length is that of the ray from the source to the face where the ray leaves the body. Parts of
-// the body that are nearer to the source than 1 mm, measured along the axis, are cut off.
+// The expected length is that of the ray from the source to the face where the ray leaves the body. Those
+// parts of the body that are nearer to the source than 1 mm, measured along the axis, are cut off.
 static void a_source_inside_a_body_sees_the_way_out_in_every_direction(void **)
 {
     Lot lot(3);
@@ -390,7 +391,7 @@ static void part_of_a_picture_is_drawn_like_the_whole_and_by_any_number_of_threa
     }
 }
 
-// The code does not refuse a mesh with a hole, and the error must stay in the pixels behind the hole.
+// The program accepts a mesh with a hole, and the error must stay in the pixels behind the hole.
 static void an_open_mesh_harms_only_the_pixels_behind_its_hole(void **)
 {
     Body ball = sphere_body("ball", "bone", -1, {0, 0, 0}, 0.05, 30);
@@ -436,8 +437,8 @@ static void a_moved_body_is_drawn_as_if_the_scene_had_it_there(void **)
     }
     assert_true(keeper.see(carm, 256, {{}, wire}));
     assert_true(keeper.bodies() == at_rest);
-    // The code must ignore entries for bodies that do not exist, with a wrong number of vertices, or with
-    // vertices too far away.
+    // The function must ignore entries for bodies that do not exist, entries with a wrong number of vertices,
+    // and entries with vertices too far away.
     std::vector<Eigen::Vector3i> far(heart.vertices_um.size(), Eigen::Vector3i(3'000'000, 0, 0));
     const std::vector<Eigen::Vector3i> few(3, Eigen::Vector3i(0, 0, 0));
     const MovedBody wrong[] = {{7, heart.vertices_um}, {-1, heart.vertices_um}, {1, few}, {1, far}};

@@ -49,8 +49,8 @@ static void transmission_follows_beer_and_lambert(void **)
         }
 }
 
-// The variance of a Poisson distribution equals its mean. Over 262,144 pixels the mean may differ by five
-// standard errors, and the variance by 2 %.
+// The variance of a Poisson distribution is equal to its mean. Over 262,144 pixels the mean may differ by
+// five standard errors, and the variance by 2 %.
 static void noise_has_the_poisson_mean_and_variance(void **)
 {
     for (float expected : {0.4f, 3.0f, 11.0f, 13.0f, 60.0f, 400.0f, 20000.0f, 500000.0f}) {
@@ -66,7 +66,7 @@ static void noise_has_the_poisson_mean_and_variance(void **)
             }
         }
         const double mean = sum / count, variance = square / count;
-        // Rounding to whole photons adds 1/12 to the variance.
+        // Rounding to whole photons increases the variance by 1/12.
         const double wanted = expected < 12.0f ? expected : expected + 1.0 / 12.0;
         std::printf("# expected %g: mean %.4f, variance %.4f\n", static_cast<double>(expected), mean,
                     variance);
@@ -95,8 +95,8 @@ static void noise_of_neighbours_and_ticks_is_unrelated(void **)
 }
 
 // The test uses rendered pictures of 20 cm of tissue at three doses, with 2^20 pixels each. A noise-free
-// picture with the same technique gives the mean of every pixel, so that the obliquity of the beam does not
-// count as noise.
+// picture with the same technique gives the mean of every pixel, so that the dimming by the oblique beam at
+// the edges does not count as noise.
 static void rendered_counts_have_variance_over_mean_of_one(void **)
 {
     Room room(slab(0.20));
@@ -129,8 +129,8 @@ static void dose_and_photons_come_from_the_same_charge(void **)
     assert_true(std::fabs(two.photons_open / one.photons_open - 2.0) < 1e-12);
     assert_true(std::fabs(two.air_kerma_uGy / one.air_kerma_uGy - 2.0) < 1e-12);
     assert_true(std::fabs(two.kap_Gy_cm2 / one.kap_Gy_cm2 - 2.0) < 1e-12);
-    // spekpy gives 24.60 uGy/mAs at 1 m behind 2.5 mm Al + 0.2 mm Cu; the reference point is 0.60 m from the
-    // focal spot.
+    // The program spekpy gives 24.60 uGy/mAs at 1 m behind 2.5 mm Al + 0.2 mm Cu; the reference point is 0.60
+    // m from the focal spot.
     std::printf("# kerma %.3f uGy, KAP %.4g Gy cm2\n", one.air_kerma_uGy, one.kap_Gy_cm2);
     assert_true(std::fabs(one.air_kerma_uGy - 24.60 * 0.25 / 0.36) < 0.01 * one.air_kerma_uGy);
     XraySettings far = fixed(80.0, 50.0, 5.0);
@@ -172,16 +172,16 @@ static void raw_values_are_linear(void **)
 namespace
 {
 
-// Measures the MTF before sampling by the slanted-edge method of ISO 12233 and IEC 62220-1. Each pixel of a
-// row has its own distance from the slanted edge. All of them make one edge profile in steps of a tenth of a
-// pixel, and the Fourier transform of its derivative is the MTF.
+// Measures the presampling MTF (before sampling by the pixels) by the slanted-edge method of ISO 12233 and
+// IEC 62220-1. Each pixel of a row has its own distance from the slanted edge. All of them make one edge
+// profile in steps of a tenth of a pixel, and the Fourier transform of its derivative is the MTF.
 class SlantedEdge
 {
   public:
     static constexpr int over = 10, reach = 24; // steps per pixel; pixels to both sides
 
-    // `slope` is the number of columns by which the edge moves per row, and `middle` is its column in the
-    // middle row.
+    // `slope` is the number of columns by which the edge is displaced per row, and `middle` is the edge's
+    // column in the middle row.
     SlantedEdge(const XrayPicture &picture, double slope, double middle)
     {
         std::vector<double> sum(2 * reach * over, 0.0), count(sum.size(), 0.0);
@@ -217,8 +217,8 @@ class SlantedEdge
     std::vector<double> profile_;
 };
 
-// Makes a thin plate that covers the right half of the field; its edge is turned against the columns by a
-// slope of 1/16.
+// Makes a thin plate that covers the right half of the field; its edge is inclined to the columns by a slope
+// of 1/16.
 Body slanted_plate()
 {
     Body body = box_body("plate", "steel", -1, {0.0, -0.3, -0.0002}, {0.3, 0.3, 0.0002});
@@ -229,7 +229,7 @@ Body slanted_plate()
 } // namespace
 
 // The MTF of a rendered edge must be the product of the MTF formulas of focal spot, pixel and scintillator.
-// The MTF is tested up to 0.9 of half the sampling frequency, for three fields and both focal spots.
+// The MTF is tested up to 0.9 of half the sampling frequency, for three field sizes and both focal spots.
 static void slanted_edge_has_the_stated_mtf(void **)
 {
     Room room({{slanted_plate()}});
@@ -253,8 +253,8 @@ static void slanted_edge_has_the_stated_mtf(void **)
             std::printf("# field %.0f mm, focal spot %.1f mm, %.2f/mm: MTF %.4f, stated %.4f (%+.1f %%)\n",
                         now.field_m * 1e3, now.focal_spot_mm, cycles / geometry.pixel_mm, seen, stated,
                         (seen / stated - 1.0) * 100.0);
-            // The tolerance is 5 %, or 0.005 where the curve is nearly zero (the focal spot of 0.8 mm at its
-            // first zero).
+            // The tolerance is 5 % of the MTF, or 0.005 where the MTF is nearly zero (the focal spot of 0.8
+            // mm at its first zero).
             assert_true(std::fabs(seen - stated) < std::max(0.05 * stated, 0.005));
         }
     }
@@ -319,8 +319,8 @@ static void focal_spot_blurs_tools_as_stated(void **)
     }
 }
 
-// The scintillator blurs the noise, but focal spot and pixel do not. So the noise of neighbouring pixels of
-// the raw picture must correlate as the scintillator's kernel predicts.
+// The scintillator blurs the noise, but focal spot and pixel do not. The noise of neighbouring pixels of the
+// raw picture must therefore correlate as the scintillator's kernel predicts.
 static void noise_has_the_texture_of_the_scintillator(void **)
 {
     Room room(slab(0.20));
@@ -360,7 +360,7 @@ namespace
 {
 
 // Returns the ratio of scattered to primary signal in the middle of a field, in front of the grid. The slab
-// covers the whole detector, whose pixels are square.
+// covers the whole detector; the detector's pixels are square.
 double scatter_to_primary(double tissue_cm, double kV, double width_cm, double height_cm)
 {
     const Spectrum open = tube_spectrum(kV, 0.2), left = behind(open, Material::soft_tissue, tissue_cm);
@@ -387,9 +387,9 @@ double scatter_to_primary(double tissue_cm, double kV, double width_cm, double h
 } // namespace
 
 // Altunbas et al. 2016 measured scatter at 125 kV in a field of 40 x 30 cm behind 30 cm of acrylic, which has
-// the electrons of 33 cm of tissue. Altunbas measured a ratio of scattered to primary photons of 4.51 without
-// a grid, and of 1.28 behind the grid. Textbooks (Bushberg et al., chapter on scatter) give a ratio of about
-// 3 for 20 cm of tissue in a field of 30 x 30 cm; the ratio increases with thickness and field.
+// as many electrons as 33 cm of tissue. Altunbas measured a ratio of scattered to primary photons of 4.51
+// without a grid, and of 1.28 behind the grid. Textbooks (Bushberg et al., chapter on scatter) give a ratio
+// of about 3 for 20 cm of tissue in a field of 30 x 30 cm; the ratio increases with thickness and field.
 static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness(void **)
 {
     const double measured = scatter_to_primary(33.0, 125.0, 40.0, 30.0);
@@ -411,10 +411,10 @@ static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness
                 1.3 * scatter_to_primary(20.0, 80.0, 20.0, 20.0));
 }
 
-// Digital subtraction takes the logarithms of two raw pictures with the same fixed technique. In one of the
-// two pictures the beam also passes 4 mm of undiluted contrast medium. The two logarithms must differ by the
-// attenuation that the beam's table gives for contrast medium behind the same patient. Beside the contrast
-// medium the two pictures must be equal to the last bit.
+// Digital subtraction subtracts the logarithms of two raw pictures that have the same fixed technique. In one
+// of the two pictures the beam also passes 4 mm of undiluted contrast medium. The two logarithms must differ
+// by the attenuation that the beam's table gives for contrast medium behind the same patient. Beside the
+// contrast medium the two pictures must be equal to the last bit.
 static void logarithms_of_raw_values_subtract_exactly(void **)
 {
     const Body trunk = box_body("trunk", "soft_tissue", -1, {-0.5, -0.5, -0.1}, {0.5, 0.5, 0.1});

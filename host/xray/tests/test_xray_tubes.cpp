@@ -35,7 +35,7 @@ ToolPaths tubes(const XrayFrame &frame, const View &view)
     return paths;
 }
 
-// Returns the mean path length over the rays of a pixel, mm.
+// Returns the mean path length over the rays of a pixel, in mm.
 double length_mm(const ToolPaths &paths, Material material, int x, int y)
 {
     const std::int32_t touched = paths.entry[static_cast<std::size_t>(y) * paths.size + x];
@@ -53,8 +53,8 @@ double volume_mm3(const ToolPaths &paths, const View &view, Material material)
     double sum = 0.0;
     for (std::int32_t pixel : paths.pixels) {
         const int x = pixel % paths.size, y = pixel / paths.size;
-        // The beam of a pixel beside the axis has the same cross-section in the plane of the isocentre, but
-        // crosses this plane at an angle.
+        // The beam of a pixel beside the axis has the same cross-section in the plane of the isocentre as
+        // that of a pixel on the axis, but crosses this plane at an angle.
         const double dx = (x + 0.5 - view.size * 0.5) * view.pixel_m,
                      dy = (y + 0.5 - view.size * 0.5) * view.pixel_m;
         const double slant = std::sqrt(dx * dx + dy * dy + view.source_detector_m * view.source_detector_m);
@@ -79,8 +79,8 @@ WireFrame straight_wire(double radius_m, double contrast_mg_per_ml = 0.0)
 
 } // namespace
 
-// The ray through the middle of a catheter crosses its wall twice. The wall consists of polymer and braid,
-// and a marker band lies around it.
+// The ray through the middle of a catheter crosses the catheter's wall twice. The wall of this catheter
+// consists of polymer and braid, and a marker band lies around it.
 static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
 {
     const RadiopaqueInstrument catheter{{{0.0, 1.0, Material::polymer, 0.8, 1.0, 0.70},
@@ -108,7 +108,7 @@ static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
 }
 
 // The expected amount is the volume of a cone, pi h (a^2 + a b + b^2)/3, times the mean fraction of contrast
-// medium between positions s and t along it. The mean fraction is exact for pieces of 0.5 mm.
+// medium between positions s and t along the cone. The mean fraction is exact for pieces of 0.5 mm.
 static void contrast_column_holds_the_iodine_of_its_cone(void **)
 {
     for (double thickest_m : {0.0005, 0.002, 0.012}) {
@@ -131,8 +131,8 @@ static void contrast_column_holds_the_iodine_of_its_cone(void **)
         const double iodine = volume_mm3(paths, view, Material::iohexol_350);
         std::printf("# radius to %.1f mm: %.3f mm3 of iohexol, expected %.3f, displaced %.3f\n",
                     thickest_m * 1e3, iodine, expected_mm3, volume_mm3(paths, view, Material::blood));
-        // The tolerance is 0.5 %, because parts up to 12 mm in front of and behind the isocentre are
-        // magnified differently; the effect is of second order.
+        // The tolerance is 0.5 %, because parts up to 12 mm in front of and behind the isocentre have another
+        // magnification; the effect is of second order.
         assert_true(std::fabs(iodine - expected_mm3) < 0.005 * expected_mm3);
         assert_true(std::fabs(iodine + volume_mm3(paths, view, Material::blood)) < 1e-6 * expected_mm3);
     }
@@ -155,8 +155,8 @@ static void struts_thinner_than_the_rays_are_apart_lose_nothing(void **)
     }
 }
 
-// A guidewire in contrast medium displaces it: there must be less iodine, and blood must be subtracted for
-// the remaining displaced volume.
+// A guidewire in contrast medium displaces the medium: the amount of iodine must be smaller, and blood must
+// be subtracted for the remaining displaced volume.
 static void wire_in_contrast_displaces_iodine_and_blood(void **)
 {
     const std::vector<RadiopaqueInstrument> tools = {{{{0.0, 1.0, Material::nitinol, 1.0, 1.0}}, {}}};
@@ -200,8 +200,8 @@ static void many_curves_add_up(void **)
 }
 
 // The tested curves have faults: some are not finite, have no length or only one point, lie behind the source
-// or pass through it, are seen end-on, or are bent back on themselves. Such faulty curves must do no harm,
-// and those parts of them that can be drawn must be drawn.
+// or pass through it, are seen end-on, or are bent back on themselves. Faulty curves must do no harm, and
+// those parts of them that can be drawn must be drawn.
 static void broken_and_awkward_curves_do_no_harm(void **)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
