@@ -30,7 +30,7 @@ MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness);
 
 /* Returns the bodies of a phantom, which is a tank of water with a silicone wall around the vessels. In a
- * phantom a fluid like blood fills the vessels. */
+ * phantom a blood-like fluid fills the vessels. */
 std::vector<Body> phantom_bodies(const VesselTree &tree, const Fineness &fineness);
 
 } // namespace anatomy

@@ -92,8 +92,8 @@ void make_folder(const Options &options)
 }
 
 /* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes the
- * text of the lesions before the meshes, so that it reports a mistake on the command line without minutes of
- * meshing. The calcium of a lesion lies in the body that contains the vessels. */
+ * text of the lesions before it makes the meshes, so that a mistake on the command line is reported at once
+ * and not after minutes of meshing. The calcium of a lesion lies in the body that contains the vessels. */
 std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
 {
     std::vector<Lesion> lesions;
@@ -186,7 +186,8 @@ void print_figures(const HeartFigures &f)
             vessel.diastole_rest_ms);
 }
 
-/* Makes the scene with the heart at the end of diastole, and writes the moving bodies in 24 frames. */
+/* Makes the scene with the heart at the end of diastole, and writes the heart's moving bodies in 24
+ * frames. */
 int make_heart(const Options &options)
 {
     const VesselTree tree = vessels_for("heart", options);
@@ -226,7 +227,7 @@ struct BeatOptions {
     std::vector<double> left_mm, right_mm, apex_mm;
 };
 
-/* Moves the mesh of another heart in the way that the shipped heart beats. */
+/* Moves the mesh of another heart with the beat of the shipped heart. */
 int make_beat(const BeatOptions &options)
 {
     crn::check_output_folder({"--output", options.folder.string()});

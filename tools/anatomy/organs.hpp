@@ -11,7 +11,7 @@ namespace anatomy
  * distances are estimates, but their sign (inside or outside) is right. */
 Solid skin();
 
-/* Returns the combined thickness of the skin and of the fat under the skin at this point. */
+/* Returns the combined thickness of the skin and of the fat under the skin at a point. */
 double flesh_depth_mm(const Vec3 &p);
 
 /* Returns the shape of the chest cavity on one side of the body (sign -1 for right, +1 for left), down to the
@@ -24,8 +24,8 @@ Box lung_bounds(double sign);
  * soft tissue fill. The lungs do not extend into this space. */
 Solid mediastinum();
 
-/* Describes one chamber of the heart by its distance function. A chamber stays at least the thickness of a
- * heart wall away from the chambers that precede it in the list. */
+/* Describes one chamber of the heart by its distance function. A chamber of the heart stays at least the
+ * thickness of a heart wall away from the chambers that precede it in the list. */
 struct Chamber {
     const char *name;
     Distance distance;

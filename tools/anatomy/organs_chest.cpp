@@ -79,9 +79,9 @@ namespace
 /* Returns the rotation that turns +x to `direction`, which must not be -x. */
 Eigen::Matrix3d axis_to(const Vec3 &direction)
 {
-    // The returned rotation is the shortest rotation from +x to `direction`. The function does not use
-    // Eigen's FromTwoVectors. That function contains a singular value decomposition for the case -x, which
-    // takes 8 s to compile.
+    // The returned rotation is the shortest rotation from +x to `direction`. Eigen's function FromTwoVectors
+    // is not used here. Eigen's function FromTwoVectors contains a singular value decomposition for the
+    // direction -x, and this decomposition takes 8 s to compile.
     const Vec3 to = direction.normalized();
     const double w = std::sqrt(2.0 * (1.0 + to.x())); // twice the cosine of half the angle
     const Vec3 axis = Vec3(0.0, -to.z(), to.y()) / w;
@@ -231,8 +231,9 @@ std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hil
     return ends;
 }
 
-/* Joins each vessel's end point to a node of the tree of lung vessels. The function chooses the node that
- * gives the shortest sum of the new branch's length and the path length from the node back to the hilum. */
+/* Joins each vessel's end point to a node of the tree of lung vessels. Each new vessel of the lung joins the
+ * node for which the length of the new branch plus a weighted path length from the node back to the hilum is
+ * smallest. */
 std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 {
     constexpr double WAY_BACK = 0.55, STEP_MM = 14.0;

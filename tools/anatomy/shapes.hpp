@@ -28,17 +28,18 @@ class Shape
   public:
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
-    /* Returns a shape that has the same distances near the box but is cheaper to evaluate; returns null when
-     * there is no cheaper shape. */
+    /* Returns a shape that has the same distances as this shape near the box but is cheaper to evaluate;
+     * returns null when no cheaper shape exists. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;
     double cortex_mm = 1.0;        // thickness of the shell around the marrow space
     std::shared_ptr<Shape> marrow; // the marrow space, where it is not the shape less its shell
 };
 
-/* A tube around a curve. Without `flat` the tube's cross-section is a circle with the curve's radius. With
- * `flat` the tube's cross-section is an ellipse. The ellipse's half-axis along the direction `flat` is the
- * curve's radius, and its other half-axis is the curve's radius times `thinness`. */
+/* A tube around a curve. Without the parameter `flat`, the tube's cross-section is a circle with the curve's
+ * radius. With the parameter `flat`, the tube's cross-section is an ellipse. The ellipse's half-axis along
+ * the direction `flat` is the curve's radius, and its other half-axis is the curve's radius times
+ * `thinness`. */
 class Tube : public Shape
 {
   public:
@@ -117,8 +118,8 @@ class Formula : public Shape
     std::function<double(const Vec3 &)> function_;
 };
 
-/* The next two functions return the minimum and the maximum of two distances, with a smooth transition over a
- * width of `blend_mm`. */
+/* The functions smooth_min and smooth_max return the minimum and the maximum of two distances, with a smooth
+ * transition over a width of `blend_mm`. */
 double smooth_min(double a, double b, double blend_mm);
 double smooth_max(double a, double b, double blend_mm);
 

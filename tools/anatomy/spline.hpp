@@ -33,8 +33,8 @@ class Spline
 };
 
 /* Describes a cubic curve through scalar values that stays between neighbouring values (Fritsch and Carlson
- * 1980). Beyond its first and its last point the curve keeps the value of that point. The curve needs at
- * least one value. */
+ * 1980). Beyond its two ends, the curve keeps the value at the nearer end. The curve needs at least one
+ * value. */
 class MonotoneCubic
 {
   public:

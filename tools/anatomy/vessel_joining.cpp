@@ -152,8 +152,8 @@ void set_entry(const GivenEntry &entry, VesselTree &tree)
     tree.entry_direction = -curve_tangent(curve, at);
 }
 
-/* Gives every branch of a coronary artery the bed of its parent. This is done when the list is complete,
- * because a later file may replace the parent by an artery of the other side. */
+/* Gives every branch of a coronary artery the bed of its parent. The beds are set when the list of vessels is
+ * complete, because a later file may replace the parent by an artery of the other side. */
 void set_beds_of_branches(TreeDraft &draft)
 {
     for (GivenVessel &given : draft.vessels) {

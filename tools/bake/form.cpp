@@ -26,7 +26,8 @@ double spread(std::size_t index, std::size_t base)
     return value;
 }
 
-// Returns all vertices of the mesh, and `count` further points spread evenly over its surface by area.
+// Returns all vertices of the mesh, and `count` further points that are spread evenly by area over its
+// surface.
 std::vector<Eigen::Vector3d> sample(const Mesh &mesh, std::size_t count)
 {
     std::vector<Eigen::Vector3d> points = mesh.vertices_mm;

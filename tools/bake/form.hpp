@@ -18,8 +18,8 @@ struct Deviation {
 
 Deviation deviation(const Mesh &one, const Mesh &other, std::size_t points_each);
 
-// Reduces the number of triangles of a closed mesh by edge collapse. The function lowers the permitted error
-// of the edge collapse until the measured deviation from the original mesh is within error_mm. Returns the
+// Reduces the number of triangles of a closed mesh by collapsing edges. The permitted error of the edge
+// collapse is lowered until the measured deviation from the original mesh is within error_mm. Returns the
 // measured deviation.
 Deviation decimate(Mesh &mesh, double error_mm);
 

@@ -38,15 +38,15 @@ void refine_lesions(Mesh &mesh, const VesselTree &tree);
 std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, const VesselTree &tree);
 
 // Returns a copy of the vessel tree that keeps only those lesions whose vessel runs through the given body.
-// Blood in a neighbouring space, such as a chamber of the heart, is therefore not narrowed together with the
-// diseased vessel.
+// The blood of a neighbouring space, such as a chamber of the heart, is then not narrowed by lesions of
+// vessels outside this space.
 VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 
 // Returns the regions in which the field must resolve the narrowed wall, even if the scene's text permits a
 // larger tolerance. The tolerance of the distance in these regions is a fifteenth of the radius at the
-// narrowest point, but at least 0.03 mm. The edge of a voxel is at most 0.7 times the radius at
-// the narrowest point, if the scene container permits such small voxels. A guidewire or catheter that passes
-// the narrowest point of the mesh then also passes the narrowest point of the field.
+// narrowest point, but at least 0.03 mm. The edge of a voxel is at most 0.7 times the radius at the narrowest
+// point, if the scene container permits such small voxels. With this resolution, a guidewire or catheter that
+// passes the narrowest point of the mesh also passes the narrowest point of the field.
 std::vector<FineRegion> fine_regions(const VesselTree &tree);
 
 // Returns a shell of calcium in the plaque of the lesion, over the arc that the lesion's text states. Only

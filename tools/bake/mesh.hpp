@@ -44,8 +44,8 @@ void weld(Mesh &mesh);
 // Fault otherwise.
 void check_closed(Mesh &mesh, Cap cap);
 
-// Only caps the openings. This function is for meshes that may be non-manifold and may cross themselves,
-// because their surface is remade afterwards (solid.hpp).
+// Only caps the openings. The mesh may be non-manifold and may cross itself, because its surface is remade
+// afterwards (solid.hpp).
 void cap_openings(Mesh &mesh, Cap cap);
 
 // Throws Fault when triangles cross without sharing a vertex; the message gives the first pair and the number

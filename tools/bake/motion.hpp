@@ -52,8 +52,9 @@ struct Frames {
 // of the difference.
 Frames load_frames(const MotionText &text, const LumenText &lumen);
 
-// Returns the keyframe for which the longest displacement to any other keyframe is smallest. Relative to this
-// middle pose, the displacements and their gradients are half as large as relative to one end of the motion.
+// Returns the keyframe for which the longest displacement to any other keyframe is smallest. Relative to the
+// middle pose of the motion, the displacements and their gradients are half as large as relative to one end
+// of the motion.
 std::size_t middle_pose(const Sequence &sequence);
 
 struct Motion {

@@ -1,7 +1,7 @@
 // A vessel tree is a set of branches, each of which is an ordered list of inscribed spheres. The program
 // `centreline` makes vessel trees and stores them in files. The program `bake` and the simulation of contrast
-// medium read these files. Coordinates are in millimetres, along the axes of the mesh from which the tree was
-// made.
+// medium read the files of vessel trees. Coordinates are in millimetres, along the axes of the mesh from
+// which the tree was made.
 #pragma once
 #include "tools/mesh/fault.hpp"
 

@@ -19,8 +19,8 @@ extern const core_scene core_scenes[CORE_SCENE_COUNT];
  * state. */
 bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state);
 
-/* Returns the positions of the simulated user's hands at a tick (ticks are counted from 1). Different values
- * of `variant` change the motion of the simulated hand a little. */
+/* Returns the positions of the simulated user's hands at a tick (ticks are counted from 1). Each value of
+ * `variant` gives a slightly different motion of the simulated hand. */
 crn_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant);
 
 #endif

@@ -17,7 +17,7 @@ EXPECTS = re.compile(r"^\s*expect\b", re.M)
 
 
 def without_turns(text):
-    """Returns the script of a session after removing every command that turns or steers a tool or engages a vessel."""
+    """Returns the script of a session without the commands that turn or steer a tool or engage a vessel."""
     kept = [WITH_TURN.sub("", line) for line in text.splitlines() if not TURN.match(line)]
     return "\n".join(kept) + "\n"
 

@@ -16,10 +16,10 @@ itself. Without it, a command has the class `short`, or `make` when it begins wi
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 
-`only` limits a marker to those lines of the block that contain TEXT; a block may have several markers with `only`.
-`exit` is the expected exit code of the command. `with` replaces placeholders, such as names of the reader's own files,
-before the command runs. `adding` gives words that the program appends to the command, such as options for a smaller
-picture.
+The key `only` limits a marker to those lines of the block that contain TEXT; a block may have several markers with
+`only`. The key `exit` is the expected exit code of the command. The key `with` replaces placeholders, such as names of
+the reader's own files, before the command runs. The key `adding` gives words that the program appends to the command,
+such as options for a smaller picture.
 """
 
 import argparse
@@ -77,7 +77,8 @@ def program_of(words):
 
 
 def sources_text():
-    """Returns the text of all source files. Options of programs that are not built here can be found in this text."""
+    """Returns the text of all source files. The text of all source files also contains the options of programs that are
+    not built here."""
     listed = subprocess.run(
         ["git", "ls-files", "*.cpp", "*.hpp", "*.c", "*.h", "*.py", "*.sh"],
         cwd=ROOT,
@@ -263,7 +264,7 @@ class Scratch:
 
 
 class Stock:
-    """Makes, once for all pages, the files that their commands need. These files are the folder out/ with the content
+    """Makes, once for all pages, the files that their commands need. The files are the folder out/ with the content
     that `make run` gives it, the folder build/anatomy and, for the run with --all, an artery with a lesion. The anatomy
     has no bodies (bones, organs), because no command of the short run depends on bodies and making them takes
     minutes."""

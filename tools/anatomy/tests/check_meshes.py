@@ -27,7 +27,7 @@ def read_ply(path):
 
 
 def read_scene(path):
-    """Reads the few keys of scene.toml that the checks of the meshes need."""
+    """Reads those keys of scene.toml that the checks of the meshes need."""
     bodies, table, entry, ignored = [], None, {}, {}
     for line in path.read_text().splitlines():
         if line == "[[body]]":

@@ -95,9 +95,9 @@ void surface_inside_is_as_deep_as_stated(void **)
 void closing_fills_the_hole_of_a_ring_and_keeps_its_outside(void **)
 {
     const Mesh ring = torus(10, 6, 160, 80);
-    // The expansion by 7 mm gives the ring's tube a radius of 13 mm, so the hole in the ring's middle is
-    // filled from -8.3 to 8.3 mm along the axis. After shrinking by 7 mm, the hole remains filled from -1.3
-    // to 1.3 mm along the axis.
+    // The expansion by 7 mm gives the ring's tube a radius of 13 mm, so it fills the hole in the ring's
+    // middle from -8.3 to 8.3 mm along the axis. After shrinking by 7 mm, the ring's hole remains filled from
+    // -1.3 to 1.3 mm along the axis.
     const Mesh full = closed_surface(ring, 0.4, 7);
     assert_true(TriangleTree(ring).nearest({0, 0, 0}).distance_mm > 3.9);
     assert_true(TriangleTree(full).nearest({0, 0, 0}).distance_mm < -1);

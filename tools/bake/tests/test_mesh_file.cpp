@@ -65,7 +65,8 @@ template <class Value> void put(std::string &bytes, Value value)
     bytes.append(reinterpret_cast<const char *>(&value), sizeof value);
 }
 
-// Returns a tetrahedron of 20 mm in which one corner number of face 2 is replaced by `corner`.
+// Returns a tetrahedron with three edges of 20 mm in which one corner number of face 2 is replaced by
+// `corner`.
 std::string binary_ply(std::int32_t corner, const std::string &vertices = "4")
 {
     std::string bytes = ply_head("binary_little_endian", vertices, "4");

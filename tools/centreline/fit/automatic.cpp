@@ -1,5 +1,5 @@
-// As in TEASAR (Sato et al. 2000), the code traces a path back from the farthest voxel, again and again,
-// until branches cover every voxel.
+// As in TEASAR (Sato et al. 2000), the code repeatedly traces a path back from the farthest voxel, until
+// branches cover every voxel.
 #include "tools/centreline/fit/automatic.hpp"
 #include "host/base/format.hpp"
 

@@ -49,8 +49,8 @@ std::size_t shared_junction(const Tree &tree, int parent, std::size_t sphere)
 }
 
 // Returns the path of a branch, including the piece that connects the branch to its parent. The path begins
-// in the middle of the parent vessel and goes straight to the point where it leaves the parent's tube. From
-// this point the path continues as given.
+// in the middle of the parent vessel and goes straight to the point where it leaves the parent's tube. After
+// the point where the path leaves the parent's tube, the path continues as given.
 Points from_junction(const Tree &tree, const Lumen &lumen, const Way &way, std::size_t &sphere)
 {
     const Branch &parent = tree.branches[way.parent];

@@ -76,7 +76,7 @@ struct Ways {
     std::vector<float> length_mm;     // from the source
     std::vector<std::int32_t> source; // index in the list of sources
 
-    // Returns the cheapest path from a source voxel to this voxel.
+    // Returns the cheapest path from a source voxel to the given voxel.
     std::vector<std::size_t> to(std::size_t voxel) const;
 };
 // Finds the cheapest paths from the source voxels; if `target` is not -1, the search ends when it reaches

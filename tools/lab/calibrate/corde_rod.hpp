@@ -39,8 +39,8 @@ CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &valu
                        const CordeSettings &settings, double length_mm);
 
 // Returns the direction of the first axis of the instrument's frame while the hand's angle is 0, as in the
-// core. The returned vector is perpendicular to two vectors: to `direction`, and to the world's coordinate
-// axis that is most nearly perpendicular to `direction`.
+// core. The returned vector is perpendicular to `direction`, and to that coordinate axis of the world which
+// is most nearly perpendicular to `direction`.
 Vector3d zero_turn_axis(const Vector3d &direction);
 
 class CordeRod final : public HeldRod

@@ -31,8 +31,8 @@ struct InsertionSettings {
     // case's speed if that is faster.
     double approach_mm = 10.0, approach_mm_per_s = 10.0;
     // The rod is at rest when no node's mean position moves by more than `still_um_per_tick` per tick during
-    // three times `rest_window_ticks`. We use a mean position, because a soft tip may chatter on the wall for
-    // ever.
+    // three times `rest_window_ticks`. We use a mean position, because a soft tip may oscillate on the wall
+    // without end.
     double still_um_per_tick = 0.2;
     int rest_window_ticks = 50;
     int settle_max_ticks = 1000;

@@ -52,9 +52,9 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
     return best;
 }
 
-// Repeats the simulated insertion with shorter elements (an insertion without shortcuts). If the core's
-// number format cannot represent these elements, the fit is still valid, and only the result of this
-// insertion is missing.
+// Repeats the simulated insertion with shorter elements and without the other shortcuts. If the core's number
+// format cannot represent these elements, the fit is still valid, and only the result of this insertion is
+// missing.
 std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
                                            std::size_t depth_count)
 {

@@ -54,13 +54,14 @@ class MpiJob
     // can end the program, because the other ranks (processes) wait for messages.
     [[noreturn]] void abort(int status);
 
-    // Rank 0 (the leading process) calls this function; its workers are `threads` threads of rank 0 and all
-    // other ranks.
+    // Rank 0 (the leading process) calls the function below; its workers are `threads` threads of rank 0 and
+    // all other ranks.
     std::unique_ptr<Workers> workers(unsigned threads, Evaluate evaluate, Stop stop, Progress progress);
-    // The other ranks (processes) call this function, which evaluates incoming trials until rank 0 sends the
-    // message that no more trials follow.
+    // The other ranks (processes) call the function below, which evaluates incoming trials until rank 0 sends
+    // the message that no more trials follow.
     void serve(unsigned threads, const Evaluate &evaluate);
-    // Rank 0 (the leading process) calls this function to inform the other ranks that no more trials follow.
+    // Rank 0 (the leading process) calls the function below to inform the other ranks that no more trials
+    // follow.
     void dismiss();
 
   private:

@@ -278,7 +278,7 @@ InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const 
     const double length = length_of(path);
     if (length < 4 * trimmed_mm + 2)
         throw Fault(volume.name + ": the instrument in the scan is too short to be followed");
-    // The path through the voxels has steps, so the function smooths the path first.
+    // The path through the voxels is stepped, so the function smooths the path first.
     path = part_of(path, 0, length);
     path = smooth(path, std::vector<double>(path.size(), 1.0), 60);
     const bool is_cut_off =

@@ -16,8 +16,8 @@ namespace
 
 constexpr double branch_mm = 6; // length of voxels off the path that show a second instrument
 
-// The instrument's voxels, and bridges across gaps between them, form a graph. The shortest paths of this
-// graph follow the brightest line through the voxels.
+// The instrument's voxels, and bridges across gaps between them, form a graph. The shortest paths of the
+// graph of voxels follow the brightest line through the voxels.
 class Ways
 {
   public:

@@ -130,10 +130,10 @@ struct Grower {
     }
 };
 
-// Takes the voxels that may be fluid, and applies a morphological opening with a ball to them. After this
-// opening, no gap that a streak leaves in the wall connects the inside of the lumen with the outside. The
-// function then keeps the voxels that are connected to the centreline, and adds all voxels that these voxels
-// enclose.
+// Takes the voxels that may be fluid, and applies a morphological opening with a ball to them. After the
+// morphological opening, no gap that a streak leaves in the wall connects the inside of the lumen with the
+// outside. After the opening, the function keeps the voxels that are connected to the centreline, and adds
+// all voxels that these enclose.
 Volume grown(const Volume &restored, const Volume &distance, double fluid, double limit)
 {
     Volume dim = restored.like(0);

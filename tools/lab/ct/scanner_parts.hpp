@@ -1,5 +1,5 @@
 // Defines the parts of the virtual scanner: planes through the phantom, chords of the instrument, the beam
-// and the reconstruction. In these parts of the scanner, positions are in mm in LPS axes (left, posterior,
+// and the reconstruction. In the parts of the scanner, positions are in mm in LPS axes (left, posterior,
 // superior), and the scanner's axis passes through `centre`.
 #pragma once
 #include "tools/lab/ct/scanner.hpp"

@@ -2,7 +2,7 @@
 // as equation 19 of the thesis and the documents state; the tests check the results against closed forms. The
 // simulated instrument, and the file that is written from it, have the requested values. A search gives
 // results that are equal bit for bit for any number of workers (threads or processes) and after any number of
-// stops. If the data do not determine a parameter, the result reports this.
+// stops. If the data do not determine a parameter, the result says so for this parameter.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/checkpoint.hpp"
 #include "tools/lab/calibrate/fitted_instrument.hpp"
@@ -75,7 +75,8 @@ SearchState searched(const SearchSettings &settings, const EvaluateShares &evalu
 // --- judging ---
 
 // If a point lies beside a segment of the polyline, its distance to the polyline is the distance to this
-// segment. If a point lies beyond an end, it is the distance to this end. We use 3-4-5 triangles.
+// segment. If a point lies beyond an end of the polyline, its distance to the polyline is the distance to
+// this end. We use 3-4-5 triangles.
 void distances_go_to_the_nearest_point_of_the_line(void **)
 {
     const std::vector<Vector3d> line = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
@@ -199,7 +200,7 @@ void a_preset_made_from_another_one_cannot_be_written(void **)
 
 // --- the search ---
 
-// The run that records requests every trial that pagmo's real run requests later, so no trial has to be
+// The recording run requests every trial that pagmo's real run requests later, so no trial has to be
 // evaluated separately.
 void all_trials_of_a_generation_are_evaluated_together(void **)
 {

@@ -109,7 +109,8 @@ void joints_have_the_stiffness_asked_for(void **)
 
 // For the extreme values of all parameters, the number of substeps is at most the permitted number, and the
 // mass is at least the real mass. The time step times the highest angular frequency stays below 2. Closed
-// forms give the highest frequency of a point between two springs Kp/l and of a rotating segment.
+// forms give the highest frequency of a point between two springs of stiffness Kp/l, and that of a rotating
+// segment.
 void every_trial_gets_a_step_that_is_stable(void **)
 {
     const Space space;

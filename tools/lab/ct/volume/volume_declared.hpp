@@ -25,8 +25,8 @@ struct DeclaredVolume {
     bool is_many_files = false;     // a list or pattern of files
 };
 
-// Each of these functions receives only the first bytes of a file. Throws Fault, whose message names the
-// file, the field and the remedy.
+// Each of the three functions below receives only the first bytes of a file. Throws Fault, whose message
+// names the file, the field and the remedy.
 DeclaredVolume declared_nrrd(std::string_view head, const std::string &file);
 DeclaredVolume declared_meta(std::string_view head, const std::string &file);
 DeclaredVolume declared_nifti(std::string_view head, const std::string &file);

@@ -213,7 +213,7 @@ void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
     assert_below("work over stored energy, less 1", std::abs(work_J / stored_J - 1.0), 0.015);
 }
 
-// The sheath straightens a J tip. The J then pulls itself out of the sheath with a force that equals the
+// The sheath straightens a J tip. A J tip that leaves the sheath pulls itself out with a force equal to the
 // energy per length that the straightened rod stores in the sheath, EI kappa^2 / 2.
 void free_j_pulls_itself_out_of_the_sheath(void **)
 {

@@ -2,9 +2,9 @@
 // forces are the gradient of its energies. The shape of the rod at rest is that of an elastic beam. The shape
 // at rest is also right if one end of the rod is stiffer than the other, if the rod is curved without load,
 // or if the hand turns the rod. The constraints on the rod conserve momentum and never add energy. One
-// iteration of the global method gives exact lengths, and the result of many local iterations converges to
-// this result. The tests compare the baseline's results with closed forms, or with an alternative computation
-// of the same value.
+// iteration of the global method gives exact lengths, and many local iterations converge to the same lengths.
+// The tests compare the baseline's results with closed forms, or with an alternative computation of the same
+// value.
 #include "tools/lab/figures/stability.hpp"
 
 #include <algorithm>
