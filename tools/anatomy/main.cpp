@@ -120,8 +120,8 @@ void check_grid(const VesselTree &tree, double voxel_mm)
         }
 }
 
-/* Makes and writes the meshes, the centrelines and the scene's text. The function passes the meshes of the
- * lumen and of every body to the callback `keep`. */
+/* Makes and writes the meshes, the centrelines and the scene's text. The callback `keep` receives the meshes
+ * of the lumen and of every body. */
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
                 const std::function<void(const std::string &, const Mesh &)> &keep)
 {

@@ -62,9 +62,9 @@ crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
     return made;
 }
 
-/* Makes the level set. The function skips blocks whose centre is far from the surface, and fill_signs() later
- * gives these blocks their sign. The unit of length in the level set is a voxel, so the vertices of its
- * surface must be multiplied by the length of a voxel's edge. */
+/* Makes the level set. Blocks whose centre is far from the surface are skipped; fill_signs() later gives
+ * these blocks their sign. The unit of length in the level set is a voxel, so the vertices of its surface
+ * must be multiplied by the length of a voxel's edge. */
 crn::mesh::LevelSet level_set(const MeshRequest &request)
 {
     // One distance function is used for the centres of all blocks in a column of the grid.

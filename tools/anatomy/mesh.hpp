@@ -16,9 +16,9 @@ struct Mesh {
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise seen from outside
 };
 
-/* Returns a distance function for points inside a box. The function's value is correct wherever the distance
- * is below reach_mm. Only a few shapes of a body affect the distance near one point. The program finds the
- * shapes near a block once per block of the grid, which makes meshing many times faster. */
+/* Returns a distance function for points inside a box. The value of the distance function is correct wherever
+ * the distance is below reach_mm. Only a few shapes of a body affect the distance near one point. The program
+ * finds the shapes near a block once per block of the grid, which makes meshing many times faster. */
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
 LocalDistance local_distance(const Solid &solid);
 
@@ -33,9 +33,9 @@ struct MeshRequest {
     double shortest_mm = 0;
 };
 
-/* Returns the mesh of the surface on which the distance is 0. The function leaves out connected parts of the
- * mesh that have fewer than 60 triangles. Throws std::runtime_error when the surface is empty or extends
- * beyond the given bounds. */
+/* Returns the mesh of the surface on which the distance is 0. Connected parts of the mesh that have fewer
+ * than 60 triangles are left out. Throws std::runtime_error when the surface is empty or extends beyond the
+ * given bounds. */
 Mesh mesh_of(const MeshRequest &request);
 
 /* Returns an empty text if every edge of the mesh belongs to exactly two triangles, which traverse the edge

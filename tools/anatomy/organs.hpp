@@ -15,8 +15,8 @@ Solid skin();
 double flesh_depth_mm(const Vec3 &p);
 
 /* Returns the shape of the chest cavity on one side of the body (sign -1 for right, +1 for left), down to the
- * diaphragm. The returned shape still includes the space of other bodies, such as the heart, which must be
- * cut out later. */
+ * diaphragm. The returned chest cavity still includes the space of other bodies, such as the heart, which
+ * must be cut out later. */
 Distance lung_cavity(double sign);
 Box lung_bounds(double sign);
 

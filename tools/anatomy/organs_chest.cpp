@@ -214,8 +214,8 @@ double spread(uint32_t index, uint32_t base)
     return value;
 }
 
-/* Returns the points at which the vessels of one lung end. These end points are evenly spread over the lung,
- * and the end points nearest to the hilum come first. */
+/* Returns the points at which the vessels of one lung end. The end points are evenly spread over the lung,
+ * and those nearest to the hilum come first. */
 std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hilum, size_t count)
 {
     const Box box = lung_bounds(sign);

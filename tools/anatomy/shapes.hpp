@@ -143,7 +143,7 @@ class Part
         removed.push_back(std::make_shared<T>(std::forward<Arguments>(arguments)...));
     }
     /* Adds a tube of varying radius that runs through a few points. Most of the smaller bones consist of
-     * tubes that this function adds. */
+     * tubes with a varying radius. */
     Tube &rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm = 1.0);
     Plate &plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm,
                  double cortex_mm = 1.0);
@@ -151,8 +151,8 @@ class Part
                  double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
-    /* Returns a copy of this part that is cheaper to evaluate for points inside `box`. The distance that the
-     * copy computes is correct wherever it is below reach_mm. */
+    /* Returns a copy of this part that is cheaper to evaluate for points inside `box`. The distance to the
+     * copy is correct wherever it is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
 
     double blend_mm;

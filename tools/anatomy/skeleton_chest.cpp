@@ -10,7 +10,7 @@ namespace anatomy
 namespace
 {
 
-/* Holds the dimensions of one rib. These dimensions are the half-width of the rib's loop, the drop from its
+/* Holds the dimensions of one rib. The dimensions of a rib are the half-width of its loop, the drop from its
  * head to its front end, the depths of its angle and of its widest point, and the position of its front
  * end. */
 struct RibShape {

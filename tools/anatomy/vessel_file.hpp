@@ -53,10 +53,10 @@ VesselTree tree_of(TreeDraft draft, const std::string &file);
 VesselTree read_vessels(const std::string &file);
 
 /* Returns the path of the shipped vessel file `NAME`. The shipped vessel files are in
- * shared/examples/anatomies, and `make install` puts them into share/cournand/examples/anatomies. The
- * function searches for these two folders in all folders above the program; it also searches for
- * shared/examples/anatomies in the working folder. Throws std::runtime_error when the file is in none of
- * these folders. */
+ * shared/examples/anatomies, and `make install` puts them into share/cournand/examples/anatomies. The program
+ * searches for both folders in all folders above itself; it also searches for shared/examples/anatomies in
+ * the working folder. Throws std::runtime_error when the file of vessels is in none of the searched
+ * folders. */
 std::string shipped_vessel_file(const std::string &name);
 
 /* Reads the shipped vessel file NAME.toml. */

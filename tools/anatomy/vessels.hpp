@@ -51,7 +51,7 @@ Curve vessel_curve(const Vessel &vessel, double step_mm);
 Solid tree_solid(const VesselTree &tree, double wall_mm);
 
 /* Returns the space that blood fills in these vessels, enlarged by wall_mm. Where vessels join, their
-   surfaces are blended over a width of `fillet_mm`.
+ * surfaces are blended over a width of `fillet_mm`.
  */
 Solid vessels_solid(const std::vector<Vessel> &vessels, double wall_mm, double fillet_mm);
 

@@ -29,7 +29,7 @@ Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::st
 
 // Returns one report line for each body that protrudes from the body around it, or that enters a neighbouring
 // body, by more than 0.3 mm. Where two bodies overlap, the X-ray picture shows the absorption of both
-// materials. The function tests `samples` vertices of each body.
+// materials. The comparison tests `samples` vertices of each body.
 std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples);
 
 } // namespace crn::bake

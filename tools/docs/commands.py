@@ -218,8 +218,8 @@ def clean_environment():
 
 
 class Scratch:
-    """Makes a temporary folder that looks like the repository. This folder contains links to the repository's files, a
-    folder build/ with the programs, and a folder out/ with the demo's scene."""
+    """Makes a temporary folder that looks like the repository. The temporary folder contains links to the repository's
+    files, a folder build/ with the programs, and a folder out/ with the demo's scene."""
 
     def __init__(self, build, stock):
         self.top = tempfile.mkdtemp(prefix="cournand_commands_")

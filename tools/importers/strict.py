@@ -30,8 +30,8 @@ def single(value):
 
 def summed(vertices, faces):
     """Returns a summary of a mesh: its number of triangles, and the sum and the range of its coordinates. The program
-    `importers` splits a polygon into a fan of triangles, so some corners occur several times. This function therefore
-    returns the sum of corner coordinates only if all faces are triangles."""
+    `importers` splits a polygon into a fan of triangles, so some corners occur several times. The summary therefore has
+    the sum of corner coordinates only if all faces are triangles."""
     total, low, high, triangles, other = 0.0, math.inf, -math.inf, 0, 0
     for face in faces:
         if any(not 0 <= corner < len(vertices) for corner in face):

@@ -61,7 +61,7 @@ def volume_mm3(vertices, triangles):
 
 
 class Inside:
-    """Determines whether a point lies inside a closed mesh. The function counts how often a line along z from the point
+    """Determines whether a point lies inside a closed mesh. The class counts how often a line along z from the point
     crosses the mesh. For speed, the mesh's triangles are sorted into square cells over x and y.
     """
 

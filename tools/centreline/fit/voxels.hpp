@@ -22,8 +22,8 @@ class Voxels
     // point.
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
     // Follows the steepest increase of depth (distance to the wall) from this voxel, and returns the last
-    // voxel, which lies in the middle of the vessel. This path of steepest increase never runs along the
-    // vessel.
+    // voxel, which lies in the middle of the vessel. The path of steepest increase of the depth never runs
+    // along the vessel.
     std::size_t middle_near(std::size_t voxel) const;
     // Calls use(neighbour, distance_mm) for those of the 26 neighbours to which a straight path certainly
     // stays inside the vessel. If the largest balls inside the vessel around two voxel centres overlap, the

@@ -20,9 +20,9 @@ class HeldRod
     virtual std::vector<Vector3d> nodes_mm() const = 0; // the nodes inside the vessel, tip first
 };
 
-// These settings define the hand's motion, the criterion by which the rod counts as resting, and the length
-// of the rod's elements. The default values are for our rod; docs/calibrate.md, "Short cuts", states how
-// these settings change the result.
+// Holds settings that define the hand's motion, the criterion by which the rod counts as resting, and the
+// length of the rod's elements. The default values are for our rod; docs/calibrate.md, "Short cuts", states
+// how these settings change the result.
 struct InsertionSettings {
     double start_mm = 5.0;        // inserted length when the hand begins; the core may need slightly more
     double speed_mm_per_s = 40.0; // of the hand; the case's speed where that is faster

@@ -53,8 +53,8 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
 }
 
 // Repeats the simulated insertion with shorter elements and without the other shortcuts. If the core's number
-// format cannot represent these elements, the fit is still valid, and only the result of this insertion is
-// missing.
+// format cannot represent the shorter elements, the fit is still valid, and only the result of the insertion
+// without shortcuts is missing.
 std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
                                            std::size_t depth_count)
 {

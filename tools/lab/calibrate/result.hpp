@@ -1,5 +1,5 @@
 // Defines the result of a calibration as it is in memory, before it is written to files. The result must be
-// equal for any number of workers, so it contains neither facts about the machine nor times.
+// equal for any number of workers, so it contains neither facts about the machine nor durations.
 #pragma once
 #include "tools/lab/calibrate/identify.hpp"
 #include "tools/lab/vcsim3/lumen.hpp"

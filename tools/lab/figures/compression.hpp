@@ -1,7 +1,7 @@
 // Repeats the compression experiment of section 5.4.2 of the thesis. The hand pushes a rod into the phantom
-// until the rod's tip is at the closed end and further pushing has compressed the rod. The function then
-// compares the length of the compressed rod with its unloaded length. All solvers (the modes of the thesis'
-// rod, and our direct solver) simulate the same rod, vessel and motion of the hand.
+// until the rod's tip is at the closed end and further pushing has compressed the rod. At the end, the length
+// of the compressed rod is compared with its unloaded length. All solvers (the modes of the thesis' rod, and
+// our direct solver) simulate the same rod, vessel and motion of the hand.
 #pragma once
 #include "tools/lab/vcsim3/direct.hpp"
 #include "tools/lab/vcsim3/preset.hpp"

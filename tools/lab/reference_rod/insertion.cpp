@@ -34,8 +34,8 @@ Insertion::Insertion(const Rod &rod, const Physics &physics, const Sheath &sheat
     step(start_m, turn_rad);
 }
 
-// Returns the position of a node after the rod has moved along its own curve by `feed_m`. This position is a
-// point of the rod's curve before the step.
+// Returns the position of a node after the rod has moved along its own curve by `feed_m`. The position of a
+// node after the step is a point of the rod's curve before the step.
 Vector Insertion::followed(int node, double feed_m) const
 {
     const double arc_m = rod_.arc_m[node] - feed_m;

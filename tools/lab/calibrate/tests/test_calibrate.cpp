@@ -13,7 +13,8 @@
 #include <fstream>
 #include <mutex>
 
-// These headers come last, because their macros (fail, ...) would change other headers.
+// The header cmocka.h and the headers that it needs come last, because its macros (fail, ...) would change
+// other headers.
 #include <csetjmp>
 #include <cstdarg>
 extern "C" {
