@@ -7,8 +7,8 @@
 namespace anatomy
 {
 
-/* Describes a point on the heart's surface through which an artery passes. A diameter of 0 means that the
- * artery's diameter at this point is interpolated between the neighbouring points. */
+/* Describes a point on the heart's surface through which an artery passes. For a point with a diameter of 0,
+ * the artery's diameter is interpolated between the neighbouring points. */
 struct HeartMark {
     double height, angle_deg, diameter_mm;
     std::string name, source;

@@ -38,7 +38,7 @@ struct Options {
 };
 
 /* Reads the vessels for the command `anatomy KIND`. Throws std::invalid_argument when the user's file lacks
- * vessels that this command needs. */
+ * vessels that the command needs. */
 VesselTree vessels_for(const std::string &kind, const Options &options)
 {
     if (options.vessels.empty()) return shipped_vessels(kind);

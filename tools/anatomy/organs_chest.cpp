@@ -10,7 +10,7 @@ namespace anatomy
 namespace
 {
 
-/* This table gives the half-width, front and back of the chest cavity at several heights, in millimetres. */
+/* The table gives the half-width, front and back of the chest cavity at several heights, in millimetres. */
 struct ChestLevel {
     double y, half_width, front, back;
 };
@@ -42,8 +42,8 @@ double cavity_distance(const Vec3 &p)
     return smooth_max(outline, p.y() - APEX_MM, 12.0);
 }
 
-/* Returns the height of the diaphragm at this position in the horizontal plane. The diaphragm is a dome whose
- * edge is lower at the side, and lowest at the back. */
+/* Returns the height of the diaphragm at a given position in the horizontal plane. The diaphragm is a dome
+ * whose edge is lower at the side, and lowest at the back. */
 double dome_mm(double sign, double x, double z)
 {
     const double peak = sign < 0 ? 77.0 : 65.0, out = (sign * x - 62.0) / 64.0, along = (z - 8.0) / 100.0;
@@ -157,7 +157,8 @@ Solid mediastinum()
                                   {24, 22, 20, 22, 24}, 6.0));
     middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 1.2);
     middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 1.2);
-    // The muscles behind the spine fill the space there, so that the lungs stay beside the vertebrae.
+    // The muscles behind the spine fill the space there, so that the shape of the lungs stays beside the
+    // vertebrae.
     middle.add<Tube>(sample_curve({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}},
                                   {26, 27, 27, 26, 26}, 6.0));
     // The code below adds the superior vena cava with the right brachiocephalic vein, the inferior vena cava,

@@ -151,8 +151,8 @@ class Part
                  double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
-    /* Returns a copy of this part that is cheaper to evaluate for points inside `box`. The distance to the
-     * copy is correct wherever it is below reach_mm. */
+    /* Returns a copy of this part of a bone that is cheaper to evaluate for points inside `box`. The distance
+     * to the copy is correct wherever it is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
 
     double blend_mm;

@@ -1,5 +1,5 @@
 /* Makes the shapes of the ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions
- * of these bones are assumed, for a chest that is 280 mm wide inside. */
+ * of the chest's bones are assumed, for a chest that is 280 mm wide inside. */
 #include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>

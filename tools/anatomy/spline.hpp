@@ -1,7 +1,7 @@
 /* Smooth curves through given points. The positions on a curve follow a natural cubic spline over chord
  * length, so that curvature is continuous. The radii along a curve follow a monotone cubic, which does not
- * overshoot between two given diameters. Vessels, ribs and the spine are represented by curves of this kind,
- * with a position and a radius at each point. Lengths are in millimetres. */
+ * overshoot between two given diameters. Vessels, ribs and the spine are represented by spline curves, with a
+ * position and a radius at each point. Lengths are in millimetres. */
 #pragma once
 #include <Eigen/Core>
 #include <vector>

@@ -50,7 +50,7 @@ Curve vessel_curve(const Vessel &vessel, double step_mm);
 /* Returns the space that blood fills in the whole tree, enlarged by wall_mm. */
 Solid tree_solid(const VesselTree &tree, double wall_mm);
 
-/* Returns the space that blood fills in these vessels, enlarged by wall_mm. Where vessels join, their
+/* Returns the space that blood fills in the given vessels, enlarged by wall_mm. Where vessels join, their
  * surfaces are blended over a width of `fillet_mm`.
  */
 Solid vessels_solid(const std::vector<Vessel> &vessels, double wall_mm, double fillet_mm);

@@ -43,14 +43,14 @@ std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, cons
 VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 
 // Returns the regions in which the field must resolve the narrowed wall, even if the scene's text permits a
-// larger tolerance. The tolerance of the distance in these regions is a fifteenth of the radius at the
+// larger tolerance. The tolerance of the distance near the narrowed wall is a fifteenth of the radius at the
 // narrowest point, but at least 0.03 mm. The edge of a voxel is at most 0.7 times the radius at the narrowest
 // point, if the scene container permits such small voxels. With this resolution, a guidewire or catheter that
 // passes the narrowest point of the mesh also passes the narrowest point of the field.
 std::vector<FineRegion> fine_regions(const VesselTree &tree);
 
 // Returns a shell of calcium in the plaque of the lesion, over the arc that the lesion's text states. Only
-// lesions whose text states an arc have such a shell.
+// lesions whose text states an arc have a shell of calcium.
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text);
 
 // Returns one report line per lesion, with the diameter measured on the narrowed surface, and with a warning

@@ -192,8 +192,8 @@ double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eig
         radius = to.squaredNorm() / (2 * to.dot(inward));
     }
     if (radius >= limit) return limit;
-    // A ball in a dent of the surface touches the wall only near p. We recognise such a dent because the wall
-    // is far from the side of the ball opposite to p.
+    // A ball in a dent of the surface touches the wall only near p. We recognise a dent of the surface
+    // because the wall is far from the side of the ball opposite to p.
     return std::abs(tree.nearest(p + inward * (2 * radius)).distance_mm) > 0.3 * radius ? limit : radius;
 }
 

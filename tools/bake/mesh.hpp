@@ -39,9 +39,9 @@ void check_extent(const Mesh &mesh, const std::string &unit);
 void weld(Mesh &mesh);
 
 // Checks that the mesh is closed: every edge must belong to exactly two triangles, which run along this edge
-// in opposite directions. Openings of the mesh are closed by a cap if `cap` permits this. If the volume of
-// the mesh is negative, the function reverses all its triangles and notes this reversal in the report. Throws
-// Fault otherwise.
+// in opposite directions. Openings of the mesh are closed by a cap if the parameter `cap` permits a cap. If
+// the volume of the mesh is negative, the function reverses all its triangles and notes this reversal in the
+// report. Throws Fault otherwise.
 void check_closed(Mesh &mesh, Cap cap);
 
 // Only caps the openings. The mesh may be non-manifold and may cross itself, because its surface is remade

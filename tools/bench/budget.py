@@ -272,8 +272,8 @@ def memory_sizes():
 
 
 def forbidden_symbols(image):
-    """Returns the names of the forbidden functions that the firmware image contains. A test shows that this search
-    finds a forbidden name."""
+    """Returns the names of the forbidden functions that the firmware image contains. A test shows that the search for
+    forbidden functions finds a forbidden name."""
     names = [line.split()[-1] for line in run(["arm-none-eabi-nm", image]).splitlines()]
     return sorted(name for name in names if is_forbidden(name))
 

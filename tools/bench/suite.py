@@ -20,7 +20,7 @@ WIRE = "shared/examples/instruments/j_wire.toml"
 
 
 def figures_at_end(window, folder):
-    """Ends the program of the window, and returns the figures that this program writes when it ends."""
+    """Ends the window's program, and returns the figures that it writes at its end."""
     window.send_signal(signal.SIGINT)
     window.wait(timeout=120)
     with open(os.path.join(folder, "timing.json"), encoding="utf-8") as file:

@@ -54,8 +54,8 @@ const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000},    {"fine", 15
                                                   {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000},
                                                   {"stented", 4500}};
 
-/* This block holds the distance field of the scene's tube. Only one scene exists at a time, and
- * core_scene_start fills this memory again for each scene. */
+/* The memory block holds the distance field of the scene's tube. Only one scene exists at a time, and
+ * core_scene_start fills the same memory again for each scene. */
 static struct {
     crn_lumen lumen;
     uint16_t index[COARSE_COUNT];
@@ -360,7 +360,7 @@ static crn_input every_tool(uint32_t tick, uint32_t variant)
     return input;
 }
 
-/* Returns the command for the beating heart and for breathing at this tick. */
+/* Returns the command for the beating heart and for breathing at the given tick. */
 static crn_rhythm_order order_at(uint32_t tick)
 {
     switch (tick) {

@@ -1,5 +1,5 @@
-/* These scripted scenes use only integers, so they are identical on every machine. The program core_hash.c
- * runs the scenes.
+/* The scripted scenes of the core use only integers, so they are identical on every machine. The program
+ * core_hash.c runs the scenes.
  */
 #ifndef CRN_CHECK_CORE_SCENES_H
 #define CRN_CHECK_CORE_SCENES_H

@@ -58,7 +58,7 @@ class Sessions:
 
     def scene(self, anatomy, lesion=None):
         """Returns the path of the scene of the shipped anatomy without its bodies (made_scenes.py). If a lesion of
-        shared/examples/lesions is named, the scene contains this lesion."""
+        shared/examples/lesions is named, the scene contains the named lesion."""
         try:
             return made_scenes.scene(BUILD, anatomy, lesion)
         except made_scenes.CannotMake as problem:

@@ -16,8 +16,8 @@ def read(path):
 
 
 def files(*suffixes):
-    """Returns a sorted list of the repository's files with these endings. The list of files has the tracked files, and
-    the untracked files that git does not ignore."""
+    """Returns a sorted list of the repository's files with the given endings. The list of files has the tracked files,
+    and the untracked files that git does not ignore."""
     listed = (
         subprocess.run(
             ["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, check=True, stdout=subprocess.PIPE

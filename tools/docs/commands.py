@@ -377,7 +377,8 @@ def execute(command, scratch, display):
 
 
 def missing_for(command):
-    """Returns the reason why a command of this class cannot run here; returns an empty text if the command can run."""
+    """Returns the reason why a command of the given class cannot run on this machine; returns an empty text if the
+    command can run."""
     if command.kind == "anatomy" and not os.path.isdir(os.path.join(ROOT, "..", "shared", "anatomy")):
         return CLASSES["anatomy"][1]
     return ""

@@ -189,8 +189,8 @@ def problems(manifest, linked, core):
 
 
 def unsaid(path, kept, stamp):
-    """Checks a picture that is kept from an older core. Every caption of such a picture must name the version of the
-    older core."""
+    """Checks a picture that is kept from an older core. Every caption of a picture that is kept must name the version
+    of the older core."""
     found = (
         []
         if stamp.get("core") == str(kept)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Unpacks the shipped compressed scenes (`make run`), or makes these scenes again and compares them with the shipped
-scenes (`make scene`).
+"""Unpacks the shipped compressed scenes (`make run`), or makes the scenes again and compares them with the shipped ones
+(`make scene`).
 
   shipped.py unpack shared/examples/scenes/aorta.tar.xz -o out
   shipped.py make shared/examples/scenes/aorta.tar.xz --anatomy build/anatomy/aorta/scene.toml \\

@@ -1,8 +1,8 @@
 // These tests check the following. The file shared/examples/real_patient.toml combines bones, heart and
 // vessels from three sources into one patient. Neighbouring organs touch as in a human body, and no bone lies
-// in the aorta. The claims are shown on the meshes after they are loaded and converted to the patient's
-// coordinates; one bone also passes through all steps of its preparation. If the anatomy data are missing,
-// the test prints that it is skipped.
+// in the aorta. The tests use the meshes after they are loaded and converted to the patient's coordinates;
+// one bone also passes through all steps of its preparation. If the anatomy data are missing, the test prints
+// that it is skipped.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/form.hpp"
 #include "tools/bake/tests/shapes.hpp"

@@ -16,8 +16,8 @@ struct EditorWish {
     FlowSettings flow;
 };
 
-// Returns the point of space that a click at this pixel selects, or nothing if the click hits no vessel. The
-// selected point lies in the middle of the vessel, halfway between the first two walls along the line of
+// Returns the point of space that a click at a given pixel selects, or nothing if the click hits no vessel.
+// The selected point lies in the middle of the vessel, halfway between the first two walls along the line of
 // sight.
 struct View;
 std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, double x, double y);

@@ -12,7 +12,7 @@ namespace
 using Points = std::vector<Eigen::Vector3d>;
 constexpr double merge_share = 0.75; // junctions closer than this many radii become one
 
-// Returns the opening through which a path that ends at this point leaves the vessel, or null if the path
+// Returns the opening through which a path that ends at a given point leaves the vessel, or null if the path
 // does not leave the vessel.
 const Opening *opening_near(const Lumen &lumen, const Eigen::Vector3d &p_mm)
 {

@@ -30,8 +30,8 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
 // branch.
 int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 
-// If the end of a path is near an opening, the function moves this end to the middle of the opening. The
-// function is meant for path ends that the user has not placed.
+// If the end of a path is near an opening, the function moves the path's end to the middle of the opening.
+// The function is meant for path ends that the user has not placed.
 void finish_last(const Lumen &lumen, std::vector<Eigen::Vector3d> &points_mm);
 
 } // namespace crn::centreline

@@ -45,7 +45,7 @@ class Hand
         }
     }
 
-    // We use mean positions at rest, because the tip may oscillate about these positions.
+    // We use mean positions at rest, because the tip may oscillate about its mean position.
     std::vector<Vector3d> rest()
     {
         const double still_mm = settings_.still_um_per_tick * settings_.rest_window_ticks * 1e-3;

@@ -50,8 +50,8 @@ class MpiJob
 
     int rank() const { return rank_; }
     int size() const { return size_; }
-    // Ends every rank (process) of the MPI job at once with this exit status. After a failure, only this call
-    // can end the program, because the other ranks (processes) wait for messages.
+    // Ends every rank (process) of the MPI job at once with the given exit status. After a failure, only a
+    // call of this function can end the program, because the other ranks (processes) wait for messages.
     [[noreturn]] void abort(int status);
 
     // Rank 0 (the leading process) calls the function below; its workers are `threads` threads of rank 0 and

@@ -48,7 +48,8 @@ std::vector<Vector3d> part_of(const std::vector<Vector3d> &line, double begin_mm
 }
 
 // Fits a smooth curve to weighted points, with a penalty on the third differences of neighbouring points: (W
-// + k D'D) x = W m. The matrix of this system has seven diagonals, and Cholesky's method solves the system.
+// + k D'D) x = W m. The matrix of the fit's equations has seven diagonals, and Cholesky's method solves the
+// equations.
 std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vector<double> &weights,
                              double against)
 {

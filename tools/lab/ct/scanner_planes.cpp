@@ -168,8 +168,8 @@ void PhantomPlanes::cut_lumen(double height_mm, double value, std::vector<Edge> 
     }
 }
 
-// Applies the method of marching squares to the distance in this plane; the outline is where the distance
-// equals the wall's thickness.
+// Applies the method of marching squares to the distance in a plane; the outline is where the distance equals
+// the wall's thickness.
 void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edge> &edges) const
 {
     const double place = height_mm - field_origin_.z();

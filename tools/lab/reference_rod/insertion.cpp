@@ -79,9 +79,9 @@ void Insertion::place(double inserted_m, double turn_rad)
 }
 
 // A joint of the rod bends over its whole cell, which extends half an edge to either side. The two joints
-// next to the sheath's end may bend only in the part of their cells that is outside the sheath. If these
-// joints bent over their whole cells, the rod would behave as if it were clamped up to one edge behind the
-// sheath's end.
+// next to the sheath's end may bend only in the part of their cells that is outside the sheath. If the joints
+// next to the sheath's end bent over their whole cells, the rod would behave as if it were clamped up to one
+// edge behind the sheath's end.
 void Insertion::stiffen_mouth()
 {
     constexpr double least = 0.02; // of a cell

@@ -173,8 +173,8 @@ struct Calm {
     bool saturated;
 };
 
-// In this case the hand pushes the rod 0.55 m at 0.1 m/s through three bends that do not lie in one plane,
-// and then stops for a second.
+// In this validation case the hand pushes the rod 0.55 m at 0.1 m/s through three bends that do not lie in
+// one plane, and then stops for a second.
 Calm insert(const Tool &tool)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});

@@ -4,7 +4,7 @@
 // The table gives no units. With the following units all nine instruments are consistent: E x 1e7 Pa, radius
 // x 1e-4 m (8.9 is then the Super Stiff's 0.89 mm), density x 1e5 kg/m^3, and Kp x 10 N. The unit of Kp
 // follows if the table's length is the decimetre (0.89 mm is then 8.9e-3), because Kp / (E radius^2) must be
-// the ratio of the table's own numbers. The document docs/thesis.md explains why the table must have these
+// the ratio of the table's own numbers. The document docs/thesis.md explains why Table 5.1 must have these
 // units.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"

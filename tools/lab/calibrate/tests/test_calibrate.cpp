@@ -2,7 +2,7 @@
 // as equation 19 of the thesis and the documents state; the tests check the results against closed forms. The
 // simulated instrument, and the file that is written from it, have the requested values. A search gives
 // results that are equal bit for bit for any number of workers (threads or processes) and after any number of
-// stops. If the data do not determine a parameter, the result says so for this parameter.
+// stops. If the data do not determine a parameter, the result of the fit says so.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/checkpoint.hpp"
 #include "tools/lab/calibrate/fitted_instrument.hpp"

@@ -88,8 +88,8 @@ void nominal_values_make_the_files_stiffness_and_mass(void **)
     }
 }
 
-// EI is the shaft's EI on the shaft and alpha times this value at the tip. The ratio GJ / EI is that of the
-// instrument file. Between tip and shaft, EI lies between the EI of the tip and the EI of the shaft.
+// EI equals the shaft's EI on the shaft, and alpha times the shaft's EI at the tip. The ratio GJ / EI is that
+// of the instrument file. Between tip and shaft, EI lies between the EI of the tip and the EI of the shaft.
 void joints_have_the_stiffness_asked_for(void **)
 {
     const crn::Instrument instrument = instrument_of("amplatz_super_stiff");

@@ -35,7 +35,7 @@ void write_volume(const Volume &volume, const std::filesystem::path &path);
 void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                 const Eigen::Vector3d &origin_mm, const Eigen::Matrix3d &direction, const std::string &what);
 
-// Checks only the sizes and the spacing of a volume; this check does not need its axes.
+// Checks only the sizes and the spacing of a volume; the check does not need the volume's axes.
 void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                      const std::string &what);
 // Throws Fault if a value is not finite, if all values are equal, or if no scanner writes such values.

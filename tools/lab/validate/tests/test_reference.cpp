@@ -87,8 +87,8 @@ void columns_have_the_published_loads(void **)
     check_near("beta 3", beam_mode(3), 7.854757, 1e-6);
 }
 
-// PyElastica's example of Gazzola et al. 2018 states this solution for an end rotation of 27 turns, a slack
-// of 3 %, and B / C = 1.345 / 0.789.
+// PyElastica's example of Gazzola et al. 2018 states the moment and tension of a coil for an end rotation of
+// 27 turns, a slack of 3 %, and B / C = 1.345 / 0.789.
 void coil_has_the_published_moment_and_tension(void **)
 {
     Writhe coil = writhe(0.03, 27 * 2 * M_PI, 1.345 / 0.789);

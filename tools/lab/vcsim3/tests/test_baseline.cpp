@@ -171,9 +171,9 @@ void cantilever_sags_by_PL3_over_3EI(void **)
            0.005 * 0.01 * length);
 }
 
-// A rod of length L has a soft front part of length a and a stiff rear part. Under a load P, the tip of this
-// rod sags by P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The compliance of the joint between the two
-// parts is the mean of the compliances of the soft and the stiff part.
+// A rod of length L has a soft front part of length a and a stiff rear part. Under a load P, the tip of a rod
+// with a soft front part sags by P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The compliance of the joint
+// between the two parts is the mean of the compliances of the soft and the stiff part.
 void a_cantilever_of_two_stiffnesses_sags_by_both(void **)
 {
     const int elements = 32, soft = 20;
