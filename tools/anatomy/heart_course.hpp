@@ -20,9 +20,10 @@ struct HeartMark {
  * heart. */
 std::optional<Vec3> on_heart(double height, double angle_deg);
 
-/* Returns the points of an artery's centreline through at least two marks, with unnamed points every few
- * millimetres between the marks. The first and the last mark must have a diameter, and no two neighbouring
- * marks may be at the same position. Throws std::domain_error when the artery's course leaves the heart. */
+/* Returns the points of an artery's centreline through at least two given points on the heart, with unnamed
+ * points every few millimetres between them. The first and the last of the given points must have a diameter,
+ * and no two neighbouring given points may be at the same position. Throws std::domain_error when the
+ * artery's course leaves the heart. */
 std::vector<Station> heart_course(const std::vector<HeartMark> &marks);
 
 } // namespace anatomy

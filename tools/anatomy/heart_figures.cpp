@@ -97,8 +97,8 @@ Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
 
 /* Returns the length of the longest interval in which the curve is at rest: any two positions of the same
  * point in the interval are at most `within_mm` apart. Between two frames, the points are moved along
- * straight lines. The middle of the interval must lie in the interval [from, to) of the beat, where `from`
- * and `to` are fractions of the beat. */
+ * straight lines. The middle of the interval at rest must lie in the part [from, to) of the beat, where
+ * `from` and `to` are fractions of the beat. */
 double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, double to)
 {
     constexpr int FINE = 240;

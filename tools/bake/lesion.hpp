@@ -8,9 +8,9 @@
 // The channel narrows as a cosine (Young and Tsai, J Biomech 6 (1973) 395, eq. 1):
 //   r = R (1 - S (1 + cos(2 pi u)) / 2)
 //
-// In the formula, u runs from -1/2 to 1/2 along the lesion, R is the radius of the healthy vessel, and S is
-// the stenosis by diameter. With eccentricity e, the centre of the narrowed channel (radius r) lies e (R - r)
-// from the vessel's centre, away from the plaque.
+// In the formula of the narrowed radius, u runs from -1/2 to 1/2 along the lesion, R is the radius of the
+// healthy vessel, and S is the stenosis by diameter. With eccentricity e, the centre of the narrowed channel
+// (radius r) lies e (R - r) from the vessel's centre, away from the plaque.
 #pragma once
 #include "host/model/lesion_wall.hpp"
 #include "tools/bake/container.hpp"

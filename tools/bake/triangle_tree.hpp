@@ -1,7 +1,7 @@
-// Computes exact distances and winding numbers of a closed triangle mesh. This class gives the signed
-// distance to the mesh, whose sign comes from angle-weighted normals of the nearest feature (Baerentzen &
-// Aanaes 2005), and lists the triangles near a box. Every approximation that the program `bake` makes is
-// compared with the exact geometry of the mesh.
+// Computes exact distances and winding numbers of a closed triangle mesh. Gives the signed distance to the
+// mesh, and lists the triangles near a box. The sign of the distance comes from angle-weighted normals of the
+// nearest feature (Baerentzen & Aanaes 2005). Every approximation that the program `bake` makes is compared
+// with the exact geometry of the mesh.
 #pragma once
 #include "tools/bake/mesh.hpp"
 

@@ -162,8 +162,8 @@ def aorta_ticks(options, what):
 
 
 def checked_ticks(values):
-    """Raises CannotMeasure if the session is too short or if ticks have no cost, because the values of such a session
-    would meet every bar (limit)."""
+    """Raises CannotMeasure if the session is too short or if its ticks have no measured cost, because the values of
+    such a session would meet every bar (limit)."""
     if len(values) < SESSION_TICKS or min(values) <= 0:
         raise CannotMeasure(
             "the aorta session gave %d ticks (at least %d), the cheapest %g"

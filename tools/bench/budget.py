@@ -7,9 +7,9 @@ firmware/bench/budget.tsv (docs/bench.md).
 QEMU with -icount shift=0 counts each instruction as one nanosecond. The stack of a tick is the largest sum of stack
 bytes along a path through the compiler's call graph. The sizes of code and data come from the object files. The exit
 code is 1 when a measured value is more than 3 % above its row in budget.tsv, when budget.tsv lacks a row, or when the
-image calls a forbidden helper. Soft-float helpers, divide helpers and heap functions are forbidden. --accept writes the
-measured values into budget.tsv. --profile prints the instructions of two ticks of a case, function by function, and
-measures nothing else.
+image calls a forbidden helper function. Soft-float helpers, divide helpers and heap functions are forbidden. The option
+--accept writes the measured values into budget.tsv. The option --profile prints the instructions of two ticks of a
+case, function by function, and measures nothing else.
 """
 
 import argparse

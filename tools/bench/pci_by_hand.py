@@ -120,7 +120,8 @@ class Hand:
 
     def hold(self, keys, until, seconds):
         """Holds a key, or several keys as in `shift Up`, until the function `until` finds what it waits for on the
-        screen, or until the session has advanced by `seconds`. Returns whether the function `until` has found it."""
+        screen, or until the session has advanced by `seconds`. Returns whether the function `until` has found what it
+        waits for."""
         names = keys.split()
         begin = self.screen.clock_s()
         self.tool(*[word for name in names for word in ("keydown", name)])
@@ -145,7 +146,7 @@ class Hand:
         self.key(str(device))
 
     def watch(self, until, seconds):
-        """Looks at the screen until the session has advanced by `seconds`, which does not count as an action. Returns
+        """Looks at the screen until the session has advanced by `seconds`; looking does not count as an action. Returns
         whether the function `until` has found what it waits for on the screen."""
         end = self.screen.clock_s() + seconds
         is_seen = False

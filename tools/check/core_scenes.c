@@ -18,7 +18,8 @@
  * tools.
  *
  * In the scene "beating" the J wire lies in a tube whose middle moves to and fro by 3.6 mm with a beating
- * heart, and also with breathing. Every kind of command for the heart (such as a change of rate) occurs once.
+ * heart, and also with breathing. In the scene "beating", every kind of command for the heart (such as a
+ * change of rate) occurs once.
  *
  * In the scene "balloon" a wire lies in a balloon catheter in the 4 mm wide tube. The balloon is inflated
  * until it fills the tube and opens a lesion. The catheter is pulled while the balloon is inflated, and

@@ -176,7 +176,7 @@ def angioplasty(run, test):
 
 
 def heart(run, test):
-    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart but the
+    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart except the
     angioplasty. Returns the path of the heart's scene."""
     scene = run.scene("heart", "lad_middle")
     test("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])

@@ -119,7 +119,7 @@ class Report:
         self.failed += bool(findings)
 
     def catches(self, name, findings):
-        """Tests a rule of style itself: the test passes if the rule has objected to a bad sample."""
+        """Tests a rule of style itself: the test passes if the rule has found the fault in a bad sample."""
         findings = list(findings)
         self.check(name, [] if findings else ["the rule accepted the bad sample"])
 

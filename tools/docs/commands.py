@@ -264,10 +264,9 @@ class Scratch:
 
 
 class Stock:
-    """Makes, once for all pages, the files that their commands need. The files are the folder out/ with the content
-    that `make run` gives it, the folder build/anatomy and, for the run with --all, an artery with a lesion. The anatomy
-    has no bodies (bones, organs), because no command of the short run depends on bodies and making them takes
-    minutes."""
+    """Makes, once for all pages, the files that their commands need. The needed files are the content of out/ after
+    `make run`, the folder build/anatomy and, for the run with --all, an artery with a lesion. The anatomy has no bodies
+    (bones, organs), because no command of the short run depends on bodies and making them takes minutes."""
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder

@@ -7,7 +7,7 @@ that made the picture in each picture file, as its stamp.
   pictures.py --show FILE ...      print stamps
 
 The file tools/docs/pictures.toml describes how each picture is made. The stamp of a picture is a JPEG comment or a PNG
-text chunk with one `key: value` per line. The stamp's keys are `core` (its version when the picture was made),
+text chunk with one `key: value` per line. The stamp's keys are `core` (the core's version when the picture was made),
 `command`, `inputs` and `shows`. `inputs` is a hash over the picture's entry in pictures.toml and over the sessions,
 tools and lesions that the command names. `shows` is the vessel branch in which the tool's tip ended, according to the
 session's report. A picture of a session is old when the core or the inputs in its stamp differ from the present core or

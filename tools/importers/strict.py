@@ -1,6 +1,6 @@
 """Reads the file formats strictly, and independently of the program `importers`. Each function returns the content of a
 file, or raises ValueError. If the program `importers` accepts a file but reads other content than these functions, the
-program was silently wrong. importers.py uses this module.
+program has misread the file without reporting an error. The script importers.py uses this module.
 """
 
 import base64

@@ -217,9 +217,10 @@ Mesh folded_plate()
     return mesh;
 }
 
-// Regression: the report stated that lungs, heart and airway "reached 96 mm into" the shoulders, although
-// these organs lie between the two thin shoulder blades. An earlier version of the program took a point
-// outside a shoulder blade for a point inside if the nearest part of the blade's surface was its folded edge.
+// An earlier version of the report stated that lungs, heart and airway "reached 96 mm into" the shoulders,
+// although these organs lie between the two thin shoulder blades. An earlier version of the program took a
+// point outside a shoulder blade for a point inside if the nearest part of the blade's surface was its folded
+// edge.
 void fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside(void **)
 {
     Mesh sheets = joined(folded_plate(), moved(cube(10), {90, 0, -5}));

@@ -48,8 +48,8 @@ Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
     return middle + (1 - 0.3 * c) * (twist * r) - Eigen::Vector3d(0, 6 * c, 0);
 }
 
-// Returns the position to which a full breath moves a point. The displacement is 3.2 mm down, as in the
-// shipped heart, and fades to zero at a distance of 90 mm.
+// Returns the position to which a full breath moves a point. The displacement by a full breath is 3.2 mm
+// down, as in the shipped heart, and fades to zero at a distance of 90 mm.
 Eigen::Vector3d inhaled(const Eigen::Vector3d &x)
 {
     const double s = x.norm() / 90, fade = s < 1 ? (1 - s * s) * (1 - s * s) : 0;

@@ -26,7 +26,7 @@ View view_of(const bake::Mesh &mesh, double turn_deg, double tilt_deg, int width
 
 // Returns for each pixel the opacity of the drawn vessel, from 0 to 1. The opacity is large where the pixel's
 // line of sight meets the vessel's wall at a grazing angle. A caller that draws the same view many times
-// should store the returned numbers and use them again.
+// should store the returned opacities and use them again.
 std::vector<float> glass_of(const bake::Mesh &mesh, const View &view);
 
 struct TreeDrawing {

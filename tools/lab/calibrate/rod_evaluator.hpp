@@ -13,7 +13,8 @@ namespace crn::calibrate
 {
 
 // Returns settings without shortcuts: the hand has the case's speed throughout, and the program waits long
-// for rest. The elements are 0.35 times as long as in the instrument file, if the core accepts this length.
+// for the rod to rest. The elements are 0.35 times as long as in the instrument file, if the core accepts
+// this length.
 InsertionSettings careful_settings();
 
 // Holds the values of the four fitted numbers; a number that is not fitted gets its nominal value.

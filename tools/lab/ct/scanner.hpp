@@ -6,7 +6,7 @@
 // and the slice's profile. The scanner attenuates a polychromatic beam, counts photons, corrects beam
 // hardening for water as real scanners do, and reconstructs the picture by filtered back-projection.
 // Blooming, streaks and photon starvation result from the simulated physics; the program does not draw them
-// artificially. The scanner does not model scatter, nor the geometry of a fan beam or a helical scan.
+// artificially. The scanner models neither scatter nor the geometry of a fan beam or a helical scan.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"

@@ -96,8 +96,8 @@ class Beam
 {
   public:
     Beam(double tube_kV, const std::vector<Material> &materials);
-    // Returns the fraction of the signal that remains after the beam has passed through these lengths, in mm,
-    // of water and of each material.
+    // Returns the fraction of the signal that remains after the beam has passed through the given lengths, in
+    // mm, of water and of each material.
     double transmission(double water_mm, const float *lengths_mm) const;
     double water_transmission(double water_mm) const;
     // Returns the length of water that would transmit the same fraction of the signal; real scanners correct

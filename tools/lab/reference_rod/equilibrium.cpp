@@ -33,7 +33,7 @@ class Potential
     {
     }
 
-    // Moves the friction limit of every node from its old value towards its value in this state, by the
+    // Moves the friction limit of every node from its old value towards its value in the given state, by the
     // fraction `share` of the difference. Returns the largest difference between old and new friction limits
     // before the change.
     double renew_friction(const State &state, double share)

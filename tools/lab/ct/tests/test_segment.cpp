@@ -1,5 +1,5 @@
-// Claims for a virtual scan with voxels of 0.53 x 0.53 x 1 mm: the segmentation finds the centreline of a J
-// wire that touches the wall with the accuracy that requirement 1 of the project demands. Requirement 1 is an
+// For a virtual scan with voxels of 0.53 x 0.53 x 1 mm, the segmentation finds the centreline of a J wire
+// that touches the wall with the accuracy that requirement 1 of the project demands. Requirement 1 is an
 // error of the centreline of at most 0.2 mm on average and 0.6 mm anywhere, measured in both directions and
 // including the tip of the wire. The surface of the lumen is closed and its mean error is below 0.3 mm; in
 // scans of a catheter with markers, the lumen is equally accurate. The uncertainty that the segmentation

@@ -1,7 +1,7 @@
 // Reads, strictly and without ITK, the sizes, the spacing and the amount of data that a volume file declares.
 // ITK replaces a spacing that it does not understand by 1 mm, trusts any number of dimensions, and reserves
 // any amount of memory that is declared. The program therefore compares the data that ITK reads with the
-// result of this strict reading.
+// result of the strict reading.
 #pragma once
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Core>
