@@ -104,8 +104,8 @@ std::string lesions_of(const Options &options, const VesselTree &tree, const std
     return lesions_text(lesions, tree, inside);
 }
 
-/* If a sphere of the lumen is narrower than the diagonal of a grid cell, the sphere may contain no grid
- * point, and the mesh of the lumen would have a gap at this sphere. */
+/* A sphere of the lumen that is narrower than the diagonal of a grid cell may contain no grid point. The mesh
+ * of the lumen would then have a gap at this sphere. */
 void check_grid(const VesselTree &tree, double voxel_mm)
 {
     const double narrowest_mm = std::sqrt(3.0) * voxel_mm;

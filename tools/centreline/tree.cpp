@@ -152,8 +152,8 @@ Tree split_at_junctions(const Tree &tree)
     for (const Branch &branch : tree.branches)
         if (branch.parent >= 0) cuts[branch.parent].push_back(branch.parent_sphere);
     Tree split;
-    // Each old branch has a list of the new branches into which it was divided: the sphere of the old branch
-    // at which the new branch ends, and the number of the new branch.
+    // Each old branch has a list of the new branches into which it was divided. An entry holds the sphere of
+    // the old branch at which the new branch ends, and the number of the new branch.
     std::vector<std::vector<std::pair<std::size_t, int>>> ends(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         const Branch &old = tree.branches[b];

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs every test program and test script that has a given label, and prints one line of totals. run_tests.sh calls
-this program.
+"""Runs every test program and test script that has a given label, and prints one line of totals. The script
+run_tests.sh calls this program.
 
   run_tests.py --build build --jobs 2 --label product|lab|hours
 

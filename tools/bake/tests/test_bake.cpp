@@ -54,8 +54,9 @@ void field_of_a_torus_is_its_closed_form_distance(void **)
     const TriangleTree tree(mesh);
     Field field = make_field(tree, {10, 2.5, 1.5, 0}, progress);
     const double worst = worst_of(field, tube_mm);
-    // The permitted difference between the field and the torus is the sum of three errors: rounding to 1/64
-    // voxel (0.015 mm), the spline's error at a curved wall (0.01 mm), and the error of flat triangles.
+    // The field may differ from the exact distance to the torus by the sum of three errors. These are
+    // rounding to 1/64 voxel (0.015 mm), the spline's error at a curved wall (0.01 mm), and the error of flat
+    // triangles.
     if (worst > 0.03) fail_msg("worst %.4f mm, allowed 0.03", worst);
     assert_true(field.bricks_of_level[1] == 0);
 }
@@ -317,8 +318,8 @@ void stevebench_obj_is_refused_with_its_faults(void **)
              {"non-manifold edges", "open edges", "triangle"});
 }
 
-// The scene file of the shipped example on the real centrelines has at most 2 MB. The error of its distance
-// field is within 0.15 mm at 99.9 % of the points near the wall.
+// The scene file of the shipped example on the real centrelines has at most 2 MB of data. The error of its
+// distance field is within 0.15 mm at 99.9 % of the points near the wall.
 void stevebench_scene_keeps_its_size_and_error(void **)
 {
     const char *folder_name = std::getenv("CRN_ANATOMY");

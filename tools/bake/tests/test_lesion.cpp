@@ -325,8 +325,8 @@ void the_hosts_vessel_opens_as_the_cores_does(void **)
 }
 
 // The positions of lesions refer to the healthy vessel. A lesion keeps its position when another lesion is
-// added: either an eccentric lesion upstream, whose channel is longer than the vessel, or a lesion that
-// narrows the parent vessel where the branch begins.
+// added. The added lesion is either an eccentric lesion upstream, whose channel is longer than the vessel, or
+// a lesion of the parent vessel where the branch begins.
 void a_lesion_lies_where_it_would_lie_alone(void **)
 {
     LesionText second = plaque(0.5), ostium = plaque(), side = plaque();
@@ -466,8 +466,9 @@ void a_file_gives_the_lesion_back(void **)
 }
 
 // The mesh of the vessel has a radius of 2 mm. The centrelines state a radius of 2 mm in one case and 2.5 mm
-// in the other case. With stated radii of 2 mm, the smallest radius of the vessel tree equals that of the
-// mesh; with stated radii of 2.5 mm, the tree's smallest radius is 0.3 mm larger than that of the mesh.
+// in the other case. If the centrelines state 2 mm, the smallest radius of the vessel tree equals that of the
+// mesh. If the centrelines state 2.5 mm, the smallest radius of the tree is 0.3 mm larger than that of the
+// mesh.
 void a_mesh_that_is_not_the_trees_is_warned_of(void **)
 {
     for (const double stated_mm : {2.0, 2.5}) {

@@ -28,8 +28,8 @@ ParameterResult judged(const Parameter &parameter, double share, const Identifie
     return result;
 }
 
-// Takes the fitted numbers that the data leave undetermined, one after the other, and resets each of them to
-// the value in the instrument file, as long as the objective stays within the noise.
+// Resets the fitted numbers that the data leave undetermined, one after the other, to their values in the
+// instrument file. A number is reset only if the objective then stays within the noise.
 Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, const EvaluateShares &evaluate,
                      Verdict best)
 {

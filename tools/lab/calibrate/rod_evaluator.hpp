@@ -27,8 +27,9 @@ struct RodValues {
 double density_of(const crn_wire_instrument &table, double radius_mm);
 RodValues nominal_values(const crn_wire_instrument &table);
 // Returns a copy of the nominal instrument's table in which the fitted numbers have the given values. The
-// functions of tools/lab/case/stiffness.hpp compute EI and GJ. One factor scales the radius along the whole
-// instrument, and another factor scales the mass; the friction is everywhere that of the case.
+// functions of tools/lab/case/stiffness.hpp compute the stiffnesses EI and GJ of the copy. One factor scales
+// the radius along the whole instrument, and another factor scales the mass; the friction is everywhere that
+// of the case.
 crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
                                        const insertion::Case &c);
 

@@ -39,7 +39,8 @@ std::unique_ptr<Workers> thread_workers(unsigned threads, Evaluate evaluate, Sto
 // MPI.
 bool is_mpi_job();
 
-// Initialises and finalises MPI. Rank 0 leads; the other ranks evaluate trials until rank 0 dismisses them.
+// Initialises and finalises the library MPI. Rank 0 leads; the other ranks evaluate trials until rank 0
+// dismisses them.
 class MpiJob
 {
   public:

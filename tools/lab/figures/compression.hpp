@@ -32,8 +32,9 @@ struct ShapeNode {
 };
 
 // Positive percentages are compression. If a rod has become unstable, is_sound is false and the other values
-// of the result are meaningless. A rod counts as unstable if a coordinate is not finite or more than half a
-// metre from the first node that the hand holds, or if the relative error of its length is more than half.
+// of the result are meaningless. A rod counts as unstable if a coordinate is not finite or is more than half
+// a metre away from the first node that the hand holds. A rod also counts as unstable if the relative error
+// of its length is more than half.
 struct CompressionResult {
     std::string name, token; // "25 Local", "local25"; "Direct", "direct"
     bool is_sound = true;

@@ -124,8 +124,8 @@ double residual(const Eigen::VectorXd &slope, int free)
     return most;
 }
 
-// Solves (H + shift D) d = -g for the free unknowns, where D holds the magnitudes of the diagonal of H. The
-// shift is the smallest of a series of values that makes the matrix positive definite.
+// Solves (H + shift D) d = -g for the free unknowns, where D holds the magnitudes of H's diagonal. The shift
+// is the smallest of a series of values that makes the matrix positive definite.
 void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unknowns, double &shift,
                       Eigen::VectorXd &direction)
 {

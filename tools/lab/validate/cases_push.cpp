@@ -1,5 +1,6 @@
-// Tests pushing a rod: the rod's compression at a wall, the force limit at which the hand stops, the hand's
-// work compared with the rod's energy, and the range of stiffness in which the rod does not vibrate.
+// Tests pushing a rod: the compression at a wall, the force limit at which the hand stops, and the hand's
+// work compared with the rod's energy. It also tests the range of stiffness in which the rod does not
+// vibrate.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"

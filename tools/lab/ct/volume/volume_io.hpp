@@ -25,9 +25,8 @@ using TakeValues = std::function<void(const float *values, std::size_t count)>;
 void read_volume_here(const std::filesystem::path &path, const TakeHead &take_head,
                       const TakeValues &take_values);
 
-// The extension of the file's name selects one of the formats that read_volume accepts; values are whole
-// numbers of HU. If the name has no extension, the function writes a folder with a DICOM series. Throws
-// Fault.
+// The extension of the file's name selects one of the formats that read_volume accepts; values are whole HU
+// numbers. If the name has no extension, the function writes a folder with a DICOM series. Throws Fault.
 void write_volume(const Volume &volume, const std::filesystem::path &path);
 
 // Checks that sizes, spacing and axes of a volume are possible; the program checks every volume that it

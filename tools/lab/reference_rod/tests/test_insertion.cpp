@@ -1,9 +1,9 @@
 // These tests check the following. The derivatives of the distance field agree with differences of the
 // field's values. On a plane, the friction force on the rod is mu times the load. In a rigid bent tube the
-// shape of the rod does not depend on the scale of EI, and the force is proportional to EI. The work of the
-// hand equals the energy that the rod stores. Shorter edges of the rod and shorter feeding steps change the
-// result only slightly. A rod that has come to rest does not creep afterwards. The generated noise has a
-// normal distribution, and equal seeds give equal noise.
+// shape of the rod does not depend on the scale of EI, and the force is proportional to the stiffness. The
+// work of the hand equals the energy that the rod stores. Shorter edges of the rod and shorter feeding steps
+// change the result only slightly. A rod that has come to rest does not creep afterwards. The generated noise
+// has a normal distribution, and equal seeds give equal noise.
 #include "tools/lab/reference_rod/truth.hpp"
 extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"

@@ -63,8 +63,8 @@ void heavy_elastica_has_the_published_values(void **)
 }
 
 // The expected values come from Timoshenko and Gere, table 2-4. At a load of 1.152 Pcr (Pcr is the critical
-// load), the angle alpha of the tip is 60 degrees, x / L is 0.741 and y / L is 0.593; at 1.884 Pcr, alpha is
-// 120 degrees.
+// load), the angle alpha of the tip is 60 degrees, x / L is 0.741 and y / L is 0.593. At a load of 1.884 Pcr,
+// alpha is 120 degrees.
 void buckled_cantilever_has_the_published_values(void **)
 {
     const double euler = M_PI * M_PI / 4;
