@@ -105,7 +105,7 @@ std::string lesions_of(const Options &options, const VesselTree &tree, const std
 }
 
 /* A sphere of the lumen that is narrower than the diagonal of a grid cell may contain no grid point. The mesh
- * of the lumen would then have a gap at this sphere. */
+ * of the lumen would have a gap at a sphere without grid points. */
 void check_grid(const VesselTree &tree, double voxel_mm)
 {
     const double narrowest_mm = std::sqrt(3.0) * voxel_mm;

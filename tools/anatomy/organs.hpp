@@ -21,7 +21,7 @@ Distance lung_cavity(double sign);
 Box lung_bounds(double sign);
 
 /* Returns the shape of the space in the middle of the chest that the heart, the great veins, the hila and
- * soft tissue fill. The lungs do not extend into this middle space of the chest. */
+ * soft tissue fill. The lungs do not extend into the middle space of the chest. */
 Solid mediastinum();
 
 /* Describes one chamber of the heart by its distance function. A chamber of the heart stays at least the

@@ -54,9 +54,9 @@ void field_of_a_torus_is_its_closed_form_distance(void **)
     const TriangleTree tree(mesh);
     Field field = make_field(tree, {10, 2.5, 1.5, 0}, progress);
     const double worst = worst_of(field, tube_mm);
-    // The field may differ from the exact distance to the torus by the sum of three errors. These are
-    // rounding to 1/64 voxel (0.015 mm), the spline's error at a curved wall (0.01 mm), and the error of flat
-    // triangles.
+    // The field may differ from the exact distance to the torus by the sum of three errors. The three errors
+    // are rounding to 1/64 voxel (0.015 mm), the spline's error at a curved wall (0.01 mm), and the error of
+    // flat triangles.
     if (worst > 0.03) fail_msg("worst %.4f mm, allowed 0.03", worst);
     assert_true(field.bricks_of_level[1] == 0);
 }

@@ -1,5 +1,5 @@
 // Tests pushing a rod: the compression at a wall, the force limit at which the hand stops, and the hand's
-// work compared with the rod's energy. It also tests the range of stiffness in which the rod does not
+// work compared with the rod's energy. A further test covers the range of stiffness in which the rod does not
 // vibrate.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"

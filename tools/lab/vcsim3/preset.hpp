@@ -2,10 +2,10 @@
 // explicit integration of these rods is stable.
 //
 // The table gives no units. All nine instruments are consistent in these units: E x 1e7 Pa, radius x 1e-4 m,
-// density x 1e5 kg/m^3, and Kp x 10 newtons. With this unit of the radius, the table's 8.9 is the 0.89 mm of
-// the Super Stiff. The unit of Kp follows if the table's length is the decimetre (0.89 mm is then 8.9e-3),
-// because Kp / (E radius^2) must be the ratio of the table's own numbers. The document docs/thesis.md
-// explains why Table 5.1 must have these units.
+// density x 1e5 kg/m^3, and Kp x 10 newtons. With 1e-4 m as the unit of the radius, the table's 8.9 is the
+// 0.89 mm of the Super Stiff. The unit of Kp follows if the table's length is the decimetre (0.89 mm is then
+// 8.9e-3), because Kp / (E radius^2) must be the ratio of the table's own numbers. The document
+// docs/thesis.md explains why Table 5.1 must have these units.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 #include <string>

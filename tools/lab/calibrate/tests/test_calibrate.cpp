@@ -459,7 +459,7 @@ void the_hash_tells_borders_and_numbers(void **)
 
 // The objective is |x - 0.4| + 0 y, where x and y are the positions 0 .. 1 of two parameters in their ranges.
 // If the objective may rise by 0.05, x can vary from 0.35 to 0.45; the test permits an error of one halving
-// step (0.04 / 16) in these bounds. The objective does not bound y.
+// step (0.04 / 16) in these bounds. The objective |x - 0.4| + 0 y does not bound y.
 void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};
