@@ -301,8 +301,8 @@ void transforms_come_in_the_stated_order(void **)
                                              "rotate_deg = [90, 0, 0]\noffset_mm = [1, 2, 3]\n")),
         {folder.path, {}});
     // The scene's axes convert the point (50, 40, 7) to (40, -50, 7), and the scale converts it to (80, -50,
-    // 7). A quarter turn about the axis that points to the patient's left then turns the direction to the
-    // head into the direction to the front.
+    // 7). After this conversion, a quarter turn about the axis that points to the patient's left turns the
+    // direction to the head into the direction to the front.
     const Eigen::Vector3d placed = text.bodies[0].mesh.placement.place({50, 40, 7}, 1);
     is_near((placed - Eigen::Vector3d(81, 2 - 7, 3 - 50)).norm(), 0, 1e-9,
             "the distance from the place by hand");

@@ -5,9 +5,10 @@
 // The algorithms of the library pagmo request one trial after the other. We run each generation twice, so
 // that all its trials can be evaluated in parallel. In the first run, a copy of the algorithm advances with a
 // problem that only records the requested trials. No trial of a generation depends on the result of another
-// trial of that generation. The workers (threads or processes) then evaluate the recorded trials at the same
-// time. In the second run, pagmo's own algorithm runs the generation and receives the recorded results at
-// once. The outcome of the search equals that of pagmo's algorithm running alone, for any number of workers.
+// trial of that generation. The workers (threads or processes) evaluate the recorded trials of a generation
+// at the same time. In the second run, pagmo's own algorithm runs the generation and receives the recorded
+// results at once. The outcome of the search equals that of pagmo's algorithm running alone, for any number
+// of workers.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <cstdint>

@@ -24,7 +24,7 @@ struct SnakeWeights {
     int iterations = 40;
 };
 // Moves the snake (active contour) by the given number of steps, and returns the signed distance from the
-// moved contour. ITK runs on one thread here, so the result is deterministic.
+// moved contour. The library ITK runs on one thread in these functions, so their results are deterministic.
 Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights &weights);
 
 } // namespace crn::ct
