@@ -32,17 +32,18 @@ struct HeartPlacement {
     Vec3 from_shipped(const Vec3 &point) const { return rotation.transpose() * (point - shift_mm) / scale; }
 };
 
-/* Throws std::invalid_argument when these landmarks are impossible for a man's heart; the message names the
- * command-line option that may be wrong. The shipped heart must be 0.6 to 1.6 times as large as the other
+/* Throws std::invalid_argument when the three landmarks are impossible for a human heart; the message names
+ * the command-line option that may be wrong. The shipped heart must be 0.6 to 1.6 times as large as the other
  * heart. After the fit, no landmark may be more than 20 mm away from its counterpart on the shipped heart.
  * The three landmarks must not lie on one straight line. */
 HeartPlacement place_heart(const HeartLandmarks &other);
 
 /* Writes the positions of the mesh's vertices in the 24 frames of the beat to FOLDER/NAME_00.ply ...
  * NAME_23.ply, and their positions at the end of inspiration to FOLDER_inhaled.ply beside the folder. The
- * program `bake` reads the files of all frames. Each vertex moves like the corresponding point of the shipped
- * heart, and the displacement is scaled to the size of the other heart. The displacement by breathing is not
- * scaled. Returns the largest displacement of any vertex from its position in the mesh `rest`, in mm. */
+ * program `bake` reads the 24 files of the beat and the file of inspiration. Each vertex moves like the
+ * corresponding point of the shipped heart, and the displacement is scaled to the size of the other heart.
+ * The displacement by breathing is not scaled. Returns the largest displacement of any vertex from its
+ * position in the mesh `rest`, in mm. */
 double write_borrowed_beat(const std::filesystem::path &folder, const std::string &name, const Mesh &rest,
                            const HeartPlacement &placement);
 

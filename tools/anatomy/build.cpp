@@ -22,7 +22,7 @@ constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
 constexpr double GRAIN_MM = 0.12, THIN_BONE_GRAIN_MM = 0.05;
 
 /* Returns a smooth function of the position that has the given wavelength and values between about -1 and 1.
- * This function makes the surfaces of bones uneven, because real bone is not a perfect surface of
+ * The unevenness makes the surfaces of bones look natural, because real bone is not a perfect surface of
  * revolution. */
 double unevenness(const Vec3 &p, double wavelength_mm)
 {
@@ -39,8 +39,8 @@ struct BoneGroup {
     double voxel_mm, error_mm, grain_mm;
 };
 
-/* Returns the distance function of one group of bones. All bones of this group stay at least GAP_MM away from
- * the bones in `before`. */
+/* Returns the distance function of one group of bones. Every bone of the group stays at least GAP_MM away
+ * from the bones in `before`. */
 LocalDistance bone_distance(const Solid &bone, const Solid &before)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -93,8 +93,8 @@ MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
 
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness)
 {
-    // The vertices of each frame are rounded to a micrometre in the file. Rounding to a micrometre would make
-    // some triangles face the opposite direction if their edges were hardly longer than a micrometre.
+    // The vertices of each frame are rounded to a micrometre in the file. Rounding would make some triangles
+    // face the opposite direction if the mesh had edges hardly longer than a micrometre.
     constexpr double SHORTEST_MM = 0.02;
     const double scale = fineness.body_scale;
     const BoneGroup groups[] = {{"spine", spine_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},

@@ -25,12 +25,12 @@ struct Fineness {
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
 
 /* Returns the bodies of a patient around the vessels in `tree`, whose coordinates must be in the patient's
- * frame. If the tree has coronary arteries, these bodies include the root of the aorta and the coronary
- * arteries. */
+ * frame. If the tree has coronary arteries, the patient's bodies include the root of the aorta and the
+ * coronary arteries. */
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness);
 
 /* Returns the bodies of a phantom, which is a tank of water with a silicone wall around the vessels. In a
- * phantom a fluid like blood fills the vessels. */
+ * phantom a blood-like fluid fills the vessels. */
 std::vector<Body> phantom_bodies(const VesselTree &tree, const Fineness &fineness);
 
 } // namespace anatomy

@@ -142,7 +142,7 @@ HeartBeat::Place HeartBeat::place(const Vec3 &point) const
 {
     // The inner surface of the heart's wall moves further than the outer surface, and the right side of the
     // heart's base descends further than the left side. The free wall of the right ventricle moves further
-    // than the other walls.
+    // than the other walls of the heart.
     constexpr double INNER = 0.34, OUTER = 0.12, RIGHT_OUTER = 0.33, WALL_MM = 10.0;
     constexpr double LEFT_DESCENT_MM = 14.0, RIGHT_DESCENT_MM = 22.0, RIGHT_AT_MM = 48.0, RIGHT_DEG = 300.0;
     constexpr double MOVES_WITHIN_MM = 3.0, RESTS_BEYOND_MM = 38.0, HELD_MM = 22.0;

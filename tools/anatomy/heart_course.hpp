@@ -7,21 +7,23 @@
 namespace anatomy
 {
 
-/* Describes a point on the heart's surface through which an artery passes. A diameter of 0 means that the
- * artery's diameter here is interpolated between the neighbouring marks. */
+/* Describes a point on the heart's surface through which an artery passes. For a point with a diameter of 0,
+ * the artery's diameter is interpolated between the neighbouring points. */
 struct HeartMark {
     double height, angle_deg, diameter_mm;
     std::string name, source;
 };
 
 /* Follows a ray from the heart's axis straight outwards and returns the point slightly beyond the heart's
- * surface. The returned point lies outside the surface because only half of an artery's cross-section lies in
- * its groove. Returns std::nullopt if the ray does not begin inside the heart. */
+ * surface. The returned point lies outside the heart's surface because only half of an artery's cross-section
+ * lies in the groove in which the artery runs. Returns std::nullopt if the ray does not begin inside the
+ * heart. */
 std::optional<Vec3> on_heart(double height, double angle_deg);
 
-/* Returns the points of an artery's centreline through at least two marks, with unnamed points every few
- * millimetres between the marks. The first and the last mark must have a diameter, and no two neighbouring
- * marks may be at the same position. Throws std::domain_error when the artery's course leaves the heart. */
+/* Returns the points of an artery's centreline through at least two given points on the heart, with unnamed
+ * points every few millimetres between them. The first and the last of the given points must have a diameter,
+ * and no two neighbouring given points may be at the same position. Throws std::domain_error when the
+ * artery's course leaves the heart. */
 std::vector<Station> heart_course(const std::vector<HeartMark> &marks);
 
 } // namespace anatomy

@@ -62,8 +62,8 @@ Slice slice_of(const MovingBody &body, double low, double high, size_t frame)
 
 /* Holds the centre towards which the vertices of the left ventricle move. For each vertex, the displacement
  * has a part perpendicular to the direction of the centre; the centre minimises the sum of squares of these
- * parts. `radial_share` is the fraction of the summed squared displacements that points towards the
- * centre. */
+ * parts. `radial_share` is the share of the summed squared displacements that is due to motion towards or
+ * away from the centre. */
 struct Centre {
     Vec3 place = Vec3::Zero();
     double radial_share = 0.0;
@@ -96,9 +96,9 @@ Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
 }
 
 /* Returns the length of the longest interval in which the curve is at rest: any two positions of the same
- * point in the interval are at most `within_mm` apart. Between two frames the function moves the points along
- * straight lines. The middle of the interval must lie in the interval [from, to) of the beat, where `from`
- * and `to` are fractions of the beat. */
+ * point in the interval are at most `within_mm` apart. Between two frames, the points are moved along
+ * straight lines. The middle of the interval at rest must lie in the part [from, to) of the beat, where
+ * `from` and `to` are fractions of the beat. */
 double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, double to)
 {
     constexpr int FINE = 240;

@@ -18,7 +18,7 @@ std::string numbered(const char *stem, int frame, const char *ending)
 }
 
 /* Returns the text of an OBJ file that has one object per body of the heart. If `frame` is -1, the function
- * returns the shape at the end of inspiration. */
+ * returns the heart's shape at the end of inspiration. */
 std::string frame_text(const HeartSequence &sequence, int frame)
 {
     std::string text;

@@ -36,8 +36,8 @@ MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBea
 MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat);
 
 /* Holds the measured figures (such as volumes and displacements) of a heartbeat that takes BEAT_MS
- * milliseconds. The function heart_figures() computes these figures from the meshes and centrelines of the
- * frames, without using the map of the motion. */
+ * milliseconds. The function heart_figures() computes the figures of the beat from the meshes and centrelines
+ * of the frames, without using the map of the motion. */
 struct VesselFigures {
     std::string name;
     double length_mm, excursion_mm; // length at the end of diastole; largest displacement between two frames
@@ -62,7 +62,7 @@ HeartFigures heart_figures(const HeartSequence &sequence);
 
 /* Writes the moved mesh of every frame as FOLDER/lumen_00.ply ... lumen_23.ply. The program writes the mesh
  * at the end of inspiration to FOLDER_inhaled.ply beside the folder. The program `bake` fits a lattice of
- * displacements to these files. */
+ * displacements to the mesh files of the frames. */
 void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat);
 
 /* Writes FOLDER/frame_00.obj ... frame_23.obj with one object per body. The program writes the centrelines to

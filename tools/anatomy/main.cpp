@@ -38,7 +38,7 @@ struct Options {
 };
 
 /* Reads the vessels for the command `anatomy KIND`. Throws std::invalid_argument when the user's file lacks
- * vessels that this command needs. */
+ * vessels that the command needs. */
 VesselTree vessels_for(const std::string &kind, const Options &options)
 {
     if (options.vessels.empty()) return shipped_vessels(kind);
@@ -92,8 +92,8 @@ void make_folder(const Options &options)
 }
 
 /* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes the
- * text of the lesions before the meshes, so that it reports a mistake on the command line without minutes of
- * meshing. The calcium of a lesion lies in the body that contains the vessels. */
+ * text of the lesions before it makes the meshes, so that a mistake on the command line is reported at once
+ * and not after minutes of meshing. The calcium of a lesion lies in the body that contains the vessels. */
 std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
 {
     std::vector<Lesion> lesions;
@@ -104,8 +104,8 @@ std::string lesions_of(const Options &options, const VesselTree &tree, const std
     return lesions_text(lesions, tree, inside);
 }
 
-/* If a sphere of the lumen is narrower than the diagonal of a grid cell, the sphere may contain no grid
- * point, and the mesh of the lumen would have a gap at this sphere. */
+/* A sphere of the lumen that is narrower than the diagonal of a grid cell may contain no grid point. The mesh
+ * of the lumen would have a gap at a sphere without grid points. */
 void check_grid(const VesselTree &tree, double voxel_mm)
 {
     const double narrowest_mm = std::sqrt(3.0) * voxel_mm;
@@ -120,8 +120,8 @@ void check_grid(const VesselTree &tree, double voxel_mm)
         }
 }
 
-/* Makes and writes the meshes, the centrelines and the scene's text. The function passes the meshes of the
- * lumen and of every body to the callback `keep`. */
+/* Makes and writes the meshes, the centrelines and the scene's text. The callback `keep` receives the meshes
+ * of the lumen and of every body. */
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
                 const std::function<void(const std::string &, const Mesh &)> &keep)
 {
@@ -186,7 +186,8 @@ void print_figures(const HeartFigures &f)
             vessel.diastole_rest_ms);
 }
 
-/* Makes the scene with the heart at the end of diastole, and writes the moving bodies in 24 frames. */
+/* Makes the scene with the heart at the end of diastole, and writes the heart's moving bodies in 24
+ * frames. */
 int make_heart(const Options &options)
 {
     const VesselTree tree = vessels_for("heart", options);
@@ -226,7 +227,7 @@ struct BeatOptions {
     std::vector<double> left_mm, right_mm, apex_mm;
 };
 
-/* Moves the mesh of another heart in the way that the shipped heart beats. */
+/* Moves the mesh of another heart with the beat of the shipped heart. */
 int make_beat(const BeatOptions &options)
 {
     crn::check_output_folder({"--output", options.folder.string()});

@@ -16,15 +16,15 @@ struct Mesh {
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise seen from outside
 };
 
-/* Returns a distance function for points inside a box. The function's value is correct wherever the distance
- * is below reach_mm. Only a few shapes of a body affect the distance near one point. The program finds these
- * few shapes once per block of the grid, which makes meshing many times faster. */
+/* Returns a distance function for points inside a box. The value of the distance function is correct wherever
+ * the distance is below reach_mm. Only a few shapes of a body affect the distance near one point. The program
+ * finds the shapes near a block once per block of the grid, which makes meshing many times faster. */
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
 LocalDistance local_distance(const Solid &solid);
 
-/* Describes a solid and the required fineness of its mesh. Simplification may move the surface by error_mm;
- * if error_mm is 0, the mesh is not simplified. Edges of the mesh that are shorter than shortest_mm are
- * collapsed. */
+/* Describes a solid and the required fineness of its mesh. Simplification may move the surface by at most
+ * error_mm; if error_mm is 0, the mesh is not simplified. Edges of the mesh that are shorter than shortest_mm
+ * are collapsed. */
 struct MeshRequest {
     Box bounds;
     LocalDistance distance_in;
@@ -33,13 +33,13 @@ struct MeshRequest {
     double shortest_mm = 0;
 };
 
-/* Returns the mesh of the surface on which the distance is 0. The function leaves out connected parts of the
- * mesh that have fewer than 60 triangles. Throws std::runtime_error when the surface is empty or extends
- * beyond the given bounds. */
+/* Returns the mesh of the surface on which the distance is 0. Connected parts of the mesh that have fewer
+ * than 60 triangles are left out. Throws std::runtime_error when the surface is empty or extends beyond the
+ * given bounds. */
 Mesh mesh_of(const MeshRequest &request);
 
 /* Returns an empty text if every edge of the mesh belongs to exactly two triangles, which traverse the edge
- * in opposite directions. If the mesh has a fault, the function returns a description of the first fault. */
+ * in opposite directions. If the mesh has a fault, the check returns a description of the first fault. */
 std::string closed_mesh_fault(const Mesh &mesh);
 
 double mesh_volume_mm3(const Mesh &mesh);

@@ -1,6 +1,6 @@
 /* Declares the shapes of the shipped patient's skin, lungs with their vessels, heart, airway and bowel gas.
- * All shapes are assumed. The shapes of these organs are adjusted by eye to resemble a chest and abdomen
- * under X-ray; none of their dimensions is measured. */
+ * All shapes are assumed. The shapes of the organs are adjusted by eye to resemble a chest and abdomen under
+ * X-ray; none of their dimensions is measured. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 
@@ -11,21 +11,21 @@ namespace anatomy
  * distances are estimates, but their sign (inside or outside) is right. */
 Solid skin();
 
-/* Returns the combined thickness of the skin and of the fat under the skin at this point. */
+/* Returns the combined thickness of the skin and of the fat under the skin at a point. */
 double flesh_depth_mm(const Vec3 &p);
 
 /* Returns the shape of the chest cavity on one side of the body (sign -1 for right, +1 for left), down to the
- * diaphragm. The returned shape still includes the space of other bodies, such as the heart, which must be
- * cut out later. */
+ * diaphragm. The returned chest cavity still includes the space of other bodies, such as the heart, which
+ * must be cut out later. */
 Distance lung_cavity(double sign);
 Box lung_bounds(double sign);
 
 /* Returns the shape of the space in the middle of the chest that the heart, the great veins, the hila and
- * soft tissue fill. The lungs do not extend into this space. */
+ * soft tissue fill. The lungs do not extend into the middle space of the chest. */
 Solid mediastinum();
 
-/* Describes one chamber of the heart by its distance function. A chamber stays at least the thickness of a
- * heart wall away from the chambers that precede it in the list. */
+/* Describes one chamber of the heart by its distance function. A chamber of the heart stays at least the
+ * thickness of a heart wall away from the chambers that precede it in the list. */
 struct Chamber {
     const char *name;
     Distance distance;
@@ -49,7 +49,8 @@ Solid spleen();
 Solid bowel_gas(double wall_mm); // gas of stomach bubble, colon and rectum, expanded by the wall
 Solid bowel(double wall_mm);     // stomach, colon, small bowel, and that wall around the gas
 
-/* Returns the branching vessels inside one lung. `lung` is the distance function of this lung. */
+/* Returns the branching vessels inside one lung. The parameter `lung` is the distance function of the lung in
+ * which the vessels lie. */
 Solid lung_vessels(double sign, const Distance &lung);
 
 } // namespace anatomy

@@ -9,8 +9,7 @@ namespace anatomy
 namespace
 {
 
-/* This table gives the half-width, front and back of the belly's cavity at several heights, in
- * millimetres. */
+/* The table gives the half-width, front and back of the belly's cavity at several heights, in millimetres. */
 struct Level {
     double y, half_width, front, back;
 };

@@ -10,7 +10,7 @@ namespace anatomy
 namespace
 {
 
-/* This table gives the half-width, front and back of the chest cavity at several heights, in millimetres. */
+/* The table gives the half-width, front and back of the chest cavity at several heights, in millimetres. */
 struct ChestLevel {
     double y, half_width, front, back;
 };
@@ -42,8 +42,8 @@ double cavity_distance(const Vec3 &p)
     return smooth_max(outline, p.y() - APEX_MM, 12.0);
 }
 
-/* Returns the height of the diaphragm at this position in the horizontal plane. The diaphragm is a dome whose
- * edge is lower at the side, and lowest at the back. */
+/* Returns the height of the diaphragm at a given position in the horizontal plane. The diaphragm is a dome
+ * whose edge is lower at the side, and lowest at the back. */
 double dome_mm(double sign, double x, double z)
 {
     const double peak = sign < 0 ? 77.0 : 65.0, out = (sign * x - 62.0) / 64.0, along = (z - 8.0) / 100.0;
@@ -79,9 +79,9 @@ namespace
 /* Returns the rotation that turns +x to `direction`, which must not be -x. */
 Eigen::Matrix3d axis_to(const Vec3 &direction)
 {
-    // The returned rotation is the shortest rotation from +x to `direction`. The function does not use
-    // Eigen's FromTwoVectors. That function contains a singular value decomposition for the case -x, which
-    // takes 8 s to compile.
+    // The returned rotation is the shortest rotation from +x to `direction`. Eigen's function FromTwoVectors
+    // is not used here. Eigen's function FromTwoVectors contains a singular value decomposition for the
+    // direction -x, and this decomposition takes 8 s to compile.
     const Vec3 to = direction.normalized();
     const double w = std::sqrt(2.0 * (1.0 + to.x())); // twice the cosine of half the angle
     const Vec3 axis = Vec3(0.0, -to.z(), to.y()) / w;
@@ -157,7 +157,8 @@ Solid mediastinum()
                                   {24, 22, 20, 22, 24}, 6.0));
     middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 1.2);
     middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 1.2);
-    // The muscles behind the spine fill the space there, so that the lungs stay beside the vertebrae.
+    // The muscles behind the spine fill the space there, so that the shape of the lungs stays beside the
+    // vertebrae.
     middle.add<Tube>(sample_curve({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}},
                                   {26, 27, 27, 26, 26}, 6.0));
     // The code below adds the superior vena cava with the right brachiocephalic vein, the inferior vena cava,
@@ -214,8 +215,8 @@ double spread(uint32_t index, uint32_t base)
     return value;
 }
 
-/* Returns the points at which the vessels of one lung end. These end points are evenly spread over the lung,
- * and the end points nearest to the hilum come first. */
+/* Returns the points at which the vessels of one lung end. The end points are evenly spread over the lung,
+ * and those nearest to the hilum come first. */
 std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hilum, size_t count)
 {
     const Box box = lung_bounds(sign);
@@ -231,8 +232,9 @@ std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hil
     return ends;
 }
 
-/* Joins each vessel's end point to a node of the tree of lung vessels. The function chooses the node that
- * gives the shortest sum of the new branch's length and the path length from the node back to the hilum. */
+/* Joins each vessel's end point to a node of the tree of lung vessels. Each new vessel of the lung joins the
+ * node for which the length of the new branch plus a weighted path length from the node back to the hilum is
+ * smallest. */
 std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 {
     constexpr double WAY_BACK = 0.55, STEP_MM = 14.0;

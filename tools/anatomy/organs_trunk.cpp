@@ -9,7 +9,7 @@ namespace anatomy
 namespace
 {
 
-/* This table gives the half-width, front and back of the trunk at several heights, in millimetres. */
+/* The table gives the half-width, front and back of the trunk at several heights, in millimetres. */
 struct TrunkLevel {
     double y, half_width, front, back;
 };

@@ -44,8 +44,8 @@ nlohmann::ordered_json control_point(const CurvePoint &point, const std::string 
             {"positionStatus", "defined"}};
 }
 
-// Returns the text of the table [tree] for the scene; the table defines the vessels along which blood and
-// contrast medium flow. This table names the files of the centrelines and gives the known flows of blood.
+// Returns the text of the scene's table [tree], which defines the vessels along which blood and contrast
+// medium flow. The table [tree] names the files of the centrelines and gives the known flows of blood.
 std::string tree_text(const VesselTree &tree)
 {
     std::string files, flows;

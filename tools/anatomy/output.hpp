@@ -1,5 +1,5 @@
 /* Writes the files of an anatomy: binary PLY meshes, 3D Slicer centrelines, and the scene text that `bake`
- * reads. If a file cannot be written, each function throws std::runtime_error with the file's name. */
+ * reads. Each function below throws std::runtime_error with the file's name if a file cannot be written. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include <filesystem>

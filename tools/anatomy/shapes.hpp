@@ -28,17 +28,18 @@ class Shape
   public:
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
-    /* Returns a shape that has the same distances near the box but is cheaper to evaluate; returns null when
-     * there is no cheaper shape. */
+    /* Returns a shape that has the same distances as this shape near the box but is cheaper to evaluate;
+     * returns null when no cheaper shape exists. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;
     double cortex_mm = 1.0;        // thickness of the shell around the marrow space
     std::shared_ptr<Shape> marrow; // the marrow space, where it is not the shape less its shell
 };
 
-/* A tube around a curve. Without `flat` the tube's cross-section is a circle with the curve's radius. With
- * `flat` the tube's cross-section is an ellipse. The ellipse's half-axis along the direction `flat` is the
- * curve's radius, and its other half-axis is the curve's radius times `thinness`. */
+/* A tube around a curve. Without the parameter `flat`, the tube's cross-section is a circle with the curve's
+ * radius. With the parameter `flat`, the tube's cross-section is an ellipse. The ellipse's half-axis along
+ * the direction `flat` is the curve's radius, and its other half-axis is the curve's radius times
+ * `thinness`. */
 class Tube : public Shape
 {
   public:
@@ -117,8 +118,8 @@ class Formula : public Shape
     std::function<double(const Vec3 &)> function_;
 };
 
-/* The next two functions return the minimum and the maximum of two distances, with a smooth transition over a
- * width of `blend_mm`. */
+/* The functions smooth_min and smooth_max return the minimum and the maximum of two distances, with a smooth
+ * transition over a width of `blend_mm`. */
 double smooth_min(double a, double b, double blend_mm);
 double smooth_max(double a, double b, double blend_mm);
 
@@ -142,7 +143,7 @@ class Part
         removed.push_back(std::make_shared<T>(std::forward<Arguments>(arguments)...));
     }
     /* Adds a tube of varying radius that runs through a few points. Most of the smaller bones consist of
-     * tubes that this function adds. */
+     * tubes with a varying radius. */
     Tube &rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm = 1.0);
     Plate &plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm,
                  double cortex_mm = 1.0);
@@ -150,8 +151,8 @@ class Part
                  double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
-    /* Returns a copy of this part that is cheaper to evaluate for points inside `box`. The distance that the
-     * copy computes is correct wherever it is below reach_mm. */
+    /* Returns a copy of this part of a bone that is cheaper to evaluate for points inside `box`. The distance
+     * to the copy is correct wherever it is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
 
     double blend_mm;

@@ -18,8 +18,8 @@ class Sheet : public Shape
 {
   public:
     explicit Sheet(const std::vector<std::vector<SheetPoint>> &rows);
-    /* Returns the distance to the union of the plates, without smooth joining. If neighbouring plates were
-     * blended smoothly, every common edge would get a ridge. */
+    /* Returns the distance to the union of the plates, whose joints are not smoothed. If neighbouring plates
+     * were blended smoothly, every common edge would get a ridge. */
     double distance(const Vec3 &point) const override;
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 

@@ -1,5 +1,5 @@
 /* Makes the shapes of the ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions
- * of these bones are assumed, for a chest that is 280 mm wide inside. */
+ * of the chest's bones are assumed, for a chest that is 280 mm wide inside. */
 #include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
@@ -10,9 +10,9 @@ namespace anatomy
 namespace
 {
 
-/* Holds the dimensions of one rib. These dimensions are the half-width of the rib's loop, the drop from its
- * head to its front end, the depths of its angle and of its widest point, and the position of its front
- * end. */
+/* Holds the dimensions of one rib. The dimensions of a rib are the half-width of its loop, and the drop from
+ * its head to its front end. Further dimensions are the depths of the rib's angle and of its widest point,
+ * and the position of its front end. */
 struct RibShape {
     double half_width, fall, z_angle, z_side, front_x, front_z, height, angle_share;
 };

@@ -20,7 +20,7 @@ Vec3 mirrored(double s, const Vec3 &point)
 }
 
 /* Adds the iliac wing. The iliac wing is a thin concave fan between the arcuate line and the thick crest. The
- * rows of its grid of points go from the arcuate line to the crest. */
+ * rows of the iliac wing's grid of points go from the arcuate line to the crest. */
 void add_ilium(Part &part, double s)
 {
     constexpr size_t ACROSS = 121, ROWS = 37, ROD_STEP = 5;

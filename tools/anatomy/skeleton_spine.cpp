@@ -25,8 +25,8 @@ const Size SIZES[] = {
     {"L4", 27.5, 49, 34, 12.5}, {"L5", 27, 51, 34, 11.0},
 };
 
-/* Defines the curve through the vertebral centres in the sagittal plane. This curve has a kyphosis whose
- * rearmost point is T7, and a lordosis whose foremost point is L3. */
+/* Defines the curve through the centres of the vertebrae in the sagittal plane. The curve of the spine has a
+ * kyphosis whose rearmost point is T7, and a lordosis whose foremost point is L3. */
 double course_z_mm(double y_mm)
 {
     static const Spline course({-205, -188, -165, -130, -90, -45, 0, 45, 100, 150, 200, 250, 300, 360},

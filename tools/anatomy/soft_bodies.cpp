@@ -9,9 +9,9 @@ namespace
 
 constexpr double SOFT_ERROR_MM = 0.3;
 
-/* Returns the voxel size for the mesh of a body that has little clearance to the body that contains it. This
- * voxel size stays fine even if the user chooses a coarse anatomy, so that the mesh of the body stays inside
- * the containing body. */
+/* Returns the voxel size for the mesh of a body that has little clearance to the body that contains it. The
+ * returned voxel size stays fine even if the user chooses a coarse anatomy, so that the mesh of the body
+ * stays inside the containing body. */
 double tight_mm(double voxel_mm, double scale)
 {
     return voxel_mm * std::min(scale, 1.2);
@@ -155,8 +155,8 @@ void add_heart(std::vector<Body> &bodies, const Solid &bones, const Solid &vesse
     }
 }
 
-/* Holds the root of the aorta and the coronary arteries of the left and the right side. These three vessels
- * are empty if the tree has no coronary arteries. */
+/* Holds the root of the aorta and the coronary arteries of the left and the right side. The root of the aorta
+ * and the coronary arteries are empty if the tree has no coronary arteries. */
 struct HeartVessels {
     Solid root, left, right;
 

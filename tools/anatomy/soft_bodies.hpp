@@ -1,5 +1,5 @@
-/* Makes the bodies other than bone: the layers of the trunk and the organs of the chest and the belly. These
- * bodies touch neither bones nor each other. */
+/* Makes the bodies other than bone: the layers of the trunk and the organs of the chest and the belly. The
+ * bodies other than bone touch neither bones nor each other. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include "tools/anatomy/organs.hpp"

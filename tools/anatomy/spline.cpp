@@ -9,8 +9,8 @@ namespace anatomy
 namespace
 {
 
-/* Returns the index i for which parameters[i] <= parameter < parameters[i + 1]. If the parameter lies outside
- * of all spans, returns the index of the first or the last span. */
+/* Finds the index i for which parameters[i] <= parameter < parameters[i + 1] (a span). If the parameter lies
+ * outside all spans, returns the index of the first or the last span. */
 size_t span_of(const std::vector<double> &parameters, double parameter)
 {
     const auto above = std::upper_bound(parameters.begin(), parameters.end(), parameter);

@@ -1,7 +1,7 @@
 /* Smooth curves through given points. The positions on a curve follow a natural cubic spline over chord
  * length, so that curvature is continuous. The radii along a curve follow a monotone cubic, which does not
- * overshoot between two given diameters. Vessels, ribs and the spine are represented by curves of this kind,
- * with a position and a radius at each point. Lengths are in millimetres. */
+ * overshoot between two given diameters. Vessels, ribs and the spine are represented by spline curves, with a
+ * position and a radius at each point. Lengths are in millimetres. */
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -33,8 +33,8 @@ class Spline
 };
 
 /* Describes a cubic curve through scalar values that stays between neighbouring values (Fritsch and Carlson
- * 1980). Beyond its first and its last point the curve keeps the value of that point. The curve needs at
- * least one value. */
+ * 1980). Beyond its two ends, the curve keeps the value at the nearer end. The curve needs at least one
+ * value. */
 class MonotoneCubic
 {
   public:

@@ -58,7 +58,8 @@ std::string vessel_name(const TomlValue &value)
     return name;
 }
 
-/* Returns the title. The scene's text puts the name in quotes, so the name itself must not contain quotes. */
+/* Returns the title. The scene's text puts the title in quotes, so the title itself must not contain
+ * quotes. */
 std::string title_of(const TomlValue &value)
 {
     const std::string title = line_of(value, TITLE_BYTES_MAX);

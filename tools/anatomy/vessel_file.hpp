@@ -6,8 +6,8 @@
 namespace anatomy
 {
 
-/* The types below hold the content of vessel files before the vessels are joined to a tree. Each part of this
- * content stores its file and line for error messages. */
+/* The types below hold the content of vessel files before the vessels are joined to a tree. Each part of a
+ * vessel file's content stores its file and line for error messages. */
 struct FilePlace {
     std::string file;
     int line = 0;
@@ -44,8 +44,8 @@ TreeDraft read_vessel_draft(const std::string &file);
 void add_vessel(TreeDraft &draft, GivenVessel given);
 
 /* Makes the vessel tree and finds the point where the guidewire enters the tree. Throws crn::FileError when a
- * vessel does not begin inside its parent, or when the entry point is not on its vessel. `file` is the user's
- * file; error messages name this file and not the files that it extends. */
+ * vessel does not begin inside its parent, or when the entry point is not on its vessel. The parameter `file`
+ * is the user's file; error messages name this file and not the files that it extends. */
 VesselTree tree_of(TreeDraft draft, const std::string &file);
 
 /* Reads a vessel file and the vessel files that this file extends. Throws crn::FileError with a message of
@@ -53,10 +53,10 @@ VesselTree tree_of(TreeDraft draft, const std::string &file);
 VesselTree read_vessels(const std::string &file);
 
 /* Returns the path of the shipped vessel file `NAME`. The shipped vessel files are in
- * shared/examples/anatomies, and `make install` puts them into share/cournand/examples/anatomies. The
- * function searches for these two folders in all folders above the program; it also searches for
- * shared/examples/anatomies in the working folder. Throws std::runtime_error when the file is in none of
- * these folders. */
+ * shared/examples/anatomies, and `make install` puts them into share/cournand/examples/anatomies. The program
+ * searches for both folders in all folders above itself; it also searches for shared/examples/anatomies in
+ * the working folder. Throws std::runtime_error when the file of vessels is in none of the searched
+ * folders. */
 std::string shipped_vessel_file(const std::string &name);
 
 /* Reads the shipped vessel file NAME.toml. */

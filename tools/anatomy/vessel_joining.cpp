@@ -23,8 +23,8 @@ std::string rounded(double value)
     return crn::decimals_text(value, 1);
 }
 
-/* Returns the index of the vessel that has this name, or the size of the list when no vessel has this name.
- * Two vessel names count as equal if the files of these vessels would have the same name. */
+/* Returns the index of the vessel that has the given name, or the size of the list when no vessel has this
+ * name. Two vessel names count as equal if the files of these vessels would have the same name. */
 size_t index_of(const std::vector<GivenVessel> &vessels, const std::string &name)
 {
     size_t i = 0;
@@ -152,8 +152,8 @@ void set_entry(const GivenEntry &entry, VesselTree &tree)
     tree.entry_direction = -curve_tangent(curve, at);
 }
 
-/* Gives every branch of a coronary artery the bed of its parent. This is done when the list is complete,
- * because a later file may replace the parent by an artery of the other side. */
+/* Gives every branch of a coronary artery the bed of its parent. The beds are set when the list of vessels is
+ * complete, because a later file may replace the parent by an artery of the other side. */
 void set_beds_of_branches(TreeDraft &draft)
 {
     for (GivenVessel &given : draft.vessels) {

@@ -50,8 +50,8 @@ Curve vessel_curve(const Vessel &vessel, double step_mm);
 /* Returns the space that blood fills in the whole tree, enlarged by wall_mm. */
 Solid tree_solid(const VesselTree &tree, double wall_mm);
 
-/* Returns the space that blood fills in these vessels, enlarged by wall_mm. At junctions the vessels are
- * blended over a width of `fillet_mm`.
+/* Returns the space that blood fills in the given vessels, enlarged by wall_mm. Where vessels join, their
+ * surfaces are blended over a width of `fillet_mm`.
  */
 Solid vessels_solid(const std::vector<Vessel> &vessels, double wall_mm, double fillet_mm);
 

@@ -46,8 +46,9 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
 }
 
 // Finds the longest start length, in whole millimetres up to `start_default_mm`, for which a straight tool of
-// 8 F stays off the wall. In a vessel that is too narrow for such a tool, the tool is taken as 80 % of the
-// room at the entry. The check uses the distances that the device also uses.
+// 8 F stays off the wall. In a vessel that is too narrow for a tool of 8 F, the tool's radius is taken as
+// 80 % of the distance from the entry point to the wall. The check of the start length uses the core's own
+// distance function, as the device does.
 double clear_start_mm(const crn_lumen &lumen, const CurvePoint &entry)
 {
     const auto room_mm = [&](double mm) {
@@ -60,7 +61,8 @@ double clear_start_mm(const crn_lumen &lumen, const CurvePoint &entry)
     return std::max(1.0, std::floor(mm));
 }
 
-// Returns the start length for the scene file, or 0 if readers assume this length anyway.
+// Returns the start length for the scene file, or 0 if it is the length that readers of the file assume by
+// default.
 std::uint32_t start_um(const EntryText &text, const crn_lumen &lumen, const CurvePoint &entry,
                        std::string &report)
 {

@@ -37,8 +37,8 @@ void turn(VesselBranch &branch)
     std::reverse(branch.radii_m.begin(), branch.radii_m.end());
 }
 
-// A branch that leaves its parent within one radius of the parent's end is joined at that end, so that no
-// stump of the parent remains beyond the fork.
+// A branch that leaves its parent within one radius of the parent's end is joined at the end itself. Joining
+// a branch at the parent's end leaves no stump of the parent beyond the fork.
 std::size_t leaving_point(const VesselBranch &parent, std::size_t point)
 {
     const std::size_t last = parent.points_m.size() - 1;

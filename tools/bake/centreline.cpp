@@ -32,7 +32,7 @@ std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Pla
 {
     const centreline::Tree tree = centreline::read_tree(file);
     // If the scene's text scales the axes unequally, a circular section of a vessel becomes oval. We replace
-    // the oval cross-section of such a vessel by the circle that gives the vessel the same volume.
+    // an oval cross-section by the circle that gives the vessel the same volume.
     const double scale = std::cbrt(placement.scale.prod());
     std::vector<Curve> lines;
     for (const centreline::Branch &branch : tree.branches) {

@@ -1,5 +1,5 @@
-// These functions convert centrelines with radii, read by tools/centreline, to the patient's coordinates, and
-// build the surface of the vessel that the centrelines describe.
+// Declares the functions that convert centrelines with radii, read by tools/centreline, to the patient's
+// coordinates, and that build the surface of the vessel around the centrelines.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"
@@ -11,9 +11,9 @@ using centreline::tapered_capsule_distance;
 using Curve = centreline::Branch; // its parent is not set: join_branches finds it
 
 // Reads every curve of a .mrk.json, .vtp, .csv or .obj file; the function `read_centreline` returns only the
-// first curve. The axis convention that the file itself states is ignored, because `placement.axes` sets it.
-// If a file has several branches, each branch is called `FILE/BRANCH`. Throws Fault, whose message names the
-// file, the point and the field.
+// first curve. The axis convention that the file itself states is ignored, because `placement.axes` states
+// the axes. If a file has several branches, each branch is called `FILE/BRANCH`. Throws Fault, whose message
+// names the file, the point and the field.
 std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Placement &placement);
 Curve read_centreline(const std::filesystem::path &file, const Placement &placement);
 

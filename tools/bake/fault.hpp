@@ -1,5 +1,5 @@
 // A Fault states in one sentence why a scene cannot be baked, and names the file, the element and the remedy.
-// The main function of `bake` prints this sentence and exits with 1.
+// The main function of `bake` prints the sentence of a Fault and exits with 1.
 #pragma once
 #include "tools/mesh/fault.hpp"
 

@@ -53,9 +53,9 @@ mesh::LevelSet distances(const Mesh &mesh, int level, Progress &progress)
 
 // When the library OpenVDB computes distances from a mesh, it keeps only one triangle per voxel. Where
 // triangles are smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute
-// the distances exactly near the wall, and also in all voxels of the bricks that will be stored. The
-// grid's blocks and the bricks have the same 8^3 voxels, so we recompute each brick's block and its
-// neighbours.
+// the distances exactly near the wall, and also in all voxels of the bricks that will be stored. A block of
+// the grid has the same 8^3 voxels as a brick, so we recompute the block of each brick and the blocks around
+// it.
 void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
                 Progress &progress)
 {
@@ -126,8 +126,8 @@ std::vector<double> gather(const mesh::LevelSet &grid, const Cell &cell, double 
     return grid.read({8 * cell[0] - reach, 8 * cell[1] - reach, 8 * cell[2] - reach}, block, voxel);
 }
 
-// Returns whether some of the brick's distances lie in the range that the file stores. The function uses the
-// brick's 10^3 samples and a margin of half a voxel.
+// Returns whether some of the brick's distances lie in the range that the file stores. The test of a brick
+// uses its 10^3 samples, and widens the stored range by half a voxel on either side.
 std::uint16_t classify(const std::vector<double> &values, const FieldText &text, double voxel)
 {
     const double inside = std::min(text.inside_mm / voxel, coefficient_max) + 0.5;

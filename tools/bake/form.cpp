@@ -26,7 +26,8 @@ double spread(std::size_t index, std::size_t base)
     return value;
 }
 
-// Returns all vertices of the mesh, and `count` further points spread evenly over its surface by area.
+// Returns all vertices of the mesh, and `count` further points that are spread evenly by area over its
+// surface.
 std::vector<Eigen::Vector3d> sample(const Mesh &mesh, std::size_t count)
 {
     std::vector<Eigen::Vector3d> points = mesh.vertices_mm;
@@ -171,8 +172,8 @@ struct Neighbour {
     std::unique_ptr<TriangleTree> tree; // made at its first use
 };
 
-// Tests about `samples` vertices of `mesh`, and returns the vertex that lies deepest on the wrong side of the
-// surface `of`. The wrong side is the outside for sign +1, and the inside for sign -1.
+// Tests approximately `samples` vertices of `mesh`, and returns the vertex that lies deepest on the wrong
+// side of the surface `of`. The wrong side is the outside for sign +1, and the inside for sign -1.
 Deviation worst(const Mesh &mesh, Neighbour &of, double sign, std::size_t samples)
 {
     Deviation found;

@@ -18,8 +18,8 @@ struct Deviation {
 
 Deviation deviation(const Mesh &one, const Mesh &other, std::size_t points_each);
 
-// Reduces the number of triangles of a closed mesh by edge collapse. The function lowers the permitted error
-// of the edge collapse until the measured deviation from the original mesh is within error_mm. Returns the
+// Reduces the number of triangles of a closed mesh by collapsing edges. The permitted error of the edge
+// collapse is lowered until the measured deviation from the original mesh is within error_mm. Returns the
 // measured deviation.
 Deviation decimate(Mesh &mesh, double error_mm);
 
@@ -29,7 +29,7 @@ Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::st
 
 // Returns one report line for each body that protrudes from the body around it, or that enters a neighbouring
 // body, by more than 0.3 mm. Where two bodies overlap, the X-ray picture shows the absorption of both
-// materials. The function tests `samples` vertices of each body.
+// materials. The comparison tests `samples` vertices of each body.
 std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples);
 
 } // namespace crn::bake

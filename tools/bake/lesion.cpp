@@ -278,8 +278,8 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
         for (std::size_t j = 0; j <= columns; ++j) {
             const double turn = static_cast<double>(j) / columns - 0.5;
             const Vector3d ray = across.at(i, text.plaque_deg + turn * text.calcified_deg);
-            // The variable `begin` is the distance from the centre at which the ray leaves the channel;
-            // `begin` is 0 if the ray does not cross the channel.
+            // The variable `begin` is the distance from the vessel's centre at which the ray leaves the
+            // narrowed channel; `begin` is 0 if the ray does not cross the channel.
             const double inwards = off.dot(ray);
             const double square = channel * channel - off.squaredNorm() + inwards * inwards;
             const double begin = square > 0 ? std::max(inwards + std::sqrt(square), 0.0) : 0.0;

@@ -8,9 +8,9 @@
 // The channel narrows as a cosine (Young and Tsai, J Biomech 6 (1973) 395, eq. 1):
 //   r = R (1 - S (1 + cos(2 pi u)) / 2)
 //
-// In the formula, u runs from -1/2 to 1/2 along the lesion, R is the radius of the healthy vessel, and S is
-// the stenosis by diameter. With eccentricity e, the centre of the narrowed channel (radius r) lies e (R - r)
-// from the vessel's centre, away from the plaque.
+// In the formula of the narrowed radius, u runs from -1/2 to 1/2 along the lesion, R is the radius of the
+// healthy vessel, and S is the stenosis by diameter. With eccentricity e, the centre of the narrowed channel
+// (radius r) lies e (R - r) from the vessel's centre, away from the plaque.
 #pragma once
 #include "host/model/lesion_wall.hpp"
 #include "tools/bake/container.hpp"
@@ -38,19 +38,19 @@ void refine_lesions(Mesh &mesh, const VesselTree &tree);
 std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, const VesselTree &tree);
 
 // Returns a copy of the vessel tree that keeps only those lesions whose vessel runs through the given body.
-// Blood in a neighbouring space, such as a chamber of the heart, is therefore not narrowed together with the
-// diseased vessel.
+// The blood of a neighbouring space, such as a chamber of the heart, is then not narrowed by lesions of
+// vessels outside this space.
 VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 
 // Returns the regions in which the field must resolve the narrowed wall, even if the scene's text permits a
-// larger tolerance. The tolerance of the distance in these regions is a fifteenth of the radius at the
-// narrowest point, but at least 0.03 mm. The edge of a voxel is at most 0.7 times the radius at
-// the narrowest point, if the scene container permits such small voxels. A guidewire or catheter that passes
-// the narrowest point of the mesh then also passes the narrowest point of the field.
+// larger tolerance. The tolerance of the distance near the narrowed wall is a fifteenth of the radius at the
+// narrowest point, but at least 0.03 mm. The edge of a voxel is at most 0.7 times the radius at the narrowest
+// point, if the scene container permits such small voxels. With this resolution, a guidewire or catheter that
+// passes the narrowest point of the mesh also passes the narrowest point of the field.
 std::vector<FineRegion> fine_regions(const VesselTree &tree);
 
 // Returns a shell of calcium in the plaque of the lesion, over the arc that the lesion's text states. Only
-// lesions whose text states an arc have such a shell.
+// lesions whose text states an arc have a shell of calcium.
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text);
 
 // Returns one report line per lesion, with the diameter measured on the narrowed surface, and with a warning

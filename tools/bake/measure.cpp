@@ -161,8 +161,8 @@ double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
 }
 
 // Selects a random capsule near a random point of the wall. The capsule's axis must lie in the lumen, and the
-// capsule's radius must reach the wall. Returns false when the random capsule does not meet these two
-// conditions.
+// capsule's radius must reach the wall. Returns false when the axis of the random capsule leaves the lumen or
+// its surface does not reach the wall.
 bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double radius, double length,
                Random &random, Pose &pose)
 {
@@ -177,9 +177,9 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
 }
 
 // Returns the radius of the largest ball that touches the wall at p from inside and has no wall inside it.
-// The ball's centre lies on the inward normal at p. The function reduces the ball's radius step by step
-// (shrinking balls: Ma, Bae & Choi 2012). Returns `limit` if the ball touches the wall only at p, or if there
-// is no wall near the side of the ball opposite to p.
+// The ball's centre lies on the inward normal at p. The radius of the ball is reduced step by step (shrinking
+// balls: Ma, Bae & Choi 2012). Returns `limit` if the ball touches the wall only at p, or if there is no wall
+// near the side of the ball opposite to p.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
                    double limit)
 {
@@ -192,8 +192,8 @@ double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eig
         radius = to.squaredNorm() / (2 * to.dot(inward));
     }
     if (radius >= limit) return limit;
-    // A ball in a dent of the surface touches the wall only near p. We recognise such a dent because there is
-    // no wall at the side of the ball opposite to p.
+    // A ball in a dent of the surface touches the wall only near p. We recognise a dent of the surface
+    // because the wall is far from the side of the ball opposite to p.
     return std::abs(tree.nearest(p + inward * (2 * radius)).distance_mm) > 0.3 * radius ? limit : radius;
 }
 

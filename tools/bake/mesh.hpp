@@ -31,21 +31,21 @@ std::string place_text(const Eigen::Vector3d &p_mm); // "(1.0, 2.0, 3.0) mm"
 // corners, or has a size that suggests another unit.
 Mesh load_mesh(const MeshText &text);
 
-// Checks that the mesh has a plausible size, has only finite coordinates, and is not empty. The error message
-// names `unit` in its advice.
+// Checks that the mesh has a plausible size, has only finite coordinates, and is not empty. The advice in the
+// error message names the key `unit`.
 void check_extent(const Mesh &mesh, const std::string &unit);
 
 // Merges vertices at equal positions and drops triangles without area, and notes both changes in the report.
 void weld(Mesh &mesh);
 
 // Checks that the mesh is closed: every edge must belong to exactly two triangles, which run along this edge
-// in opposite directions. Openings of the mesh are closed by a cap if `cap` permits this. If the volume of
-// the mesh is negative, the function reverses all its triangles and notes this reversal in the report. Throws
-// Fault otherwise.
+// in opposite directions. Openings of the mesh are closed by a cap if the parameter `cap` permits a cap. If
+// the volume of the mesh is negative, the function reverses all its triangles and notes this reversal in the
+// report. Throws Fault otherwise.
 void check_closed(Mesh &mesh, Cap cap);
 
-// Only caps the openings. This function is for meshes that may be non-manifold and may cross themselves,
-// because their surface is remade afterwards (solid.hpp).
+// Only caps the openings. The mesh may be non-manifold and may cross itself, because its surface is remade
+// afterwards (solid.hpp).
 void cap_openings(Mesh &mesh, Cap cap);
 
 // Throws Fault when triangles cross without sharing a vertex; the message gives the first pair and the number

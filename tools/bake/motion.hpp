@@ -47,13 +47,14 @@ struct Frames {
 // Loads the files of the folders that the scene's text names, in the order of the file names, and resamples
 // the frames to the 24 standard times. The reference pose is the keyframe that middle_pose() returns. `lumen`
 // is the mesh of the scene's lumen, which must be checked and closed. Throws Fault if the number of files is
-// wrong, if a file's triangles differ from those of the first file, or if a vertex jumps between frames. Also
-// throws Fault if the first frame differs from the scene's lumen; the message names the file or the position
-// of the difference.
+// wrong, if a file's triangles differ from those of the first file, or if a vertex jumps between frames.
+// Throws Fault also if the first frame differs from the scene's lumen; the message names the file or the
+// position of the difference.
 Frames load_frames(const MotionText &text, const LumenText &lumen);
 
-// Returns the keyframe for which the longest displacement to any other keyframe is smallest. Relative to this
-// middle pose, the displacements and their gradients are half as large as relative to one end of the motion.
+// Returns the keyframe for which the longest displacement to any other keyframe is smallest. Relative to the
+// middle pose of the motion, the displacements and their gradients are half as large as relative to one end
+// of the motion.
 std::size_t middle_pose(const Sequence &sequence);
 
 struct Motion {

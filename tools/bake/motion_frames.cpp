@@ -64,8 +64,8 @@ void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path
     }
 }
 
-// Returns the radius of the reference lumen at a point of its wall; the radius is taken as the greatest depth
-// along the inward normal.
+// Returns the radius of the lumen in the reference pose at a point of its wall; the radius is taken as the
+// greatest depth along the inward normal.
 double radius_mm(const crn_lumen *lumen, const Eigen::Vector3d &wall_mm)
 {
     const crn_vec3 q = to_q30(wall_mm);

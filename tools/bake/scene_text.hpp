@@ -11,8 +11,8 @@
 namespace crn::bake
 {
 
-// These values convert coordinates of a file to millimetres in the patient; the conversions apply in this
-// order: axes, unit, scale, rotation, offset.
+// Holds the values that convert coordinates of a file to millimetres in the patient; the conversions apply in
+// this order: axes, unit, scale, rotation, offset.
 struct Placement {
     std::string unit; // "mm"; empty for centrelines, whose files state their unit
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -136,7 +136,7 @@ struct SceneText {
     std::vector<BodyText> bodies;
 };
 
-// A path in the scene's text may begin with the name of one of these folders.
+// A path in the scene's text may begin with a prefix that stands for one of these folders.
 struct Folders {
     std::filesystem::path data;    // "data:", anatomy that does not ship
     std::filesystem::path shipped; // "shipped:", the meshes that `anatomy` has made

@@ -69,7 +69,7 @@ std::vector<mesh::InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm)
 {
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d &v : mesh.vertices_mm) box.extend(v);
-    // No point inside the mesh is deeper than half the thickness of the mesh's bounding box.
+    // No point inside the mesh is deeper than half the smallest dimension of the mesh's bounding box.
     const double deepest = box.sizes().minCoeff() / 2 / voxel_mm + band_voxels;
     return checked_level_set(mesh, voxel_mm, band_voxels, deepest).inside();
 }

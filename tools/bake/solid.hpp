@@ -1,4 +1,4 @@
-// Remakes a body's surface from a level set. This remaking joins overlapping pieces into one solid, and
+// Remakes a body's surface from a level set. Remaking a surface joins overlapping pieces into one solid, and
 // removes cracks and other faults of the mesh. The distance field of a body also gives the surfaces at a
 // given distance outside or inside the body's surface, and the voxels inside the body.
 #pragma once
@@ -17,8 +17,8 @@ constexpr double solid_voxels_max =
 // is larger than the greatest depth inside the body. Throws Fault when the grid would need too many voxels.
 Mesh offset_surface(const Mesh &mesh, double voxel_mm, double offset_mm);
 
-// Expands the mesh by `close_mm` and shrinks it again by `close_mm`. The function fills hollows and gaps up
-// to twice `close_mm` wide, and leaves the rest of the outer surface unchanged.
+// Expands the mesh by `close_mm` and shrinks it again by `close_mm`. Expanding and shrinking fills hollows
+// and gaps up to twice `close_mm` wide, and leaves the rest of the outer surface unchanged.
 Mesh closed_surface(const Mesh &mesh, double voxel_mm, double close_mm);
 
 // Returns the part of `mesh` that lies in the box.

@@ -145,8 +145,8 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double 
 }
 
 // Returns +1 or -1 if the ray from p along +z leaves or enters the body through the triangle, and 0 if the
-// ray misses the triangle. If the ray passes through a common edge or corner of several triangles, only one
-// of these triangles counts the crossing. The function uses half-open intervals and computes an edge
+// ray misses the triangle. If the ray passes through an edge or corner that several triangles share, only one
+// of these triangles counts the crossing. The crossing test uses half-open intervals and computes an edge
 // identically for both of its triangles, so that no crossing is missed or counted twice.
 int TriangleTree::crossing(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {

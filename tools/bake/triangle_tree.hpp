@@ -1,7 +1,7 @@
-// Computes exact distances and winding numbers of a closed triangle mesh. This class gives the signed
-// distance to the mesh, whose sign comes from angle-weighted normals of the nearest feature (Baerentzen &
-// Aanaes 2005), and lists the triangles near a box. Every approximation that the program `bake` makes is
-// compared with this exact geometry.
+// Computes exact distances and winding numbers of a closed triangle mesh. Gives the signed distance to the
+// mesh, and lists the triangles near a box. The sign of the distance comes from angle-weighted normals of the
+// nearest feature (Baerentzen & Aanaes 2005). Every approximation that the program `bake` makes is compared
+// with the exact geometry of the mesh.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -26,9 +26,9 @@ class TriangleTree
     Nearest nearest(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
 
     // Returns the winding number of the surface around a point, which is 1 inside the surface and 0 outside.
-    // The function counts crossings of the surface along a ray from that point. The winding number is
-    // therefore right where a thin sheet is folded over at its edge. The sign of the distance from nearest()
-    // is wrong wherever such a fold of a thin sheet is the part of the surface nearest to the point.
+    // The winding number is found by counting how often a ray from the point crosses the surface. The winding
+    // number is right even where a thin sheet is folded over at its edge. The sign of the distance from
+    // nearest() is wrong wherever the fold of a thin sheet is the part of the surface nearest to the point.
     int winding(const Eigen::Vector3d &p_mm) const;
 
     // Lists the triangles whose bounding box overlaps the given box.

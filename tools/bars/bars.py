@@ -7,9 +7,9 @@
 Reads tools/bars/bars.tsv. This program measures counts (instructions, sizes, hashes, physics); a count beyond its bar
 is a failure. If another command measures a value, this program reads it from that command's output file; without this
 file it prints "not measured here". For a time, the program prints the ratio to the bar; a time never counts as a
-failure. Writes out/bars.tsv. The last lines, `bars.held<TAB>N` and `bars.red<TAB>N`, count the kept and the failed
-("red") bars. The exit code is 1 if a bar is red or could not be measured. With --tap the program prints one TAP line
-per bar instead, and leaves out times and values that other commands measure.
+failure. Writes out/bars.tsv. The program's last lines, `bars.held<TAB>N` and `bars.red<TAB>N`, count the bars that are
+kept and the bars that fail ("red"). The exit code is 1 if a bar fails or could not be measured. With --tap the program
+prints one TAP line per bar in place of the table, and leaves out times and values that other commands measure.
 """
 
 import argparse
@@ -162,8 +162,8 @@ def aorta_ticks(options, what):
 
 
 def checked_ticks(values):
-    """Raises CannotMeasure if the session is too short or if ticks have no cost, because the values of such a session
-    would meet every bar (limit)."""
+    """Raises CannotMeasure if the session is too short or if its ticks have no measured cost, because the values of
+    such a session would meet every bar (limit)."""
     if len(values) < SESSION_TICKS or min(values) <= 0:
         raise CannotMeasure(
             "the aorta session gave %d ticks (at least %d), the cheapest %g"

@@ -67,7 +67,7 @@ def run_round(jobs, number, at_once):
 
 
 def run_rounds(jobs, options):
-    """Returns a table from each test to the numbers of the rounds in which this test failed."""
+    """Returns a table that maps each test to the numbers of the rounds in which this test failed."""
     failed = collections.defaultdict(list)
     for number in range(1, options.rounds + 1):
         for outcome in run_round(jobs, number, options.jobs):

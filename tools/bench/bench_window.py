@@ -1,5 +1,5 @@
-"""Starts the window under a virtual display of its own, gives it the keyboard, and waits for what it shows. The scripts
-that measure the window use this file."""
+"""Starts the window of the program on a virtual display, gives the window the keyboard focus, and waits for what the
+window shows. The scripts that measure the window use this file."""
 
 import contextlib
 import ctypes
@@ -11,7 +11,7 @@ import time
 
 
 def display():
-    """Starts a virtual display that chooses its own number; returns the server and the number."""
+    """Starts a virtual display that chooses its own number; returns the server's process and the display's number."""
     reader, writer = os.pipe()
     server = subprocess.Popen(
         ["Xvfb", "-displayfd", str(writer), "-screen", "0", "1600x900x24", "-nolisten", "tcp", "-noreset"],
@@ -25,8 +25,9 @@ def display():
 
 @contextlib.contextmanager
 def window_of(options, words, has_layout=False, **more):
-    """Runs the window on a display of its own; yields its process, the environment and the folder. With a layout, the
-    file `layout` in this folder lists the controls on the screen; a window that is measured does not write it."""
+    """Runs the window on a virtual display; yields the window's process, its environment and its folder. With
+    `has_layout`, the window lists the controls on its screen in the file `layout` of its folder; a window that is
+    measured does not write this file."""
     with tempfile.TemporaryDirectory() as folder:
         server, number = display()
         environment = dict(os.environ, DISPLAY=number, XDG_STATE_HOME=folder, XDG_DATA_HOME=folder)
@@ -43,12 +44,12 @@ def window_of(options, words, has_layout=False, **more):
 
 
 def script():
-    """The name of the script that was called, for messages."""
+    """Returns the name of the script that was called, for messages."""
     return os.path.basename(sys.argv[0])
 
 
 class Keyboard:
-    """Presses and releases keys of a display by XTEST, and knows when it did."""
+    """Presses and releases keys on a display through the X11 extension XTEST, and records the time of each event."""
 
     def __init__(self, display_name):
         self.x11 = ctypes.CDLL("libX11.so.6")
@@ -60,7 +61,8 @@ class Keyboard:
             sys.exit("%s: no display '%s'" % (script(), display_name))
 
     def send(self, key, is_down):
-        """Sends one press or release; returns the second of the monotonic clock at which it was sent."""
+        """Sends one press or release of a key; returns the time of the monotonic clock, in seconds, at which it was
+        sent."""
         symbol = ctypes.c_ulong(self.x11.XStringToKeysym(key.encode()))
         code = self.x11.XKeysymToKeycode(self.display, symbol) & 0xFF
         sent = time.monotonic()
@@ -90,7 +92,7 @@ def focus(environment, seconds=30.0):
 
 
 def shows(layout, control, window):
-    """Waits until the window shows a control. A message names the script that was called."""
+    """Waits until the window shows the given control. Error messages name the script that was called."""
     for _ in range(6000):
         if os.path.exists(layout):
             with open(layout, encoding="utf-8") as file:

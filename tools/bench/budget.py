@@ -4,12 +4,12 @@ firmware/bench/budget.tsv (docs/bench.md).
 
   budget.py --build build [--accept] [--profile CASE]
 
-QEMU with -icount shift=0 counts each instruction as one nanosecond. The stack is the largest sum of stack bytes along a
-path through the compiler's call graph. The sizes of code and data come from the object files. The exit code is 1 when a
-measured value is more than 3 % above its row in budget.tsv, when budget.tsv lacks a row, or when the image calls a
-forbidden helper. Soft-float helpers, divide helpers and heap functions are forbidden. --accept writes the measured
-values into budget.tsv. --profile prints the instructions of two ticks of a case, function by function, and measures
-nothing else.
+QEMU with -icount shift=0 counts each instruction as one nanosecond. The stack of a tick is the largest sum of stack
+bytes along a path through the compiler's call graph. The sizes of code and data come from the object files. The exit
+code is 1 when a measured value is more than 3 % above its row in budget.tsv, when budget.tsv lacks a row, or when the
+image calls a forbidden helper function. Soft-float helpers, divide helpers and heap functions are forbidden. The option
+--accept writes the measured values into budget.tsv. The option --profile prints the instructions of two ticks of a
+case, function by function, and measures nothing else.
 """
 
 import argparse
@@ -272,8 +272,8 @@ def memory_sizes():
 
 
 def forbidden_symbols(image):
-    """Returns the names of the forbidden functions that the firmware image contains. A test shows that this function
-    finds a forbidden name."""
+    """Returns the names of the forbidden functions that the firmware image contains. A test shows that the search for
+    forbidden functions finds a forbidden name."""
     names = [line.split()[-1] for line in run(["arm-none-eabi-nm", image]).splitlines()]
     return sorted(name for name in names if is_forbidden(name))
 
@@ -372,7 +372,7 @@ def write_rows(path, rows):
 
 
 def measure(build, folder):
-    """Measures every row of the budget and returns these rows; run_bench.py also writes them into out/bench.tsv."""
+    """Measures every row of the budget and returns these rows; run_bench.py also writes the rows into out/bench.tsv."""
     return list(instructions(build, folder)) + list(stack(build)) + list(sizes(build)) + list(memory_sizes())
 
 

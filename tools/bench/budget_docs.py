@@ -4,7 +4,7 @@ page.
 
   budget_docs.py [--write]
 
-Without --write this program only compares the page with the budget, and its exit code is 1 when they differ.
+Without --write this program only compares the page with the budget, and its exit code is 1 when the two differ.
 """
 
 import os

@@ -5,12 +5,12 @@ time of `make test`.
   build_cost.py [--test] [--write out/bench.tsv]
 
 The program clones the last commit into a temporary folder and builds the clone without a compiler cache. The results
-are lines `name<TAB>value<TAB>unit <TAB>context`. build.run_cpu_s is the processor time for compiling and linking in
-`make run`. build.run_units is the number of compiled files. build.run_packages_mb is the size of the archives to
-download on a minimal Debian 12. With --test, build.test_cpu_s is the processor time of `make test` in a clean folder,
-and build.test_again_cpu_s is the processor time of `make test` after one file of host/xray was touched. With --write
-the program puts these lines into FILE and removes older lines with the same names. The exit code is 1 when a build
-fails.
+are lines `name<TAB>value<TAB>unit <TAB>context`. The value build.run_cpu_s is the processor time for compiling and
+linking in `make run`. The value build.run_units is the number of compiled files. The value build.run_packages_mb is the
+size of the archives to download on a minimal Debian 12. With --test, build.test_cpu_s is the processor time of `make
+test` in a clean folder, and build.test_again_cpu_s is the processor time of `make test` after one file of host/xray was
+touched. With --write the program puts its result lines into FILE and removes older lines with the same names. The exit
+code is 1 when a build fails.
 """
 
 import argparse
@@ -56,7 +56,7 @@ def section(*names):
 
 
 def archives(packages):
-    """Returns the size in bytes of each file that apt would download for these packages on a machine without any
+    """Returns the size in bytes of each file that apt would download for the given packages on a machine without any
     installed package."""
     with tempfile.NamedTemporaryFile() as empty:
         command = ["apt-get", "install", "--print-uris", "--no-install-recommends", "-qq", "-o", "Debug::NoLocking=1"]

@@ -6,7 +6,8 @@ code, divide helper or heap.
 
 The worst stack is the largest sum of stack bytes along a path from main() through the compiler's call graph, plus one
 exception with its handler. Calls through function pointers reach only functions of the port, and this program has a
-list of them. The exit code is 1 when RAM or stack exceed their limits, or when the image contains a forbidden function.
+list of these functions. The exit code is 1 when RAM or stack exceed their limits, or when the image contains a
+forbidden function.
 """
 
 import argparse

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Plays a whole angioplasty of the left anterior descending artery in the window, as a person does: with real keys and
-clicks under a virtual display, from the start screen to the score. An action is one key that is pressed and released,
-or one click; a key may be held, and what the screen shows decides when it is released. The script looks only at the
-file of --layout, which has the texts of the device rows, of the goals and of the inflator. It writes the line
-suite.pci_actions of docs/bench.md."""
+"""Plays a whole angioplasty of the left anterior descending artery in the window, from the start screen to the score.
+The script sends real keys and clicks under a virtual display, as a person would. An action is one click, or one key
+that is pressed and released. A key may be held; the script releases it when the screen shows what the script waits for.
+The script reads only the file of the option --layout, which holds the texts that the window shows for devices, goals
+and inflator. The script writes the line suite.pci_actions of docs/bench.md."""
 
 import argparse
 import os
@@ -35,7 +35,7 @@ class Failed(Exception):
 
 
 class Screen:
-    """What the window shows: the rows of the layout file."""
+    """Holds what the window shows, as the rows of the layout file."""
 
     def __init__(self, path, window):
         self.path, self.window = path, window
@@ -77,7 +77,8 @@ class Screen:
         return int(found.group(1)) if found else 0
 
     def tip(self, device):
-        """Returns millimetres and vessel of a device's tip, as the tooltip of its row shows them."""
+        """Returns how many millimetres the tip of a device is inside a vessel, and the vessel's name, as the tooltip of
+        the device's row shows them."""
         found = re.match(r"(-?[\d.]+) mm inside (.*)", self.text("tip %d" % device))
         return (float(found.group(1)), found.group(2)) if found else (0.0, "?")
 
@@ -118,8 +119,9 @@ class Hand:
         self.tell("click " + name)
 
     def hold(self, keys, until, seconds):
-        """Holds a key, with Shift for `shift Up`, until the screen shows what `until` waits for, or until so many
-        seconds of the session have passed. Returns whether the screen showed it."""
+        """Holds a key, or several keys as in `shift Up`, until the function `until` finds what it waits for on the
+        screen, or until the session has advanced by `seconds`. Returns whether the function `until` has found what it
+        waits for."""
         names = keys.split()
         begin = self.screen.clock_s()
         self.tool(*[word for name in names for word in ("keydown", name)])
@@ -144,8 +146,8 @@ class Hand:
         self.key(str(device))
 
     def watch(self, until, seconds):
-        """Looks at the screen for so many seconds of the session, which is no action. Returns whether it showed what
-        `until` waits for."""
+        """Looks at the screen until the session has advanced by `seconds`; looking does not count as an action. Returns
+        whether the function `until` has found what it waits for on the screen."""
         end = self.screen.clock_s() + seconds
         is_seen = False
         while self.screen.clock_s() < end:
@@ -158,7 +160,7 @@ class Hand:
 
 
 def lay_out(hand):
-    """Takes the devices off the line that this hand does not use, and puts those on that it uses."""
+    """Takes the devices that this script does not use off the line, and puts the devices that it uses on the line."""
     for wanted in (False, True):
         for name, row in sorted(hand.screen.rows().items()):
             if not name.startswith("cabinet "):
@@ -170,7 +172,7 @@ def lay_out(hand):
 
 
 def open_case(hand):
-    """Start, card of the case, preparation, session."""
+    """Goes from the start screen through the card of the case and the preparation to the session."""
     hand.screen.wait("card 1", 60)
     focus(hand.environment)
     time.sleep(0.5)
@@ -191,8 +193,8 @@ def is_inside(screen, device, vessel, least_mm):
 
 
 def lead_guide(hand):
-    """Wire, balloon catheter and guide go up the aorta together, the wire ahead; then the guide goes over both round
-    the arch and slides down into the left main."""
+    """Advances wire, balloon catheter and guide together up the aorta, the wire ahead. Then the guide slides over wire
+    and balloon catheter round the arch and down into the left main artery."""
     screen = hand.screen
     hand.key("f")
     hand.push(WIRE, 37)
@@ -217,7 +219,8 @@ def lead_guide(hand):
 
 
 def show_artery(hand):
-    """A cine run with 8 ml of contrast medium by two keys that overlap; fluoroscopy is off meanwhile."""
+    """Makes a cine run with an injection of 8 ml of contrast medium, by two keys that overlap; fluoroscopy is off
+    during the cine run."""
     begin = hand.screen.clock_s()
     hand.tool("keydown", "c")
     hand.rest(0.8)
@@ -228,8 +231,9 @@ def show_artery(hand):
 
 
 def push_gently(hand):
-    """Pushes the wire slowly until it is across, in another vessel than the artery, or stuck. Returns whether it was
-    across; it moves with the heart, so a later look may show less."""
+    """Pushes the wire slowly until its tip is beyond the narrow place, is in a vessel other than the target artery, or
+    is stuck. Returns whether the tip was beyond the narrow place when the push ended; the heart moves the wire, so a
+    later measurement may give a smaller length."""
     screen = hand.screen
     seen = {"best_mm": 0.0, "since_s": screen.clock_s(), "is_across": False}
 
@@ -248,8 +252,8 @@ def push_gently(hand):
 
 
 def cross(hand):
-    """The wire goes slowly out of the guide. If it enters another vessel or is stuck, it comes back in front of that
-    vessel, is turned and tried again."""
+    """Pushes the wire slowly out of the guide. If the wire enters another vessel or is stuck, the script pulls it back
+    in front of that vessel, turns it and pushes it again."""
     screen = hand.screen
     hand.take(WIRE)
     hand.push(WIRE, 880)
@@ -264,14 +268,16 @@ def cross(hand):
 
 
 def inflate(hand, bar, rest_s):
-    """The key is released a little early, because the pressure rises by 1 bar per second until then."""
+    """The script releases the key a little before the wanted pressure, because the pressure rises by 1 bar per second
+    until the release."""
     hand.hold("u", lambda: hand.screen.bar() >= bar - 0.2, 30)
     hand.rest(rest_s)
     hand.hold("shift u", lambda: hand.screen.bar() <= 0.05, 15)
 
 
 def mean_tip_mm(hand):
-    """The balloon moves with the heart, so its place is the mean of two beats; it is 0 beside the artery."""
+    """The balloon moves with the heart, so its position is the mean over two heartbeats; outside the target artery the
+    position counts as 0."""
     seen = []
 
     def look():
@@ -284,8 +290,9 @@ def mean_tip_mm(hand):
 
 
 def place_balloon(hand):
-    """Pushes the balloon to the end of the guide, and slowly on, until its middle is in the narrow place. Then it is
-    looked at for two beats, and corrected if it is off by more than a millimetre and a half."""
+    """Pushes the balloon to the end of the guide, and then slowly on, until the balloon's middle is in the narrow
+    place. Then the script measures the balloon's position over two heartbeats, and corrects the position if it is wrong
+    by more than 1.5 mm."""
     tip_mm = LESION_MM + BALLOON_MIDDLE_MM
     hand.push(BALLOON, 885)
     hand.hold("shift Up", lambda: is_inside(hand.screen, BALLOON, "LAD", tip_mm), 30)
@@ -300,8 +307,8 @@ def place_balloon(hand):
 
 
 def treat(hand):
-    """The bare balloon makes room, comes out for the stent and deploys it. If the goals about the narrowing and the
-    struts are not reached then, it is inflated in the stent once more."""
+    """Inflates the bare balloon, pulls it out, and deploys a stent from a second balloon. If the goals for the residual
+    stenosis and the struts are then not reached, the balloon is inflated once more inside the stent."""
     hand.take(BALLOON)
     place_balloon(hand)
     inflate(hand, 8, 3)
@@ -336,7 +343,8 @@ def play(hand):
 
 
 def measure(options, is_quiet=True, record=""):
-    """Plays the case; returns the line of the figure. Ends the program if a step fails, with a picture beside it."""
+    """Plays the case; returns the line with the measured number of actions. Ends the program with a message if a step
+    fails."""
     begin = time.monotonic()
     words = ["--start", "--size", "128"] + (["--record", record] if record else [])
     with window_of(options, words, has_layout=True) as (window, environment, folder):

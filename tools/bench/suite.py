@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Measures the window on two processors of this machine, without a graphics card, under a virtual display. Keys are
-real events. The lines that it writes are suite.keys_to_case, suite.tick_late_pct, suite.pictures_per_s and
-suite.hand_to_picture_ms of docs/bench.md, and suite.pci_actions with --pci (pci_by_hand.py)."""
+"""Measures the performance of the program's window on two processors of this machine, without a graphics card, under a
+virtual display. Keys are real events. The script writes the lines suite.keys_to_case, suite.tick_late_pct,
+suite.pictures_per_s and suite.hand_to_picture_ms of docs/bench.md, and with --pci also suite.pci_actions
+(pci_by_hand.py)."""
 
 import argparse
 import json
@@ -19,7 +20,7 @@ WIRE = "shared/examples/instruments/j_wire.toml"
 
 
 def figures_at_end(window, folder):
-    """Ends the window, and returns the figures that it writes."""
+    """Ends the window's program, and returns the figures that it writes at its end."""
     window.send_signal(signal.SIGINT)
     window.wait(timeout=120)
     with open(os.path.join(folder, "timing.json"), encoding="utf-8") as file:
@@ -32,8 +33,9 @@ def processors():
 
 
 def press(seconds, environment):
-    """Gives the window the keyboard, and taps keys as a hand that steers. The moments are random, so that they are not
-    in step with the pulses. Returns when each key went down and up."""
+    """Gives the window the keyboard focus, and taps the arrow keys like a person who steers a tool. The keys are tapped
+    at random times, so that they are not in step with the X-ray pulses. Returns the times at which each key went down
+    and up."""
     end = time.monotonic() + seconds
     focus(environment, seconds)
     keyboard = Keyboard(environment["DISPLAY"])
@@ -49,7 +51,8 @@ def press(seconds, environment):
 
 
 def delays_ms(sent, figures):
-    """Returns, for each key that went down or up, the time until the first screen with a pulse after it."""
+    """Returns, for each press or release of a key, the time until the screen first shows an X-ray pulse that came after
+    it."""
     times = figures["hand_to_picture"]["read_and_shown_s"]
     delays = []
     for begin in sent:
@@ -60,7 +63,8 @@ def delays_ms(sent, figures):
 
 
 def measure(options, size, pulses, taps):
-    """Runs the window for a while; returns its figures, and the delays of keys if it taps any."""
+    """Runs the window for the time of the option --seconds; returns its figures or, with `taps`, the delays from the
+    keys to the pictures."""
     words = ["--scene", options.scene, "--tool", WIRE, "--size", str(size), "--fluoro", "--no-record"]
     with window_of(options, words, preexec_fn=lambda: os.sched_setaffinity(0, processors())) as run:
         window, environment, folder = run
@@ -78,7 +82,7 @@ def measure(options, size, pulses, taps):
 
 
 def keys_to_case(options):
-    """Presses keys from the start screen until the first picture of a case; returns their number."""
+    """Presses keys from the start screen until the first picture of a case appears; returns the number of keys."""
     keys = 0
     with window_of(options, ["--start"], has_layout=True) as (window, environment, folder):
         for control, key in (("card 2", "2"), ("ready", "Return"), ("row 1", "space")):

@@ -67,7 +67,7 @@ double outlet_cubes_mm3(const Network &network, std::size_t branch)
 } // namespace
 
 // The flow resistance is R = 8 mu/pi times the integral of r^-4 along the length. For a tube with end radii a
-// and b this integral is (a^2 + a b + b^2) / (3 a^3 b^3) per unit of length.
+// and b the integral of r^-4 is (a^2 + a b + b^2) / (3 a^3 b^3) per unit of length.
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s)
 {
     const double length = (b.centre_mm - a.centre_mm).norm(), ra = a.radius_mm, rb = b.radius_mm;

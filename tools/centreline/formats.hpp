@@ -18,8 +18,8 @@ constexpr std::size_t file_bytes_max = std::size_t{256} << 20;
 // um.
 Tree read_tree(const std::filesystem::path &file, bool needs_radii = true);
 
-// Writes a vessel tree to a file; the extension of the file's name selects the format. The function creates
-// the file under its final name only when the file is complete. Throws Fault or crn::OutputError.
+// Writes a vessel tree to a file; the extension of the file's name selects the format. The written file gets
+// its final name only when it is complete. Throws Fault or crn::OutputError.
 void write_tree(const std::filesystem::path &file, const Tree &tree);
 
 // Each of the next functions reads one format; `name` is the file's name for error messages.

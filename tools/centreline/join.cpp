@@ -1,5 +1,5 @@
-// Joins separate curves into a vessel tree. For each curve the code finds the curve inside which it begins,
-// and the point at which it leaves that curve.
+// Joins separate curves into a vessel tree. For each curve the code finds the other curve inside which this
+// curve begins, and the point at which this curve leaves the other curve.
 #include "tools/centreline/join.hpp"
 
 #include <algorithm>
@@ -55,8 +55,8 @@ void attach(Branch &curve, const Branch &parent)
         curve.spheres.insert(curve.spheres.begin(), shared);
 }
 
-// The curve whose end is nearest to the inlet becomes the first curve. If necessary the code reverses this
-// curve, so that it runs away from the inlet.
+// The curve whose end is nearest to the inlet becomes the first curve. If necessary the code reverses the
+// first curve, so that it runs away from the inlet.
 void begin_at(std::vector<Branch> &curves, const Eigen::Vector3d &inlet_mm)
 {
     std::size_t first = 0;

@@ -32,8 +32,8 @@ void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
 // Makes a vessel tree from the curves of 3D Slicer or VMTK, which store one curve per file or per outlet. If
 // a root begins inside another branch's tube, it becomes a child of that branch, and the part of the root
 // that runs along that branch's centreline is cut off. The trunk is the curve that has an end nearest to
-// `inlet_mm`; without `inlet_mm` the trunk is the widest curve. The function changes neither a single curve
-// nor a tree whose file states the parent of each branch.
+// `inlet_mm`; without `inlet_mm` the trunk is the widest curve. A single curve, and a tree whose file states
+// the parent of each branch, are not changed.
 Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);
 
 } // namespace crn::centreline

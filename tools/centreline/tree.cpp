@@ -88,8 +88,8 @@ double length_mm(const Branch &branch)
 }
 
 // For the point p, s is the coordinate along the axis from a to b, and q is the distance from this axis. The
-// side of the hull is the cone that touches both spheres. Where the perpendicular from p meets the line along
-// the cone's side beyond an end of the cone, the sphere at that end is nearer to p.
+// side of the two spheres' hull is the cone that touches both spheres. Where the perpendicular from p meets
+// the line along the cone's side beyond an end of the cone, the sphere at that end is nearer to p.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b)
 {
@@ -152,8 +152,8 @@ Tree split_at_junctions(const Tree &tree)
     for (const Branch &branch : tree.branches)
         if (branch.parent >= 0) cuts[branch.parent].push_back(branch.parent_sphere);
     Tree split;
-    // Each old branch has a list of the new branches into which it was divided: the sphere of the old branch
-    // at which the new branch ends, and the number of the new branch.
+    // Each old branch has a list of the new branches into which it was divided. An entry holds the sphere of
+    // the old branch at which the new branch ends, and the number of the new branch.
     std::vector<std::vector<std::pair<std::size_t, int>>> ends(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         const Branch &old = tree.branches[b];

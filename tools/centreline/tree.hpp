@@ -1,7 +1,7 @@
 // A vessel tree is a set of branches, each of which is an ordered list of inscribed spheres. The program
 // `centreline` makes vessel trees and stores them in files. The program `bake` and the simulation of contrast
-// medium read these files. Coordinates are in millimetres, along the axes of the mesh from which the tree was
-// made.
+// medium read the files of vessel trees. Coordinates are in millimetres, along the axes of the mesh from
+// which the tree was made.
 #pragma once
 #include "tools/mesh/fault.hpp"
 
@@ -67,7 +67,8 @@ struct LinePlace {
 LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
 // Returns the number of the branch's first sphere whose centre lies outside the parent's tube; returns 0 for
-// a root. The spheres before this first sphere only connect the middle of the parent with the parent's wall.
+// a root. The spheres before the first sphere outside the parent's tube only connect the middle of the parent
+// with the parent's wall.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 
 // Splits each branch where another branch leaves it, as VMTK does. In the result every parent_sphere is the

@@ -118,8 +118,8 @@ struct TwiceNamed : pugi::xml_tree_walker {
 };
 
 // Returns true if a file begins with a correct XML declaration, or has none (W3C, "Extensible Markup Language
-// 1.0", sections 2.8 and 4.3.3). pugixml accepts any text in its place. Only encodings whose digits are those
-// of ASCII are correct here.
+// 1.0", sections 2.8 and 4.3.3). The library pugixml accepts any text in place of the declaration. A
+// declaration counts as correct only if its encoding represents digits as ASCII does.
 bool has_correct_declaration(const pugi::xml_document &document, const std::string &text)
 {
     constexpr std::size_t letters_max = 256; // a declaration of VTK has about 20

@@ -4,9 +4,9 @@ description of the chip. The description is the Rust crate imxrt-ral, which carg
 (register_description.py). Prints TAP.
 
 If all values agree, the script writes the digests of the port's files to firmware/port/imxrt1062/registers.checked.
-`make test` compares these digests with the files (test_registers.py). The test test_registers.py needs no network, and
-it fails if a file was changed without this check. The document docs/porting.md lists the registers that the crate does
-not describe, under "What no script has checked"."""
+`make test` compares the stored digests with the files (test_registers.py). The test test_registers.py needs no network,
+and it fails if a file was changed after the last check. The document docs/porting.md lists the registers that the crate
+does not describe, under "What no script has checked"."""
 
 import os
 import re

@@ -155,8 +155,8 @@ typedef struct options {
     const char *flip_part, *scene; /* NULL: every scene */
 } options;
 
-/* Flips the lowest bit of one word of the state, as a faulty machine might do, and also of the node's
- * position, which depends on that word. */
+/* Flips the lowest bit of one word of the state, as a faulty machine might do, and also the lowest bit of the
+ * node's position, which depends on that word. */
 static void flip(const options *o, uint32_t tick)
 {
     for (uint32_t p = 0; p < PART_COUNT && tick == o->flip_tick; p++) {

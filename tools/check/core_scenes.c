@@ -8,24 +8,27 @@
  *               ================================|
  *
  * In the scene "fine" a stiff uniform wire is pushed, pulled and turned as fast as the core allows, so that
- * the core's limits act. The tube of this scene has the same shape but is 4 mm wide, and its distance field
- * has finer voxels.
+ * the core's limits act. The tube of the scene "fine" has the same shape as that of the scene "tube" but is
+ * 4 mm wide, and its distance field has finer voxels.
  *
  * In the scene "air" a floppy wire with a curved resting shape hangs in free space and is turned.
  *
  * In the scene "coaxial" the J wire lies inside two nested, curved catheters in the tube. The tip of each of
- * the three tools is foremost once, and each tool slides and turns against the other tools.
+ * the three tools is once ahead of the other two tips, and each tool slides and turns against the other
+ * tools.
  *
  * In the scene "beating" the J wire lies in a tube whose middle moves to and fro by 3.6 mm with a beating
- * heart, and also with breathing. Every kind of command for the heart (such as a change of rate) occurs once.
+ * heart, and also with breathing. In the scene "beating", every kind of command for the heart (such as a
+ * change of rate) occurs once.
  *
  * In the scene "balloon" a wire lies in a balloon catheter in the 4 mm wide tube. The balloon is inflated
  * until it fills the tube and opens a lesion. The catheter is pulled while the balloon is inflated, and
- * pushed after the balloon is deflated. Later a scaffold (stent) holds the lesion open, and at the end the
- * balloon bursts.
+ * pushed after the balloon is deflated. Later in the scene "balloon" a scaffold (stent) holds the lesion
+ * open, and at the end the balloon bursts.
  *
  * In the scene "stented" the J wire moves to and fro in the beating tube, through and beside a stent that
- * touches no wall. Later the stent is widened, and then half of its rings are removed. */
+ * touches no wall. Later in the scene "stented" the stent is widened, and then half of its rings are
+ * removed. */
 #include "tools/check/core_scenes.h"
 
 enum { TUBE, FINE, AIR, COAXIAL, BEATING, BALLOON, STENTED };
@@ -52,8 +55,8 @@ const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000},    {"fine", 15
                                                   {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000},
                                                   {"stented", 4500}};
 
-/* This block holds the distance field of the scene's tube. Only one scene exists at a time, and
- * core_scene_start fills this memory again for each scene. */
+/* The memory block holds the distance field of the scene's tube. Only one scene exists at a time, and
+ * core_scene_start fills the same memory again for each scene. */
 static struct {
     crn_lumen lumen;
     uint16_t index[COARSE_COUNT];
@@ -127,8 +130,8 @@ static void fill_fine(void)
     }
 }
 
-/* Fills the table row with the displacements of a lattice node over one cycle. The displacement is a parabola
- * in time with its peak of `reach` units in mid-cycle. */
+/* Fills the table row with the displacements of a lattice node over one cycle. The displacement as a function
+ * of time is a parabola whose peak of `reach` units lies in mid-cycle. */
 static void fill_row(int16_t *row, int32_t reach)
 {
     for (int32_t i = 0; i < CRN_MOTION_KEYFRAMES + 2; i++) {
@@ -358,7 +361,7 @@ static crn_input every_tool(uint32_t tick, uint32_t variant)
     return input;
 }
 
-/* Returns the command for the beating heart and for breathing at this tick. */
+/* Returns the command for the beating heart and for breathing at the given tick. */
 static crn_rhythm_order order_at(uint32_t tick)
 {
     switch (tick) {
@@ -382,7 +385,7 @@ static crn_rhythm_order order_at(uint32_t tick)
 }
 
 /* The balloon's pressure rises to 12 bar and falls again, twice, and then rises beyond the burst pressure.
- * Meanwhile the catheter moves back and forth by 5 mm.
+ * While the balloon's pressure changes, the catheter moves back and forth by 5 mm.
  */
 static crn_input inflated(uint32_t tick, uint32_t variant)
 {

@@ -1,5 +1,5 @@
-/* These scripted scenes use only integers, so they are identical on every machine. The program core_hash.c
- * runs the scenes.
+/* The scripted scenes of the core use only integers, so they are identical on every machine. The program
+ * core_hash.c runs the scenes.
  */
 #ifndef CRN_CHECK_CORE_SCENES_H
 #define CRN_CHECK_CORE_SCENES_H
@@ -19,8 +19,8 @@ extern const core_scene core_scenes[CORE_SCENE_COUNT];
  * state. */
 bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state);
 
-/* Returns the positions of the simulated user's hands at a tick (ticks are counted from 1). Different values
- * of `variant` change the motion of the simulated hand a little. */
+/* Returns the positions of the simulated user's hands at a tick (ticks are counted from 1). Each value of
+ * `variant` gives a slightly different motion of the simulated hand. */
 crn_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant);
 
 #endif

@@ -4,8 +4,8 @@
   coverage.py --build build/coverage --profiles build/coverage/profiles --programs FILE...
 
 The test programs must be compiled by clang with `-fprofile-instr-generate -fcoverage-mapping`, and must have run with
-LLVM_PROFILE_FILE=build/coverage/profiles/%p-%m.profraw. The script does not count lines of tests, of generated files
-below the build folder, and of third-party headers. The script writes its figures to out/coverage.tsv, as lines
+LLVM_PROFILE_FILE=build/coverage/profiles/%p-%m.profraw. The script counts no lines of tests, of generated files below
+the build folder, or of third-party headers. The script writes its figures to out/coverage.tsv, as lines
 `name<TAB>value<TAB>unit<TAB>context`.
 """
 

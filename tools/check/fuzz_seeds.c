@@ -1,5 +1,5 @@
-/* This file contains the main function of every program `NAME_seeds`. Such a program writes each valid input
- * of the fuzz target NAME into a separate file of a folder.
+/* This file contains the main function of every program `NAME_seeds`. A program `NAME_seeds` writes each
+ * valid input of the fuzz target NAME into a separate file of a folder.
  *
  * Each fuzz target (fuzz_*.c) defines the function `size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t
  * capacity)`. The function fuzz_seed() writes the valid input number `index` into `bytes` and returns the

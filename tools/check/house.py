@@ -6,8 +6,8 @@ struct.
   house.py [--write FILE]
 
 For each figure the script prints a line `name<TAB>value<TAB>unit<TAB>context`, and for every figure that is not 0 it
-prints the reasons in comment lines. The option --write appends the lines to FILE (out/bench.tsv) and removes older
-lines with the same names. The exit code is 0.
+prints the reasons in comment lines. The option --write appends the figures' lines to FILE (out/bench.tsv) and removes
+older lines with the same names. The exit code is 0.
 """
 
 import argparse

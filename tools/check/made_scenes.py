@@ -18,7 +18,7 @@ CHECKS = ("--points", "1000", "--poses", "0")
 
 
 class CannotMake(Exception):
-    """The text is the output of the program that failed."""
+    """The text of the exception is the output of the program that failed."""
 
 
 def lesion_text(lesion):
@@ -56,8 +56,8 @@ def make(build, anatomy, lesion, folder):
 
 
 def scene(build, anatomy, lesion=None, maker=make):
-    """Returns the path of the kept scene, which nobody may change. The first caller makes the scene; a test that asks
-    meanwhile waits for it."""
+    """Returns the path of the kept scene, which callers must not change. The first caller makes the scene; another test
+    that asks for the same scene meanwhile waits until it is made."""
     name = f"{anatomy}+{lesion}" if lesion else anatomy
     kept = os.path.join(build, "test_scenes")
     os.makedirs(kept, exist_ok=True)

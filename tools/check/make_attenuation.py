@@ -8,9 +8,9 @@ The test test_attenuation.py compares the committed file with the text that this
 The script computes mass attenuation by xraylib's function CS_Total, and mass energy absorption by CS_Energy (Schoonjans
 et al., Spectrochimica Acta B 66 (2011) 776; cross-sections of EPDL97 and of NIST's XCOM). A mixture that is given by a
 name is one of NIST's compounds in xraylib. For tissues the densities come from ICRU 44, for metals they are those of
-the pure substance, and for products they are nominal values (see MATERIALS). This program computes neither the spectra
-of X-ray tubes nor filters, and chooses no energies for pictures; the files host/xray/spectrum.cpp and
-host/xray/beam_table.cpp do this.
+the pure substance, and for products they are nominal values (see MATERIALS). This program computes neither X-ray
+spectra nor filters, and chooses no photon energies for pictures; that is the task of host/xray/spectrum.cpp and
+host/xray/beam_table.cpp.
 """
 
 import ctypes

@@ -6,9 +6,9 @@
 
 To approximate a convex function by a straight line, the script takes the chord on each interval and lowers it by half
 its largest distance from the curve. The lowered chord is the straight line whose largest error on the interval is
-smallest. In fixed.h one Newton step then doubles the number of correct bits of this approximation. For the polynomial
-the script interpolates at the Chebyshev points of the interval; the resulting error is at most about twice that of the
-best polynomial.
+smallest. One Newton step in fixed.h then doubles the number of correct bits that the straight line gives. For the
+polynomial the script interpolates at the Chebyshev points of the interval; the resulting error is at most about twice
+that of the best polynomial.
 """
 
 import math

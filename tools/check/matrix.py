@@ -6,12 +6,12 @@ same hash. If a hash differs, the script finds the first difference.
 
 For each variant, the script builds tools/check/core_hash.c with the simulation core, and runs it natively, in QEMU, or
 on an emulated Cortex-M7 board. The script prints a table and also writes this table to out/matrix.tsv. If the results
-of a variant differ from those of the first variant, the script finds the first tick, the first part of this tick, and
+of a variant differ from those of the first variant, the script finds the first tick, the first part of that tick, and
 the first node with a difference. The parts of a tick are feed, stretch, twist, contact, force, solve, angle, friction
-and motion. --short runs one variant per machine and writes no table. --break flips one bit in one variant, to
-demonstrate the search. --programs keeps the built programs in FOLDER, and a later call with the same FOLDER runs these
-programs; without this option, every call builds anew. The exit code is 0 if all variants give the same hash, 1 if a
-hash differs, and 2 for a usage error.
+and motion. The option --short runs one variant per machine and writes no table. The option --break flips one bit in one
+variant, to demonstrate the search. With --programs the built programs are kept in FOLDER, and a later call with the
+same FOLDER runs these programs; without this option, every call builds anew. The exit code is 0 if all variants give
+the same hash, 1 if a hash differs, and 2 for a usage error.
 """
 
 import argparse
@@ -150,7 +150,7 @@ def build(variant, folder):
 
 
 def ask(variant, arguments):
-    """Runs core_hash with these arguments and returns its output; raises RuntimeError when the program fails."""
+    """Runs core_hash with the given arguments and returns its output; raises RuntimeError when the program fails."""
     arguments = arguments + variant.extra
     command = MACHINES[variant.machine][2]
     if variant.machine == "Cortex-M7":

@@ -9,8 +9,8 @@
 
 For a target NAME, BUILD/test/NAME is the fuzz program, and `BUILD/test/NAME_seeds DIRECTORY` writes valid inputs for
 this program. The file NAME.corpus holds inputs that a longer run of the fuzz program has found, one input per line in
-base64. The script keeps new inputs in BUILD/corpus/NAME. If an input crashes the program, the script keeps it under
-out/fuzz and prints the command that reproduces the crash.
+base64. The script keeps new inputs in the folder BUILD/corpus/NAME of the target. If an input crashes the program, the
+script keeps it under out/fuzz and prints the command that reproduces the crash.
 """
 
 import argparse

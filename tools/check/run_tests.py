@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Runs every test program and test script that has a given label, and prints one line of totals. run_tests.sh calls
-this program.
+"""Runs every test program and test script that has a given label, and prints one line of totals. The script
+run_tests.sh calls this program.
 
   run_tests.py --build build --jobs 2 --label product|lab|hours
 
-The list of tests comes from CTest. The list has all tests of the folder BUILD with the label, and the tests of
+The list of tests comes from CTest. The list of tests has all tests of the folder BUILD with the label, and the tests of
 BUILD/san with the label, which are the same tests under sanitizers. With the label `product` the list also has the fuzz
 targets. Every test program and test script prints its results as TAP, which is a plan `1..N` and one line per test. A
 program that is missing, crashes, exceeds its time limit, or prints fewer or more results than it planned counts as one

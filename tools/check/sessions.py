@@ -17,7 +17,7 @@ EXPECTS = re.compile(r"^\s*expect\b", re.M)
 
 
 def without_turns(text):
-    """Returns the script of a session after removing every command that turns or steers a tool or engages a vessel."""
+    """Returns the script of a session without the commands that turn or steer a tool or engage a vessel."""
     kept = [WITH_TURN.sub("", line) for line in text.splitlines() if not TURN.match(line)]
     return "\n".join(kept) + "\n"
 
@@ -58,7 +58,7 @@ class Sessions:
 
     def scene(self, anatomy, lesion=None):
         """Returns the path of the scene of the shipped anatomy without its bodies (made_scenes.py). If a lesion of
-        shared/examples/lesions is named, the scene contains this lesion."""
+        shared/examples/lesions is named, the scene contains the named lesion."""
         try:
             return made_scenes.scene(BUILD, anatomy, lesion)
         except made_scenes.CannotMake as problem:
@@ -176,7 +176,7 @@ def angioplasty(run, test):
 
 
 def heart(run, test):
-    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart but the
+    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart except the
     angioplasty. Returns the path of the heart's scene."""
     scene = run.scene("heart", "lad_middle")
     test("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])

@@ -16,8 +16,8 @@ def read(path):
 
 
 def files(*suffixes):
-    """Returns a sorted list of the repository's files with these endings. The list has the tracked files, and the
-    untracked files that git does not ignore."""
+    """Returns a sorted list of the repository's files with the given endings. The list of files has the tracked files,
+    and the untracked files that git does not ignore."""
     listed = (
         subprocess.run(
             ["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, check=True, stdout=subprocess.PIPE
@@ -119,7 +119,7 @@ class Report:
         self.failed += bool(findings)
 
     def catches(self, name, findings):
-        """Tests a rule of style itself: the test passes if the rule has objected to a bad sample."""
+        """Tests a rule of style itself: the test passes if the rule has found the fault in a bad sample."""
         findings = list(findings)
         self.check(name, [] if findings else ["the rule accepted the bad sample"])
 

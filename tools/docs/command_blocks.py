@@ -126,9 +126,9 @@ def commands_of_block(first, lines):
 
 
 def classified(page, line, text, marks):
-    """Returns the command together with its class, which decides whether commands.py runs the command. The class comes
-    from the first marker that names the command. If no marker names the command, its class comes from the first marker
-    for the whole block."""
+    """Returns the command together with its class, which decides whether commands.py runs the command. The class of a
+    command comes from the first marker (HTML comment) that names the command. If no marker names the command, its class
+    comes from the first marker (HTML comment) for the whole block."""
     is_make = text.split()[0] == "make"
     named = [mark for mark in marks if "only" in mark and mark["only"] in text]
     whole = [mark for mark in marks if "only" not in mark]

@@ -16,10 +16,10 @@ itself. Without it, a command has the class `short`, or `make` when it begins wi
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 
-`only` limits a marker to those lines of the block that contain TEXT; a block may have several markers with `only`.
-`exit` is the expected exit code of the command. `with` replaces placeholders, such as names of the reader's own files,
-before the command runs. `adding` gives words that the program appends to the command, such as options for a smaller
-picture.
+The key `only` limits a marker to those lines of the block that contain TEXT; a block may have several markers with
+`only`. The key `exit` is the expected exit code of the command. The key `with` replaces placeholders, such as names of
+the reader's own files, before the command runs. The key `adding` gives words that the program appends to the command,
+such as options for a smaller picture.
 """
 
 import argparse
@@ -77,7 +77,8 @@ def program_of(words):
 
 
 def sources_text():
-    """Returns the text of all source files. Options of programs that are not built here can be found in this text."""
+    """Returns the text of all source files. The text of all source files also contains the options of programs that are
+    not built here."""
     listed = subprocess.run(
         ["git", "ls-files", "*.cpp", "*.hpp", "*.c", "*.h", "*.py", "*.sh"],
         cwd=ROOT,
@@ -217,8 +218,8 @@ def clean_environment():
 
 
 class Scratch:
-    """Makes a temporary folder that looks like the repository. This folder contains links to the repository's files, a
-    folder build/ with the programs, and a folder out/ with the demo's scene."""
+    """Makes a temporary folder that looks like the repository. The temporary folder contains links to the repository's
+    files, a folder build/ with the programs, and a folder out/ with the demo's scene."""
 
     def __init__(self, build, stock):
         self.top = tempfile.mkdtemp(prefix="cournand_commands_")
@@ -263,10 +264,9 @@ class Scratch:
 
 
 class Stock:
-    """Makes, once for all pages, the files that their commands need. These files are the folder out/ with the content
-    that `make run` gives it, the folder build/anatomy and, for the run with --all, an artery with a lesion. The anatomy
-    has no bodies (bones, organs), because no command of the short run depends on bodies and making them takes
-    minutes."""
+    """Makes, once for all pages, the files that their commands need. The needed files are the content of out/ after
+    `make run`, the folder build/anatomy and, for the run with --all, an artery with a lesion. The anatomy has no bodies
+    (bones, organs), because no command of the short run depends on bodies and making them takes minutes."""
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder
@@ -376,7 +376,8 @@ def execute(command, scratch, display):
 
 
 def missing_for(command):
-    """Returns the reason why a command of this class cannot run here; returns an empty text if the command can run."""
+    """Returns the reason why a command of the given class cannot run on this machine; returns an empty text if the
+    command can run."""
     if command.kind == "anatomy" and not os.path.isdir(os.path.join(ROOT, "..", "shared", "anatomy")):
         return CLASSES["anatomy"][1]
     return ""

@@ -6,13 +6,13 @@ that made the picture in each picture file, as its stamp.
   pictures.py --check              exit 1 when a picture has no stamp, or an old one
   pictures.py --show FILE ...      print stamps
 
-The file tools/docs/pictures.toml describes how each picture is made. The stamp of a picture is a JPEG comment or a
-PNG text chunk with one `key: value` per line. The stamp's keys are `core` (its version when the picture was made),
+The file tools/docs/pictures.toml describes how each picture is made. The stamp of a picture is a JPEG comment or a PNG
+text chunk with one `key: value` per line. The stamp's keys are `core` (the core's version when the picture was made),
 `command`, `inputs` and `shows`. `inputs` is a hash over the picture's entry in pictures.toml and over the sessions,
 tools and lesions that the command names. `shows` is the vessel branch in which the tool's tip ended, according to the
-session's report. A picture of a session is old when the core or the inputs in its stamp differ from the present core
-or inputs. Any other picture is old when its inputs differ. A picture from an older core may be marked as `kept`; its
-caption must then name the version of that core.
+session's report. A picture of a session is old when the core or the inputs in its stamp differ from the present core or
+inputs. A picture that shows no session is old when its inputs differ. A picture that an older core made may be marked
+as `kept`; its caption must then name the version of that core.
 """
 
 import argparse
@@ -189,8 +189,8 @@ def problems(manifest, linked, core):
 
 
 def unsaid(path, kept, stamp):
-    """Checks a picture that is kept from an older core. Every caption of the picture must name the version of that
-    core."""
+    """Checks a picture that is kept from an older core. Every caption of a picture that is kept must name the version
+    of the older core."""
     found = (
         []
         if stamp.get("core") == str(kept)
@@ -305,8 +305,8 @@ class Maker:
 
 def seconds_of(wanted, report):
     """Returns the time in a film, in seconds, of the moment that a text describes. The text is a number of seconds,
-    `end`, `expect N` or `run N at S`. `expect N` is the time at which the session's Nth expectation was checked, and
-    `run N at S` is S seconds after the beginning of the Nth X-ray run."""
+    `end`, `expect N` or `run N at S`. The text `expect N` stands for the time at which the session's Nth expectation
+    was checked. The text `run N at S` stands for S seconds after the beginning of the Nth X-ray run."""
     if not isinstance(wanted, str):
         return wanted
     words = wanted.split()

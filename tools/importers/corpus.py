@@ -1,6 +1,6 @@
 """Makes the files for the tests of the file readers: valid files, pseudo-random mutations of valid files, and hand-made
-files that are likely to break a reader. The extension of a file's name gives the kind of its content (see KINDS).
-importers.py uses this module.
+files that are likely to break a reader. The extension of a file's name gives the kind of its content (see KINDS). The
+script importers.py uses this module.
 """
 
 import base64

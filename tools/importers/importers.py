@@ -7,10 +7,10 @@
 
 The files are pseudo-random mutations of valid files (see --seed), and a list of hand-made files. The program
 `importers` runs the real readers. If a reader accepts a file, strict.py also reads this file, and the two must read the
-same content. If the two readings of a file differ, the real reader was silently wrong. The rows of the output are
-importers.files, importers.crashes (the program ended, or a sanitizer found an error in our code), importers.over_20s,
-importers.over_2GB and importers.silently_wrong. The exit code is 0 if the values of all rows except the first are 0,
-and otherwise 1.
+same content. If the two readings of a file differ, the project's reader has misread the file without reporting an
+error. The rows of the output are importers.files, importers.crashes (the program ended, or a sanitizer found an error
+in our code), importers.over_20s, importers.over_2GB and importers.silently_wrong. The exit code is 0 if the values of
+all rows except the first are 0, and otherwise 1.
 """
 
 import argparse

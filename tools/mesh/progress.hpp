@@ -12,8 +12,9 @@ namespace crn::bake
 class Progress
 {
   public:
-    // After this call, Ctrl-C or SIGTERM makes the function `step` throw a Fault, so that destructors remove
-    // unfinished results. A second signal (Ctrl-C or SIGTERM) ends the program immediately.
+    // After a call of this function, Ctrl-C or SIGTERM makes the function `step` throw a Fault, so that
+    // destructors remove unfinished results. A second signal (Ctrl-C or SIGTERM) ends the program
+    // immediately.
     static void catch_interrupts();
     static bool interrupted();
 

@@ -25,9 +25,9 @@ struct Sequence {
     std::vector<SequenceBody> bodies;
 };
 
-/* Throws a std::runtime_error that names file and line if a text is unreadable, if the number of files is
- * wrong, or if the faces of a file differ from those of the first file. Faces with more than three corners
- * become fans of triangles; normals, textures and materials are ignored. */
+/* Throws a std::runtime_error that names file and line if a text is unreadable or if the number of files is
+ * wrong. The error is also thrown if the faces of a file differ from those of the first file. Faces with more
+ * than three corners become fans of triangles; normals, textures and materials are ignored. */
 Sequence read_sequence(const std::filesystem::path &folder);
 
 /* Describes the motion of a body from frame to frame, including the step from the last frame back to the

@@ -161,8 +161,8 @@ bool Simplifier::turns_a_triangle(uint32_t moving, uint32_t other, const Vec3 &p
 }
 
 /* Checks the link condition for an edge of a closed surface: the two ends of the edge must share exactly two
- * neighbouring vertices. After this check, around_keep_ and around_drop_ hold the neighbours of the edge's
- * two ends. */
+ * neighbouring vertices. After the check of the link condition, around_keep_ and around_drop_ hold the
+ * neighbours of the edge's two ends. */
 bool Simplifier::keeps_a_manifold(uint32_t keep, uint32_t drop)
 {
     neighbours(keep, around_keep_);

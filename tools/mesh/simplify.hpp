@@ -20,9 +20,9 @@ using Triangle = std::array<uint32_t, 3>; // counter-clockwise seen from outside
 void simplify(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
 
 /* Collapses all edges shorter than length_mm, except edges after whose collapse the surface would no longer
- * be a closed manifold. Triangles whose corners almost coincide thereby vanish. The direction of such
- * triangles depends on rounding errors, so they seem to turn over when the surface moves. A surface without
- * edges shorter than length_mm is not changed. */
+ * be a closed manifold. The collapse of short edges also removes triangles whose corners almost coincide. The
+ * direction of a triangle whose corners almost coincide depends on rounding errors, so the triangle seems to
+ * turn over when the surface moves. A surface without edges shorter than length_mm is not changed. */
 void drop_short_edges(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles,
                       double length_mm);
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Unpacks the shipped compressed scenes (`make run`), or makes these scenes again and compares them with the shipped
-scenes (`make scene`).
+"""Unpacks the shipped compressed scenes (`make run`), or makes the scenes again and compares them with the shipped ones
+(`make scene`).
 
   shipped.py unpack shared/examples/scenes/aorta.tar.xz -o out
   shipped.py make shared/examples/scenes/aorta.tar.xz --anatomy build/anatomy/aorta/scene.toml \\
       --bake build/bin/bake [--accept]
 
-The command `make` bakes the anatomy into a temporary folder and compares every file with the shipped file, byte for
-byte. With --accept the new files replace the shipped files. Archives that are made from equal files are equal byte for
-byte. The exit code is 1 when a file differs from the shipped file or cannot be read.
+The command `shipped.py make` bakes the anatomy into a temporary folder and compares every file with the shipped file,
+byte for byte. With --accept the new files replace the shipped files. Archives that are made from equal files are equal
+byte for byte. The exit code is 1 when a file differs from the shipped file or cannot be read.
 """
 
 import argparse

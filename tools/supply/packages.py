@@ -1,5 +1,5 @@
-"""Finds the Debian package to which a file belongs, and the package's source package, version and copyright file.
-supply.py and its tests use this module."""
+"""Finds the Debian package to which a file belongs, and the package's source package, version and copyright file. The
+script supply.py and its tests use this module."""
 
 import collections
 import functools
@@ -21,8 +21,8 @@ def ask(*command):
 
 
 def names_of(path):
-    """Returns the names under which a package may list a file. /lib is a link to /usr/lib, so a package may use either
-    name, and the name of a library is usually a link to its file."""
+    """Returns the names under which a package may list a file. The folder /lib is a link to /usr/lib, so a package may
+    use either name. The name of a library is usually a link to its file."""
     real = os.path.realpath(path)
     return (path, real, re.sub("^/usr", "", real), "/usr" + path)
 

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Lists those parts of the project's programs that come from outside this repository. External parts are libraries that
 programs link, further libraries that these libraries load, headers that become part of programs, and libraries that
-programs open at run time. The script finds these parts in the programs themselves (readelf, ldd) and in the sources'
-#include lines, and names each part by the Debian package of its file. licences.tsv beside this file gives the licences.
+programs open at run time. The script finds external parts in the programs themselves (readelf, ldd) and in the sources'
+#include lines, and names each part by the Debian package of its file. The file licences.tsv beside this script gives
+the licences.
 
   supply.py notice --build build            compare NOTICE with the findings; exit code 1 if they differ
   supply.py notice --build build --write    update NOTICE between its two marks

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares the result of `anatomy beat` with the beat of the shipped heart.
 
-For this test, the mesh of the other heart is a copy of the shipped left coronary arteries that is enlarged 1.2 times,
+For the test, the mesh of the other heart is a copy of the shipped left coronary arteries that is enlarged 1.2 times,
 turned and shifted. If the motion of the other heart's mesh is rotated and scaled back, this motion must equal that of
 the shipped arteries.
 

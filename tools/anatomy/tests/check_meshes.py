@@ -27,7 +27,7 @@ def read_ply(path):
 
 
 def read_scene(path):
-    """Reads the few keys of scene.toml that the checks of the meshes need."""
+    """Reads those keys of scene.toml that the checks of the meshes need."""
     bodies, table, entry, ignored = [], None, {}, {}
     for line in path.read_text().splitlines():
         if line == "[[body]]":
@@ -61,7 +61,7 @@ def volume_mm3(vertices, triangles):
 
 
 class Inside:
-    """Determines whether a point lies inside a closed mesh. The function counts how often a line along z from the point
+    """Determines whether a point lies inside a closed mesh. The class counts how often a line along z from the point
     crosses the mesh. For speed, the mesh's triangles are sorted into square cells over x and y.
     """
 

@@ -1,5 +1,6 @@
 // These tests check the following. When the shipped lungs move with the heart, no face of their meshes turns
-// over. No face turns over either if the vertices are rounded to a micrometre, as in files.
+// over. No face of the lungs' meshes turns over either if the vertices are rounded to a micrometre, as in
+// files.
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include "tools/mesh/sequence.hpp"

@@ -1,7 +1,7 @@
 // These tests check the following. A baked lumen equals the given surface within the stated tolerance,
 // whichever refinement level the field's bricks have. Its file opens. If a scene cannot be baked, the program
-// `bake` prints one sentence with the reason, and the old files remain. The claims are shown on a torus,
-// whose distance is known in closed form, and on texts of scenes with one fault each.
+// `bake` prints one sentence with the reason, and the old files remain. The tests use a torus, whose distance
+// is known in closed form, and texts of scenes with one fault each.
 #include "shared/scene/scene.h"
 #include "tools/bake/tests/shapes.hpp"
 
@@ -54,8 +54,9 @@ void field_of_a_torus_is_its_closed_form_distance(void **)
     const TriangleTree tree(mesh);
     Field field = make_field(tree, {10, 2.5, 1.5, 0}, progress);
     const double worst = worst_of(field, tube_mm);
-    // The permitted difference is the sum of three errors: rounding to 1/64 voxel (0.015 mm), the spline's
-    // error at a curved wall (0.01 mm), and the error of flat triangles.
+    // The field may differ from the exact distance to the torus by the sum of three errors. The three errors
+    // are rounding to 1/64 voxel (0.015 mm), the spline's error at a curved wall (0.01 mm), and the error of
+    // flat triangles.
     if (worst > 0.03) fail_msg("worst %.4f mm, allowed 0.03", worst);
     assert_true(field.bricks_of_level[1] == 0);
 }
@@ -198,8 +199,9 @@ void axes_and_offset_move_the_surface(void **)
         {folder.path, {}});
     std::string report;
     const Mesh mesh = lumen_surface(text, report, progress);
-    // The first vertex of the file is (56, 0, 0). For this first vertex, the coordinate towards the patient's
-    // left is the file's y, which is 0, and the coordinate towards the head is the file's -x.
+    // The first vertex of the mesh file is (56, 0, 0). For the first vertex of the mesh file, the coordinate
+    // towards the patient's left is the file's y, which is 0, and the coordinate towards the head is the
+    // file's -x.
     assert_true((mesh.vertices_mm.size() == 8000) &&
                 std::abs(volume_mm3(mesh) / (turn * turn / 2 * 25 * 9) - 1) < 0.01);
     Eigen::AlignedBox3d box;
@@ -316,8 +318,8 @@ void stevebench_obj_is_refused_with_its_faults(void **)
              {"non-manifold edges", "open edges", "triangle"});
 }
 
-// The shipped example on the real centrelines has at most 2 MB. The error of its field is within 0.15 mm at
-// 99.9 % of the points near the wall.
+// The scene file of the shipped example on the real centrelines has at most 2 MB of data. The error of its
+// distance field is within 0.15 mm at 99.9 % of the points near the wall.
 void stevebench_scene_keeps_its_size_and_error(void **)
 {
     const char *folder_name = std::getenv("CRN_ANATOMY");

@@ -73,8 +73,8 @@ void lines_in_any_order_and_direction_become_a_tree(void **)
     assert_false(tree.is_outlet(0)); // the branch divides there
 }
 
-// The centreline tool and VMTK write a fork in this form: both branches begin at the same point, here
-// slightly beyond the trunk's end.
+// The centreline tool and VMTK write a fork as two branches that begin at the same point, here slightly
+// beyond the trunk's end.
 void branches_that_begin_together_leave_one_parent(void **)
 {
     const VesselTree tree = join_branches({line("trunk", {0, 0, 0}, {0, 50, 0}, 6, 5),

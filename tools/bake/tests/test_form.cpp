@@ -95,9 +95,9 @@ void surface_inside_is_as_deep_as_stated(void **)
 void closing_fills_the_hole_of_a_ring_and_keeps_its_outside(void **)
 {
     const Mesh ring = torus(10, 6, 160, 80);
-    // The expansion by 7 mm gives the ring's tube a radius of 13 mm, so the hole in the ring's middle is
-    // filled from -8.3 to 8.3 mm along the axis. After shrinking by 7 mm, the hole remains filled from -1.3
-    // to 1.3 mm along the axis.
+    // The expansion by 7 mm gives the ring's tube a radius of 13 mm, so it fills the hole in the ring's
+    // middle from -8.3 to 8.3 mm along the axis. After shrinking by 7 mm, the ring's hole remains filled from
+    // -1.3 to 1.3 mm along the axis.
     const Mesh full = closed_surface(ring, 0.4, 7);
     assert_true(TriangleTree(ring).nearest({0, 0, 0}).distance_mm > 3.9);
     assert_true(TriangleTree(full).nearest({0, 0, 0}).distance_mm < -1);
@@ -217,9 +217,10 @@ Mesh folded_plate()
     return mesh;
 }
 
-// Regression: the report stated that lungs, heart and airway "reached 96 mm into" the shoulders, although
-// these organs lie between the two thin shoulder blades. An earlier version of the program took a point
-// outside a shoulder blade for a point inside if the nearest part of the blade's surface was its folded edge.
+// An earlier version of the report stated that lungs, heart and airway "reached 96 mm into" the shoulders,
+// although these organs lie between the two thin shoulder blades. An earlier version of the program took a
+// point outside a shoulder blade for a point inside if the nearest part of the blade's surface was its folded
+// edge.
 void fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside(void **)
 {
     Mesh sheets = joined(folded_plate(), moved(cube(10), {90, 0, -5}));
@@ -300,8 +301,8 @@ void transforms_come_in_the_stated_order(void **)
                                              "rotate_deg = [90, 0, 0]\noffset_mm = [1, 2, 3]\n")),
         {folder.path, {}});
     // The scene's axes convert the point (50, 40, 7) to (40, -50, 7), and the scale converts it to (80, -50,
-    // 7). A quarter turn about the axis that points to the patient's left then turns the direction to the
-    // head into the direction to the front.
+    // 7). After this conversion, a quarter turn about the axis that points to the patient's left turns the
+    // direction to the head into the direction to the front.
     const Eigen::Vector3d placed = text.bodies[0].mesh.placement.place({50, 40, 7}, 1);
     is_near((placed - Eigen::Vector3d(81, 2 - 7, 3 - 50)).norm(), 0, 1e-9,
             "the distance from the place by hand");

@@ -142,7 +142,7 @@ void the_surface_goes_with_the_tree(void **)
 }
 
 // A guidewire of 0.18 mm radius that touches the mesh's wall must touch the core's wall at the same position,
-// all round the vessel. On the axis of such a narrow channel, the spline rounds off the peak of the distance
+// all round the vessel. On the axis of a narrow channel, the spline rounds off the peak of the distance
 // field.
 void the_field_knows_the_narrowed_wall(void **)
 {
@@ -168,9 +168,9 @@ void the_field_knows_the_narrowed_wall(void **)
 }
 
 // The text of a scene may set a coarse tolerance for the distance field. The field must still resolve a
-// channel of 0.4 mm radius; without the finer resolution near the lesion, the channel vanishes from the
-// field. On the axis of such a narrow channel, the spline rounds off the peak of the distance, so the field
-// shows less than 0.4 mm of clearance.
+// channel of 0.4 mm radius; without a finer resolution near the lesion, the channel would vanish from the
+// field. On the axis of a channel of 0.4 mm radius, the spline rounds off the peak of the distance, so the
+// field shows less than 0.4 mm of clearance.
 void a_lesion_asks_more_of_the_field_than_its_scene(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -243,8 +243,8 @@ struct BakedLesion {
         lumen.lesions = &lesion;
     }
     Vector3d throat_mm() const { return tree.branches[0].points_m[tree.throat(tree.lesions[0])] * 1e3; }
-    // Returns the core's distance from the wall at a point, in mm, positive outside the lumen. The fractions
-    // `open` state how far each point along the lesion is open.
+    // Returns the core's distance from the wall at a point, in mm, positive outside the lumen. The parameter
+    // `open` states for each station of the lesion which fraction of the narrowing has been opened.
     double distance_mm(const Vector3d &place_mm, const std::vector<double> &open) const
     {
         crn_lesion_state state{};
@@ -325,8 +325,8 @@ void the_hosts_vessel_opens_as_the_cores_does(void **)
 }
 
 // The positions of lesions refer to the healthy vessel. A lesion keeps its position when another lesion is
-// added: either an eccentric lesion upstream, whose channel is longer than the vessel, or a lesion that
-// narrows the parent vessel where the branch begins.
+// added. The added lesion is either an eccentric lesion upstream, whose channel is longer than the vessel, or
+// a lesion of the parent vessel where the branch begins.
 void a_lesion_lies_where_it_would_lie_alone(void **)
 {
     LesionText second = plaque(0.5), ostium = plaque(), side = plaque();
@@ -465,9 +465,10 @@ void a_file_gives_the_lesion_back(void **)
         assert_true((lesion.healthy_points_m[i] - tree.lesions[0].healthy_points_m[i]).norm() < 1e-9);
 }
 
-// The mesh of the vessel has a radius of 2 mm. The centrelines state a radius of 2 mm in the first case and
-// 2.5 mm in the second case. In the first case the smallest radius of the vessel tree equals that of the
-// mesh; in the second case the smallest radius of the tree is 0.3 mm larger than that of the mesh.
+// The mesh of the vessel has a radius of 2 mm. The centrelines state a radius of 2 mm in one case and 2.5 mm
+// in the other case. If the centrelines state 2 mm, the smallest radius of the vessel tree equals that of the
+// mesh. If the centrelines state 2.5 mm, the smallest radius of the tree is 0.3 mm larger than that of the
+// mesh.
 void a_mesh_that_is_not_the_trees_is_warned_of(void **)
 {
     for (const double stated_mm : {2.0, 2.5}) {

@@ -1,6 +1,6 @@
-// These tests check the following. Exact distances are exact. A mesh that encloses a solid is
-// accepted, and is repaired where a repair is safe. For any other mesh the error message gives the file, the
-// element and the remedy. The claims are shown on small meshes with one fault each.
+// These tests check the following. Exact distances are exact. A mesh that encloses a solid is accepted, and
+// is repaired where a repair is safe. For any other mesh the error message gives the file, the element and
+// the remedy. The tests use small meshes with one fault each.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/tests/shapes.hpp"
 

@@ -1,7 +1,7 @@
 // These tests check the following. No mesh file can crash the program, even if the file declares more data
-// than it holds, names a missing vertex, nests without end, or is no mesh at all. For each such file the
-// error message gives the file's name, the position of the fault and the remedy. A child process with limited
-// memory, time and stack reads the file. A valid mesh file is read without any change.
+// than it holds, names a missing vertex, nests without end, or is no mesh at all. For each wrong mesh file
+// the error message gives the file's name, the position of the fault and the remedy. A child process with
+// limited memory, time and stack reads the file. A valid mesh file is read without any change.
 #include "host/base/guarded_read.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -65,7 +65,8 @@ template <class Value> void put(std::string &bytes, Value value)
     bytes.append(reinterpret_cast<const char *>(&value), sizeof value);
 }
 
-// Returns a tetrahedron of 20 mm in which one corner number of face 2 is replaced by `corner`.
+// Returns a tetrahedron with three edges of 20 mm in which one corner number of face 2 is replaced by
+// `corner`.
 std::string binary_ply(std::int32_t corner, const std::string &vertices = "4")
 {
     std::string bytes = ply_head("binary_little_endian", vertices, "4");

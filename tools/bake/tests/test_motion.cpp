@@ -1,7 +1,7 @@
 // These tests check the following. A lattice fitted to 24 frames moves the lumen, as the core computes the
 // motion, to within 0.3 mm of each frame. Frames that show other times of the heartbeat are converted to the
-// standard times, and meshes that form no sequence are refused with a message of one sentence. The claims are
-// shown on a tube of 1.5 mm radius that lies on a beating and rotating sphere.
+// standard times, and meshes that form no sequence are refused with a message of one sentence. The tests use
+// a tube of 1.5 mm radius that lies on a beating and rotating sphere.
 #include "host/model/bodies.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -48,8 +48,8 @@ Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
     return middle + (1 - 0.3 * c) * (twist * r) - Eigen::Vector3d(0, 6 * c, 0);
 }
 
-// Returns the position to which a full breath moves a point. The displacement is 3.2 mm down, as in the
-// shipped heart, and fades to zero at a distance of 90 mm.
+// Returns the position to which a full breath moves a point. The displacement by a full breath is 3.2 mm
+// down, as in the shipped heart, and fades to zero at a distance of 90 mm.
 Eigen::Vector3d inhaled(const Eigen::Vector3d &x)
 {
     const double s = x.norm() / 90, fade = s < 1 ? (1 - s * s) * (1 - s * s) : 0;
@@ -237,8 +237,8 @@ void a_lesion_moves_with_its_vessel(void **)
     }
 }
 
-// A second recording of this motion ends systole in frame 8; after conversion to the standard times, frame 8
-// is keyframe 10, and frame 4 is keyframe 5.
+// A second recording of the same motion ends systole in frame 8; after conversion to the standard times,
+// frame 8 is keyframe 10, and frame 4 is keyframe 5.
 void frames_of_another_timing_are_retimed(void **)
 {
     Sequence timed;

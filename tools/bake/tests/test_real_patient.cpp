@@ -1,8 +1,8 @@
 // These tests check the following. The file shared/examples/real_patient.toml combines bones, heart and
 // vessels from three sources into one patient. Neighbouring organs touch as in a human body, and no bone lies
-// in the aorta. The claims are shown on the meshes after they are loaded and converted to the patient's
-// coordinates; one bone also passes through all steps of its preparation. If the anatomy data are missing,
-// the test prints that it is skipped.
+// in the aorta. The tests use the meshes after they are loaded and converted to the patient's coordinates;
+// one bone also passes through all steps of its preparation. If the anatomy data are missing, the test prints
+// that it is skipped.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/form.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -187,7 +187,7 @@ void hip_bone_becomes_one_solid_within_its_stated_error(void **)
     if (found.mean_mm > 1.5) fail_msg("%.2f mm from the atlas's bone on average", found.mean_mm);
     // The bone's volume in the atlas is the volume of its shells of compact bone plus the spongy bone inside
     // the shells, as computed from their faces. Our solid has no gap between compact and spongy bone, and it
-    // closes the joints, so its volume may differ by one part in a hundred.
+    // closes the joints, so its volume may differ by 1 % from that in the atlas.
     MeshText whole = body("hip_left").mesh;
     for (const char *name : {"ilium", "ischium", "pubis"})
         whole.parts.push_back("VH_M_" + std::string(name) + "_spongy_bone_L");

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Claims about the column "now" of docs/bench.md, which budget_docs.py writes. Prints TAP."""
+"""Tests the column "now" of docs/bench.md, which budget_docs.py writes. Prints TAP."""
 
 import os
 import subprocess

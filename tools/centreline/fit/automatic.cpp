@@ -1,5 +1,5 @@
-// As in TEASAR (Sato et al. 2000), the code traces a path back from the farthest voxel, again and again,
-// until branches cover every voxel.
+// As in TEASAR (Sato et al. 2000), the code repeatedly traces a path back from the farthest voxel, until
+// branches cover every voxel.
 #include "tools/centreline/fit/automatic.hpp"
 #include "host/base/format.hpp"
 
@@ -150,8 +150,8 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
         notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
         return static_cast<std::size_t>(near_point(lumen, widest->centre_mm));
     }
-    // The voxel with the longest path from the deepest voxel is a tip of the tree. From this first tip the
-    // code finds all other tips, and it takes the widest tip as the inlet.
+    // The voxel with the longest path from the deepest voxel is a tip of the tree. From the first tip of the
+    // tree the code finds all other tips, and it takes the widest tip as the inlet.
     std::size_t deepest = 0;
     for (std::size_t v = 0; v < voxels.size(); ++v)
         if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;

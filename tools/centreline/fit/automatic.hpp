@@ -16,8 +16,8 @@ struct AutoWish {
     double shortest_mm = 2.0; // ... and at least this far
 };
 
-// The first branch of the tree is the longest path through the vessels. After that, the path to the farthest
-// point that no branch covers becomes the next branch, unless this branch would be too short. A branch covers
+// The first branch of the tree is the longest path through the vessels. Each further branch is the path to
+// the farthest point that no branch covers yet, unless this path is too short for a branch. A branch covers
 // all points within 1.5 vessel radii of its centreline. Branches end at junctions and are named 1, 1.1, 1.2,
 // 1.2.1 ...
 Tree fit_automatic(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,

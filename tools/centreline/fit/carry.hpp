@@ -19,9 +19,9 @@ struct Frame {
 // Fault.
 std::vector<std::filesystem::path> frames_of(const std::filesystem::path &folder);
 
-// `files` are the meshes of the sequence, and `tree` belongs to the first mesh. Each sphere of the tree moves
-// with the wall around it and is then fitted to the wall again. Throws a Fault that names a frame whose
-// triangles differ from those of the first frame.
+// The argument `files` names the meshes of the sequence, and `tree` belongs to the first mesh. Each sphere of
+// the tree moves with the wall around it and is then fitted to the wall again. Throws a Fault that names a
+// frame whose triangles differ from those of the first frame.
 std::vector<Frame> carried(const Tree &tree, const std::vector<std::filesystem::path> &files,
                            const bake::MeshText &text, const LumenWish &wish, bake::Progress &progress);
 

@@ -12,7 +12,7 @@ namespace
 using Points = std::vector<Eigen::Vector3d>;
 constexpr double merge_share = 0.75; // junctions closer than this many radii become one
 
-// Returns the opening through which a path that ends at this point leaves the vessel, or null if the path
+// Returns the opening through which a path that ends at a given point leaves the vessel, or null if the path
 // does not leave the vessel.
 const Opening *opening_near(const Lumen &lumen, const Eigen::Vector3d &p_mm)
 {
@@ -49,8 +49,8 @@ std::size_t shared_junction(const Tree &tree, int parent, std::size_t sphere)
 }
 
 // Returns the path of a branch, including the piece that connects the branch to its parent. The path begins
-// in the middle of the parent vessel and goes straight to the point where it leaves the parent's tube. From
-// this point the path continues as given.
+// in the middle of the parent vessel and goes straight to the point where it leaves the parent's tube. After
+// the point where the path leaves the parent's tube, the path continues as given.
 Points from_junction(const Tree &tree, const Lumen &lumen, const Way &way, std::size_t &sphere)
 {
     const Branch &parent = tree.branches[way.parent];

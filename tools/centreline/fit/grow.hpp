@@ -30,8 +30,8 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
 // branch.
 int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 
-// If the end of a path is near an opening, the function moves this end to the middle of the opening. This
-// function is meant for those ends of paths that the user has not placed.
+// If the end of a path is near an opening, the function moves the path's end to the middle of the opening.
+// Only path ends that the user has not placed may be moved to an opening.
 void finish_last(const Lumen &lumen, std::vector<Eigen::Vector3d> &points_mm);
 
 } // namespace crn::centreline

@@ -120,8 +120,7 @@ void check_order(const std::vector<Placed> &points)
     }
 }
 
-// Returns the path through the vessel from the preceding point to this point, by way of the given
-// intermediate points.
+// Returns the path through the vessel from one point to the next, by way of the given intermediate points.
 std::vector<Eigen::Vector3d> way_between(const Lumen &lumen, const Placed &from, const Placed &to)
 {
     const Voxels &voxels = lumen.voxels();

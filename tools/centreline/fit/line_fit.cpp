@@ -39,7 +39,7 @@ template <typename Step> Points resampled(const Points &line, Step step)
         }
         left -= (line[i] - at).norm();
     }
-    // The last piece of the centreline should be about as long as the other pieces.
+    // The last piece of the centreline should be about as long as the centreline's other pieces.
     if (made.size() > 1 && (made.back() - line.back()).norm() < 0.5 * step(line.back())) made.pop_back();
     made.push_back(line.back());
     return made;

@@ -1,5 +1,5 @@
 // Reads and writes start, end and bifurcation points, by which a person describes a vessel tree. The TOML
-// file of these points is also the editor's project file.
+// file of the start, end and bifurcation points is also the editor's project file.
 #pragma once
 #include "tools/bake/mesh.hpp"
 

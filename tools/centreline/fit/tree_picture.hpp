@@ -1,5 +1,5 @@
 // Draws a vessel as if it were of glass, with the spheres of its tree inside. The command `centreline show`
-// writes this picture to a file, and the editor shows this picture in its window.
+// writes the picture of vessel and tree to a file, and the editor shows it in its window.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/centreline/fit/points.hpp"
@@ -24,9 +24,9 @@ struct View {
 // Returns a view in which the whole mesh is visible, with a margin around it.
 View view_of(const bake::Mesh &mesh, double turn_deg, double tilt_deg, int width, int height);
 
-// Returns a number from 0 to 1 for each pixel. The number is large where the pixel's line of sight passes
-// much of the vessel's wall at a grazing angle. A caller that draws the same view many times should store the
-// returned numbers and use them again.
+// Returns for each pixel the opacity of the drawn vessel, from 0 to 1. The opacity is large where the pixel's
+// line of sight meets the vessel's wall at a grazing angle. A caller that draws the same view many times
+// should store the returned opacities and use them again.
 std::vector<float> glass_of(const bake::Mesh &mesh, const View &view);
 
 struct TreeDrawing {

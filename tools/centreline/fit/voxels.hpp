@@ -21,13 +21,13 @@ class Voxels
     // Returns the inside voxel nearest to the point, or -1 if no inside voxel lies within `reach_mm` of the
     // point.
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
-    // Follows the steepest increase of depth (distance to the wall) from this voxel, and returns the last
-    // voxel, which lies in the middle of the vessel. This path of steepest increase never runs along the
-    // vessel.
+    // Follows the steepest increase of depth (distance to the wall) from the given voxel, and returns the
+    // last voxel, which lies in the middle of the vessel. The path of steepest increase of the depth never
+    // runs along the vessel.
     std::size_t middle_near(std::size_t voxel) const;
-    // Calls use(neighbour, distance_mm) for those of the 26 neighbours to which a straight path certainly
-    // stays inside the vessel. If the largest balls inside the vessel around two voxel centres overlap, the
-    // balls contain the segment between the centres, so the segment crosses no thin wall.
+    // Calls use(neighbour, distance_mm) for those of a voxel's 26 neighbours to which a straight path
+    // certainly stays inside the vessel. If the largest balls inside the vessel around two voxel centres
+    // overlap, the balls contain the segment between the centres, so the segment crosses no thin wall.
     template <typename Use> void each_neighbour(std::size_t voxel, Use use) const
     {
         const Eigen::Array3i &cell = cell_[voxel];
@@ -76,7 +76,7 @@ struct Ways {
     std::vector<float> length_mm;     // from the source
     std::vector<std::int32_t> source; // index in the list of sources
 
-    // Returns the cheapest path from a source voxel to this voxel.
+    // Returns the cheapest path from a source voxel to the given voxel.
     std::vector<std::size_t> to(std::size_t voxel) const;
 };
 // Finds the cheapest paths from the source voxels; if `target` is not -1, the search ends when it reaches

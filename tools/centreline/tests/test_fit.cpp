@@ -1,7 +1,7 @@
 // These tests check the following. Fitted spheres lie in the middle of the vessel and touch its wall.
 // Branches, junctions and ends are at the right positions. The spheres of a beating vessel keep their number
 // and order. The test uses tubes and arcs whose centrelines and radii are known. The permitted error of a
-// sphere is 5 % of the radius for its centre and 3 % for its radius (issue 6, bar 5).
+// sphere is 5 % of the radius for its centre and 3 % for its radius (requirement 5 of issue 6).
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/carry.hpp"
 #include "tools/centreline/fit/guided.hpp"

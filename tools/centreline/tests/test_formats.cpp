@@ -50,8 +50,8 @@ template <typename T> std::string bytes_of(const std::vector<T> &values)
     return std::string(reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T));
 }
 
-// Encodes an array as vtkXMLWriter does. The result is either header and data in one base64 text, or a base64
-// header followed by the compressed blocks.
+// Encodes an array as vtkXMLWriter does. The encoded array is either header and data in one base64 text, or a
+// base64 header followed by the compressed blocks.
 std::string packed(const std::string &bytes, bool is_zlib)
 {
     if (!is_zlib) return base64(bytes_of<std::uint32_t>({static_cast<std::uint32_t>(bytes.size())}) + bytes);

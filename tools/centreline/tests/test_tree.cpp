@@ -46,7 +46,7 @@ void curves_that_touch_become_a_tree(void **)
 
 void a_tree_grows_by_the_deepest_end(void **)
 {
-    // In this one-dimensional example each curve is a pair of coordinates [first, last], and its depth in a
+    // In the one-dimensional example each curve is a pair of coordinates [first, last], and its depth in a
     // branch is the distance to the branch's nearer end.
     const std::vector<std::array<double, 2>> curves = {{5, 9}, {2, 1}, {0, 1}, {100, 101}, {3, 5}};
     std::vector<Joint> joints;

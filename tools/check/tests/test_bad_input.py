@@ -104,8 +104,8 @@ class Bench:
         self.report.check(name, [] if code == 0 else ["exit code %s, expected 0:\n%s" % (code, text[-2000:])])
 
     def bad(self, name, command, code, pattern, absent=None):
-        """Checks that the program refuses an input with this exit code and a message that matches `pattern`, and that
-        it does not write the file `absent`."""
+        """Checks that the program refuses an input with the given exit code and a message that matches `pattern`, and
+        that it does not write the file `absent`."""
         got, text = self.run(command)
         findings = []
         if got != code:
@@ -136,7 +136,7 @@ def anatomy_cases(bench):
 
 # --- bake ------------------------------------------------------------------------------------------------------------
 def bake_scene(bench, name, pattern, text, mesh=None, mesh_name="lumen.stl"):
-    """Checks that the program bake refuses a scene with this text."""
+    """Checks that the program bake refuses a scene with the given text."""
     bench.write("lumen.stl", stl(LUMEN))
     if mesh is not None:
         bench.write(mesh_name, mesh)
@@ -285,8 +285,8 @@ def cournand_command_lines(bench):
 
 
 def cournand_tools(bench):
-    """Tests the program with several tools at once. The program must accept tools that fit into each other, name a tool
-    that does not fit, and refuse a script that needs more tools than the command line names."""
+    """Tests the program cournand with several tools at once. The program must accept tools that fit into each other,
+    name a tool that does not fit, and refuse a script that needs more tools than the command line names."""
     two = ["--tool", CATHETER]
     bench.good("a wire and a catheter run", session_run(more=two + ["--record", "two.rec"]))
     bench.good("their recording is verified", ["cournand", "replay", "two.rec", "--verify"])

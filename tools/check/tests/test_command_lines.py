@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Tests the command lines of all programs as a table, which the programs themselves give (--generate man). Every
-command names and corrects a mistyped option or subcommand, and ends with exit code 2. Every command refuses an output
-that cannot be written before it begins its work. No program writes progress into a pipe. Prints TAP.
+"""Tests the command lines of all programs, according to the table of commands that the programs themselves print
+(--generate man). If an option or subcommand is mistyped, every command names it, suggests the right one, and returns
+exit code 2. If an output cannot be written, every command refuses it before the work begins. No program writes progress
+into a pipe. Prints TAP.
 
-Each command that has outputs needs a line in OUTPUT_CASES; without this line, the test fails for a new command. Inputs
-that do not exist show the order: a command that had read its input first would have complained about the input."""
+Each command that has outputs needs a line in OUTPUT_CASES; without this line, the test fails for a new command. The
+test names inputs that do not exist: a command that read its input before it checked its output would complain about the
+input."""
 
 import os
 import pty
@@ -46,7 +48,7 @@ OTHER_WORDS = {("cournand replay", "--output"): ["--upgrade"]}
 
 
 class Folder:
-    """A folder for the programs to run in, with the few files that the cases name."""
+    """Makes a folder in which the programs run, with the few files that the test cases name."""
 
     def __init__(self, path):
         self.path = path
@@ -80,7 +82,8 @@ class Folder:
 
 
 def mistyped(word):
-    """Returns the word with two letters exchanged, or with one letter more if it is short or the letters are equal."""
+    """Returns the word with two letters exchanged, or with one additional letter if the word is short or the two
+    letters are equal."""
     at = len(word) - 2
     changed = word[:at] + word[at + 1] + word[at]
     return changed if changed != word and len(word) > 4 else word + "x"
@@ -163,7 +166,7 @@ def check_outputs(report, folder, commands):
 
 
 def terminal_text(folder, words):
-    """Returns what a program writes to standard error output if this is a terminal."""
+    """Returns what a program writes to standard error if standard error is a terminal."""
     ours, theirs = pty.openpty()
     folder.run(words, stderr=theirs)
     os.close(theirs)

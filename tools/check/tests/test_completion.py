@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Tests completion and man pages as a user has them. Real shells (bash and zsh on a terminal, fish) complete commands,
-options and names with the scripts that the programs write, and the man pages have no warning of groff or mandoc. Prints
-TAP.
+"""Tests the completion of command lines and the man pages in the way that a user meets them. Real shells (bash and zsh
+on a terminal, fish) complete commands, options and names with the scripts that the programs write, and groff and mandoc
+give no warning about the man pages. Prints TAP.
 
-Each case has the beginning of a command line and what the shell must make of it after the Tab key."""
+Each test case has the beginning of a command line, and the text to which the shell must complete it after the Tab
+key."""
 
 import os
 import pty
@@ -40,7 +41,8 @@ CASES = [
 
 
 class Home:
-    """An empty home with the programs in PATH, and a current folder with one file, one folder and one recording."""
+    """Makes an empty home folder, with the programs in PATH, and a current folder with one file, one folder and one
+    recording."""
 
     def __init__(self, path):
         self.path = path
@@ -69,7 +71,7 @@ class Home:
 
 
 class Terminal:
-    """An interactive shell on a terminal."""
+    """Runs an interactive shell on a pseudo-terminal."""
 
     def __init__(self, home, words, begin):
         self.process, self.file = pty.fork()
@@ -84,7 +86,8 @@ class Terminal:
         os.write(self.file, text.encode())
 
     def wait(self, wanted):
-        """Reads until the text is on the terminal. Returns False if it does not appear."""
+        """Reads the terminal's output until it contains the text `wanted`. Returns False if the text `wanted` does not
+        appear."""
         while wanted not in self.text:
             if not select.select([self.file], [], [], LIMIT_S)[0]:
                 return False
@@ -97,8 +100,8 @@ class Terminal:
         return True
 
     def completed(self, line):
-        """Returns the words that the shell makes of this line when the Tab key is pressed. After the Tab key, the
-        keys Ctrl-A and Ctrl-E put a command around the line that prints its words."""
+        """Returns the words of the line to which the shell completes `line` when the Tab key is pressed. After the Tab
+        key, the test uses Ctrl-A and Ctrl-E to make the completed line the arguments of a command that prints them."""
         self.text = ""
         self.send(line + '\t\x01printf \'<%s>\' \x05; echo "<e"nd"g>"\n')
         if not self.wait("<endg>"):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Tests the files that programs write and read, as a user meets them. Programs check their output paths before long
+"""Tests how programs write and read files from a user's point of view. Programs check their output paths before long
 work begins and read a scene only with its own bodies. Programs never report a truncated recording as verified, and no
-text from a file moves the terminal's cursor. Prints TAP.
+text from a file can move the terminal's cursor. Prints TAP.
 
 The good inputs, and the class that runs the test cases, come from test_bad_input.py."""
 import os
@@ -119,8 +119,8 @@ def without_partner(data):
 
 
 def full_disk(bench):
-    """Tests a disk that has space for the file of bodies but not for the scene. The program must replace neither file
-    and leave no other file behind."""
+    """Tests a disk that has space for the file of bodies but not for the scene. The program must replace neither of the
+    two files, and must leave no other file behind."""
     bench.good("the scene is baked before the disk is full", bake("one"))
     before = {name: bench.read(name) for name in ("one.scene", "one.bodies")}
     room = (len(before["one.bodies"]) + len(before["one.scene"])) // 2

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Tests that each shipped session in the beating heart reaches the end that its script states. Contrast medium flows in
-these sessions, but no pictures are made. test_turns.py tests that a session fails if its tools are not turned.
+the sessions, but no pictures are made. The script test_turns.py tests that a session fails if its tools are not turned.
 
 The sessions use the scene of `make coronary` with a lesion in the LAD, without the bodies that
 only pictures need. The lesion lies beyond the ostia, where the first two sessions end.

@@ -462,8 +462,8 @@ def is_test(path):
 
 
 def check_cycles(graph):
-    """Yields header cycles. The function repeatedly removes every file that includes no remaining file; the files that
-    are left at the end include each other in a circle."""
+    """Yields header cycles. The search for circular includes repeatedly removes every file that includes no remaining
+    file; the files that are left at the end include each other in a circle."""
     left = dict(graph)
     while True:
         free = [path for path, targets in left.items() if not any(t in left for t in targets)]

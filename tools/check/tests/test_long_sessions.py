@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Tests that the whole angioplasty in the beating heart reaches the end that its script states, and that the demo
-reaches its end with slightly different instruments, too. test_sessions.py and test_heart_sessions.py run the other
-shipped sessions. These runs take minutes, so they belong to `make test-lab`.
+"""Tests that the whole angioplasty in the beating heart reaches the end that its script states. The test also checks
+that the demo reaches its end with slightly different instruments. The scripts test_sessions.py and
+test_heart_sessions.py run the other shipped sessions. The long sessions take minutes, so they belong to `make
+test-lab`.
 """
 
 import os

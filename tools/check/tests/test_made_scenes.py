@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Tests the scenes that tests share: a scene is made once, by one of several tests that ask at the same time. It is
-made anew after a change of a program or an input. A maker that fails leaves no scene. Prints TAP.
+"""Tests the scenes that several tests share: a scene is made only once, even if several tests ask for it at the same
+time. A scene is made anew after a program or an input has changed. If a scene cannot be made, nothing is kept in its
+place. Prints TAP.
 
-The programs are substitutes, whose contents are all that counts here. test_sessions.py makes real scenes.
+Substitutes stand in for the programs `anatomy` and `bake`, because only the contents of the program files matter here.
+The script test_sessions.py makes real scenes.
 """
 
 import concurrent.futures
@@ -17,7 +19,7 @@ import tree  # noqa: E402
 
 
 class Bench:
-    """A build folder with two substitute programs, and a maker that counts its calls."""
+    """Makes a build folder with two substitute programs, and has a function `maker` that counts its calls."""
 
     def __init__(self, folder):
         self.build = folder

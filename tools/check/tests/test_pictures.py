@@ -65,7 +65,7 @@ def sample(folder):
 
 
 def check_rules(tap):
-    """The test first shows that each rule objects to a bad sample."""
+    """The test first shows that each rule finds the fault in a bad sample."""
     with tempfile.TemporaryDirectory() as folder:
         manifest, session, picture = sample(folder)
         linked = {picture}

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks those rules of style that a program can check: lengths, banned words and calls, recursion, layout, documents,
-packages and make targets. The test first shows that each rule objects to a bad sample. Prints TAP."""
+packages and make targets. The test first shows that each rule finds the fault in a bad sample. Prints TAP."""
 import ast
 import os
 import re

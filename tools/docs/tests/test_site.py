@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims about the documentation website: every page is in the navigation once, the versions of the Python packages are
-fixed, and the functions of site_hooks.py do what their comments state. `make docs` builds it. Prints TAP."""
+"""Tests the documentation website: every page is in the navigation once, the versions of the Python packages are fixed,
+and the functions of site_hooks.py do what their comments state. `make docs` builds it. Prints TAP."""
 
 import collections
 import importlib.util

@@ -23,8 +23,8 @@ class Hash
   public:
     void add(std::string_view bytes);
     void add(double value);
-    void add_file(
-        const std::filesystem::path &file); // Hashes the file's bytes, not its name. Throws CheckpointError.
+    void add_file(const std::filesystem::path &file); // Hashes the bytes of a file, not its name. Throws
+                                                      // CheckpointError.
     std::uint64_t value() const { return value_; }
 
   private:

@@ -13,15 +13,15 @@ namespace
 using vcsim3::JointProperties, vcsim3::RodProperties;
 
 constexpr double tick_s = 1e-3, radian = std::numbers::pi / 180.0;
-// These constants limit two products: the time step times the highest angular frequency of the points, and
-// the time step times the highest angular frequency of the segments' rotation. The integration is stable
-// while the root of the sum of the squares of these two products is below 2; the margin covers compressed
-// segments and large rotations.
+// The constants limit two products: the time step times the highest angular frequency of the points, and the
+// time step times the highest angular frequency of the segments' rotation. The integration is stable while
+// the root of the sum of the squares of the two products is below 2; the margin covers compressed segments
+// and large rotations.
 constexpr double point_ratio = 1.5, turn_ratio = 0.9;
 constexpr double outside_mm = 3.0; // a rod deeper in the wall has passed through it
 
-// Returns EI, GJ and the resting angle of a joint between two elements. The function sums compliance and
-// curvature over the two half elements beside the joint.
+// Returns EI, GJ and the resting angle of a joint between two elements. Compliance and curvature are summed
+// over the two half elements beside the joint.
 JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &values, double arc_mm,
                          double element_mm)
 {

@@ -9,8 +9,8 @@
 namespace crn::calibrate
 {
 
-// The formulas are those of a round wire: EI = E pi r^4 / 4 at the shaft, alpha = E of the tip over E of the
-// shaft, and mass per length = density pi r^2.
+// The formulas are those of a round wire. The shaft has EI = E pi r^4 / 4, alpha is E of the tip over E of
+// the shaft, and the mass per length is density pi r^2.
 struct CordeValues {
     double young_Pa = 0.0, tip_over_shaft = 0.0, radius_mm = 0.0, density_kg_m3 = 0.0, parallel_N = 0.0;
 
@@ -19,7 +19,7 @@ struct CordeValues {
 };
 
 // Explicit integration is stable while the time steps are short compared with the period of the fastest
-// oscillation. A rod that would need more than `substeps_max` substeps gets more mass instead.
+// oscillation. A rod that would need more than `substeps_max` substeps gets more mass instead. The page
 // docs/calibrate.md, "The thesis' rod", gives the measurements behind all values.
 struct CordeSettings : InsertionSettings {
     double element_mm = 3.0; // with element_factor 1
@@ -39,8 +39,8 @@ CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &valu
                        const CordeSettings &settings, double length_mm);
 
 // Returns the direction of the first axis of the instrument's frame while the hand's angle is 0, as in the
-// core. The returned vector is perpendicular to two vectors: to `direction`, and to the world's coordinate
-// axis that is most nearly perpendicular to `direction`.
+// core. The returned vector is perpendicular to `direction`, and to that coordinate axis of the world which
+// is most nearly perpendicular to `direction`.
 Vector3d zero_turn_axis(const Vector3d &direction);
 
 class CordeRod final : public HeldRod

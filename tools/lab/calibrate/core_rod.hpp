@@ -13,7 +13,7 @@ namespace crn::calibrate
 class CoreRod final : public HeldRod
 {
   public:
-    // The object that `lumen` points to must exist longer than this object; if `lumen` is nullptr, the rod
+    // The object that `lumen` points to must exist longer than the CoreRod; if `lumen` is nullptr, the rod
     // moves in free space. Throws TrialRefused when the core rejects the instrument.
     CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);

@@ -63,7 +63,8 @@ class Evaluator
     // Returns all settings that change the results, as text for the checkpoint's hash.
     virtual std::string settings_text() const = 0;
     // Returns the text of an instrument file that contains the given values, each followed by the text
-    // `source`. The returned text is empty if our simulator cannot simulate the fitted rod model.
+    // `source`. The text of the instrument file is empty if our simulator cannot simulate the fitted rod
+    // model.
     virtual std::string instrument_text(const std::vector<double> &values,
                                         const std::string &source) const = 0;
 

@@ -45,7 +45,7 @@ class Hand
         }
     }
 
-    // We use mean positions at rest, because the tip may oscillate about these positions.
+    // We use mean positions at rest, because the tip may oscillate about its mean position.
     std::vector<Vector3d> rest()
     {
         const double still_mm = settings_.still_um_per_tick * settings_.rest_window_ticks * 1e-3;
@@ -74,8 +74,8 @@ class Hand
     }
 
     // Returns the mean position of each node over the next window of time. The returned list of positions is
-    // empty if the number of nodes changes during this window, which happens while the rod still follows the
-    // hand.
+    // empty if the number of nodes changes during the window of time, which happens while the rod still
+    // follows the hand.
     std::vector<Vector3d> mean_over_window()
     {
         const double turn_deg = case_.turn_deg_at(hand_mm_);

@@ -20,9 +20,9 @@ class HeldRod
     virtual std::vector<Vector3d> nodes_mm() const = 0; // the nodes inside the vessel, tip first
 };
 
-// These settings define the hand's motion, the criterion by which the rod counts as resting, and the length
-// of the rod's elements. The default values are for our rod; docs/calibrate.md, "Short cuts", states how
-// these settings change the result.
+// Holds settings that define the hand's motion, the criterion by which the rod counts as resting, and the
+// length of the rod's elements. The default values are for our rod; docs/calibrate.md, "Short cuts", states
+// how these settings change the result.
 struct InsertionSettings {
     double start_mm = 5.0;        // inserted length when the hand begins; the core may need slightly more
     double speed_mm_per_s = 40.0; // of the hand; the case's speed where that is faster
@@ -31,8 +31,8 @@ struct InsertionSettings {
     // case's speed if that is faster.
     double approach_mm = 10.0, approach_mm_per_s = 10.0;
     // The rod is at rest when no node's mean position moves by more than `still_um_per_tick` per tick during
-    // three times `rest_window_ticks`. We use a mean position, because a soft tip may chatter on the wall for
-    // ever.
+    // three times `rest_window_ticks`. We use a mean position, because a soft tip may oscillate on the wall
+    // without end.
     double still_um_per_tick = 0.2;
     int rest_window_ticks = 50;
     int settle_max_ticks = 1000;

@@ -1,8 +1,8 @@
 // Moves each fitted number away from its best value in steps that double in size, until the objective rises
-// by more than the noise explains. Then bisects the interval between the last two steps. A search that moves
-// only one number at a time does not discover that two numbers compensate each other. Some trials of the
-// search are as good as the best trial and reveal such compensation, so the range of a number is widened to
-// include these trials.
+// by more than the noise explains. Then the search bisects the interval between the last two steps. A search
+// that moves only one number at a time does not discover that two numbers compensate each other. Some trials
+// of the search are as good as the best trial and show that numbers compensate each other, so the range of a
+// number is widened to include these trials.
 #include "tools/lab/calibrate/identify.hpp"
 #include <algorithm>
 #include <array>

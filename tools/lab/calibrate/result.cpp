@@ -28,8 +28,8 @@ ParameterResult judged(const Parameter &parameter, double share, const Identifie
     return result;
 }
 
-// Takes the fitted numbers that the data leave undetermined, one after the other, and resets each of them to
-// the value in the instrument file, as long as the objective stays within the noise.
+// Resets the fitted numbers that the data leave undetermined, one after the other, to their values in the
+// instrument file. A number is reset only if the objective then stays within the noise.
 Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, const EvaluateShares &evaluate,
                      Verdict best)
 {
@@ -52,9 +52,9 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
     return best;
 }
 
-// Repeats the simulated insertion with shorter elements (an insertion without shortcuts). If the core's
-// number format cannot represent these elements, the fit is still valid, and only the result of this
-// insertion is missing.
+// Repeats the simulated insertion with shorter elements and without the other shortcuts. If the core's number
+// format cannot represent the shorter elements, the fit is still valid, and only the result of the insertion
+// without shortcuts is missing.
 std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
                                            std::size_t depth_count)
 {

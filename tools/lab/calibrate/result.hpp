@@ -1,5 +1,5 @@
 // Defines the result of a calibration as it is in memory, before it is written to files. The result must be
-// equal for any number of workers, so it contains neither facts about the machine nor times.
+// equal for any number of workers, so it contains neither facts about the machine nor durations.
 #pragma once
 #include "tools/lab/calibrate/identify.hpp"
 #include "tools/lab/vcsim3/lumen.hpp"
@@ -53,16 +53,16 @@ struct Finished {
     SearchState state;
 };
 
-// Makes the result of the calibration from that search which found the best trial. The function `evaluate`
-// runs the trials that determine the range of each number, and the final insertions.
+// Makes the result of the calibration from the search that found the best trial. The function `evaluate` runs
+// the trials that determine the range of each number, and the final insertions.
 Result make_result(const insertion::Case &c, const Evaluator &evaluator, const Evaluator &careful,
                    const Judge &judge, const std::vector<Finished> &searches, const EvaluateShares &evaluate,
                    const IdentifySettings &settings);
 
 std::string to_json(const Result &result);
 std::string page_html(const Result &result);
-// These functions draw Figure 5.5 of the thesis for every depth, and plots of how each search converged. Both
-// throw std::runtime_error.
+// The functions below draw Figure 5.5 of the thesis for every depth, and plots of how each search converged.
+// Both throw std::runtime_error.
 void draw_shapes(const Result &result, const vcsim3::Vessel &vessel, const std::string &path);
 void draw_curves(const Result &result, const std::string &path);
 

@@ -13,7 +13,8 @@ namespace crn::calibrate
 {
 
 // Returns settings without shortcuts: the hand has the case's speed throughout, and the program waits long
-// for rest. The elements are 0.35 times as long as in the instrument file, if the core accepts this length.
+// for the rod to rest. The elements are 0.35 times as long as in the instrument file, if the core accepts
+// this length.
 InsertionSettings careful_settings();
 
 // Holds the values of the four fitted numbers; a number that is not fitted gets its nominal value.
@@ -26,8 +27,9 @@ struct RodValues {
 double density_of(const crn_wire_instrument &table, double radius_mm);
 RodValues nominal_values(const crn_wire_instrument &table);
 // Returns a copy of the nominal instrument's table in which the fitted numbers have the given values. The
-// functions of tools/lab/case/stiffness.hpp compute EI and GJ; one factor scales the radius along the whole
-// instrument, another factor scales the mass, and the friction is everywhere that of the case.
+// functions of tools/lab/case/stiffness.hpp compute the stiffnesses EI and GJ of the copy. One factor scales
+// the radius along the whole instrument, and another factor scales the mass; the friction is everywhere that
+// of the case.
 crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
                                        const insertion::Case &c);
 

@@ -4,7 +4,7 @@
   table51.py -o out/table51 [--preset full|quick|fast] [--instruments NAME ...] [--page-only]
 
 For each instrument, the reference rod makes the true shapes, with a stiffness that differs from the stiffness in the
-instrument file. These shapes are either scanned virtually and segmented, or converted directly to centrelines with
+instrument file. The true shapes are either scanned virtually and segmented, or converted directly to centrelines with
 noise. Our rod is then fitted without the force trace and with it, and the CoRdE baseline is fitted without the force
 trace. Every finished step leaves a file NAME.done that contains its command, and the program does not repeat a step
 whose command is unchanged. A fit that was stopped continues from its last generation. If a step fails for an

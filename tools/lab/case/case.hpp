@@ -57,7 +57,7 @@ struct Case {
     std::filesystem::path force;                          // empty: no force was measured
 
     std::filesystem::path path_in(const std::filesystem::path &path) const;
-    // Returns the angle to which the hand is turned at this inserted length.
+    // Returns the angle to which the hand is turned at the given inserted length.
     double turn_deg_at(double inserted_mm) const;
 };
 
@@ -83,7 +83,7 @@ void write_centreline(const std::filesystem::path &file, const std::vector<Eigen
 std::vector<ForceSample> read_force(const std::filesystem::path &file);
 void write_force(const std::filesystem::path &file, const std::vector<ForceSample> &samples);
 
-// Numbers in all files of a case are written with this many significant digits.
+// Numbers in all files of a case are written with `file_digits` significant digits.
 inline constexpr int file_digits = 9;
 
 } // namespace crn::insertion

@@ -1,11 +1,11 @@
 // Two numbers describe how stiff an instrument is: EI of its shaft, and alpha, the ratio of EI at its tip to
 // EI of its shaft.
 //
-// An instrument file states EI at every position along the instrument. A change of these two numbers does not
-// change how EI is distributed between tip and shaft. Where the instrument file's EI is (EI of the shaft) *
-// alpha_file^w, the new EI is (new EI of the shaft) * alpha^w. The weight w is thus 1 at the tip and 0 on the
-// shaft, and it lies between 0 and 1 on a taper. The EI of the shaft scales the whole instrument, and alpha
-// states how soft the tip is relative to the shaft. GJ keeps its ratio to EI.
+// An instrument file states EI at every position along the instrument. A change of the shaft's EI or of alpha
+// does not change how EI is distributed between tip and shaft. Where the instrument file's EI is (EI of the
+// shaft) * alpha_file^w, the new EI is (new EI of the shaft) * alpha^w. The weight w is thus 1 at the tip and
+// 0 on the shaft, and it lies between 0 and 1 on a taper. The EI of the shaft scales the whole instrument,
+// and alpha states how soft the tip is relative to the shaft. GJ keeps its ratio to EI.
 #pragma once
 #include "shared/wire/wire.h"
 

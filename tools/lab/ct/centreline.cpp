@@ -48,7 +48,8 @@ std::vector<Vector3d> part_of(const std::vector<Vector3d> &line, double begin_mm
 }
 
 // Fits a smooth curve to weighted points, with a penalty on the third differences of neighbouring points: (W
-// + k D'D) x = W m. The matrix of this system has seven diagonals, and Cholesky's method solves the system.
+// + k D'D) x = W m. The matrix of the fit's equations has seven diagonals, and Cholesky's method solves the
+// equations.
 std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vector<double> &weights,
                              double against)
 {
@@ -278,7 +279,7 @@ InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const 
     const double length = length_of(path);
     if (length < 4 * trimmed_mm + 2)
         throw Fault(volume.name + ": the instrument in the scan is too short to be followed");
-    // The path through the voxels has steps, so the function smooths the path first.
+    // The path through the voxels is stepped, so the function smooths the path first.
     path = part_of(path, 0, length);
     path = smooth(path, std::vector<double>(path.size(), 1.0), 60);
     const bool is_cut_off =

@@ -16,8 +16,8 @@ namespace
 
 constexpr double branch_mm = 6; // length of voxels off the path that show a second instrument
 
-// The instrument's voxels, and bridges across gaps between them, form a graph. The shortest paths of this
-// graph follow the brightest line through the voxels.
+// The instrument's voxels, and bridges across gaps between them, form a graph. The shortest paths of the
+// graph of voxels follow the brightest line through the voxels.
 class Ways
 {
   public:
@@ -178,9 +178,9 @@ std::vector<Vector3d> path_through(const Volume &volume, const Volume &mask, con
         if (at == one) break;
     }
     refuse_branches(ways, path, volume);
-    // If mouth_mm is given, the path begins at the end of the instrument that is nearest to mouth_mm.
-    // If mouth_mm is not given, the path begins at the end of the instrument that leaves the scanned region;
-    // if this rule does not decide, the path begins at the instrument's lower end.
+    // If mouth_mm is given, the path begins at the end of the instrument that is nearest to mouth_mm. If
+    // mouth_mm is not given, the path begins at the end of the instrument that leaves the scanned region. If
+    // this rule does not decide, the path begins at the instrument's lower end.
     bool begins_at_mouth = path.front().y() < path.back().y();
     if (options.mouth_mm) {
         begins_at_mouth = (path.front() - *options.mouth_mm).dot(options.direction) <

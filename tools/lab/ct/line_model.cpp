@@ -137,8 +137,8 @@ Eigen::Matrix2d LineFit::inverse_spread(const Frame &frame, const LineModel &mod
     return Eigen::Matrix2d(across.transpose() * spread * across).inverse();
 }
 
-// Fits the displacement of the centreline and the logarithm of the peak's height by Levenberg and Marquardt's
-// method. The weights of this fit reduce the influence of streaks.
+// Fits the displacement of the centreline and the logarithm of the peak's height by the Levenberg-Marquardt
+// method. The weights of the fit across the centreline reduce the influence of streaks.
 AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, const LineModel &model) const
 {
     const std::vector<Sample> samples = samples_at(frames, index, reach_mm, 1.5);

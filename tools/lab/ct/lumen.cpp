@@ -130,10 +130,10 @@ struct Grower {
     }
 };
 
-// Takes the voxels that may be fluid, and applies a morphological opening with a ball to them. After this
-// opening, no gap that a streak leaves in the wall connects the inside of the lumen with the outside. The
-// function then keeps the voxels that are connected to the centreline, and adds all voxels that these voxels
-// enclose.
+// Takes the voxels that may be fluid, and applies a morphological opening with a ball to them. After the
+// morphological opening, no gap that a streak leaves in the wall connects the inside of the lumen with the
+// outside. After the opening, the function keeps the voxels that are connected to the centreline, and adds
+// all voxels that these enclose.
 Volume grown(const Volume &restored, const Volume &distance, double fluid, double limit)
 {
     Volume dim = restored.like(0);
@@ -260,8 +260,8 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     for (Volume *part : {&mask, &merged.distance, &merged.filled, &merged.hidden, &lumen.restored})
         *part = cut_out(*part, low, high);
     lumen.hidden = std::move(merged.hidden);
-    // The steepest slope of a smooth edge with this contrast is contrast / (sigma sqrt(2 pi)); a slope of
-    // half this size counts as an edge.
+    // The steepest slope of a smooth edge with the measured contrast is contrast / (sigma sqrt(2 pi)); a
+    // slope of half this size counts as an edge.
     const double steepest = contrast / (2.5066 * std::hypot(options.smooth_mm, 0.45));
     lumen.edge_HU_per_mm = 0.5 * steepest;
     lumen.first = level_of(mask, lumen.restored, lumen.edge_HU, steepest);

@@ -7,7 +7,7 @@
 namespace crn::ct
 {
 
-// Within this distance of the instrument's centreline, values that neither fluid nor silicone can have are
+// Within `streak_mm` of the instrument's centreline, values that neither fluid nor silicone can have are
 // treated as streaks.
 inline constexpr double streak_mm = 9.0;
 
@@ -30,7 +30,7 @@ struct LumenScan {
 };
 
 struct Lumen {
-    // All volumes of this struct cover only that part of the scan which surrounds the lumen.
+    // All volumes of the struct cover only that part of the scan which surrounds the lumen.
     Volume level;    // mm from the wall, negative inside
     Volume restored; // the merged scans without the instrument, smoothed
     Volume hidden;   // 1 where metal hid the voxel in all scans, else 0

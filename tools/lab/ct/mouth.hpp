@@ -22,10 +22,10 @@ struct InsertedLine {
     double inserted_mm;
     std::string name; // the name of the scan
 };
-// The distance from the tip back along the centreline to the introducer's end is the inserted length; for
-// several depths we take the mean of the positions that they give for the introducer's end. Throws Fault if
-// the part of the instrument in a scan is shorter than the inserted length, or if the depths give
-// contradictory positions.
+// The distance from the tip back along the centreline to the introducer's end is the inserted length. With
+// several depths, the position of the introducer's end is the mean of the positions that the depths give.
+// Throws Fault if the part of the instrument in a scan is shorter than the inserted length, or if the depths
+// give contradictory positions.
 Mouth find_mouth(const std::vector<InsertedLine> &lines);
 
 // Checks that the length of a centreline, from the introducer's end to the tip, equals the inserted length.

@@ -12,7 +12,7 @@ class Page
     explicit Page(const std::filesystem::path &folder);
     const std::filesystem::path &folder() const { return folder_; }
 
-    // Saves the picture under this name, and adds the picture to the page with a line of text. Throws
+    // Saves the picture under the given name, and adds the picture to the page with a line of text. Throws
     // OutputError.
     void show(const Picture &picture, const std::string &name, const std::string &what);
     // Adds a link to another page; `name` is the text of the link.

@@ -19,9 +19,9 @@ class Picture
   public:
     // Shows the slice `index`; if index < 0, each pixel shows the brightest value of all slices.
     Picture(const Volume &volume, int axis, int index, double low_HU, double high_HU, double pixel_mm = 0.35);
-    // Draws the outline along which `level`, a volume on the same grid, changes its sign in the displayed
-    // slice. In a picture of all slices, the function outlines the region of pixels where `level` is negative
-    // (inside) in at least one slice.
+    // Draws the outline of a surface in the displayed slice; the outline is where `level`, a volume on the
+    // same grid, changes its sign. In a picture of all slices, the function outlines the region of pixels
+    // where `level` is negative (inside) in at least one slice.
     void outline(const Volume &level, Ink ink);
     void line(const std::vector<Eigen::Vector3d> &scene_mm, Ink ink, double width);
     void dot(const Eigen::Vector3d &scene_mm, Ink ink, double width);

@@ -5,8 +5,8 @@
 // cut meshes and through the instrument's tubes. The line integrals are averaged over the detector's aperture
 // and the slice's profile. The scanner attenuates a polychromatic beam, counts photons, corrects beam
 // hardening for water as real scanners do, and reconstructs the picture by filtered back-projection.
-// Blooming, streaks and photon starvation result from this computation; the program does not draw them
-// artificially. The scanner does not model scatter, nor the geometry of a fan beam or a helical scan.
+// Blooming, streaks and photon starvation result from the simulated physics; the program does not draw them
+// artificially. The scanner models neither scatter nor the geometry of a fan beam or a helical scan.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"

@@ -1,5 +1,5 @@
 // Defines the parts of the virtual scanner: planes through the phantom, chords of the instrument, the beam
-// and the reconstruction. In these parts of the scanner, positions are in mm in LPS axes (left, posterior,
+// and the reconstruction. In the parts of the scanner, positions are in mm in LPS axes (left, posterior,
 // superior), and the scanner's axis passes through `centre`.
 #pragma once
 #include "tools/lab/ct/scanner.hpp"
@@ -33,8 +33,8 @@ class PhantomPlanes
     PhantomPlanes(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                   const Eigen::AlignedBox3d &box_lps, const Eigen::Vector3d &centre);
     void edges_at(double height_mm, std::vector<Edge> &edges) const;
-    // Returns the middle of the lumen in this plane, or the point on the scanner's axis if the plane does not
-    // cut the lumen.
+    // Returns the middle of the lumen in the plane at the given height, or the point on the scanner's axis if
+    // the plane does not cut the lumen.
     Eigen::Vector2d middle_at(double height_mm) const;
 
   private:
@@ -96,8 +96,8 @@ class Beam
 {
   public:
     Beam(double tube_kV, const std::vector<Material> &materials);
-    // Returns the fraction of the signal that remains after the beam has passed through these lengths, in mm,
-    // of water and of each material.
+    // Returns the fraction of the signal that remains after the beam has passed through the given lengths, in
+    // mm, of water and of each material.
     double transmission(double water_mm, const float *lengths_mm) const;
     double water_transmission(double water_mm) const;
     // Returns the length of water that would transmit the same fraction of the signal; real scanners correct

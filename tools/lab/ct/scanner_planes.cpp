@@ -168,8 +168,8 @@ void PhantomPlanes::cut_lumen(double height_mm, double value, std::vector<Edge> 
     }
 }
 
-// Applies the method of marching squares to the distance in this plane; the outline is where the distance
-// equals the wall's thickness.
+// Applies the method of marching squares to the distance in a plane; the outline is where the distance equals
+// the wall's thickness.
 void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edge> &edges) const
 {
     const double place = height_mm - field_origin_.z();
@@ -229,8 +229,8 @@ Vector2d PhantomPlanes::middle_at(double height_mm) const
 
 // The chord of a ray is the sum of -t sign(ds) over all edges that the ray crosses, because the ray enters
 // through edges below and leaves through edges above. Along an edge of the outline, the position t along the
-// ray is a linear function of s. The mean of t over a detector bin is therefore the value of t at the middle
-// of that part of the bin which the edge covers.
+// ray is a linear function of the ray's offset s. The mean of t over a detector bin is therefore the value of
+// t at the middle of that part of the bin which the edge covers.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums)
 {
     const double per_bin = 1 / rays.pitch_mm, half = 0.5 * rays.bins;

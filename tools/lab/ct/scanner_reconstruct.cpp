@@ -64,8 +64,8 @@ Reconstruction::Reconstruction(const Rays &rays, double blur_mm) : rays_(rays)
 
 Reconstruction::~Reconstruction() = default;
 
-// Filters two rows at once, as the real and the imaginary part of one row, because the filter's response is
-// real and even.
+// Filters two rows at once, as the real and the imaginary part of one complex row, because the filter's
+// response is real and even.
 void Reconstruction::filter(std::vector<float> &lengths_mm) const
 {
     const std::size_t bins = static_cast<std::size_t>(rays_.bins);

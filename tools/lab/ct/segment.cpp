@@ -254,7 +254,7 @@ Apart lines_apart(const std::vector<Vector3d> &line, const std::vector<Vector3d>
 }
 
 // The mean distance is weighted by area, because vertices are denser where the surface bends. Every triangle
-// of the surface is sampled at the points of a grid whose spacing is at most this value.
+// of the surface is sampled at the points of a grid whose spacing is at most grid_mm.
 Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference)
 {
     constexpr double grid_mm = 1.0;

@@ -23,8 +23,8 @@ struct SnakeWeights {
     double advection = 1;   // towards edges
     int iterations = 40;
 };
-// Moves the snake (active contour) by the given number of steps, and returns the signed distance from it. ITK
-// runs on one thread here, so the result is deterministic.
+// Moves the snake (active contour) by the given number of steps, and returns the signed distance from the
+// moved contour. The library ITK runs on one thread in these functions, so their results are deterministic.
 Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights &weights);
 
 } // namespace crn::ct

@@ -1,7 +1,7 @@
 // Repeats the compression experiment of section 5.4.2 of the thesis. The hand pushes a rod into the phantom
-// until the rod's tip is at the closed end and further pushing has compressed the rod. The function then
-// compares the length of the compressed rod with its unloaded length. All solvers (the modes of the thesis'
-// rod, and our direct solver) simulate the same rod, vessel and motion of the hand.
+// until the rod's tip is at the closed end and further pushing has compressed the rod. At the end, the length
+// of the compressed rod is compared with its unloaded length. All solvers (the modes of the thesis' rod, and
+// our direct solver) simulate the same rod, vessel and motion of the hand.
 #pragma once
 #include "tools/lab/vcsim3/direct.hpp"
 #include "tools/lab/vcsim3/preset.hpp"
@@ -32,8 +32,9 @@ struct ShapeNode {
 };
 
 // Positive percentages are compression. If a rod has become unstable, is_sound is false and the other values
-// of the result are meaningless. A rod counts as unstable if a coordinate is not finite or more than half a
-// metre from the first node that the hand holds, or if the relative error of its length is more than half.
+// of the result are meaningless. A rod counts as unstable if a coordinate is not finite or is more than half
+// a metre away from the first node that the hand holds. A rod also counts as unstable if the relative error
+// of its length is more than half.
 struct CompressionResult {
     std::string name, token; // "25 Local", "local25"; "Direct", "direct"
     bool is_sound = true;

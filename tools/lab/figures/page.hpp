@@ -5,8 +5,8 @@
 namespace vcsim3
 {
 
-// Returns the beginning of an HTML page with this title, the style and the first heading; the caller writes
-// "</body></html>" at the end of the page.
+// Returns the beginning of an HTML page with the given title, the style and the first heading; the caller
+// writes "</body></html>" at the end of the page.
 std::string page_head(const std::string &title);
 
 std::string page_html(const Study &study, const std::string &vessel_name);

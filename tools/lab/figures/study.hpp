@@ -36,12 +36,13 @@ using Report = std::function<bool(const std::string &, double)>;
 
 Study make_study(const StudySettings &settings, const Vessel &vessel, const Report &report);
 
-// Returns the run of the mode with this short name, or nullptr if there is none.
+// Returns the run of the mode with the given short name, or nullptr if there is none.
 const CompressionResult *find_run(const Study &study, const std::string &token);
 
 // Returns one sentence for each violated requirement on Figure 5.11 (requirement 4 of the product). The list
-// is empty when all three requirements hold: the compression falls in the order penalty > 5 > 10 > 25 > 50
-// local, no rod became unstable, and the direct solver has the least compression.
+// of violated requirements is empty when three conditions hold. The conditions are: the compression falls in
+// the order penalty > 5 > 10 > 25 > 50 local, no rod became unstable, and the direct solver has the least
+// compression.
 std::vector<std::string> order_faults(const Study &study);
 
 } // namespace vcsim3

@@ -7,8 +7,8 @@
 namespace vcsim3
 {
 
-// Returns the compression in percent, or nothing if the thesis shows this value only as a bar. The axis of
-// compression in the thesis' printed figure ends at 14 %.
+// Returns the compression in percent, or nothing if the thesis shows the compression only as a bar. The axis
+// of compression in the thesis' printed figure ends at 14 %.
 std::optional<double> thesis_compression_pct(const std::string &mode_token);
 inline constexpr double thesis_compression_axis_pct = 14.0;
 

@@ -20,7 +20,7 @@ struct TimingResult {
 
 // Measures the time of all runs in turn, round after round, so that a disturbance of the machine does not
 // affect one mode alone. For each phase of a step, the function keeps the shortest time of 600 steps. All
-// states in `runs` must have been made with this preset, vessel and protocol.
+// states in `runs` must have been made with the given preset, vessel and protocol.
 std::vector<TimingResult> time_steps(const std::vector<CompressionResult> &runs, const Preset &preset,
                                      const Vessel &vessel, const Protocol &protocol, const Watch &watch);
 

@@ -18,8 +18,8 @@ class VesselPicture
     // Converts a point of the patient to pixels of the picture, counted from the picture's top left corner.
     Eigen::Vector2d place_of(const Vector &position_m) const;
 
-    // Draws the vessel with its top left corner at this position of the canvas, and draws the rod's nodes as
-    // spheres. Distant spheres are drawn first, and spheres that touch the wall are drawn last.
+    // Draws the vessel with its top left corner at the given position of the canvas, and draws the rod's
+    // nodes as spheres. Distant spheres are drawn first, and spheres that touch the wall are drawn last.
     void draw(Canvas &canvas, double left, double top, const std::vector<ShapeNode> &shape,
               double free_radius_mm, double touching_radius_mm) const;
 

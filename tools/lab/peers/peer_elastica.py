@@ -25,7 +25,7 @@ CHUNK_STEPS = 100
 
 
 class Simulator(elastica.BaseSystemCollection, elastica.Constraints, elastica.Forcing, elastica.Damping):
-    """Combines those features of the simulator PyElastica that the scene of this benchmark needs."""
+    """Combines those features of the simulator PyElastica that the scene of the benchmark needs."""
 
 
 def make_rod(step_s):

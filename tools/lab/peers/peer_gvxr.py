@@ -1,5 +1,5 @@
-"""Makes the pictures of tools/lab/peers/peer_xray.cpp with gVirtualXray. run_xray_peers.py calls this script with the
-Python of its virtual environment.
+"""Makes the pictures of tools/lab/peers/peer_xray.cpp with the program gVirtualXray. The script run_xray_peers.py calls
+this script with the Python of its virtual environment.
 
   peer_gvxr.py FOLDER ROUNDS
 

@@ -8,11 +8,11 @@ Prints one line of key=value pairs. The program needs the Python package mujoco 
 bending).
 
 All choices favour the peer. The integrator `discrete` treats bending implicitly, and is the only integrator that is
-stable with this rod at time steps of 1 ms. Of MuJoCo's solvers, the Newton solver is the fastest for this scene. Eight
-planes form the tube, because planes are faster than a mesh; for a straight tube, they are also exact. The rod is at
-rest, so the solver starts each step with the correct solution. Equality constraints on the edges of MuJoCo's flex keep
-the length of the rod. With the default impedance of these constraints, the hanging rod is 8 % too long; with the
-`solimp` below, the length error is 0.07 % and the simulation is equally fast.
+stable with this rod at time steps of 1 ms. Of MuJoCo's solvers, the Newton solver is the fastest for the rod of the
+benchmark. Eight planes form the tube, because planes are faster than a mesh; for a straight tube, they are also exact.
+The rod is at rest, so the solver starts each step with the correct solution. Equality constraints on the edges of
+MuJoCo's flex keep the length of the rod. With the default impedance of the edges' constraints, the hanging rod is 8 %
+too long; with the `solimp` below, the length error is 0.07 % at the same speed of simulation.
 """
 
 import math

@@ -188,8 +188,8 @@ def hanging_tip_mm(bend_N_m2, mass_g_per_m):
 
 
 def add_tip_error(row):
-    """Adds to the row the distance of the hanging tip from the closed form, in % of the rod's length. This distance is
-    NaN if no rod hangs at rest."""
+    """Adds to the row the distance of the hanging tip from the closed form, in % of the rod's length. The distance of
+    the hanging tip from the closed form is NaN if no rod hangs at rest."""
     row["tip_error_pct"] = math.nan
     if row["scene"] == "free":
         x, z = hanging_tip_mm(row["bend_N_m2"], row["mass_g_per_m"])

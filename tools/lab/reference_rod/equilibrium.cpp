@@ -33,7 +33,7 @@ class Potential
     {
     }
 
-    // Moves the friction limit of every node from its old value towards its value in this state, by the
+    // Moves the friction limit of every node from its old value towards its value in the given state, by the
     // fraction `share` of the difference. Returns the largest difference between old and new friction limits
     // before the change.
     double renew_friction(const State &state, double share)
@@ -124,8 +124,8 @@ double residual(const Eigen::VectorXd &slope, int free)
     return most;
 }
 
-// Solves (H + shift D) d = -g for the free unknowns, where D holds the magnitudes of the diagonal of H. The
-// shift is the smallest of a series of values that makes the matrix positive definite.
+// Solves (H + shift D) d = -g for the free unknowns, where D holds the magnitudes of H's diagonal. The shift
+// is the smallest of a series of values that makes the matrix positive definite.
 void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unknowns, double &shift,
                       Eigen::VectorXd &direction)
 {

@@ -23,7 +23,7 @@ class Insertion
 
     // Advances the rod to the inserted length `inserted_m`, with the hand at the angle `turn_rad`. The rod
     // advances in one step, or in several shorter steps if it does not come to rest. Returns false if the rod
-    // does not come to rest even with short steps; the object then holds the state nearest to rest.
+    // does not come to rest even with short steps; the object then holds the state that is nearest to rest.
     bool advance(double inserted_m, double turn_rad);
 
     double inserted_m() const { return inserted_m_; }

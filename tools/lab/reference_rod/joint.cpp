@@ -1,5 +1,6 @@
 // We first take derivatives with respect to the two edges of a joint, and then convert them to derivatives
-// with respect to the nodes: rear edge = node - rear node, front edge = front node - node.
+// with respect to the nodes. The rear edge is the vector node - rear node, and the front edge is the vector
+// front node - node.
 #include "tools/lab/reference_rod/joint.hpp"
 #include <Eigen/Geometry>
 
@@ -61,8 +62,8 @@ void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
 }
 
 // The curvature towards d1 is kb . (ue + uf) / 2, where u = t x d1 is the second axis of each edge. With u =
-// -d1, this formula gives the curvature towards the axis t x d1. `ve` and `vf` are -du / d(angle), which is
-// d1 for the curvature towards d1, and t x d1 for the curvature towards t x d1.
+// -d1, the formula of the curvature gives the curvature towards the axis t x d1. `ve` and `vf` are -du /
+// d(angle), which is d1 for the curvature towards d1, and t x d1 for the curvature towards t x d1.
 void curvature(const Frame &f, const Vector &ue, const Vector &uf, const Vector &ve, const Vector &vf,
                bool with_second, Measure &out)
 {

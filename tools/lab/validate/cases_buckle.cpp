@@ -83,10 +83,10 @@ double sag(const Rig &rig)
 }
 
 // The ratio of side load to sag falls nearly linearly as the thrust rises, and reaches zero at the critical
-// load (Southwell). The function first raises the thrust by half of its value at a time, until the sag has
-// grown. From then on, the function extrapolates a straight line through the last two points to a ratio of
-// zero, which predicts the critical thrust, and raises the thrust by 7/10 of the difference to this
-// prediction. No theory of buckling enters.
+// load (Southwell). The function first increases the thrust by half of its value again and again, until the
+// sag has grown. After the sag has grown, a straight line through the last two points (thrust, ratio) is
+// extended to a ratio of zero, which predicts the critical thrust. In each step the function raises the
+// thrust by 7/10 of the difference to the predicted critical thrust. No theory of buckling enters.
 double measure(const Column &column, Series &series)
 {
     Rig rig = make(column);

@@ -164,7 +164,7 @@ void opens_hook(Result &result, bool quick)
 
 // The test pushes a catheter over a resting wire in a bend until the catheter reaches 20 mm beyond the wire,
 // and then draws the catheter back. We take the largest displacement per tick of any node that the catheter
-// does not cover, and subtract the displacement by which the hand moves the tool itself.
+// does not cover, and subtract the displacement of the hand that moves the catheter.
 void lead_change(Result &result, bool quick)
 {
     result.title = "Change of the leading tool";

@@ -55,7 +55,7 @@ Oscillation implicit_euler(double omega)
     return {rate.imag(), -rate.real()};
 }
 
-// Releases the rod from an eigenshape, and records the amplitude of this shape over time.
+// Releases the rod from an eigenshape, and records the amplitude of the eigenshape over time.
 std::vector<double> released(double length_m, double bend, double mass, double beta, double stride_s,
                              double for_s)
 {

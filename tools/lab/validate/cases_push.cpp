@@ -1,5 +1,6 @@
-// Tests pushing a rod: the rod's compression at a wall, the force limit at which the hand stops, the hand's
-// work compared with the rod's energy, and the range of stiffness in which the rod does not vibrate.
+// Tests pushing a rod: the compression at a wall, the force limit at which the hand stops, and the hand's
+// work compared with the rod's energy. A further test covers the range of stiffness in which the rod does not
+// vibrate.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -173,8 +174,8 @@ struct Calm {
     bool saturated;
 };
 
-// In this case the hand pushes the rod 0.55 m at 0.1 m/s through three bends that do not lie in one plane,
-// and then stops for a second.
+// In this validation case the hand pushes the rod 0.55 m at 0.1 m/s through three bends that do not lie in
+// one plane, and then stops for a second.
 Calm insert(const Tool &tool)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});

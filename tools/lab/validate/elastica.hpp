@@ -37,9 +37,10 @@ double euler_spring_pinned(double spring); // the same with a torsional spring k
 double euler_two_spans(double a, double d);
 double greenhill(); // M L / B of a rod clamped at both ends
 
-// Computes how a long twisted rod with clamped ends coils, for a slack d = 1 - distance / L, an end rotation
-// of R radians, and B / C = `bend_over_twist` (van der Heijden and Thompson 2000; van der Heijden, Neukirch,
-// Goss, Thompson 2003). The function returns the end moment divided by B/L, and the tension divided by B/L^2.
+// Computes how a long twisted rod with clamped ends coils (van der Heijden and Thompson 2000; van der
+// Heijden, Neukirch, Goss, Thompson 2003). The inputs of the coil's computation are the slack d = 1 -
+// distance / L, the end rotation of R radians, and B / C = `bend_over_twist`. The function returns the end
+// moment divided by B/L, and the tension divided by B/L^2.
 struct Writhe {
     double moment, tension;
 };

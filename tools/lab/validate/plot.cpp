@@ -12,8 +12,8 @@ namespace
 {
 
 constexpr double width = 620, height = 390, left = 76, right = 20, top = 40, bottom = 72;
-// The colours are dark enough on a white background, and colour-blind readers can distinguish them (Okabe and
-// Ito).
+// The colours have enough contrast on a white background, and colour-blind readers can distinguish them
+// (Okabe and Ito).
 const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56b4e9", "#000000"};
 
 const char *colour_of(const Plot &plot, std::size_t i)

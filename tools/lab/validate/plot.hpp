@@ -1,4 +1,4 @@
-// Draws line plots as SVG text, with plain axes and round numbers at the ticks. In these plots, lines show
+// Draws line plots as SVG text, with plain axes and round numbers at the ticks. In the plots, lines show
 // references, and dots show our values.
 #pragma once
 #include <string>

@@ -25,10 +25,10 @@ std::string power_text(double value);
 // Returns the x at which a straight line through the last two points (x, y) crosses y = 0.
 double zero_of_line(const std::vector<double> &x, const std::vector<double> &y);
 
-// Returns the angle by which the segment at the tip is turned about the rod. This angle is that of the chord
-// from `node` to the tip, about the direction from the hand to the tip. The angle is measured from an axis
-// that follows the rod without twist from the introducer. The function computes the angle from positions
-// alone, in double precision.
+// Returns the angle by which the segment at the tip is turned about the rod. The returned angle is that of
+// the chord from `node` to the tip, about the direction from the hand to the tip. The angle is measured from
+// an axis that follows the rod without twist from the introducer. The angle is computed from positions alone,
+// in double precision.
 double heading(const Rig &rig, unsigned node);
 
 // Adds full turns to `angle` until the result is as near as possible to `near`.

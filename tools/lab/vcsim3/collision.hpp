@@ -21,7 +21,7 @@ void find_contacts(const Rod &rod, const Wall &wall, std::vector<Contact> &conta
 
 // Raises the inward velocity of each node in contact to (baumgarte * depth / h), where h is the time step, if
 // the velocity is lower. Friction then reduces the tangential velocity of the node by at most `friction`
-// times this change of velocity.
+// times the change of its inward velocity.
 void answer_contacts(Rod &rod, const std::vector<Contact> &contacts, double baumgarte, double step_s);
 
 } // namespace vcsim3

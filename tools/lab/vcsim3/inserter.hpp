@@ -22,8 +22,8 @@ class Inserter
     // sheath.
     Rod make_rod(const RodProperties &properties, double inserted_m) const;
 
-    // Sets the positions and velocities of the nodes in the sheath for this inserted length, and turns their
-    // segments right-handed about `direction`. Nodes that have left the sheath become free.
+    // Sets the positions and velocities of the nodes in the sheath for the given inserted length, and turns
+    // their segments right-handed about `direction`. Nodes that have left the sheath become free.
     void feed(Rod &rod, double inserted_m, double speed_m_s, double turn_rad = 0.0) const;
 
     const Vector &direction() const { return direction_; }

@@ -1,11 +1,11 @@
 // Provides the nine instruments of the thesis' Table 5.1 as rods; mass and inertia are scaled so that
 // explicit integration of these rods is stable.
 //
-// The table gives no units. With the following units all nine instruments are consistent: E x 1e7 Pa, radius
-// x 1e-4 m (8.9 is then the Super Stiff's 0.89 mm), density x 1e5 kg/m^3, and Kp x 10 N. The unit of Kp
-// follows if the table's length is the decimetre (0.89 mm is then 8.9e-3), because Kp / (E radius^2) must be
-// the ratio of the table's own numbers. The document docs/thesis.md explains why the table must have these
-// units.
+// The table gives no units. All nine instruments are consistent in these units: E x 1e7 Pa, radius x 1e-4 m,
+// density x 1e5 kg/m^3, and Kp x 10 newtons. With 1e-4 m as the unit of the radius, the table's 8.9 is the
+// 0.89 mm of the Super Stiff. The unit of Kp follows if the table's length is the decimetre (0.89 mm is then
+// 8.9e-3), because Kp / (E radius^2) must be the ratio of the table's own numbers. The document
+// docs/thesis.md explains why Table 5.1 must have these units.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 #include <string>
@@ -44,7 +44,8 @@ const Preset *find_preset(const std::string &token); // nullptr when there is no
 RodProperties rod_of(const Preset &preset, int element_count, double element_m);
 
 // Returns the time step times the highest angular frequency of the mass points, which the parallel constraint
-// sets to 2/l sqrt(Kp / mass per length). Explicit integration is stable only if this product is below 2.
+// sets to 2/l sqrt(Kp / mass per length). Explicit integration is stable only if the product of the time step
+// and the highest angular frequency is below 2.
 double step_ratio(const Preset &preset, double element_m, int substeps);
 
 } // namespace vcsim3

@@ -1,7 +1,7 @@
 // Reads a mesh file in three steps, because its content may be wrong or malicious. First, the numbers of
 // vertices and faces that the file declares are compared with the file's size. Then the library assimp reads
-// the file in a child process with limited memory and time (host/base/guarded_read.hpp). Finally, these
-// functions check every index and number that assimp returns.
+// the file in a child process with limited memory and time (host/base/guarded_read.hpp). Finally, the
+// functions of this header check every index and number that assimp returns.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -46,9 +46,9 @@ struct Declared {
     std::int64_t vertices = -1, faces = -1;
 };
 
-// Each of the next functions reads a whole mesh file strictly. The function checks that the declared counts
-// fit the file's size, that indices name existing vertices, and that numbers can be parsed. Throws Fault.
-// `folder` is the folder that contains the other files to which a .gltf file refers.
+// Each of the next functions reads a whole mesh file strictly. The strict reading checks that the declared
+// counts fit the file's size, that indices name existing vertices, and that numbers can be parsed. Throws
+// Fault. `folder` is the folder that contains the other files to which a .gltf file refers.
 Declared check_ply(std::string_view bytes, const std::string &file);
 Declared check_stl(std::string_view bytes, const std::string &file);
 Declared check_obj(std::string_view bytes, const std::string &file);

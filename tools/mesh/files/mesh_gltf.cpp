@@ -123,8 +123,8 @@ class Gltf
         return *found;
     }
 
-    // Reads a whole number, which must be at least `low`, from a key of the JSON. If the key is missing, the
-    // function returns the value `otherwise`; if `otherwise` is -1, the key is required.
+    // Reads a whole number, which must be at least `low`, from a key of the JSON text. If the key is missing,
+    // the function returns the value `otherwise`; if `otherwise` is -1, the key is required.
     std::int64_t whole(const json &of, const char *key, const std::string &place, std::int64_t low = 0,
                        std::int64_t otherwise = -1) const
     {

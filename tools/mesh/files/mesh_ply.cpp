@@ -1,4 +1,4 @@
-// Checks that the header of a PLY file agrees with its data. The code reads first the header, and then the
+// Checks that the header of a PLY file agrees with its data. The code first reads the header, and then the
 // data element by element.
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/files/mesh_words.hpp"

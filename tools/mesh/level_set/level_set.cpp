@@ -1,6 +1,6 @@
-// OpenVDB's grids. OpenVDB's function that converts a mesh to a level set is a template. The code calls this
-// template with types for which the library is already compiled, because compiling it for other types takes a
-// minute.
+// OpenVDB's grids. OpenVDB's function that converts a mesh to a level set is a template. The code uses
+// OpenVDB's template with types for which the library is already compiled, because compiling the template for
+// other types takes a minute.
 #include "tools/mesh/level_set/level_set.hpp"
 #include "tools/mesh/progress.hpp"
 

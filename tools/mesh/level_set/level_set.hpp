@@ -18,7 +18,7 @@ using Cell = std::array<int, 3>; // a voxel or a block, counted from the origin 
 using Block = std::array<double, block_edge * block_edge * block_edge>;
 
 // Holds a voxel inside a closed surface, and the distance from the surface to the middle of this voxel. The
-// middle is at cell * voxel.
+// middle of the voxel is at `cell` times the length of a voxel's edge.
 struct InsideVoxel {
     Cell cell;
     float depth_mm;

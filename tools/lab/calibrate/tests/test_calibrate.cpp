@@ -2,7 +2,7 @@
 // as equation 19 of the thesis and the documents state; the tests check the results against closed forms. The
 // simulated instrument, and the file that is written from it, have the requested values. A search gives
 // results that are equal bit for bit for any number of workers (threads or processes) and after any number of
-// stops. If the data do not determine a parameter, the result reports this.
+// stops. If the data do not determine a parameter, the result of the fit says so.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/checkpoint.hpp"
 #include "tools/lab/calibrate/fitted_instrument.hpp"
@@ -13,7 +13,8 @@
 #include <fstream>
 #include <mutex>
 
-// These headers come last, because their macros (fail, ...) would change other headers.
+// The header cmocka.h and the headers that it needs come last, because its macros (fail, ...) would change
+// other headers.
 #include <csetjmp>
 #include <cstdarg>
 extern "C" {
@@ -75,7 +76,8 @@ SearchState searched(const SearchSettings &settings, const EvaluateShares &evalu
 // --- judging ---
 
 // If a point lies beside a segment of the polyline, its distance to the polyline is the distance to this
-// segment. If a point lies beyond an end, it is the distance to this end. We use 3-4-5 triangles.
+// segment. If a point lies beyond an end of the polyline, its distance to the polyline is the distance to
+// this end. We use 3-4-5 triangles.
 void distances_go_to_the_nearest_point_of_the_line(void **)
 {
     const std::vector<Vector3d> line = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
@@ -199,7 +201,7 @@ void a_preset_made_from_another_one_cannot_be_written(void **)
 
 // --- the search ---
 
-// The run that records requests every trial that pagmo's real run requests later, so no trial has to be
+// The recording run requests every trial that pagmo's real run requests later, so no trial has to be
 // evaluated separately.
 void all_trials_of_a_generation_are_evaluated_together(void **)
 {
@@ -457,7 +459,7 @@ void the_hash_tells_borders_and_numbers(void **)
 
 // The objective is |x - 0.4| + 0 y, where x and y are the positions 0 .. 1 of two parameters in their ranges.
 // If the objective may rise by 0.05, x can vary from 0.35 to 0.45; the test permits an error of one halving
-// step (0.04 / 16) in these bounds. The objective does not bound y.
+// step (0.04 / 16) in these bounds. The objective |x - 0.4| + 0 y does not bound y.
 void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};

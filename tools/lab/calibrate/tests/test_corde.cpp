@@ -10,7 +10,8 @@
 #include <algorithm>
 #include <cmath>
 
-// These headers come last, because their macros (fail, ...) would change other headers.
+// The header cmocka.h and the headers that it needs come last, because its macros (fail, ...) would change
+// other headers.
 #include <csetjmp>
 #include <cstdarg>
 extern "C" {
@@ -87,8 +88,8 @@ void nominal_values_make_the_files_stiffness_and_mass(void **)
     }
 }
 
-// EI is the shaft's EI on the shaft and alpha times this value at the tip. The ratio GJ / EI is that of the
-// instrument file. Between tip and shaft, EI lies between the EI of the tip and the EI of the shaft.
+// EI equals the shaft's EI on the shaft, and alpha times the shaft's EI at the tip. The ratio GJ / EI is that
+// of the instrument file. Between tip and shaft, EI lies between the EI of the tip and the EI of the shaft.
 void joints_have_the_stiffness_asked_for(void **)
 {
     const crn::Instrument instrument = instrument_of("amplatz_super_stiff");
@@ -109,7 +110,8 @@ void joints_have_the_stiffness_asked_for(void **)
 
 // For the extreme values of all parameters, the number of substeps is at most the permitted number, and the
 // mass is at least the real mass. The time step times the highest angular frequency stays below 2. Closed
-// forms give the highest frequency of a point between two springs Kp/l and of a rotating segment.
+// forms give the highest frequency of a point between two springs of stiffness Kp/l, and that of a rotating
+// segment.
 void every_trial_gets_a_step_that_is_stable(void **)
 {
     const Space space;

@@ -1,11 +1,12 @@
 // These tests check the following. The simulated hand approaches each depth slowly. The hand waits until the
-// rod's mean position no longer moves. The hand does not wait longer because the tip chatters, and does not
-// stop waiting because a creeping tip pauses. The force on the hand is recorded from the first millimetre of
-// insertion onwards.
+// rod's mean position no longer moves. The hand does not wait longer because the tip oscillates quickly, and
+// does not stop waiting because a slowly creeping tip pauses. The force on the hand is recorded from the
+// first millimetre of insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
 #include <cmath>
 
-// These headers come last, because their macros (fail, ...) would change other headers.
+// The header cmocka.h and the headers that it needs come last, because its macros (fail, ...) would change
+// other headers.
 #include <csetjmp>
 #include <cstdarg>
 extern "C" {
@@ -114,10 +115,10 @@ void a_still_rod_is_at_rest_after_three_windows(void **)
     assert_int_equal(made.settle_ticks.at(0), 150);
 }
 
-// The node is displaced by 25 um in every second tick, like a J tip that chatters on a wall (docs/rod.md).
-// This displacement of 25 um is a hundred times the displacement per tick that still counts as rest. In the
-// next window of time, the displaced ticks and the undisplaced ticks are exchanged. A method that reads only
-// every second tick would take this exchange of ticks for a real displacement of the rod.
+// The node is displaced by 25 um in every second tick, like a J tip that oscillates on a wall (docs/rod.md).
+// A displacement of 25 um is a hundred times the displacement per tick that still counts as rest. In the next
+// window of time, the displaced ticks and the undisplaced ticks are exchanged. A method that reads only every
+// second tick would take the exchange of ticks for a real displacement of the rod.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
     ScriptedRod rod;

@@ -180,7 +180,7 @@ class Rehearsal:
         return lines
 
     def stopped_in(self, place):
-        """Sends Ctrl-C to the program table51.py as soon as this fit has begun."""
+        """Sends Ctrl-C to the program table51.py as soon as the given fit has begun."""
         with self.start() as child:
             deadline = time.monotonic() + 60
             while (

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <cstdio>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -91,8 +91,8 @@ void the_noise_is_the_one_that_was_asked_for(void **)
     assert_true(std::abs(deviation - 15) < 2.5);
 }
 
-// A thin plastic thread along the scanner's axis appears as a point in each slice. The second moments of this
-// point are the moments of the point spread plus the moments r^2 / 4 of the thread's cross-section.
+// A thin plastic thread along the scanner's axis appears as a point in each slice. The second moments of the
+// thread's image are the moments of the point spread plus the moments r^2 / 4 of the thread's cross-section.
 void a_thread_is_blurred_as_stated(void **)
 {
     ScannerSettings settings = quick_scanner(10, -1, 1);

@@ -1,11 +1,11 @@
-// Claims for a virtual scan with voxels of 0.53 x 0.53 x 1 mm: the segmentation finds the centreline of a J
-// wire that touches the wall with the accuracy that requirement 1 of the project demands. This requirement is
-// an error of at most 0.2 mm on average and 0.6 mm anywhere, measured in both directions and including the
-// tip of the wire. The surface of the lumen is closed and its mean error is below 0.3 mm; in scans of a
-// catheter with markers, the lumen is equally accurate. The uncertainty that the segmentation reports covers
-// its errors. If a scan shows no instrument, two separate instruments, or two instruments that touch each
-// other, the error message states this fault. The reference is the curve and the mesh from which the test
-// made the scan; the segmentation never reads them.
+// For a virtual scan with voxels of 0.53 x 0.53 x 1 mm, the segmentation finds the centreline of a J wire
+// that touches the wall. The accuracy of the found centreline is that of the project's requirement 1.
+// Requirement 1 is an error of the centreline of at most 0.2 mm on average and 0.6 mm anywhere, measured in
+// both directions and including the tip of the wire. The surface of the lumen is closed and its mean error is
+// below 0.3 mm; in scans of a catheter with markers, the lumen is equally accurate. The uncertainty that the
+// segmentation reports covers its errors. If a scan shows no instrument, two separate instruments, or two
+// instruments that touch each other, the error message states this fault. The reference is the curve and the
+// mesh from which the test made the scan; the segmentation never reads them.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/ct/mouth.hpp"
@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <cstdio>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

@@ -18,7 +18,7 @@
 #include <limits>
 #include <random>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -194,8 +194,8 @@ void a_scale_that_is_none_is_refused(void **)
     refused(folder.file("a.nrrd"), {"a.nrrd:7", "spacings", "finite"});
 }
 
-// The first file would make ITK search without end, and the other files would make ITK reserve memory without
-// limit.
+// One of the test's files would make ITK search without end, and the other files would make ITK reserve
+// memory without limit.
 void absurd_numbers_of_axes_and_voxels_are_refused(void **)
 {
     const Folder folder{"axes"};

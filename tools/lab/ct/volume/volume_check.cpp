@@ -70,7 +70,7 @@ void check_nifti_length(const std::string &file, std::uint64_t value_bytes)
 }
 
 // In a DICOM file, the length of the pixel data is written before the pixel data, as a little-endian number;
-// this function handles files with explicit types and files with implicit types. Packed pixels have no
+// the check handles files with explicit and with implicit value representations. Packed pixels have no
 // length.
 void check_dicom_length(const std::filesystem::path &file)
 {

@@ -1,7 +1,7 @@
 // Reads, strictly and without ITK, the sizes, the spacing and the amount of data that a volume file declares.
 // ITK replaces a spacing that it does not understand by 1 mm, trusts any number of dimensions, and reserves
 // any amount of memory that is declared. The program therefore compares the data that ITK reads with the
-// result of this strict reading.
+// result of the strict reading.
 #pragma once
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Core>
@@ -25,8 +25,8 @@ struct DeclaredVolume {
     bool is_many_files = false;     // a list or pattern of files
 };
 
-// Each of these functions receives only the first bytes of a file. Throws Fault, whose message names the
-// file, the field and the remedy.
+// Each of the three functions below receives only the first bytes of a file. Throws Fault, whose message
+// names the file, the field and the remedy.
 DeclaredVolume declared_nrrd(std::string_view head, const std::string &file);
 DeclaredVolume declared_meta(std::string_view head, const std::string &file);
 DeclaredVolume declared_nifti(std::string_view head, const std::string &file);

@@ -25,9 +25,8 @@ using TakeValues = std::function<void(const float *values, std::size_t count)>;
 void read_volume_here(const std::filesystem::path &path, const TakeHead &take_head,
                       const TakeValues &take_values);
 
-// The extension of the file's name selects one of the formats that read_volume accepts; values are whole
-// numbers of HU. If the name has no extension, the function writes a folder with a DICOM series. Throws
-// Fault.
+// The extension of the file's name selects one of the formats that read_volume accepts; values are whole HU
+// numbers. If the name has no extension, the function writes a folder with a DICOM series. Throws Fault.
 void write_volume(const Volume &volume, const std::filesystem::path &path);
 
 // Checks that sizes, spacing and axes of a volume are possible; the program checks every volume that it
@@ -35,7 +34,7 @@ void write_volume(const Volume &volume, const std::filesystem::path &path);
 void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                 const Eigen::Vector3d &origin_mm, const Eigen::Matrix3d &direction, const std::string &what);
 
-// Checks only the sizes and the spacing of a volume; this check does not need its axes.
+// Checks only the sizes and the spacing of a volume; the check does not need the volume's axes.
 void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                      const std::string &what);
 // Throws Fault if a value is not finite, if all values are equal, or if no scanner writes such values.

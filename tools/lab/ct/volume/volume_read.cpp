@@ -1,6 +1,6 @@
 // Reads NRRD, NIfTI and MetaImage files, and DICOM series slice by slice, with the ImageIO classes of the
-// library ITK. We call these classes directly. We do not use ITK's image and pipeline templates, because they
-// take a minute to compile and report less about errors.
+// library ITK, which are called directly. We do not use ITK's image and pipeline templates, because they take
+// a minute to compile and report less about errors.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>

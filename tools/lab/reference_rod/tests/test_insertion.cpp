@@ -1,9 +1,9 @@
 // These tests check the following. The derivatives of the distance field agree with differences of the
 // field's values. On a plane, the friction force on the rod is mu times the load. In a rigid bent tube the
-// shape of the rod does not depend on the scale of EI, and the force is proportional to EI. The work of the
-// hand equals the energy that the rod stores. Shorter edges of the rod and shorter feeding steps change the
-// result only slightly. A rod that has come to rest does not creep afterwards. The generated noise has a
-// normal distribution, and equal seeds give equal noise.
+// shape of the rod does not depend on the scale of EI, and the force is proportional to the stiffness. The
+// work of the hand equals the energy that the rod stores. Shorter edges of the rod and shorter feeding steps
+// change the result only slightly. A rod that has come to rest does not creep afterwards. The generated noise
+// has a normal distribution, and equal seeds give equal noise.
 #include "tools/lab/reference_rod/truth.hpp"
 extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"
@@ -17,7 +17,7 @@ extern "C" {
 #include <cstdint>
 #include <cstdio>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -213,7 +213,7 @@ void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
     assert_below("work over stored energy, less 1", std::abs(work_J / stored_J - 1.0), 0.015);
 }
 
-// The sheath straightens a J tip. The J then pulls itself out of the sheath with a force that equals the
+// The sheath straightens a J tip. A J tip that leaves the sheath pulls itself out with a force equal to the
 // energy per length that the straightened rod stores in the sheath, EI kappa^2 / 2.
 void free_j_pulls_itself_out_of_the_sheath(void **)
 {

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <cstdio>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -78,9 +78,9 @@ void forces_are_the_slope_of_the_energy(void **)
 }
 
 // In the displaced state the reference frames have moved with the rod, so the matrix of differences of the
-// energy's slope is not quite symmetric. The antisymmetric part of this matrix is the rotation of frames that
-// are carried around a closed loop. We therefore compare the symmetric part, which is the mean of this matrix
-// and its transpose.
+// energy's slope is not quite symmetric. The antisymmetric part of the matrix of differences is the rotation
+// of frames that are carried around a closed loop. We therefore compare the symmetric part, which is the mean
+// of the matrix of differences and its transpose.
 void stiffness_is_the_slope_of_the_forces(void **)
 {
     const Crooked c;

@@ -2,9 +2,9 @@
 // forces are the gradient of its energies. The shape of the rod at rest is that of an elastic beam. The shape
 // at rest is also right if one end of the rod is stiffer than the other, if the rod is curved without load,
 // or if the hand turns the rod. The constraints on the rod conserve momentum and never add energy. One
-// iteration of the global method gives exact lengths, and the result of many local iterations converges to
-// this result. The tests compare the baseline's results with closed forms, or with an alternative computation
-// of the same value.
+// iteration of the global method gives exact lengths, and many local iterations converge to the same lengths.
+// The tests compare the baseline's results with closed forms, or with an alternative computation of the same
+// value.
 #include "tools/lab/figures/stability.hpp"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <random>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -171,9 +171,9 @@ void cantilever_sags_by_PL3_over_3EI(void **)
            0.005 * 0.01 * length);
 }
 
-// A rod of length L has a soft front part of length a and a stiff rear part. Under a load P, the tip of this
-// rod sags by P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The compliance of the joint between the two
-// parts is the mean of the compliances of the soft and the stiff part.
+// A rod of length L has a soft front part of length a and a stiff rear part. Under a load P, the tip of a rod
+// with a soft front part sags by P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The compliance of the joint
+// between the two parts is the mean of the compliances of the soft and the stiff part.
 void a_cantilever_of_two_stiffnesses_sags_by_both(void **)
 {
     const int elements = 32, soft = 20;

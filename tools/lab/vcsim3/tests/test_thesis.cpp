@@ -17,7 +17,7 @@ extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"
 }
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -190,8 +190,9 @@ void preset_is_stable_at_its_steps_and_bursts_with_half(void **)
 
 // The parallel constraint gives the transverse motion of a segment of length |e| the angular frequency 2/|e|
 // sqrt(Kp l/m), so compressed segments need shorter time steps. With a step ratio r (time step times the
-// highest angular frequency), the rod is stable up to a compression of 1 - r/2 of its length. Beyond this
-// compression the rod becomes unstable, so the compression that a mode shows cannot grow without limit.
+// highest angular frequency), the rod is stable up to a compression of 1 - r/2 of its length. Beyond the
+// compression of 1 - r/2 the rod becomes unstable, so the compression that a mode shows cannot grow without
+// limit.
 bool stays_straight_when_squeezed(double compression)
 {
     const Preset &preset = *find_preset("amplatz");
