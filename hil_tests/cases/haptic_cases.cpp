@@ -93,7 +93,7 @@ class Trial
     }
 
     // Keeps the hand still for a time. Returns half of the difference between the largest and the smallest
-    // force on the hand in the second half of that time.
+    // force on the hand in the second half of the hold.
     double hold()
     {
         pass(hold_ms / 2);

@@ -21,7 +21,7 @@ class BenchChannel
     BenchChannel(const BenchChannel &) = delete;
     BenchChannel &operator=(const BenchChannel &) = delete;
     // Throws std::runtime_error if the other end of the pipe no longer exists, or if an error occurred at the
-    // other end; then the exception has the message of that error.
+    // other end; in the second case the exception has that error's message.
     BenchAnswer ask(BenchOrder order, const crn_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
 
   private:

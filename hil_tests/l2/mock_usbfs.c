@@ -64,8 +64,8 @@ void mock_usbfs_complete(mock *m, const usb_urb *urb)
         if ((uint64_t)(uintptr_t)one == urb->id) finish(m, one, mock_errno(urb->result), urb->done);
 }
 
-/* Ends the transfers in progress with an error as the kernel would, and makes the device node ready, so that
- * the programs that poll the node notice the end.
+/* Ends the transfers in progress with an error as the kernel would. Makes the device node ready, so that
+ * programs that poll the node notice that the device is gone.
  * */
 void mock_usbfs_unplugged(mock *m)
 {

@@ -142,8 +142,8 @@ void a_motor_that_sticks_on_needs_the_power_stage(void **)
     near("force without power in N", axis.motor_force(), 0.0, 1e-5);
 }
 
-// The encoder's count is floor(position / width of a count + 1/2), so the count is wrong by at most half a
-// count plus jitter.
+// The encoder's count is floor(position / width of a count + 1/2), so the position read from the count is
+// wrong by at most half a count plus jitter.
 void encoders_quantise_by_half_a_count(void **)
 {
     hil::Random random(3);
