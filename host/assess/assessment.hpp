@@ -1,5 +1,6 @@
-// The assessment of a session as JSON (docs/assessment.md): errors with their ticks, phases, metrics and the
-// score with its parts. A session and the replay of its recording give the same bytes.
+// Returns the assessment of a session as JSON (docs/assessment.md): errors with their ticks, phases, metrics,
+// and the score with its parts. The assessments of a session and of a replay of its recording are equal, byte
+// for byte.
 //
 //   const Json assessment = assessment_of(plan, observer.log(), report);
 //   write_debrief("debrief.html", assessment);
@@ -29,7 +30,7 @@ void print_assessment(const nlohmann::ordered_json &assessment);
 
 // Writes the debrief as one HTML page without scripts or links to other files. Throws OutputError.
 void write_debrief(const std::string &path, const nlohmann::ordered_json &assessment);
-// Returns the text of that page, for tests.
+// Returns the text of the debrief page, for tests.
 std::string debrief_page(const nlohmann::ordered_json &assessment);
 
 } // namespace crn

@@ -1,5 +1,6 @@
-// An output file is written as a pending file beside its final name, and is renamed when it is complete. So
-// the final name never refers to half a file, and the previous file is kept until the rename.
+// An output file is written as a pending file beside its final name, and is renamed when it is complete.
+// Therefore the final name never refers to an incomplete file, and the previous file is kept until the
+// rename.
 #pragma once
 #include <cstdio>
 #include <memory>
@@ -33,7 +34,7 @@ struct OpenPending {
 };
 OpenPending open_pending(const std::string &path, const std::string &ending = "");
 
-// Throws whatever exception open_pending would throw for this path, and leaves no file behind.
+// Throws the same exceptions as open_pending would throw for this path, and leaves no file behind.
 void probe_output(const std::string &path);
 
 // Renames a complete, closed pending file to its final name. The bytes of the file reach the disk before its
