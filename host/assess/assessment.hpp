@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// `report` is the report of the session (report_of). Returns an object with the entries
+// `report` is the report of the session (report_of). The returned object has the following entries.
 //   "format", "plan", "title", "scene", "session", "ticks", "hash",
 //   "score": {"percent", "capped_by", "parts": [{"name", "title", "weight", "share"}]},
 //   "errors": [{"kind", "title", "severity", "weight", "tick", "end_tick", "at_s", "seconds", "counts",
@@ -21,7 +21,8 @@ namespace crn
 //   "phases": [{"name", "title", "weight", "begin_tick", "end_tick", "why_not", "steps": [...]}],
 //   "metrics": as score_of() returns them, and the motion of every tool,
 //   "tools": [{"name", "hand_path_mm", "tip_path_mm", "tip_path_px", ...}], "curves".
-// Shares are 0 to 1, or null for a part that does not apply. Throws FileError as evaluate().
+// A share is a number from 0 to 1, or null for a part of the score that does not apply. Throws FileError as
+// evaluate() does.
 nlohmann::ordered_json assessment_of(const AssessPlan &plan, const SessionLog &log,
                                      const nlohmann::ordered_json &report);
 

@@ -1,4 +1,5 @@
-// The layout of help texts: options in groups, ranges and defaults in words, lines of at most 100 characters.
+// Defines the layout of help texts: options in groups, ranges and defaults in words, lines of at most 100
+// characters.
 #pragma once
 #include <CLI/CLI.hpp>
 

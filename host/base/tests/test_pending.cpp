@@ -1,7 +1,7 @@
-// These tests check the following. A file name never refers to half a file. The new file appears under its
-// name only when it is complete, and the previous file stays until then. Errors and signals leave no pending
-// file behind. The bytes of a file reach the disk before its name does. To check the order of flush and
-// rename, the test replaces fsync and rename by functions that log their calls.
+// These tests check the following. A file name never refers to an incomplete file. The new file appears under
+// its name only when it is complete, and the previous file keeps the name until then. Errors and signals
+// leave no pending file behind. The bytes of a file reach the disk before its final name does. To check the
+// order of flush and rename, the test replaces fsync and rename by functions that log their calls.
 #include "host/base/pending_file.hpp"
 #include "host/base/tests/folder.hpp"
 #include <cerrno>

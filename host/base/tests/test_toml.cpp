@@ -1,6 +1,6 @@
-// These tests check the following. A text whose parser would recurse too deeply is refused, with line and
-// column, before it is parsed. Every text within the limits is parsed, traversed and destroyed without a deep
-// stack.
+// These tests check the following. The reader refuses a text whose parser would recurse too deeply, before it
+// parses the text, and names line and column. A text within the limits must be parsed, traversed and
+// destroyed without a deep stack.
 #include "host/base/toml.hpp"
 
 #include <csetjmp>
@@ -49,7 +49,8 @@ void brackets_without_end_are_refused(void **)
 {
     begins_with(refusal("a = " + std::string(1000000, '[')), "1:37 over 32 brackets");
     begins_with(refusal("a = " + repeated("{b = ", 100000)), "1:");
-    // Of five quotes in a row, three end the string, so the text that follows is outside the string.
+    // If five quotation marks end a string, the last three of them close it, so the text that follows is
+    // outside the string.
     begins_with(refusal("a = [\"\"\"x\"\"\"\"\", " + std::string(1000, '[')), "1:");
 }
 

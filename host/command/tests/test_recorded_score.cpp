@@ -1,5 +1,5 @@
-// Tests the score of a recording whose tools were exchanged: its report names the tools that are on the line
-// at the end, as the report of the session itself does.
+// Tests the score of a recording in which tools were exchanged. The report must name the tools that are on
+// the line at the end, as the session's own report does.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
