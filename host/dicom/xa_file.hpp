@@ -46,7 +46,7 @@ class XaInterrupted : public std::runtime_error
 };
 
 // The spool is a temporary file that holds the pixels of a whole export until the DICOM files are written, so
-// that they need no memory. One spool serves many runs.
+// that the pixels need no memory. One spool serves many runs.
 class XaSpool
 {
   public:
@@ -68,8 +68,8 @@ class XaSpool
     std::size_t size_bytes_ = 0;
 };
 
-// Describes the frames of one DICOM file in the spool (a temporary file): where the first one begins, how
-// many follow each other, and how many pixels each has.
+// Describes the frames of one DICOM file in the spool (a temporary file): where the first frame begins, how
+// many frames follow each other, and how many pixels each frame has.
 struct XaPixels {
     std::size_t offset_bytes = 0;
     std::size_t frame_count = 0, pixels_per_frame = 0;

@@ -13,7 +13,7 @@ namespace crn
 {
 
 // A point of the wall moves fully with the lesion if it is at most lesion_near_radii radii from the healthy
-// centreline. Beyond lesion_far_radii radii it does not move.
+// centreline. A point that is more than lesion_far_radii radii from the healthy centreline does not move.
 constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 
 // Returns the tree of vessels as it was before disease narrowed it.

@@ -98,8 +98,8 @@ class MovingPoints
     MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m);
     std::size_t size() const { return reference_m_.size(); }
     bool moves(std::size_t i) const { return moves_[i]; }
-    // Returns the displacement of point i from the reference pose, in um; the result is 0 0 0 for a point
-    // that never moves.
+    // Returns the displacement of point i from the reference pose, in um; the result is 0 for a point that
+    // never moves.
     Eigen::Vector3f way_um(std::size_t i, const MotionWeights &weights) const;
     // Writes the present positions of all points, in whole um: `reference_um` plus the rounded displacements.
     // Both lists have size() points.
@@ -118,9 +118,9 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // Holds the displacements at the keyframes 23, 0 .. 23, 0: those of all points without breath, and then
-    // the difference that a full breath makes. The points of one keyframe are adjacent in memory, because
-    // each moment needs three keyframes of all points.
+    // Holds the displacements at the keyframes 23, 0 .. 23, 0, first those of all points without breath, and
+    // then the difference that a full breath makes. The points of one keyframe are adjacent in memory,
+    // because each moment needs three keyframes of all points.
     std::vector<float> ways_um_;
 };
 

@@ -11,8 +11,8 @@
 namespace crn
 {
 
-// Names the kind of tissue that a vessel feeds, which determines when in the beat blood flows there. Files
-// contain these numbers.
+// Names the kind of tissue that a vessel supplies, which determines when in the heartbeat blood flows there.
+// Files contain these numbers.
 enum class VesselBed { systemic = 0, left_coronary = 1, right_coronary = 2 };
 
 struct VesselBranch {

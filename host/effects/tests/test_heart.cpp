@@ -57,8 +57,8 @@ void a_resting_adult_has_the_usual_pressures(void **)
     assert_true(std::abs(patient.monitor.rate_per_min() - 70) < 0.2);
 }
 
-// The premature beat ejects less, so its systolic pressure is lower. The diastolic pressure after the long
-// pause that follows a premature beat is lower too.
+// The ventricle ejects less blood in a premature beat, so the systolic pressure of this beat is lower. The
+// diastolic pressure after the long pause that follows a premature beat is lower too.
 void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
 {
     Patient patient;
@@ -76,8 +76,8 @@ void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
     assert_true(patient.monitor.diastolic_mmHg() < diastolic - 5);
 }
 
-// The curve begins at the left edge with the first pressure. A place that was never written would be drawn as
-// a fall to 0 mmHg.
+// The curve must begin at the left edge with the first pressure. A position of the curve that was never
+// written would be drawn as a fall to 0 mmHg.
 void the_curve_begins_with_the_first_sample(void **)
 {
     Patient patient;

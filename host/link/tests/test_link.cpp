@@ -1,7 +1,7 @@
-// These tests check the following. Whatever bytes were lost, cut or repeated, the message HELLO begins a
-// working conversation, and nobody has to unplug the cable. A late answer is not taken for the answer to the
-// present request. A device that sends bytes without end causes an error. The recording contains every tick
-// that the host received.
+// These tests check the following. Whatever bytes were lost, cut or repeated, the message HELLO must begin a
+// working conversation, so that nobody has to unplug the cable. A late answer is not taken for the answer to
+// the present request. A device that sends bytes without end causes an error. The recording contains every
+// tick that the host received.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -270,9 +270,9 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
 }
 
 // While the host makes a picture, it can be silent for longer than the 30 ms after which a device reduces its
-// forces to zero. While the host makes a picture, an object of class Presence sends heartbeats, but not for
-// ever. The test counts frames instead of measuring time: three frames arrive while the Presence object
-// exists, and none arrives after its limit.
+// forces to zero. While the host makes a picture, an object of class Presence sends heartbeats, but only for
+// a limited time. The test counts frames instead of measuring time: three frames arrive while the Presence
+// object exists, and none arrives after its limit.
 void a_busy_host_is_present_for_half_a_second(void **)
 {
     TalkingDevice device;

@@ -141,7 +141,7 @@ void a_session_on_usb_has_the_hash_of_one_in_this_process(void **)
 }
 
 // The test cuts the cable while the host sends its n-th byte, for many n. In some cases the device keeps its
-// power while the cable is cut, in others it loses its power.
+// power while the cable is cut; in others the device loses its power.
 void a_session_goes_on_bit_for_bit_after_every_cut(void **)
 {
     unsigned total = 0;
