@@ -418,7 +418,7 @@ void a_wire_beside_a_stent_meets_its_struts(void **)
 }
 
 // The balloon bursts at 22 bar when the inflator rises to 30 bar. After the burst the balloon has no
-// pressure. The stent was already expanded, so it is deployed.
+// pressure. When the balloon bursts, the stent is already expanded, so it is deployed.
 void burst_balloon_leaves_its_stent_open(void **)
 {
     Case burst{begin_at(lesion_mm) + "inflate to 30 bar at 40 bar/s\nwait 0.8 s\n"};

@@ -183,7 +183,7 @@ void the_ostium_of_a_renal_artery_is_opened(void **)
 }
 
 // The command `anatomy heart --heart-only` writes the centrelines of all arteries into one file, in which LM,
-// LAD and D1 come first. This function writes each of these three centrelines into a file of its own, because
+// LAD and D1 come first. The function writes the centrelines of LM, LAD and D1 into separate files, because
 // the vessel tree is built from one file for each artery.
 void split_centrelines()
 {
@@ -297,7 +297,7 @@ void a_stent_opened_too_little_stands_off_the_wall(void **)
 }
 
 // In this session the balloon and the stent are of size 2.5 mm: at 16 bar their diameter is 2.68 mm in an
-// artery of 3.02 mm. The lesion opens only as far as the balloon.
+// artery of 3.02 mm. The lesion must open only as far as the diameter of the balloon.
 void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
 {
     const auto smaller = [](const std::string &line) {

@@ -3,8 +3,8 @@
 // guidewire with the shipped session from the right common iliac artery to the arch, and let a catheter
 // follow a wire. The test's reference is the exact distance of the tools from the triangles of the vessel
 // surface. The distance is sampled 50 times per second during the whole session, at points 0.5 mm apart along
-// the tools, so also between nodes. The distance field that the core reads does not influence this reference.
-// The test is skipped, with a message, if the files of the anatomy are missing.
+// the tools, so also between nodes. The distance field that the core reads does not influence the reference
+// distance. The test is skipped, with a message, if the files of the anatomy are missing.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

@@ -495,7 +495,7 @@ static void the_device_unplugs_itself_within_a_transfer(void **state)
 }
 
 /* The test suspends and resumes a disconnected device, and sends tokens without a bus reset. The device must
- * not answer these tokens, and must work again after the host has configured it. */
+ * not answer tokens that come without a bus reset, and must work again after the host has configured it. */
 static void a_bus_out_of_order_is_survived(void **state)
 {
     (void)state;
@@ -511,7 +511,7 @@ static void a_bus_out_of_order_is_survived(void **state)
 }
 
 /* The test sends tokens that no real host sends: too long, to endpoints that do not exist, or of an unknown
- * kind. The device must not answer these tokens, and must continue to work. */
+ * kind. The device must not answer invalid tokens, and must continue to work. */
 static void malformed_tokens_are_not_answered(void **state)
 {
     (void)state;

@@ -353,10 +353,9 @@ void Loop::judge()
           "the actuator gave %.3f N and %.2f mN m, limits %.3f and %.2f", outcome_.peak_N,
           outcome_.peak_N_m * 1e3, force_limit_N, torque_limit_N_m * 1e3);
     if (is("rig.encoder_reversed") && fault_->value == 0) {
-        // No hand holds the carriage. The test takes the larger of two forces: the motor force before the
-        // fault, and the force that is needed to move the carriage. The allowed force is the larger of these
-        // two forces plus the increase that the slew limit permits in the 12 ms until the device detects the
-        // fault.
+        // No hand holds the carriage. The allowed force is the larger of two forces (the motor force before
+        // the fault, and the force that moves the carriage), plus the increase that the slew limit permits in
+        // the 12 ms until the device detects the fault.
         const double there_N = std::max(harm_N, std::abs(undisturbed_.motor_N[fault_->at - 1]));
         check(outcome_.peak_N <= there_N + reversed_growth_N, "the reversed track rose to %.3f N from %.3f N",
               outcome_.peak_N, there_N);

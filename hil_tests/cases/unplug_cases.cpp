@@ -111,8 +111,8 @@ class Traveller
         cable_.pull(bytes_[which]);
     }
 
-    // Returns true if the session can continue on the device. This is so if the device has executed the
-    // host's last request, and the device's tick is the last tick that the host has received.
+    // Returns true if the device has executed the host's last request, and if the device's tick is the last
+    // tick that the host has received; the session can then continue.
     bool goes_on()
     {
         const crn_wire_status status = link_->read_status();

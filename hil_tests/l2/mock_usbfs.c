@@ -181,7 +181,7 @@ static int clear_halt(mock *m, UMockdevIoctlData *argument)
     return m->is_plugged ? mock_errno(usb_host_clear_halt(m->peer.host, (uint8_t)endpoint)) : ENODEV;
 }
 
-/* Interface 0 is the HID interface. When a program claims this interface, libusb takes it from the driver
+/* Interface 0 is the HID interface. When a program claims the HID interface, libusb takes it from the driver
  * usbhid. In the data of both ioctl calls (claim and release), the number of the interface comes first. */
 static int claim(mock *m, UMockdevIoctlData *argument, bool is_taken)
 {

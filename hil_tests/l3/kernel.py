@@ -4,7 +4,7 @@ files.
 
   kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when this program has made them
 
-The kernel is that of the package on which linux-image-amd64 depends at the time of the download. The package is only
+The kernel comes from the package on which linux-image-amd64 depends at the time of the download. The package is only
 unpacked and never installed. The file vmlinux is the kernel inside vmlinuz, without the real-mode code and without
 compression; the guest boots three seconds sooner with vmlinux than with vmlinuz. The initrd holds busybox, an init
 program, and kernel modules: those for 9p, xHCI, HID and a virtual serial port, and all modules on which these depend.

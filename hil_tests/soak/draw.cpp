@@ -110,8 +110,8 @@ void move_two_hands(Scribe &scribe)
     scribe.end();
 }
 
-// Writes a statement that injects contrast medium through the lumen of a tool. The flow is at most what a
-// hand or a pump can achieve while a wire is in the lumen.
+// Writes a statement that injects contrast medium through the lumen of a tool. The injected flow is at most
+// what a hand or a pump can achieve while a wire is in the lumen.
 void inject(Scribe &scribe)
 {
     Dice &dice = scribe.dice();

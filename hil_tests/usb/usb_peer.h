@@ -1,6 +1,6 @@
 /* Opens a USB device for a bridge, which makes the device visible to a host. The device is in this process (a
  * loop-back rig or the complete application), or it is a program in another process, such as an emulator. The
- * mailbox of such a program is a file that both processes map into memory. */
+ * mailbox of a program in another process is a file that both processes map into memory. */
 #ifndef CRN_USB_PEER_H
 #define CRN_USB_PEER_H
 

@@ -61,9 +61,9 @@ struct AssessPlan {
 };
 
 // Reads a plan file. If the file has the key `plan`, the function first reads the plan with that name, and
-// the file then changes this plan. Its [vessels] name vessels; its [score] and metrics replace weights and
-// limits; its errors are added, or replace errors of the same name; its phases, if there are any, replace all
-// phases. Throws a FileError whose message names file, line and column and suggests a known word.
+// the file then changes this plan. The file's [vessels] name vessels; its [score] and metrics replace weights
+// and limits; its errors are added, or replace errors of the same name; its phases, if there are any, replace
+// all phases. Throws a FileError whose message names file, line and column and suggests a known word.
 AssessPlan read_plan(const std::string &path);
 
 // Reads a plan in the same way from a table of another file, such as [assessment] in the file of a case. The

@@ -28,8 +28,8 @@ template <typename Replace> CLI::Validator replaced_by(Replace replace)
 }
 
 // With the returned validator, the value of an option may be the name of a file that comes with the program,
-// or of one of the user's own files. The validator replaces such a name by the file's path. A name may end
-// with ":preset".
+// or of one of the user's own files. The validator replaces the name of such a file by the file's path. A
+// name may end with ":preset".
 inline CLI::Validator name_or_path(const ExampleKind &kind)
 {
     return replaced_by([kind](const std::string &word) { return named_path(kind, word); });

@@ -88,8 +88,8 @@ class FileSet
     void add(const std::string &path, std::string_view bytes);
     // On failure the function throws OutputError. After a failure the function undoes the renames already
     // made, so that the previous files are back under their names. A mixture of old and new files can remain
-    // only if the program dies between two renames (SIGKILL, or a crash of the machine). Readers have to
-    // detect such a mixture.
+    // only if the program dies between two renames (SIGKILL, or a crash of the machine). Programs that read
+    // these files have to detect a mixture of old and new files.
     void commit();
 
   private:

@@ -107,7 +107,7 @@ class TomlTable
     std::vector<TomlTable> tables(const std::string &key) const; // empty where the key is absent
 
     // Returns this table with a more detailed description of its place in the file, such as "preset
-    // 'physical', section 2". Error messages about the table then contain this description.
+    // 'physical', section 2". Error messages about the table then contain this more detailed description.
     TomlTable inside(const std::string &more) const;
     TomlTable in_place_of(const TomlTable &other) const; // takes the text of the other table
     [[noreturn]] void fail(const std::string &what) const;
@@ -115,8 +115,8 @@ class TomlTable
     const std::string &file() const;
 
     // Reads values with a source: { value, source } or { from, to, source }. A source "@key" or "@key: more"
-    // refers to an entry of the table [sources] in the file's root table. This entry must exist, and every
-    // entry of [sources] must be used.
+    // refers to an entry of the table [sources] in the file's root table. The entry to which a source refers
+    // must exist, and every entry of [sources] must be used.
     void read_sources() const;       // of the root
     void check_sources_used() const; // of the root, after everything else
     void check_source() const;       // of the key `source` in this table

@@ -85,7 +85,7 @@ void print_case_result(const nlohmann::ordered_json &entry);
 class CasePlay
 {
   public:
-    // `lesson`, `witness` and `pictures` may be nullptr. Objects that are given must live longer than this
+    // `lesson`, `witness` and `pictures` may be nullptr; if they are not, they must live longer than this
     // object. Throws as GoalWatch.
     CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitness *witness, FrameSink *pictures);
     FrameSink *sink() { return sink_; }

@@ -6,7 +6,7 @@
 namespace crn
 {
 
-// Gives this layout to the help texts of a program and all its commands.
+// Gives the project's layout to the help texts of a program and all its commands.
 void use_help_format(CLI::App &app);
 
 } // namespace crn

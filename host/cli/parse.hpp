@@ -26,7 +26,7 @@ std::optional<int> parse_command_line(CLI::App &app, int argc, char **argv, cons
 
 // Finds the first word that is neither a command nor an option of the program, and returns an explanation
 // with a suggestion. The returned text is empty if every word is known. `app` must have parsed the command
-// line before, even if the parsing failed.
+// line already, even if the parsing failed.
 std::string unknown_word(const CLI::App &app);
 
 } // namespace crn

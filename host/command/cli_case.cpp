@@ -49,8 +49,8 @@ Listed all_cases()
     return listed;
 }
 
-// The key of a recipe depends on the programs that make scenes. Without these programs, no scene of a recipe
-// counts as ready.
+// The key of a recipe depends on the programs that make scenes. Without the programs that make scenes, no
+// scene of a recipe counts as ready.
 bool is_ready(const Case &lesson)
 {
     try {

@@ -14,12 +14,11 @@ namespace crn
 //    WORD.scene in the user's own folder of scenes ($XDG_DATA_HOME/cournand/scenes)
 //    out/WORD.scene below the current folder or below the repository, where `make` writes scenes
 //    the scene `heart`, `lad_pci` or `renal_pci`
-//    the scene with this name that comes with the program
-// When the scene `heart`, `lad_pci` or `renal_pci` is needed for the first time, the programs `anatomy` and
-// `bake` make it in one to three minutes. It is kept in the user's cache, like the scenes of cases. A scene
-// that comes with the program is compressed; the first use unpacks the scene and its bodies into the user's
-// cache ($XDG_CACHE_HOME/cournand/scenes). Throws a std::runtime_error that contains a suggestion or the
-// command that makes the scene.
+//    the scene with this name that comes with the program When the scene `heart`, `lad_pci` or `renal_pci` is
+// needed for the first time, the programs `anatomy` and `bake` make it in one to three minutes. The scene is
+// then kept in the user's cache, like the scenes of cases. A scene that comes with the program is compressed;
+// the first use unpacks the scene and its bodies into the user's cache ($XDG_CACHE_HOME/cournand/scenes).
+// Throws a std::runtime_error that contains a suggestion or the command that makes the scene.
 std::string scene_path(const std::string &word);
 
 // Makes the scene of a recipe, unless it is in the cache, and shows the progress on stderr. On a terminal the
@@ -49,8 +48,8 @@ inline constexpr std::size_t kept_recordings_max = 20;
 // kept_recordings_max recordings remain. Throws UsageError if the folder cannot be made.
 std::string kept_recording();
 
-// The following validators replace a name by a path. The validator only checks the name of a scene. The
-// program unpacks the scene later, when the whole command line is known to be right.
+// The following validators replace a name by a path. For the name of a scene, the validator only checks that
+// the name is known. The program unpacks the scene later, when the whole command line is known to be right.
 CLI::Validator scene_name();
 CLI::Validator recording_name();
 CLI::Validator any_name();

@@ -37,15 +37,15 @@ struct WindowOptions {
     bool starts_with_fluoro = false;
     bool shows_help = true;
     // In tests the window closes after it has drawn this number of screens. Every screen counts as 1/60 s of
-    // session time, however long it takes to draw. If this number is 0, the window runs in real time until
-    // the user presses Esc.
+    // session time, however long it takes to draw. If the number of screens is 0, the window runs in real
+    // time until the user presses Esc.
     int frames = 0;
     std::string screenshot;                       // PNG of the window's last screen; empty: none
     int window_width = 1600, window_height = 900; // at the start, in pixels of the desktop
     std::string font;                             // TrueType file; empty: the installed DejaVu Sans
     bool opens_start = false;                     // begin with the cards instead of a session
-    // Holds the case that the session plays. The window shows the goals of the case, and its marks at the
-    // end. The window begins with the preparation of the case. Null: no case.
+    // Holds the case that the session plays. The window shows the goals of the case during the session, and
+    // the marks at the end. The window begins with the preparation of the case. Null: no case.
     std::shared_ptr<const Case> lesson{};
     std::string replays; // begin with the replay of this recording; empty: no
     std::string timing;  // file of the figures of this machine: punctuality, pictures, delays; empty: none

@@ -211,7 +211,8 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
 }
 
 // The difference of concentration between the two layers falls as exp(-k t), where k is proportional to the
-// speed of the blood. The time step is implicit, so that this difference never changes sign.
+// speed of the blood. The time step is implicit, so that the difference of concentration between the two
+// layers never changes sign.
 void ContrastFlow::mix(double dt_s)
 {
     double *core = core_mg_.data(), *wall = wall_mg_.data();

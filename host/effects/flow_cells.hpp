@@ -48,7 +48,8 @@ class FlowCells
 
     std::size_t size() const { return cells_.size(); }
     const FlowCell &operator[](std::size_t i) const { return cells_[i]; }
-    // The next functions return the index of a branch's first cell, and the index one behind its last cell.
+    // The next functions return the index of a branch's first cell, and the index after the branch's last
+    // cell.
     std::size_t branch_begin(std::size_t branch) const { return branch_begin_[branch]; }
     std::size_t branch_count() const { return branch_begin_.empty() ? 0 : branch_begin_.size() - 1; }
 

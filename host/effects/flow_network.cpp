@@ -170,8 +170,8 @@ void FlowNetwork::set_ways()
     }
 }
 
-// Adds the losses of a run's stenoses, at the flows of the last solution, to its resistance by Poiseuille's
-// law.
+// Adds the losses of a run's stenoses, at the flows of the last solution, to the run's resistance by
+// Poiseuille's law.
 void FlowNetwork::add_throats()
 {
     for (Row &row : rows_) row.way = row.open_way;

@@ -301,7 +301,7 @@ void Link::say_present()
 }
 
 // Removes from the list of received ticks those that the last call returned to the caller. Ticks that arrived
-// since then, together with replies to other requests, stay in the list.
+// since the last call, together with replies to other requests, stay in the list.
 void Link::drop_given()
 {
     const auto given = static_cast<std::ptrdiff_t>(ticks_given_);

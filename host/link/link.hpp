@@ -88,8 +88,8 @@ class Link
     void say_present();                                // one heartbeat; nothing is received
     std::vector<crn_wire_tick_state> free_run(std::uint32_t milliseconds);
     // In the mode FREE_RUN, the device carries out these commands ("orders") in the next tick that has no
-    // other commands. In the mode LOCKSTEP, such commands are part of a tick's input. `orders` must contain
-    // at least one command. Throws LinkError.
+    // other commands. In the mode LOCKSTEP, commands to the core are part of a tick's input. `orders` must
+    // contain at least one command. Throws LinkError.
     void give_orders(const crn_wire_order_list &orders);
     // The next functions return the ticks of the last call with their inputs, sensors and flags, also after
     // an exception, and the events since that call.

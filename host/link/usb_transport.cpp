@@ -294,7 +294,7 @@ void UsbTransport::write(std::span<const std::uint8_t> bytes)
             free = slot == writes_.end() ? nullptr : slot->get();
             return free != nullptr || failure_ != 0;
         };
-        // libusb ends each transfer after write_ms. If twice this time passes without a result, the thread
+        // libusb ends each transfer after write_ms. If twice write_ms passes without a result, the thread
         // that serves libusb is not running.
         if (!wait(hold, std::chrono::milliseconds(2 * limits_.write_ms), find))
             failure_ = LIBUSB_ERROR_TIMEOUT;

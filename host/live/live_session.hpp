@@ -37,6 +37,7 @@ class LiveSession final : private FreeRunSink
                 bool keeps_all_pictures = false);
 
     // --- what the user does; all of it is in force from the next tick on, and recorded ---
+
     // Sets the speeds of the hands, one per tool.
     void lead(std::span<const HandSpeed> speeds);
     // Moves one hand by a distance and an angle in encoder counts, at most as fast as a real hand can move.

@@ -157,7 +157,8 @@ std::size_t PictureThread::waiting_pulses() const
 }
 
 // Fluoroscopy shows the present. If an X-ray pulse is still waiting for its picture when the next pulse
-// comes, the waiting pulse is left out. The events of such a pulse, and all frames of stored runs, are kept.
+// comes, the waiting pulse is left out. The events of a pulse that is left out, and all frames of stored
+// runs, are kept.
 void PictureThread::leave_out_fluoroscopy()
 {
     for (RoomPackage &package : waiting_)

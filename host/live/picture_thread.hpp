@@ -4,9 +4,9 @@
 // physics, so the pictures cannot influence the physics.
 //
 // If the machine is too slow, fluoroscopy pulses that wait for their pictures are left out, and only the
-// newest pulse is drawn. All frames of cine and DSA runs are drawn. While many of these frames wait, give()
-// waits too, and the session becomes slower than real time. With `keeps_all`, all pulses of fluoroscopy are
-// drawn as well.
+// newest pulse is drawn. All frames of cine and DSA runs are drawn. While many frames of such runs wait,
+// give() waits too, and the session becomes slower than real time. With `keeps_all`, all pulses of
+// fluoroscopy are drawn as well.
 #pragma once
 #include "host/live/mailbox.hpp"
 #include "host/picture/room_pictures.hpp"

@@ -1,7 +1,7 @@
 // Shows any moment of a recording from any angle of the C-arm. Each moment is computed from the last snapshot
 // before it, so a late moment takes no longer than an early one. Contrast medium, stents and the position of
-// the C-arm depend on the whole session before the moment. They come from a track (a list of these states),
-// which another thread prepares once.
+// the C-arm depend on the whole session before the moment. The replay takes medium, stents and the C-arm's
+// position from a track (a list of these states), which another thread prepares once.
 //
 //   ReplayRoom room("live.rec", "", settings);
 //   while (room.prepare(1000)) ...                        in one thread, until the track is complete
@@ -58,7 +58,7 @@ class ReplayRoom
     bool prepare(std::uint32_t ticks);
     std::uint32_t prepared() const { return prepared_; }
     // Computes a picture; equal requests give pictures that are equal bit for bit. Only one thread at a time
-    // may call this function, but it may be another thread than that of prepare().
+    // may call picture(), but this may be another thread than the one that calls prepare().
     ReplayPicture picture(const ReplayAsk &ask);
 
     static constexpr std::uint32_t snapshot_every_ticks = 1000;

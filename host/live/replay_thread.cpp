@@ -45,8 +45,7 @@ void ReplayThread::prepare()
             goes_on = room_->prepare(track_ticks);
         }
     } catch (const std::exception &) {
-        // From here on, the pictures continue without medium and stents, and state that these are not
-        // prepared.
+        // From here on, the pictures continue without medium and stents, and are marked as not prepared.
     }
 }
 

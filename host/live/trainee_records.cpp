@@ -63,8 +63,8 @@ void add_events(const Json &assessment, SessionRecord &record)
                      [](const SessionEvent &a, const SessionEvent &b) { return a.tick < b.tick; });
 }
 
-// Gives the recording a second name (a hard link) in the data folder. Returns the first name if the second
-// name is not possible.
+// Gives the recording a second name (a hard link) in the data folder. If the second name cannot be made,
+// returns the first name.
 std::string second_name(const std::string &recording)
 {
     const fs::path folder = data_folder() / "recordings", file = folder / fs::path(recording).filename();

@@ -30,7 +30,7 @@ void read_head(const TomlTable &root, Instrument &instrument)
 }
 
 // Reads the length of the real tool, and the part of a monorail catheter that runs over a wire. The program
-// uses these two lengths only for the exchange of tools.
+// uses the length of the real tool and of its monorail part only for the exchange of tools.
 void read_whole(const TomlTable &root, InstrumentKind kind, crn_wire_instrument &wire)
 {
     if (!root.has("whole")) return;
@@ -75,8 +75,8 @@ TomlRange scaled(const TomlRange &range, double factor, NumberRange bounds)
 
 // See docs/instruments.md, "vcsim3-fit". The shaft of the preset from the thesis gets Young's modulus E and
 // its radius from the thesis's table. The thesis's table does not describe the tip, so each value along the
-// instrument keeps its ratio to the shaft's value from the base preset. Mass and friction also stay as in the
-// base preset.
+// instrument keeps its ratio to the shaft's value from the base preset. The preset from the thesis also keeps
+// the mass and the friction of the base preset.
 void apply_thesis(const TomlTable &table, const ThesisRow &thesis, std::vector<Section> &sections)
 {
     const double factor = thesis.bend_stiffness_N_m2() / sections.back().bend_N_m2.to;

@@ -109,8 +109,9 @@ LesionFoot LesionWall::foot(const Vector3d &place_m) const
     return foot;
 }
 
-// Returns the fraction of the lesion's displacement that applies to a point of the wall. This fraction is 1
-// near the vessel, and 0 far from the vessel or where the point is nearer to another vessel.
+// Returns the fraction of the lesion's displacement that applies to a point of the wall. The fraction of the
+// displacement is 1 near the vessel, and 0 far from the vessel or where the point is nearer to another
+// vessel.
 double LesionWall::share_of_way(const LesionFoot &foot, const Vector3d &place_m) const
 {
     const double fade =

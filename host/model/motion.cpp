@@ -228,9 +228,9 @@ Eigen::Vector3f MovingPoints::way_um(std::size_t i, const MotionWeights &weights
 }
 
 // Returns the number that must be added before a truncation, so that the result is rounded half away from
-// zero. This is faster than std::lround, which matters because a heart has 100 000 vertices. The added number
-// is the largest float below 0.5, so that the sum does not round up a value just below a half. Requires a
-// size below 2^23.
+// zero. Adding this number is faster than a call of std::lround, which matters because a heart has 100 000
+// vertices. The added number is the largest float below 0.5, so that the sum does not round up a value just
+// below a half. Requires a size below 2^23.
 static float half_of(float value)
 {
     return std::copysign(0x1.fffffep-2f, value);

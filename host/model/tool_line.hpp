@@ -12,8 +12,8 @@ namespace crn
 
 using LineNumbers = std::vector<std::uint8_t>;
 
-// Returns the numbers for a line that consists of all tools of the table in their order; a session that names
-// no tools for the line has this line.
+// Returns the numbers for a line that consists of all tools of the table in their order; these numbers apply
+// if a session names no tools for the line.
 LineNumbers whole_table(std::size_t tool_count);
 
 // Returns `line`, or the whole table if `line` is empty.

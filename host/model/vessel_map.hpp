@@ -69,9 +69,9 @@ class VesselMap
     // Returns the vessel in which a point lies, or else the nearest vessel. The map must have at least one
     // vessel.
     VesselPlace at(const Eigen::Vector3d &reference_m) const;
-    // Returns how far inside a vessel a position lies. This distance is measured from the point where the
-    // route from `start` enters the vessel: the vessel's beginning, or the origin of the branch from which
-    // the route comes.
+    // Returns how far inside a vessel a position lies. The distance inside a vessel is measured from the
+    // point where the route from `start` enters the vessel: the vessel's beginning, or the origin of the
+    // branch from which the route comes.
     double inside_m(const VesselPlace &place, const VesselPlace &start) const;
     VesselWay way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const;
     // Returns the radius of the lumen at the ostium of the goal vessel.

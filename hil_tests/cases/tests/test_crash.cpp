@@ -139,7 +139,7 @@ class Patient
     }
     // Turns the processor's interrupts off and runs an endless loop, so that the device hangs. With its
     // interrupts off, the processor cannot be in the handler that runs every millisecond when the watchdog
-    // acts. The watchdog acts after one minute without a sign of life, which is a whole number of
+    // acts. The watchdog acts one minute after the last sign of life, and a minute is a whole number of
     // milliseconds. The watchdog may therefore act just after a millisecond has begun, while the processor
     // runs that millisecond's handler.
     void hang()

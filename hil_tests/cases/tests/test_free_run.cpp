@@ -137,7 +137,7 @@ void what_hands_do_at_a_rig_replays_bit_for_bit(void **)
     }
 }
 
-// The rig continues without the host for 1.5 s. Then the host resumes the session from the last tick that the
+// The rig continues without the host for 1.5 s. The host then resumes the session from the last tick that the
 // host has received.
 void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
 {
@@ -154,8 +154,8 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
     }
 }
 
-// The host keeps the inputs of at most about free_run_kept_max ticks. If more ticks than this number have
-// passed when the host resumes the session, the resumed session begins with a snapshot, which the recording
+// The host keeps the inputs of at most about free_run_kept_max ticks. If the host resumes a session with more
+// than about free_run_kept_max ticks, the resumed session begins with a snapshot, which the recording
 // contains.
 void a_long_session_resumes_from_a_snapshot(void **)
 {

@@ -87,7 +87,7 @@ void viscous_friction_gives_a_terminal_speed(void **)
 }
 
 // While the hand holds the tool, a motor force up to the sum of grip and bearing friction does not move the
-// roller. A force beyond this sum makes the roller slip.
+// roller. A motor force beyond the sum of grip and bearing friction makes the roller slip.
 void the_roller_slips_at_its_threshold(void **)
 {
     AxisSettings s = ideal();

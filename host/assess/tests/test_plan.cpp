@@ -154,7 +154,7 @@ void a_plan_with_a_mistake_is_refused_with_its_line(void **)
         "did you mean 'kap_Gy_cm2'"));
     assert_non_null(
         std::strstr(plan_message("format = 1\nname = \"none\"\n").c_str(), "neither phases nor errors"));
-    // An error without a source is refused, because every limit must name its source.
+    // A handling error without a source is refused, because every limit in a plan must name its source.
     assert_non_null(
         std::strstr(plan_message("format = 1\nname = \"n\"\n[[error]]\nname = \"a\"\nwhen = \"injecting\"\n"
                                  "severity = \"serious\"\n")

@@ -83,9 +83,9 @@ void the_deepest_text_that_is_allowed_is_read(void **)
     assert_int_equal(depth, 32 + 32 * 32);
 }
 
-// To find out whether a letter outside ASCII is white space, the library toml++ looks it up in a table. This
-// look-up was undefined behaviour, which ended the sanitized program for most such letters
-// (host/base/toml.hpp).
+// To find out whether a letter outside ASCII is white space, the library toml++ looks it up in a table. In an
+// earlier version, such a look-up was undefined behaviour for most of these letters, and a sanitizer ended
+// the program (host/base/toml.hpp).
 void a_letter_outside_ascii_is_no_blank(void **)
 {
     begins_with(refusal("\xEF\xBB\x9F\x07"), "1:1 ");

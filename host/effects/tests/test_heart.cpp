@@ -145,7 +145,7 @@ MotionMoment moment(double heart, double breath)
 
 // The middle node of the lattice is at (0, 7.8125, 7.8125) mm. The displacement coefficients of that node are
 // 44 units at keyframe 0 and rise by 44 units per keyframe. A quadratic spline through values on a straight
-// line is that straight line. The deepest breath moves the node by 262 units along y.
+// line is this straight line itself. The deepest breath moves the node by 262 units along y.
 void the_lattice_is_read_as_it_was_written(void **)
 {
     const Sample sample;

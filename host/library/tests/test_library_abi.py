@@ -10,7 +10,7 @@ The description is made from a small object file that contains only variables: o
 every constant, an array of as many bytes as its value; for every member of a struct, one variable of its type, and an
 array of as many bytes as its offset. In the types of functions, structs that begin with struct_bytes are opaque,
 because later versions may add members at their end. The size of every other struct must not change. The test of the
-installed library checks that it exports exactly the functions of the header."""
+installed library checks that this library exports exactly the functions of the header."""
 
 import os
 import re

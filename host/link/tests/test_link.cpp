@@ -188,8 +188,9 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// In this test the device sends zeros without end, noise without end, or one byte now and then. None of these
-// bytes is a message, and each call must end after a bounded number of bytes or a bounded time.
+// In this test the device sends zeros without end, noise without end, or one byte now and then. None of the
+// bytes that the device sends is a message, and each call must end after a bounded number of bytes or a
+// bounded time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {
