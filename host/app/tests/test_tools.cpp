@@ -26,7 +26,7 @@
 #include "host/session/run.hpp"
 #include "host/xray/xray.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

@@ -18,7 +18,7 @@
 #include "host/session/device.hpp"
 #include <libusb-1.0/libusb.h>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

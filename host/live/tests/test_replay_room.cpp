@@ -14,7 +14,7 @@
 #include "host/script/session.hpp"
 #include "host/session/run.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

@@ -20,7 +20,7 @@
 #include "host/picture/session_pictures.hpp"
 #include "host/session/replay.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

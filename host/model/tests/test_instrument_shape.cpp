@@ -26,7 +26,7 @@ extern "C" {
 #include "host/model/units.hpp"
 #include "host/session/device.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
