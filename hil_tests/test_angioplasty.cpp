@@ -433,8 +433,8 @@ void burst_balloon_leaves_its_stent_open(void **)
 }
 
 // The test cuts off the recording's file in the middle of a chunk, at a time when the balloon is under
-// pressure. The file still has all ticks of its complete chunks. These ticks replay together with the stent's
-// commands to the core.
+// pressure. The file still has all ticks of its complete chunks. The ticks of the complete chunks replay
+// together with the stent's commands to the core.
 void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
 {
     const Case &whole = usual_case();
@@ -489,8 +489,8 @@ class PumpedRig final : public Transport
     std::int32_t passed_ms_ = 0;
 };
 
-// In FREE_RUN sessions the host sends the commands about the stent as requests. Each request is recorded in
-// the tick in which the device's core carried it out.
+// In FREE_RUN sessions the host sends the commands about the stent as requests. Each request about the stent
+// is recorded in the tick in which the device's core carried it out.
 void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
 {
     const Case &like = usual_case(); // the same tools and stent

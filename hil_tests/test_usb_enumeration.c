@@ -42,8 +42,8 @@ static usb_result set_address(uint8_t address)
     return result;
 }
 
-/* Linux reads 64 bytes of the device descriptor at address 0, resets the device and sets its address. Then
- * Linux reads the device descriptor again, and after that all other descriptors. */
+/* Linux reads 64 bytes of the device descriptor at address 0, resets the device and sets its address. After
+ * that, Linux reads the device descriptor again, and then all other descriptors. */
 static void linux_way(bool high_speed)
 {
     usb_judged judged;

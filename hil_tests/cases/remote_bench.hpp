@@ -52,8 +52,8 @@ class RemoteBench final : public Bench, private crn::Transport
     bool has_answered_ = false;
 };
 
-// This test level uses a real rig, or a program that replaces the real rig. This level has no simulated rig
-// (class Plant), so only test cases that work without a simulated rig can run.
+// The test level of this class uses a real rig, or a program that replaces the real rig. The test level of a
+// real rig has no simulated rig (class Plant), so only test cases that work without a simulated rig can run.
 class MetalLevel final : public Level
 {
   public:

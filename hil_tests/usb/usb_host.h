@@ -5,8 +5,8 @@
  * The caller provides the function `wait`, which lets time pass. The controller calls `wait` between two
  * reads of the mailbox, and between two attempts to send a packet if the device has answered NAK. If the
  * device is in this process, `wait` runs the device; if the device is in another process, `wait` sleeps.
- * After the deadline that `begin_wait` set, `wait` returns false. This deadline limits how long a device may
- * take to answer one token. NAKs are counted. */
+ * After the deadline that `begin_wait` set, `wait` returns false. The deadline that `begin_wait` set limits
+ * how long a device may take to answer one token. NAKs are counted. */
 #ifndef CRN_USB_HOST_H
 #define CRN_USB_HOST_H
 

@@ -24,8 +24,9 @@ inline constexpr ExampleKind scene_archives{"scenes", "scene", ".tar.xz"};
 
 // Returns the existing folders with the files of this kind that come with the program, in the order in which
 // they are searched. The files are in share/cournand/examples/KIND of the installed program, and in
-// shared/examples/KIND of the repository. Both folders are searched in the four folders above the running
-// program, and the second also in the current folder.
+// shared/examples/KIND of the repository. The program looks for share/cournand/examples/KIND and
+// shared/examples/KIND in the four folders above the running program, and for the second folder also in the
+// current folder.
 std::vector<std::filesystem::path> shipped_folders(const ExampleKind &kind);
 
 // Returns the user's own folder, $XDG_DATA_HOME/cournand/KIND or ~/.local/share/cournand/KIND, if it exists,

@@ -1,6 +1,6 @@
 // Measures how long the computation of an X-ray picture takes (docs/bench.md and docs/xray.md). The simulated
 // patient is out/aorta.bodies, which `make run` makes; if that file is missing, the program makes a model
-// itself. Both models have at least 300,000 triangles and four materials.
+// itself. The two models of a patient have at least 300,000 triangles and four materials.
 #include "firmware/bench/bench.h"
 #include "host/xray/chain.hpp"
 #include "host/xray/gl/gl_paths.hpp"

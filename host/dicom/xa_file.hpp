@@ -28,8 +28,8 @@ struct XaStudy {
 };
 
 // A DICOM file has at most this number of frames and of bytes; a longer run is continued in the next file.
-// These limits have two reasons: an attribute with one number per frame has at most 65,534 characters, and
-// viewers load a whole file into memory.
+// The limits for a DICOM file have two reasons: an attribute with one number per frame has at most 65,534
+// characters, and viewers load a whole file into memory.
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 

@@ -129,8 +129,8 @@ typedef struct cournand_scene_info {
 COURNAND_API cournand_status cournand_scene_describe(const cournand_scene *scene, cournand_scene_info *info);
 
 /* Describes a vessel. The vessel's centreline has `point_count` rows with x, y, z and the radius of the
- * lumen, in m. These rows are a contiguous array, float [n][4], in the direction of the blood flow and in the
- * reference pose (heart and breath at rest). */
+ * lumen, in m. The rows of the centreline are a contiguous array, float [n][4], in the direction of the blood
+ * flow and in the reference pose (heart and breath at rest). */
 typedef struct cournand_vessel {
     uint32_t struct_bytes;
     int32_t parent;   /* number of an earlier vessel; -1: the root */
@@ -223,10 +223,11 @@ COURNAND_API cournand_status cournand_world_free(cournand_world *world);
 COURNAND_API const char *cournand_world_error_text(const cournand_world *world);
 
 /* Moves the hands at constant speeds for `ticks` ticks (1 .. COURNAND_TICKS_MAX). `action` is a float array
- * of COURNAND_ACTION_FLOATS entries. Its first three entries are the pushing speeds of the hands at positions
- * 0, 1 and 2 in m/s (-1 .. 1, + into the patient). The next three entries are the turning speeds in rad/s
- * (-100 .. 100, + right-handed about the direction of insertion). The seventh entry is the pressure of the
- * inflator in kPa (0 .. 4000), and the eighth is 0. Entries of positions that the line does not have must be
+ * of COURNAND_ACTION_FLOATS entries. The first three entries of `action` are the pushing speeds of the hands
+ * at positions 0, 1 and 2 in m/s (-1 .. 1, + into the patient). The next three entries are the turning speeds
+ * in rad/s (-100 .. 100, + right-handed about the direction of insertion). The seventh entry is the pressure
+ * of the inflator in kPa (0 .. 4000), and the eighth is 0. Entries of positions that the line does not have
+ * must be
  * 0. Hands hold their tools rigidly. */
 COURNAND_API cournand_status cournand_world_move(cournand_world *world, const float *action, uint32_t ticks);
 
@@ -339,7 +340,8 @@ COURNAND_API cournand_status cournand_world_tip(cournand_world *world, uint32_t 
 /* Returns the full hash of the core's state (FNV-1a), as `cournand run` prints it. */
 COURNAND_API cournand_status cournand_world_hash(cournand_world *world, uint64_t *hash);
 
-/* Describes a fault that the device has counted. Its texts stay valid as long as the program runs. */
+/* Describes a fault that the device has counted. The texts of a fault stay valid as long as the program runs.
+ */
 typedef struct cournand_fault {
     uint32_t code; /* docs/faults.md */
     uint32_t tick_first, tick_last, count;
@@ -404,8 +406,8 @@ COURNAND_API cournand_status cournand_pool_free(cournand_pool *pool);
 
 /* Moves `count` different worlds in parallel, each as cournand_world_move() does. `actions` is float
  * [count][COURNAND_ACTION_FLOATS], contiguous. `statuses` is NULL, or int32 [count], which receives the
- * status of each world. Returns OK if every world has moved. Otherwise returns the first status that is not
- * OK; the other worlds have moved. */
+ * status of each world. Returns OK if every world has moved. If a world has not moved, returns the first
+ * status that is not OK; the other worlds have moved. */
 COURNAND_API cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *worlds,
                                                 size_t count, const float *actions, uint32_t ticks,
                                                 int32_t *statuses);

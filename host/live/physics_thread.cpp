@@ -39,8 +39,8 @@ class Pace
     }
     std::int64_t next() const { return ticks_ + 1; }
     // Punctual threads are urgent. If a session cannot keep up with real time, it computes without a pause.
-    // Its thread then gets ordinary priority until it has kept up for a second, so that the thread does not
-    // block the window.
+    // The session's thread then has ordinary priority until the session has kept up for a second, so that the
+    // thread does not block the window.
     void choose_urgency()
     {
         const bool should_be_urgent = SuiteClock::now() - lost_at_ > urgent_again_after;

@@ -208,8 +208,8 @@ void each_tool_covers_the_line_from_its_own_tip(void **)
     }
 }
 
-// Makes a straight set of three nested tools along x, 200 mm above the table. This set has nodes every 4 mm,
-// and the tips of the tools lie between nodes.
+// Makes a straight set of three nested tools along x, 200 mm above the table. The three nested tools have
+// nodes every 4 mm, and the tips of the tools lie between nodes.
 crn::WireFrame line_frame()
 {
     crn::WireFrame wire;
@@ -292,8 +292,8 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
         largest = std::max(largest, here);
         if (y == 255 || y == 256) middle = std::max(middle, here);
     }
-    // This path in the wall is 2 (2 - 1.2) = 1.6 mm long in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside
-    // the lumen.
+    // The path in the tool's wall is 2 (2 - 1.2) = 1.6 mm long in the middle of the tool, and 2 sqrt(4 -
+    // 1.44) = 3.2 mm beside the lumen.
     assert_in_range(middle, 1540, 1740);
     assert_in_range(largest, 2900, 3300);
 }

@@ -4,11 +4,11 @@ direction and the order of magnitude that studies published. A measured differen
 times the published difference; the residual stenosis of the two groups must not differ. test_few_experts_and_novices.py
 runs a small sample of this test.
 
-Sources: Crossley et al., J NeuroIntervent Surg 2019;11:775 (thrombectomy on a simulator: experts were 19 % faster and
-had 42 % fewer errors, 40 % more phases and 20 % more steps than novices); carotid stenting on a simulator, Acta Radiol
-2008 (novices needed 8.7 min more fluoroscopy; residual stenosis was alike), scaled by the 11.2 min of fluoroscopy of
-PMC7400356; Rolls et al., EuroIntervention (the path of the tip in the picture was 3,836 px for experts and 10,556 px
-for novices).
+Crossley et al., J NeuroIntervent Surg 2019;11:775, studied thrombectomy on a simulator: experts were 19 % faster and
+had 42 % fewer errors, 40 % more phases and 20 % more steps than novices. In carotid stenting on a simulator (Acta
+Radiol 2008), novices needed 8.7 min more fluoroscopy, and the residual stenosis was alike; the test divides the 8.7 min
+by the 11.2 min of fluoroscopy of PMC7400356. In Rolls et al., EuroIntervention, the path of the tip in the picture was
+3,836 px long for experts and 10,556 px for novices.
 """
 
 import os

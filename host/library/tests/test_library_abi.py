@@ -6,9 +6,10 @@ the header with the committed description.
   test_library_abi.py            prints TAP
   test_library_abi.py --write    writes the description of the present header
 
-The description is made from a small object file that contains only variables: one with the type of each function; for
-every constant, an array of as many bytes as its value; for every member of a struct, one variable of its type, and an
-array of as many bytes as its offset. In the types of functions, structs that begin with struct_bytes are opaque,
+The description is made from a small object file that contains only variables. There is one variable with the type of
+each function; for every constant, an array of as many bytes as its value; for every member of a struct, one variable of
+its type, and an array of as many bytes as its offset. In the types of functions, structs that begin with struct_bytes
+are opaque,
 because later versions may add members at their end. The size of every other struct must not change. The test of the
 installed library checks that this library exports exactly the functions of the header."""
 

@@ -71,8 +71,8 @@ void the_same_view_twice_is_the_same_picture(void **)
 {
     crn::ReplayRoom room(path, "", small_pictures());
     assert_true(room.ticks() > 8000);
-    // The test first uses the recording's snapshots, without a track. Then it goes forwards and back, and
-    // also uses the snapshots of the track.
+    // The test first uses the recording's snapshots, without a track. The test then goes forwards and back,
+    // and also uses the snapshots of the track.
     const crn::ReplayPicture first = room.picture(moment(6300, 30.0));
     room.picture(moment(7000));
     assert_true(room.picture(moment(6300, 30.0)).grey == first.grey);
