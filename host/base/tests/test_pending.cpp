@@ -214,7 +214,7 @@ static void a_signal_leaves_the_files_that_are_whole(void **)
 }
 
 // In this test another user of the folder has created a link under a name that can be guessed. The program
-// must neither follow this link nor empty the file to which it points.
+// must neither follow the other user's link nor empty the file to which the link points.
 static void a_planted_link_is_not_followed(void **)
 {
     Folder folder;

@@ -9,9 +9,8 @@ the header with the committed description.
 The description is made from a small object file that contains only variables. There is one variable with the type of
 each function; for every constant, an array of as many bytes as its value; for every member of a struct, one variable of
 its type, and an array of as many bytes as its offset. In the types of functions, structs that begin with struct_bytes
-are opaque,
-because later versions may add members at their end. The size of every other struct must not change. The test of the
-installed library checks that this library exports exactly the functions of the header."""
+are opaque, because later versions may add members at their end. The size of every other struct must not change. The
+test of the installed library checks that this library exports exactly the functions of the header."""
 
 import os
 import re
