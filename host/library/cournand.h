@@ -227,8 +227,7 @@ COURNAND_API const char *cournand_world_error_text(const cournand_world *world);
  * at positions 0, 1 and 2 in m/s (-1 .. 1, + into the patient). The next three entries are the turning speeds
  * in rad/s (-100 .. 100, + right-handed about the direction of insertion). The seventh entry is the pressure
  * of the inflator in kPa (0 .. 4000), and the eighth is 0. Entries of positions that the line does not have
- * must be
- * 0. Hands hold their tools rigidly. */
+ * must be zero. Hands hold their tools rigidly. */
 COURNAND_API cournand_status cournand_world_move(cournand_world *world, const float *action, uint32_t ticks);
 
 /* Holds an order to the core: an event that happens in one tick, other than the motion of the hands. `values`
