@@ -2,9 +2,9 @@
 // opened and deployed, and must keep the lumen as wide as the balloon has opened it. The core receives the
 // stent as part of the recorded inputs, so a replay with or without pictures is equal bit for bit. After a
 // failure the session must report the outcome, and the recording must be complete. The tests cause these
-// failures: a balloon is pulled under pressure, bursts, is released without a wall, or is inflated in a
-// guiding catheter; and the device loses its power. The scene is an artery of 3 mm behind a wide vessel of 10
-// mm, with a stenosis of 50 % that a balloon can open; the tests bake this scene.
+// failures: the balloon is pulled under pressure, bursts, is released where no wall holds the stent, or is
+// inflated in a guiding catheter; or the device loses its power. The scene is an artery of 3 mm behind a wide
+// vessel of 10 mm, with a stenosis of 50 % that a balloon can open; the tests bake this scene.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -156,14 +156,14 @@ struct Case {
     }
 
     // Returns the smallest opening (0 to 1) of the lesion in its middle third. Near its ends the lesion does
-    // not narrow the vessel, so nothing opens it there.
+    // not narrow the vessel, so the balloon opens nothing there.
     double least_open() const
     {
         const auto third = static_cast<std::ptrdiff_t>(open.size() / 3);
         return *std::min_element(open.begin() + third, open.end() - third);
     }
-    // Replays the recording. If `at_end` is given, the function does not compare hashes, and writes the shape
-    // of the nested tools at the end of the replay to `at_end`.
+    // Replays the recording. If `at_end` is given, the function compares no hashes, and writes the shape of
+    // the nested tools at the end of the replay to `at_end`.
     ReplayResult replay(const Recording &recording, std::vector<WireNode> *at_end = nullptr,
                         double from_s = 0.0) const
     {
@@ -193,7 +193,7 @@ void assert_replays(const Case &one)
     assert_true(replayed.hash == one.result.hash);
 }
 
-// The balloon's middle lies 15 mm behind the catheter's tip, and the sheath ends at 2 mm.
+// The balloon's middle lies 15 mm behind the catheter's tip, and the introducer sheath ends at 2 mm.
 std::string begin_at(double y_mm)
 {
     char text[120];
@@ -233,10 +233,10 @@ std::size_t rings_of(const Recording &recording)
     return count_of(recording, CRN_WIRE_KIND_strut);
 }
 
-// Without a stent, the lumen loses about a third of its gain in diameter by recoil (0.35); with a stent, the
-// lumen keeps its gain. The balloon has a diameter of 3 mm in an artery of 3 mm. The outside of the stent
-// therefore lies on the wall, and the stent's inner diameter is smaller than the artery's diameter by twice
-// the strut thickness of 0.081 mm.
+// Without a stent, the lumen loses about a third of its gain in diameter by recoil (a share of 0.35); with a
+// stent, the lumen keeps its gain. The balloon has a diameter of 3 mm in an artery of 3 mm. The outside of
+// the stent therefore lies on the wall, and the stent's inner diameter is smaller than the artery's diameter
+// by twice the strut thickness of 0.081 mm.
 void a_stent_holds_what_its_balloon_has_opened(void **)
 {
     Case &stented = usual_case(), bare{begin_at(lesion_mm) + up_and_down};
@@ -380,8 +380,8 @@ Recording without_struts(Recording recording)
 // The middle of the stent lies 42 mm along the vessel. Half of the stent lies on the wall of the artery. The
 // other half of the stent, from 33 to 40 mm along the vessel, is malapposed, because the vessel is wider
 // there. The wire is drawn back out of the stent and advanced again along the wall. The wire then passes
-// beside the struts and stays outside the stent. A replay without the stent's struts, but with everything
-// else equal, lets the wire advance into the artery.
+// beside the struts and stays outside the stent. In a replay without the stent's struts, but with everything
+// else equal, the wire advances into the artery.
 void a_wire_beside_a_stent_meets_its_struts(void **)
 {
     Case beside{
@@ -418,7 +418,7 @@ void a_wire_beside_a_stent_meets_its_struts(void **)
 }
 
 // The balloon bursts at 22 bar when the inflator rises to 30 bar. After the burst the balloon has no
-// pressure. The stent was already expanded, so it is deployed.
+// pressure. When the balloon bursts, the stent is already expanded, so it is deployed.
 void burst_balloon_leaves_its_stent_open(void **)
 {
     Case burst{begin_at(lesion_mm) + "inflate to 30 bar at 40 bar/s\nwait 0.8 s\n"};
@@ -433,8 +433,8 @@ void burst_balloon_leaves_its_stent_open(void **)
 }
 
 // The test cuts off the recording's file in the middle of a chunk, at a time when the balloon is under
-// pressure. The file still has all ticks of its complete chunks. These ticks replay together with the stent's
-// commands to the core.
+// pressure. The file still has all ticks of its complete chunks. The ticks of the complete chunks replay
+// together with the stent's commands to the core.
 void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
 {
     const Case &whole = usual_case();
@@ -489,8 +489,8 @@ class PumpedRig final : public Transport
     std::int32_t passed_ms_ = 0;
 };
 
-// In FREE_RUN sessions the host sends the commands about the stent as requests, and each request is recorded
-// in the tick in which the device's core carried it out.
+// In FREE_RUN sessions the host sends the commands about the stent as requests. Each request about the stent
+// is recorded in the tick in which the device's core carried it out.
 void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
 {
     const Case &like = usual_case(); // the same tools and stent

@@ -1,10 +1,10 @@
-// These tests check the short forms of the two angioplasty sessions. The wire ends beyond the lesion in its
-// artery, and the balloon's middle lies within 2 mm of the minimal lumen diameter when the balloon is filled.
-// The balloon opens the lesion, and the lesion keeps the part of the gain that does not recoil. No tool goes
-// deeper than 0.5 mm into a wall, no hand feels more than 4 N, and the core reports no fault except snaps
-// (sudden motions that it scaled down). The scenes are made like those of `make demo-pci`. The renal scene is
-// made from the phantom, and the coronary scene from the left coronary artery of the heart at rest. The whole
-// aorta and a beating heart would take minutes.
+// These tests check the short forms of the two angioplasty sessions. The wire must end beyond the lesion in
+// its artery, and the balloon's middle must lie within 2 mm of the lesion's narrowest place when the balloon
+// is filled. The balloon must open the lesion, and the lesion must keep the part of the gain that does not
+// recoil. No tool may go deeper than 0.5 mm into a wall, no hand may feel more than 4 N, and the core may
+// report no fault except snaps (sudden motions that it scaled down). The tests make their scenes as `make
+// demo-pci` makes its scenes. The renal scene is made from the phantom, and the coronary scene from the left
+// coronary artery of the heart at rest. Simulating the whole aorta and a beating heart would take minutes.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -106,8 +106,8 @@ class Watch : public crn::SteadySink
     bool burst = false;
 
   private:
-    // Returns the position of a point along the branch that has the lesion, measured from the minimal lumen
-    // diameter towards the branch's end; fails if the point is not in this branch.
+    // Returns the position of a point along the branch that has the lesion, measured from the narrowest place
+    // of the lesion towards the branch's end; fails if the point is not in this branch.
     double arc_behind_throat_mm(const Vector3d &p_m) const
     {
         const crn::VesselLesion &lesion = tree_.lesions.at(0);
@@ -183,7 +183,7 @@ void the_ostium_of_a_renal_artery_is_opened(void **)
 }
 
 // The command `anatomy heart --heart-only` writes the centrelines of all arteries into one file, in which LM,
-// LAD and D1 come first. This function writes each of these three centrelines into a file of its own, because
+// LAD and D1 come first. The function writes the centrelines of LM, LAD and D1 into separate files, because
 // the vessel tree is built from one file for each artery.
 void split_centrelines()
 {
@@ -213,8 +213,8 @@ void the_middle_of_the_anterior_descending_artery_is_opened(void **)
     treat("lad.scene", "pci_lad_short.session", {"coronary_014", "balloon_3x20"});
 }
 
-// Copies a script. The function `answer` receives each line and returns the line that is written instead;
-// lines that begin with `expect` are left out.
+// Copies a script. The function `answer` receives each line and returns the line that replaces it; lines that
+// begin with `expect` are left out.
 template <typename Answer> void copy_changed(const std::string &from, const std::string &to, Answer answer)
 {
     std::ifstream in(from);
@@ -223,10 +223,10 @@ template <typename Answer> void copy_changed(const std::string &from, const std:
         if (line.rfind("expect", 0) != 0) out << answer(line) << "\n"; // another course has another end
 }
 
-// The test lets a guiding catheter snap over the ostium of a branch; the catheter must snap only once. When
-// the core holds back the motion of the nested tools, no hand may feel a shaking force. Core 14 scaled the
-// step down in each of 60 ticks; the hands then felt 6.3 and 5.4 N here, with a false CORE_FEED_LIMIT. When
-// more ticks than the first are scaled down, the forces are 5.8 and 5.7 N. The tolerance is 4.5 N; the
+// The test lets the tip of a guiding catheter snap over the ostium of a branch; the tip must snap only once.
+// When the core holds back the motion of the nested tools, no hand may feel a shaking force. Core 14 scaled
+// the step down in each of 60 ticks; the hands then felt 6.3 and 5.4 N here, with a false CORE_FEED_LIMIT.
+// When more ticks than the first are scaled down, the forces are 5.8 and 5.7 N. The tolerance is 4.5 N; the
 // largest felt force is 3.8 N.
 void the_snap_of_a_guide_does_not_shake_the_hands(void **)
 {
@@ -297,7 +297,7 @@ void a_stent_opened_too_little_stands_off_the_wall(void **)
 }
 
 // In this session the balloon and the stent are of size 2.5 mm: at 16 bar their diameter is 2.68 mm in an
-// artery of 3.02 mm. The lesion opens only as far as the balloon.
+// artery of 3.02 mm. The lesion must open only as far as the diameter of the balloon.
 void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
 {
     const auto smaller = [](const std::string &line) {

@@ -1,10 +1,10 @@
-// This test checks that tools in a real aorta (stEVE_bench centrelines, which are not part of the project)
-// stay inside the vessel and keep their length. The tests drive two kinds of guidewire with the shipped
-// session from the right common iliac artery to the arch, and let a catheter follow a wire. The test's
-// reference is the exact distance of the tools from the triangles of the vessel surface. The distance is
-// sampled 50 times per second during the whole session, at points that lie 0.5 mm apart along the tools, also
-// between the nodes. The distance field that the core reads does not influence this reference. The test is
-// skipped, with a message, where the anatomy is missing.
+// This test checks that tools in a real aorta stay inside the vessel and keep their length; the aorta's
+// centrelines come from stEVE_bench, which is not part of this project. The tests drive two kinds of
+// guidewire with the shipped session from the right common iliac artery to the arch, and let a catheter
+// follow a wire. The test's reference is the exact distance of the tools from the triangles of the vessel
+// surface. The distance is sampled 50 times per second during the whole session, at points 0.5 mm apart along
+// the tools, so also between nodes. The distance field that the core reads does not influence the reference
+// distance. The test is skipped, with a message, if the files of the anatomy are missing.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -166,8 +166,8 @@ void drive(const std::vector<std::string> &instrument_files, const crn::Session 
     check("length error in %", referee.length_error_max_pct, 0.1);
 }
 
-// The tool is pushed in strokes and turned a little, as by a hand. The file iliac_to_arch.session steers by
-// the names of the shipped vessels, so this test has its own script.
+// The tool is pushed in strokes and turned a little, as by a hand. The file iliac_to_arch.session names the
+// shipped vessels when it steers, so this test has its own script.
 crn::Session iliac_to_arch()
 {
     return crn::parse_session(

@@ -1,6 +1,6 @@
 /* These tests exchange only bytes with a device, so the same test cases can also run with QEMU and with a
- * rig. The tests cut the byte stream into arbitrary pieces and lose some bytes; a lost byte may cost only the
- * frame that contained it. A session must give equal state hashes every time. */
+ * rig. The tests cut the byte stream into arbitrary pieces and lose some bytes; a lost byte may destroy only
+ * the frame that contained it. A session must give equal state hashes every time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -42,8 +42,8 @@ static usb_result set_address(uint8_t address)
     return result;
 }
 
-/* Linux reads 64 bytes of the device descriptor at address 0, resets the device and sets its address. Then
- * Linux reads the device descriptor again, and after that all other descriptors. */
+/* Linux reads 64 bytes of the device descriptor at address 0, resets the device and sets its address. After
+ * that, Linux reads the device descriptor again, and then all other descriptors. */
 static void linux_way(bool high_speed)
 {
     usb_judged judged;
@@ -90,7 +90,7 @@ static void linux_enumerates_at_full_speed(void **state)
 
 /* Windows requests 255 bytes of every descriptor. The configuration has 64 bytes, a full packet, so the
  * device must send an empty packet after it. Windows also requests the Microsoft string 0xee (which the
- * device refuses), the descriptor set by the vendor code of the BOS, and the qualifier. */
+ * device refuses), the descriptor set by the vendor code of the BOS descriptor, and the device qualifier. */
 static void windows_enumerates_and_learns_about_winusb(void **state)
 {
     (void)state;
@@ -120,7 +120,7 @@ static void windows_enumerates_and_learns_about_winusb(void **state)
 }
 
 /* If the host requests fewer bytes than a descriptor has, the device must send only the first bytes of this
- * descriptor, unchanged; the test requests every length. */
+ * descriptor, unchanged; the test tries every length. */
 static void a_short_read_gets_the_beginning(void **state)
 {
     (void)state;
@@ -162,8 +162,8 @@ static void the_other_speed_is_what_it_says(void **state)
     }
 }
 
-/* A device without high speed has no qualifier and no other-speed configuration (USB 2.0, 9.6.2), and a
- * high-speed reset ends at full speed. */
+/* A device without high speed has no device qualifier and no other-speed configuration (USB 2.0, 9.6.2), and
+ * a high-speed reset ends at full speed. */
 static void a_full_speed_device_has_no_other_speed(void **state)
 {
     (void)state;
@@ -223,7 +223,7 @@ static void strings_are_utf16_in_english(void **state)
     assert_int_equal(get_descriptor(0x0306, 0x0409, 255), USB_STALLED);
 }
 
-/* The reports `identity` and `capabilities` must contain the values that the app has. */
+/* The reports `identity` and `capabilities` must contain the same values as the device's application. */
 static void the_identity_tells_both_hashes(void **state)
 {
     (void)state;
@@ -238,7 +238,7 @@ static void the_identity_tells_both_hashes(void **state)
     assert_int_equal(identity.core_version, 7);
 }
 
-/* If the USB stack cannot serve a host, the device must report this at power-up. */
+/* If the USB stack cannot serve a host, the device must report this failure at power-up. */
 static void a_bad_configuration_is_refused_at_power_up(void **state)
 {
     (void)state;

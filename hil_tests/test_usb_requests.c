@@ -206,8 +206,8 @@ static void a_halt_is_set_seen_and_cleared(void **state)
         assert_int_equal(usb_host_clear_halt(&rig.host, address), USB_OK);
         assert_int_equal(endpoint_status(address), 0);
     }
-    /* All four endpoints must work again. If the device's data toggles differed from the host's, the
-     * following packets would be dropped or refused. */
+    /* After their halts are cleared, all four endpoints must work again. If the device's data toggles
+     * differed from the host's, packets would now be dropped or refused. */
     static const uint8_t command[12] = {CRN_HID_ID_command, 1, 6, 0};
     usb_rig_tick(&rig);
     assert_int_equal(usb_host_in(&rig.host, 1, 64, bytes, 64, &count), USB_OK);

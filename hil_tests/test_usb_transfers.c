@@ -1,7 +1,7 @@
 /* These tests check the data in the USB pipes of the device. The bytes of the stream must arrive complete and
- * in order, whatever the sizes of the packets and whichever packets are lost. If a host does not read, the
- * device must wait and keep its data. If a transfer is interrupted by a reset, a halt, a suspend or an
- * unplugged cable, only the frames in that transfer may be lost. */
+ * in order for every packet size and every loss of packets. If a host does not read, the device must wait and
+ * keep its data. If a transfer is interrupted by a reset, a halt, a suspend or an unplugged cable, only the
+ * frames in that transfer may be lost. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -57,7 +57,7 @@ static void echo(const uint8_t *frame, uint32_t length)
 }
 
 /* The test uses lengths around every multiple of the packet size. An empty packet must follow if the last
- * packet is full, because otherwise the host's read would not end. */
+ * packet is full, because the host's read would not end without it. */
 static void frames_of_any_length_come_back(void **state)
 {
     (void)state;
@@ -135,8 +135,8 @@ static void random_packets_arrive_whole_and_in_order(void **state)
     }
 }
 
-/* The host writes and never reads. The device must answer NAK to the host's packets when there might be no
- * space for a reply, and must not lose any packet. */
+/* The host writes and never reads. When there might be no space for a reply, the device must answer NAK to
+ * the host's packets, and must not lose any packet. */
 static void a_host_that_does_not_read_is_held(void **state)
 {
     (void)state;
@@ -165,8 +165,8 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(rig.frames_lost, 0);
 }
 
-/* If the queue cannot hold a whole frame, the device must refuse the frame and put no part of it into the
- * queue. Before that, the device must report how much space is free. */
+/* If the queue has no space for a whole frame, the device must refuse the frame and put no part of it into
+ * the queue. Before the device refuses a frame, it must report how much space is free. */
 static void a_full_queue_refuses_whole_frames(void **state)
 {
     (void)state;
@@ -473,8 +473,8 @@ static void the_device_unplugs_itself_on_request(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* The device disconnects itself at the third packet of a transfer of five packets. For the host, the transfer
- * ends in the middle, and the app never receives the third packet. */
+/* The device disconnects itself at the third packet of a transfer of five packets. The host sees the transfer
+ * end in the middle, and the app never receives the third packet. */
 static void the_device_unplugs_itself_within_a_transfer(void **state)
 {
     (void)state;
@@ -495,7 +495,7 @@ static void the_device_unplugs_itself_within_a_transfer(void **state)
 }
 
 /* The test suspends and resumes a disconnected device, and sends tokens without a bus reset. The device must
- * not answer these tokens, and must work again after the host has configured it. */
+ * not answer tokens that come without a bus reset, and must work again after the host has configured it. */
 static void a_bus_out_of_order_is_survived(void **state)
 {
     (void)state;
@@ -511,7 +511,7 @@ static void a_bus_out_of_order_is_survived(void **state)
 }
 
 /* The test sends tokens that no real host sends: too long, to endpoints that do not exist, or of an unknown
- * kind. The device must not answer these tokens, and must continue to work. */
+ * kind. The device must not answer invalid tokens, and must continue to work. */
 static void malformed_tokens_are_not_answered(void **state)
 {
     (void)state;

@@ -4,9 +4,9 @@
 //   rig.encoder_jump session=free_run tick=33 um=7000 seed=1
 //
 // Every kind of fault belongs to one of the groups link, host, device and rig. A fault happens either at the
-// n-th frame that goes in the given direction, or at the tick with the given number. The numbers of frames
-// and ticks count from the START message; in a line with session=setup, they count from the first HELLO
-// message. It may have one value.
+// n-th frame that goes in the given direction, or at the tick with the given number. Frames and ticks are
+// numbered from the START message, or, in a fault line with `session=setup`, from the first HELLO message. A
+// fault may have one value.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -37,17 +37,17 @@ struct Fault {
 
 std::span<const FaultKind> fault_kinds();
 std::string line_of(const Fault &fault);
-// Converts a line of text, which names a fault, to the fault. Throws std::invalid_argument if a word of the
-// line is unknown; the message contains that word.
+// Makes a Fault from a line of text in the format that line_of() writes. Throws std::invalid_argument if a
+// word of the line is unknown; the message contains that word.
 Fault fault_of(const std::string &line);
 
 // Returns a list of all faults of the campaign without repetitions, in a fixed order.
 std::vector<Fault> all_faults();
-// Selects `count` of the given faults such that every kind of fault is represented.
+// Selects `count` of the given faults so that every kind of fault is represented.
 std::vector<Fault> spread_of(const std::vector<Fault> &faults, std::size_t count);
 
-// The following constants number the lies, which are false messages of a device. Most lies fit any frame;
-// lies 9 to 11 change the message `set_up`, which is the third frame of a set-up.
+// The following constants number the lies, which are false messages of a device. Most lies can be applied to
+// any frame; lies 9 to 11 change the message `set_up`, which is the third frame of a set-up.
 inline constexpr std::uint32_t lies = 9, lie_scene_is_there = 9, lie_scene_is_another = 10,
                                lie_upload_is_there = 11, set_up_frame = 3;
 inline constexpr std::uint32_t second_actions = 7, hostile_types = 14;

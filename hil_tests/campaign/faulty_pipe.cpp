@@ -18,8 +18,9 @@ namespace
     throw crn::LinkError("the device is gone: its cable was cut. Remedy: plug it in, then begin with HELLO");
 }
 
-// Changes the device's message so that the device claims to have a scene already. The claimed scene is the
-// host's whole scene, another scene of the same size, or the host's scene as a completed upload.
+// Changes the device's message so that the device claims to have a scene already. The device claims either
+// that it has the host's whole scene, or that it has another scene of the same size, or that the upload of
+// the host's scene is complete.
 void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
 {
     crn_wire_set_up there;
@@ -39,7 +40,7 @@ void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
 }
 
 // Falsifies one property of a message: its length, its type, the request that it answers, or some bytes of
-// its contents. The changed numbers are values that no device sends: far too large, negative, or all ones.
+// its contents. The false numbers are values that no device sends: far too large, negative, or all ones.
 void change(std::uint32_t lie, Random &random, crn_wire_header &header, std::vector<std::uint8_t> &payload)
 {
     const std::size_t size = payload.size(),

@@ -73,8 +73,8 @@ int bar_ms(SafeClass which)
     return which == SafeClass::host_silence ? 50 : 5;
 }
 
-// If a motor no longer obeys the firmware, its force is limited only by the current limit of the motor's
-// driver, which the builder of the rig sets. For all other faults the driver's current limit
+// If the fault is a motor that no longer obeys the firmware, only the motor driver's current limit, which the
+// builder of the rig sets, limits the force. For all faults except a stuck motor, the driver's current limit
 // corresponds to 1.5 times the firmware's force limit, so the firmware's limit acts first.
 PlantSettings campaign_plant(bool has_stuck_motor)
 {

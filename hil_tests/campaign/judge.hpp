@@ -1,9 +1,10 @@
 // Runs one session with one fault, at any test level (L0 to L3), and judges whether the device stayed safe.
 // After the fault, the force at the motor must have stayed within its limit and must have ended in time, and
 // the host must have been informed. The recording must contain every tick up to the fault. The session must
-// either have been resumed and have given the same state hash as the session without a fault, or have ended
-// as docs/hil.md describes. The sessions are compared with reference sessions without a fault. The reference
-// sessions always run at test level 0, so the test also compares the other levels with level 0.
+// either have been resumed and have reached the state hash of the session without a fault, or have ended as
+// docs/hil.md describes. The sessions are compared with reference sessions without a fault. The reference
+// sessions always run at test level 0, so the test also compares the results of other levels with those of
+// level 0.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "hil_tests/campaign/faulty_pipe.hpp"
@@ -48,8 +49,8 @@ bool same_state(const crn_wire_tick_state &a, const crn_wire_tick_state &b);
 Undisturbed run_undisturbed(Level &level);
 Outcome run_fault(Level &level, const Fault &fault, const Undisturbed &undisturbed);
 
-// Each of the functions run_asked (LOCKSTEP or its set-up) and run_free (FREE_RUN) runs a session with a
-// fault, and throws Failure if a condition does not hold.
+// The functions run_asked (a LOCKSTEP session or its set-up) and run_free (a FREE_RUN session) each run a
+// session with a fault, and throw Failure if a condition does not hold.
 void run_asked(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
 void run_free(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
 void free_run_undisturbed(Level &level, Undisturbed &undisturbed);

@@ -1,5 +1,5 @@
 // This is the program hil_campaign. The program injects faults on purpose (docs/hil.md): all faults, an
-// evenly spread selection of the faults, or one fault that a line of text names.
+// evenly spread selection of them, or one fault that a line of text names.
 #include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/campaign/table.hpp"
 #include "hil_tests/l0/sim_bench.hpp"

@@ -105,8 +105,8 @@ class HandSession
             if (ms_++ % talk_every_ms == 0) keep_talking(link_);
             bench_.advance(1);
             if (meter != nullptr) meter->take(axis().motor_force());
-            // When a motor loses its power, the pushing hand moves the carriage by itself; this speed of the
-            // carriage does not count.
+            // When a motor has lost its power, only the pushing hand moves the carriage; the carriage's speed
+            // is then not recorded.
             if (bench_.plant().is_stage_on() || is_released_)
                 outcome_.fastest_m_per_s = std::max(outcome_.fastest_m_per_s, std::abs(axis().tool_speed()));
             outcome_.largest_N = std::max(outcome_.largest_N, axis().motor_peak());

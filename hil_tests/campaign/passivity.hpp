@@ -2,14 +2,15 @@
 // cover a grid of five quantities: force gain, coupling stiffness, declared damping, motor lag, and grip of
 // the hand. The device refuses the settings that its passivity rule forbids. With every setting that the
 // device accepts, the motors must not oscillate. In these tests the local unlock (a switch inside the rig
-// that permits values beyond the limits that hold without it) is closed. The device therefore accepts false
-// values of damping and lag, and only the passivity rule can refuse settings.
+// that permits settings beyond the usual limits) is closed. With the local unlock closed, the device accepts
+// false values of damping and lag, and only the passivity rule can refuse settings.
 //
 // In a trial, the hand pushes a stiff wire by 30 mm against the end of its tube, holds the wire still for 0.6
 // s, and then releases the wire; the trial ends 0.6 s later. A trial fails if the carriage moved faster than
-// 0.25 m/s, or if the motor's force oscillated by more than 50 mN for more than 100 ms. These limits apply
-// from the moment at which the hand releases the wire. While the hand still holds the wire, these limits
-// apply only in the second half of the hold, when the impact on the wall is over.
+// 0.25 m/s, or if the motor's force oscillated by more than 50 mN for more than 100 ms. The limits of speed
+// and oscillation apply from the moment at which the hand releases the wire. While the hand still holds the
+// wire, the limits of speed and oscillation apply only in the second half of the hold, when the impact on the
+// wall is over.
 #pragma once
 #include "hil_tests/cases/conversation.hpp"
 #include <vector>

@@ -40,9 +40,9 @@ std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
 void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,
                    crn::SessionPlayer &player, double inserted_m);
 
-// Runs the session. If `instructions` is given, this function must return the number of processor
-// instructions that the device has executed so far, and every request to the device then computes only one
-// tick. Without `instructions`, every request computes as many ticks as possible.
+// Runs the session. If the function `instructions` is given, it must return the number of processor
+// instructions that the device has executed so far, and every request to the device computes only one tick.
+// Without `instructions`, every request computes as many ticks as possible.
 AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions = {});
 

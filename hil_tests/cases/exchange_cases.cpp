@@ -1,5 +1,5 @@
-// Tests that random exchanges of tools, legal and illegal, give the same answers and the same state hashes on
-// this level as on the host alone, and that no order leads to a fault or to a tool in the wall.
+// Tests random exchanges of tools, legal and illegal: they must give the same answers and state hashes at
+// this test level as on the host alone, and no order may cause a fault or put a tool into the wall.
 #include "firmware/tests/reference/random.h"
 #include "hil_tests/cases/conversation.hpp"
 #include "host/link/sim_transport.hpp"
@@ -68,7 +68,8 @@ struct Exchanges {
     double wall_mm = 0.0;
 };
 
-// Every tick has an order. A hand keeps its speed for some ticks, so that tools go in and come out.
+// Every tick has an order. Each random hand keeps its speed for some ticks, so that the tools really advance
+// and withdraw.
 class RandomHands
 {
   public:

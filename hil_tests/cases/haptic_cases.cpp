@@ -1,9 +1,9 @@
 // Tests the closed control loop of hand, rig, virtual coupling and simulated wire in the five contact
 // situations of docs/haptics.md. The hand advances the wire, holds it, retracts it by half of the distance
-// and holds it again. The test does this once with a loose grip and once with a firm grip. The force must not
-// oscillate permanently (limit cycle) by more than 0.05 N, and the energy that the passivity observer
-// computes must stay within its bound. The program firmware/tests/test_haptics.c runs the same tests with a
-// simulated rig of its own, whereas the cases of this file test a complete device.
+// and holds it again. The test moves and holds the wire once with a loose grip and once with a firm grip. The
+// force must not oscillate permanently (limit cycle) by more than 0.05 N, and the energy that the passivity
+// observer computes must stay within its bound. The program firmware/tests/test_haptics.c runs the same tests
+// with a simulated rig of its own, whereas the cases of this file test a complete device.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/cases/haptic_bench.hpp"
 #include "hil_tests/cases/tube_scene.h"
@@ -92,8 +92,8 @@ class Trial
         axis().move_hand(0.0);
     }
 
-    // Keeps the hand still for a time. Returns half of the difference between the largest and the smallest
-    // force on the hand in the second half of that time.
+    // Keeps the hand still for hold_ms milliseconds. Returns half of the difference between the largest and
+    // the smallest force on the hand in the second half of the hold.
     double hold()
     {
         pass(hold_ms / 2);

@@ -256,8 +256,8 @@ void run_aorta(const Options &options, Table &table)
 }
 
 // Shows a command's output to the user while the command runs. The function counts the test cases in the
-// output, and collects the measured figures, which are the lines that begin with "#-" ("#- 3,000 round
-// trips/s").
+// output, and collects the measured figures, which are the lines that begin with "#-" (such as "#- 3,000
+// round trips/s").
 void follow(const std::string &command, hil::Report &report)
 {
     std::FILE *pipe = popen((command + " 2>&1").c_str(), "r");

@@ -106,7 +106,8 @@ void check_press(const Press &press, const char *what, std::uint32_t pulses_per_
     const std::uint64_t asked = press.up_ms - press.down_ms, heard = press.up_tick - press.down_tick;
     check(press.down_tick > 0 && heard == asked, "%s: the pedal was down for %llu ms, the room heard of %llu",
           what, static_cast<unsigned long long>(asked), static_cast<unsigned long long>(heard));
-    // X-ray pulse k of a press begins ceil(k / pulse rate) after the press (docs/room.md).
+    // The k-th X-ray pulse of a press (k = 0, 1, ...) begins ceil(1000 k / pulses per second) ms after the
+    // press (docs/room.md).
     const auto pulses = static_cast<std::uint32_t>((asked * pulses_per_s + 999) / 1000);
     check(press.pulses == pulses, "%s: %u pulses in %llu ms, %u expected", what, unsigned{press.pulses},
           static_cast<unsigned long long>(asked), unsigned{pulses});

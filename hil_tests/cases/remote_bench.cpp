@@ -119,8 +119,8 @@ crn::UsbTransport &RemoteBench::usb()
     return *usb_;
 }
 
-// The bus may still list a device that has just been switched off. If a device has not answered yet, the host
-// therefore searches for it again.
+// The bus may still list a device that has just been switched off. The host therefore searches again for a
+// device that has not answered yet.
 void RemoteBench::write(std::span<const std::uint8_t> bytes)
 {
     for (int attempt = 0;; attempt++) {

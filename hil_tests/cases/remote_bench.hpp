@@ -21,7 +21,7 @@ class BenchChannel
     BenchChannel(const BenchChannel &) = delete;
     BenchChannel &operator=(const BenchChannel &) = delete;
     // Throws std::runtime_error if the other end of the pipe no longer exists, or if an error occurred at the
-    // other end; then the exception has the message of that error.
+    // other end; in the second case the exception has that error's message.
     BenchAnswer ask(BenchOrder order, const crn_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
 
   private:
@@ -52,8 +52,8 @@ class RemoteBench final : public Bench, private crn::Transport
     bool has_answered_ = false;
 };
 
-// This test level uses a real rig, or a program that replaces the real rig. This level has no simulated rig
-// (class Plant), so only test cases that work without a simulated rig can run.
+// The test level of this class uses a real rig, or a program that replaces the real rig. The test level of a
+// real rig has no simulated rig (class Plant), so only test cases that work without a simulated rig can run.
 class MetalLevel final : public Level
 {
   public:

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The LUMEN section of docs/scene.md. The lattice is refined at most once, so every refined row (child)
+/* The LUMEN section of docs/scene.md. The lattice is refined at most once, so every row of child bricks
  * belongs to a brick of the coarse lattice. */
 static uint8_t *lumen_section(const crn_lumen *lumen, size_t *bytes)
 {

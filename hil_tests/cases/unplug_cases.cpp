@@ -27,7 +27,7 @@ class Cable final : public crn::Transport
     }
 
     // Plugs the cable in again after the device has been unplugged for `away_ms`. After the cable is plugged
-    // in, the host can reach the device, or a device that replaces it.
+    // in, the host can reach the same device or a device that replaces it.
     void plug()
     {
         bench_.advance(away_ms + 1);
@@ -111,8 +111,8 @@ class Traveller
         cable_.pull(bytes_[which]);
     }
 
-    // Returns true if the session on the device can continue: the device has executed the host's last
-    // request, and its tick is the last tick that the host has received.
+    // Returns true if the device has executed the host's last request, and if the device's tick is the last
+    // tick that the host has received; the session can then continue.
     bool goes_on()
     {
         const crn_wire_status status = link_->read_status();

@@ -105,8 +105,8 @@ void make_rig_edge(crn::Emulator &emulator, const crn_port_inputs &inputs, std::
 {
     rig_page &page = emulator.page();
     rig_host_half &host = page.host;
-    // All messages that were sent before this millisecond are received before the millisecond's work begins,
-    // so every run of a test is the same.
+    // All messages that were sent before a millisecond begins are received before the work of this
+    // millisecond begins, so every run of a test gives the same result.
     emulator.wait([&] { return rig_read(&page.device.to_device_tail) == host.to_device_head; }, "a request");
     rig_write(&host.inputs_begin, host.inputs_begin + 1);
     std::atomic_thread_fence(std::memory_order_release);

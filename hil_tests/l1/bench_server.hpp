@@ -6,8 +6,8 @@
 //   case, plant, host/link  <--- requests, answers ---> server, emulator, image
 //        +------------------- USB ----------------------------+
 //
-// Both ends are built from this source tree for the same type of machine, so the bytes of C++ structs are
-// sent unchanged.
+// Both ends of the pipe are built from this source tree for the same type of machine, so the bytes of C++
+// structs are sent unchanged.
 #pragma once
 #include "firmware/port/port.h"
 #include "host/link/emulator.hpp"

@@ -28,8 +28,9 @@ class EmulatedBench final : public Bench
 class EmulatedLevel final : public Level
 {
   public:
-    // The emulated processor must be fast enough to finish the work of each millisecond in time. If
-    // `icount_shift` is 0, the emulated processor executes 1,000 instructions per us.
+    // The caller must choose `icount_shift` so that the emulated processor is fast enough to finish the work
+    // of each millisecond in time. If `icount_shift` is 0, the emulated processor executes 1,000 instructions
+    // per us.
     explicit EmulatedLevel(int icount_shift = 0, const std::string &debugger = "")
         : options_{{}, icount_shift, {}, debugger}
     {

@@ -79,9 +79,9 @@ static char *describe(mock *m, const uint8_t *descriptors, uint32_t count)
     return g_string_free(text, FALSE);
 }
 
-/* Makes a device node that programs can poll. This file makes the node itself, because umockdev makes a node
- * only once. This process keeps the FIFO open for reading and writing, so no program ever finds the other end
- * closed. */
+/* Makes a device node as a FIFO, which programs can poll. This file makes the node itself, because umockdev
+ * makes a node only once. This process keeps the FIFO open for reading and writing, so no program ever finds
+ * the other end closed. */
 static int make_fifo(const mock *m, const char *node)
 {
     char *path = g_build_filename(m->root, node, NULL);
@@ -261,8 +261,8 @@ static void name_nodes(mock *m, unsigned number)
     snprintf(m->hid_node, sizeof m->hid_node, "/dev/hidraw%u", number);
 }
 
-/* Returns NULL on success, otherwise an error message. Sets `*used` to the number of words at the beginning
- * of the command line that select the devices. */
+/* Returns NULL on success, otherwise an error message. Sets `*used` to the number of words on the command
+ * line that select the devices; these words come first. */
 static const char *open_devices(int count, char **words, int *used)
 {
     const char *wrong = NULL;
@@ -325,10 +325,10 @@ int main(int argc, char **argv)
                 wrong);
         return 2;
     }
-    /* The threads of this program, and the program that it starts, inherit the setting of the timer slack.
-     * After every ioctl call, umockdev sleeps for a duration of zero, which takes 50 us with Linux's usual
-     * timer slack. With this sleep, the six ioctl calls for one interrupt transfer in each direction would
-     * last longer than a USB frame of 1 ms. */
+    /* The threads of this program, and the tested program that it starts, inherit this timer slack.
+     * After every ioctl call, umockdev calls a sleep of zero length, which takes 50 us with Linux's usual
+     * timer slack. With 50 us for each of these sleeps, the six ioctl calls for one interrupt transfer in
+     * each direction would last longer than a USB frame of 1 ms. */
     prctl(PR_SET_TIMERSLACK, SLACK_ns);
     if (mocks[0].peer.kind == USB_PEER_RIG) stay_on_one_processor();
     UMockdevTestbed *testbed = umockdev_testbed_new();

@@ -64,8 +64,8 @@ void mock_usbfs_complete(mock *m, const usb_urb *urb)
         if ((uint64_t)(uintptr_t)one == urb->id) finish(m, one, mock_errno(urb->result), urb->done);
 }
 
-/* Ends the transfers in progress with an error as the kernel would, and makes the device node ready, so that
- * the programs that poll the node notice the end.
+/* Ends the transfers in progress with an error as the kernel would. Makes the device node ready, so that
+ * programs that poll the node notice that the device is gone.
  * */
 void mock_usbfs_unplugged(mock *m)
 {
@@ -181,7 +181,7 @@ static int clear_halt(mock *m, UMockdevIoctlData *argument)
     return m->is_plugged ? mock_errno(usb_host_clear_halt(m->peer.host, (uint8_t)endpoint)) : ENODEV;
 }
 
-/* Interface 0 is the HID interface. When a program claims this interface, libusb takes it from the driver
+/* Interface 0 is the HID interface. When a program claims the HID interface, libusb takes it from the driver
  * usbhid. In the data of both ioctl calls (claim and release), the number of the interface comes first. */
 static int claim(mock *m, UMockdevIoctlData *argument, bool is_taken)
 {

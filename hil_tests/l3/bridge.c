@@ -143,7 +143,7 @@ static bool show(bridge *b)
     return true;
 }
 
-/* Informs the guest if the device was connected, was disconnected, or has restarted since the last call. */
+/* Informs the guest if the device was connected, disconnected or restarted since the last call. */
 static void watch_plug(bridge *b)
 {
     const usb_host *host = b->peer.host;

@@ -4,7 +4,7 @@ files.
 
   kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when this program has made them
 
-The kernel is that of the package on which linux-image-amd64 depends at the time of the download. The package is only
+The kernel comes from the package on which linux-image-amd64 depends at the time of the download. The package is only
 unpacked and never installed. The file vmlinux is the kernel inside vmlinuz, without the real-mode code and without
 compression; the guest boots three seconds sooner with vmlinux than with vmlinuz. The initrd holds busybox, an init
 program, and kernel modules: those for 9p, xHCI, HID and a virtual serial port, and all modules on which these depend.
@@ -94,8 +94,8 @@ def dependencies(path):
 
 
 def module_order(paths, wanted):
-    """Returns the files of the modules, in the order in which the kernel must load them. A module that has no file is
-    built into the kernel and is left out."""
+    """Returns the files of the modules, in the order in which the kernel must load them. A module without a file is
+    built into the kernel, so its name is left out."""
     order, seen = [], set()
 
     def add(name):
@@ -114,8 +114,8 @@ def module_order(paths, wanted):
 
 
 def cpio_entry(out, number, name, mode, data=b""):
-    """Encodes one file of a `newc` archive as a header of hexadecimal numbers, the name and the contents; all three are
-    padded to multiples of 4 bytes."""
+    """Appends one file to a `newc` archive: a header of hexadecimal numbers, the name and the contents, padded to
+    multiples of 4 bytes."""
     path = name.encode() + b"\x00"
     fields = [number, mode, 0, 0, 1, 0, len(data), 0, 0, 0, 0, len(path), 0]
     head = b"070701" + b"".join(b"%08x" % field for field in fields) + path

@@ -6,8 +6,8 @@
 QEMU emulates an x86-64 PC with a USB controller (xHCI); for each device, a bridge connects the device to the PC by
 usbredir. COMMAND runs in the guest in the current folder. The host's file tree is mounted read-only, so COMMAND can run
 the programs of the build tree. The folder of --out is /mnt in the guest and is writable. This script prints the output
-of COMMAND at once. Its exit code is that of COMMAND, or 1 when a part of the test did not start or took too long. No
-process outlives the deadline."""
+of COMMAND at once. The script's exit code is that of COMMAND, or 1 when a part of the test did not start or took too
+long. No process outlives the deadline."""
 
 import argparse
 import os

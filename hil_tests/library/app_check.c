@@ -37,7 +37,7 @@ static void bulk_write(void *context, const uint8_t *bytes, size_t count)
         b->is_broken = true;
 }
 
-/* Waits for bytes from the device; the wait may also end by a time-out without bytes. */
+/* Waits for bytes from the device; returns no bytes if the wait ends by a time-out. */
 static size_t bulk_read(void *context, uint8_t *bytes, size_t capacity)
 {
     bulk *b = context;

@@ -91,7 +91,7 @@ static bool states_follow(void)
     return getenv("UNPACED") != NULL || lost < REPORTS / 2;
 }
 
-/* The number of each command must come back in a state report. */
+/* For each command that the program sends, a state report must return the command's number. */
 static bool commands_are_answered(void)
 {
     const int64_t begin = check_now_us();

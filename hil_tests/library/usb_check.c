@@ -238,10 +238,10 @@ static bool recovers_from_a_halt(void)
     return begin_stream() && echo(700);
 }
 
-/* After a device has returned to the bus, programs can list it before they can open it. The device appears in
- * the bus's table first. The access rights of the device's node, and at test level L2 also the program that
- * answers for the device, are ready only later. A program that finds the device but gets no answer therefore
- * searches for the device again.
+/* After a device has returned to the bus, programs can list it before they can open it. A device that returns
+ * to the bus appears in the bus's table first. The access rights of the device's node, and at test level L2
+ * also the program that answers for the device, are ready only later. A program that finds the device but
+ * gets no answer therefore searches for the device again.
  * */
 static bool answers(void)
 {

@@ -163,8 +163,8 @@ class Referee
         }
         return "";
     }
-    // Compares the states in the snapshots only by their hashes. Other data in the snapshots differ, because
-    // the replaying device has no rig, and therefore no hands and motors.
+    // Of the states in the snapshots, only the hashes are compared. The other data in the snapshots differ,
+    // because the replaying device has no rig, and therefore no hands and motors.
     std::string check_snapshots(std::uint32_t tick)
     {
         for (const crn::RecordedSnapshot &recorded : recording_.snapshots) {

@@ -25,9 +25,9 @@ void write_inputs(const std::string &folder, unsigned ticks);
 int run_command(const LiedTo &command, const Lie &lie, const std::string &folder,
                 const std::function<void()> &struck);
 
-// Returns an empty text if the recording is true. A recording is true if every tick, full hash and snapshot
-// in it equals the result of this machine's core. If the command reported success, the recording must also be
-// complete. If the recording is false, the returned text states the difference.
+// Checks whether a recording is true, and returns an empty text if it is. A recording is true if every tick,
+// full hash and snapshot in it equals the result of this machine's core. If the command reported success, the
+// recording must also be complete. If the recording is false, the returned text states the difference.
 std::string falsehood(const std::string &recording, bool has_to_be_complete);
 
 } // namespace hil

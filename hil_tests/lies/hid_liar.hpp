@@ -7,7 +7,7 @@
 namespace hil
 {
 
-// Only one such interface can exist at a time, because hidapi's functions pass no user data to the
+// Only one simulated HID interface can exist at a time, because hidapi's functions pass no user data to the
 // simulation.
 crn::HidApi lying_hid(const Lie &lie, std::function<void()> struck);
 

@@ -190,7 +190,8 @@ Verdict judge_one(const LieCase &one, const std::string &folder)
         const std::string wrong = check_recording(recording, folder + "/check", verdict.code == 0);
         verdict.is_false = !wrong.empty();
         if (verdict.is_false) verdict.failure = "recorded falsely: " + wrong;
-        // A command that ends before the false message was sent leaves its recording under a temporary name.
+        // A command that ended before the false message was sent leaves its recording under a temporary name,
+        // which is removed here.
         for (const fs::directory_entry &entry : fs::directory_iterator(folder))
             if (entry.path().string().find(".part") != std::string::npos) fs::remove(entry.path());
     }

@@ -25,8 +25,9 @@ struct Verdict {
 inline constexpr double lie_limit_s = 10.0, lie_interrupt_limit_s = 1.0;
 
 std::vector<LieCase> cases_of(std::size_t lies_per_command); // 0: all.
-// Runs and judges all test cases in `cases`, of which `jobs` run at a time. `tell` may be empty. Ctrl-C ends
-// it early. The recording of a session contains a snapshot if the session has 5,000 ticks or more.
+// Runs and judges all test cases in `cases`, with `jobs` of them running at the same time. `tell` may be
+// empty. Ctrl-C ends it early. The recording of a session contains a snapshot only if the session has 5,000
+// ticks or more.
 std::vector<Verdict> judge(const std::vector<LieCase> &cases, unsigned jobs, unsigned ticks,
                            const std::function<void(std::size_t done)> &tell);
 

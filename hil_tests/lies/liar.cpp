@@ -159,7 +159,7 @@ bool Liar::lie_about_frame(const Frame &frame, const Bytes &raw)
 // --- messages ---
 
 // A snapshot consists of a begin message, chunks and an end message. If a chunk in the middle is changed, the
-// begin message needs another checksum.
+// begin message must get the new checksum.
 bool Liar::lie_about_snapshot(const Frame &frame, const Bytes &raw)
 {
     if (!lie_.is_group("snapshot.")) return false;
@@ -226,7 +226,7 @@ bool Liar::lie_about_message(Frame &frame)
     return change_field(lie_, frame, last_ticks_);
 }
 
-// Sends a message that the host did not request, and for half of the lies marks it as the answer to the
+// Sends a message that the host did not request; half of the lies mark this message as the answer to the
 // host's present request.
 void Liar::forge()
 {

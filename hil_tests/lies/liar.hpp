@@ -72,7 +72,7 @@ bool change_field(const Lie &lie, Frame &frame, const Bytes &last_ticks);
 // Returns the type of the messages whose field the lie changes, or 0 if the lie applies to messages of every
 // type.
 std::uint16_t type_of(const Lie &lie);
-// Returns an empty message of the given type, which the rig then changes and sends without a request.
+// Returns an empty message of the given type, which the rig then fills and sends without a request.
 Frame empty_message(std::uint16_t type);
 
 } // namespace hil

@@ -24,8 +24,8 @@ struct Lie {
 };
 
 std::string line_of(const Lie &lie);
-// Converts a line of text, which names a lie, to the lie. Throws std::invalid_argument if a word of the line
-// is unknown; the message contains that word.
+// Makes a Lie from a line of text that names it. Throws std::invalid_argument if a word of the line is
+// unknown; the message contains that word.
 Lie lie_of_line(const std::string &line);
 
 std::vector<Lie> stream_lies(); // of the wire

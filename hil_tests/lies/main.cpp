@@ -42,8 +42,8 @@ Totals totals_of(const std::vector<hil::Verdict> &verdicts)
     return totals;
 }
 
-// Prints each total with its name on a line of its own. The lines with the totals also end the table. `make
-// bars` reads these lines.
+// Prints each total with its name on a line of its own. The program also adds the lines with the totals to
+// the end of the table. `make bars` reads these lines.
 std::string text_of(const Totals &totals, char between)
 {
     std::ostringstream text;

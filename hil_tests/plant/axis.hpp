@@ -1,5 +1,5 @@
-// Simulates one axis of a track (translation or rotation): hand -> tool -> (grip, may slip) -> roller <-
-// motor.
+// Simulates one axis of a track (translation or rotation): a hand moves the tool, a grip that may slip
+// connects the tool to a roller, and the motor acts on the roller.
 //
 //      hand (prescribed, spring and damper, or none)
 //        | force
@@ -8,9 +8,9 @@
 //      motor force, first-order lag ----> roller, inertia m_r, speed w: Coulomb and viscous friction, encoder
 //
 // Positions are in m or rad and positive into the patient; forces are in N or N m. A positive motor command
-// pushes the hand back out of the patient, so it accelerates the tool in the negative direction. Every time
-// step of 50 us computes the friction of the grip and of the bearing together, as two impulses with limits. A
-// body at rest therefore stays exactly at rest while the force on it is below its friction.
+// pushes the hand back out of the patient, so it accelerates the tool in the negative direction. In every
+// time step of 50 us, the frictions of the grip and of the bearing are computed together, as two impulses
+// with limits. A body at rest therefore stays exactly at rest while the force on it is below its friction.
 #pragma once
 
 namespace hil

@@ -5,11 +5,11 @@
 //   outputs of the device --> power stage --> motors --> axes --> encoders, force sensors --> inputs of the
 //   device
 //
-// The power stage is on while four conditions hold: the supply is good, the emergency stop is released,
-// `enable` is set, and the device has changed the drive line within the last CRN_PORT_DRIVE_HOLD_ms
-// milliseconds. The power stage monitors these conditions by itself, so a halted device loses motor power
-// whatever the cause of the halt. The simulated rig is deterministic: if the seeds are the same and the
-// device's outputs are the same, the sensor values are the same.
+// The power stage is on while the supply is good, the emergency stop is released, `enable` is set, and the
+// drive line has changed within the last CRN_PORT_DRIVE_HOLD_ms milliseconds. The power stage monitors these
+// conditions by itself, so a halted device loses motor power whatever the cause of the halt. The simulated
+// rig is deterministic: if the seeds are the same and the device's outputs are the same, the sensor values
+// are the same.
 #pragma once
 #include "firmware/port/port.h"
 #include "hil_tests/plant/axis.hpp"
@@ -80,7 +80,7 @@ class Plant
 
     explicit Plant(const PlantSettings &settings);
 
-    // Simulates one millisecond in which the device has the given outputs; afterwards `inputs()` returns the
+    // Simulates one millisecond with the given outputs of the device; afterwards `inputs()` returns the
     // sensor values at the end of that millisecond.
     void step(const crn_port_outputs &outputs);
     const crn_port_inputs &inputs() const { return inputs_; }

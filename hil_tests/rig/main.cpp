@@ -69,8 +69,7 @@ class LiveRig
     std::string mailbox() { return bench_.emulator().memory_path() + ":0"; }
 
     // Runs the rig and the device in real time until `is_over` is true. If the machine was suspended, the rig
-    // does not run faster to make up for the lost time, because neither the rig nor the device has noticed
-    // the suspension.
+    // does not catch up on the lost time, because neither the rig nor the device has noticed the suspension.
     void run(const std::atomic<bool> &is_over)
     {
         Clock::time_point due = Clock::now();

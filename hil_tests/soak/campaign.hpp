@@ -13,8 +13,8 @@ namespace soak
 struct CampaignSettings {
     std::uint64_t seed = 1;
     // The campaign ends when the file of results has at least this many sessions and this many ticks,
-    // including those of earlier calls. If `sessions` or `ticks` is 0, only the other number ends the
-    // campaign.
+    // including those of earlier calls. If `sessions` or `ticks` is 0, only the other of these two numbers
+    // ends the campaign.
     std::uint64_t sessions = 500, ticks = 20'000'000;
     // `hours` is the wall-clock time in hours after which this call ends; 0 means no time limit. With a time
     // limit, the numbers of sessions and ticks do not end the campaign.

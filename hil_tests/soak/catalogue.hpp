@@ -44,8 +44,8 @@ struct Catalogue {
     std::vector<SoakScene> scenes;
     std::vector<SoakTool> tools;
     std::vector<SoakStent> stents;
-    // Every set holds 1 to 3 indices into `tools`, which begin with the innermost tool. In a set, every tool
-    // fits into the lumen of the next tool, and at most one tool has a balloon.
+    // Every set holds 1 to 3 indices into `tools`; the innermost tool comes first. In a set, every tool fits
+    // into the lumen of the next tool, and at most one tool has a balloon.
     std::vector<std::vector<std::size_t>> sets;
 
     const SoakScene &scene(const std::string &path) const; // throws std::runtime_error

@@ -110,8 +110,8 @@ void move_two_hands(Scribe &scribe)
     scribe.end();
 }
 
-// Writes a statement that injects contrast medium through the lumen of a tool. The flow is at most what a
-// hand or a pump can achieve while a wire is in the lumen.
+// Writes a statement that injects contrast medium through the lumen of a tool. The injected flow is at most
+// what a hand or a pump can achieve while a wire is in the lumen.
 void inject(Scribe &scribe)
 {
     Dice &dice = scribe.dice();
@@ -236,8 +236,7 @@ DrawnSession draw_session(const Catalogue &catalogue, std::uint64_t seed, std::u
         scribe.begin(k, std::min(begin_mm, begin_max_mm));
     }
     go_in(scribe, cast);
-    // If the script contains a command to load the first stent, the balloon has no stent on it when the
-    // session begins.
+    // If the script is to load the first stent, the balloon has no stent on it when the session begins.
     std::size_t loads_left = cast.stents.empty() || dice.chance(50) ? 0 : cast.stents.size();
     const int seconds = dice.between(settings.seconds_min, settings.seconds_max);
     for (int k = 0; scribe.seconds() < seconds && k < statements_max; k++) wander(scribe, cast, loads_left);

@@ -8,7 +8,7 @@
 namespace soak
 {
 
-// In a random session, no hand moves faster than the following speeds.
+// In a random session, no hand moves or turns faster than the following speeds.
 inline constexpr int speed_max_mm_s = 250, turn_max_deg_s = 687; // 12 rad/s
 
 struct DrawSettings {

@@ -1,6 +1,6 @@
 // A drawn session is a session made at random: its scene, its tools, its stents, and an ordinary session
-// script (docs/session.md) as lines. A drawn session can therefore be printed, and can be repeated by the
-// command `cournand run`.
+// script (docs/session.md) as lines. A session that was made at random can therefore be printed, and the
+// command `cournand run` can repeat it.
 #pragma once
 #include <cstdint>
 #include <string>

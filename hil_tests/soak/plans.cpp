@@ -10,8 +10,8 @@ namespace
 
 constexpr int bar_kPa = 100;
 
-// Holds one step of a route (plan): wire, catheter and guiding catheter move to these depths at the same
-// time; a depth of -1 means that this tool does not move.
+// Holds one step of a route (plan): at the same time, wire, catheter and guiding catheter move to the stated
+// depths; a depth of -1 means that this tool does not move.
 struct Step {
     int wire_mm, catheter_mm, guide_mm;
     int mm_s;
@@ -32,7 +32,7 @@ void walk(Scribe &scribe, const Step &step, double hurry)
     if (moves) scribe.end();
 }
 
-// Returns a random factor between 1 and 3; the hands move faster than in the shipped session by this factor.
+// Returns a random factor between 1 and 3, by which the hands move faster than in the shipped session.
 double some_hurry(Scribe &scribe)
 {
     return scribe.dice().between(10, 30) * 0.1;

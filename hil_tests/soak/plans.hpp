@@ -1,6 +1,6 @@
 // Provides routes into the vessels that random motion would not find: over the wire, round the arch into a
 // coronary artery, or into a renal artery. This header also provides sequences that use a balloon. A plan is
-// a sequence of script statements; its numbers are chosen at random near the numbers of the shipped sessions.
+// a sequence of script statements; its numbers are chosen at random near those of the shipped sessions.
 #pragma once
 #include "hil_tests/soak/scribe.hpp"
 

@@ -95,8 +95,8 @@ class Shrinker
         return accept(shorter);
     }
 
-    // The session ends at the statement in which it exceeded the limit, so later statements have no effect
-    // and can be removed.
+    // The session ends at the statement in which it exceeds the limit, so later statements have no effect and
+    // can be removed.
     void cut_the_end()
     {
         for (std::size_t count = best_.session.lines.size() / 2; count > 0;) {
@@ -158,9 +158,9 @@ class Shrinker
     Shrunk best_;
 };
 
-// Returns a part of the script without the given tool: the function removes this tool's name, and gives every
-// tool that lies outside of this tool the name of the next inner tool. The result is an empty text if the
-// part contained only statements for the removed tool.
+// Returns a part of the script without the given tool. The function removes this tool's name, and gives every
+// tool that lies outside this tool the name of the next inner tool. The result is an empty text if the part
+// contained only statements for the removed tool.
 std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);
@@ -179,7 +179,8 @@ std::string part_without(const std::string &part, std::size_t tool)
     return join(words, " ");
 }
 
-// Halves every number that is followed by the word `unit` and is at least `least`.
+// Halves the first number that is followed by the word `unit` and is not between -least and +least. Returns
+// the changed text, or no text if there is no such number.
 std::vector<std::string> halved(const std::string &part, const std::string &unit, int least)
 {
     std::vector<std::string> words = words_of(part);

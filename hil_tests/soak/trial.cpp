@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 constexpr crn::RoomCommand first_stent{crn::RoomAction::load_stent, {}};
 
-// The recording file is deleted when this object is destroyed after the session has been judged, even if an
-// error ends the judgement.
+// When this object is destroyed after the session has been judged, the recording file is deleted, even if an
+// error ended the judgement.
 struct RecordingFile {
     explicit RecordingFile(const std::string &folder)
         : path((folder.empty() ? fs::temp_directory_path() : fs::path(folder)) /

@@ -10,8 +10,8 @@ namespace soak
 namespace
 {
 
-// Three reports of the core do not mean that its physics is wrong: the motion in a snap was scaled down, a
-// tool slips because it is completely out or in, or a hand is too fast.
+// Three fault codes of the core do not mean that its physics is wrong: a step was scaled down in a snap (a
+// sudden motion), a tool slips because it is completely out or in, or a hand is too fast.
 bool is_allowed(std::uint16_t code)
 {
     return code == CRN_FAULT_CODE_CORE_STEP_CAPPED || code == CRN_FAULT_CODE_CORE_INSERT_END ||
@@ -62,8 +62,8 @@ void Watch::tick(const crn_wire_tick_input &, const crn_wire_tick_state &state)
 
 // If the core sets a new fault bit, the watch reads the device's fault log at the end of the next batch of
 // ticks. If a session reaches its maximum length, it ends at the end of a batch of ticks, because device and
-// recording have then reached the same tick. While a batch of ticks is processed, the result of this function
-// must not change.
+// recording have then reached the same tick. The value that next_tick() returns must not change while a batch
+// of ticks is processed.
 std::uint32_t Watch::next_tick() const
 {
     const std::uint32_t end = seen_tick_ <= settings_.ticks_max ? settings_.ticks_max : UINT32_MAX;

@@ -30,8 +30,8 @@ class Watch final : public crn::FrameSink
     // Reads the device's present log. Throws Enough if the log contains a fault that must not occur in any
     // session.
     void look_at_faults(std::uint32_t tick);
-    // The caller calls this function when the session is over. The function checks that the injected iodine
-    // equals the iodine in the vessels plus the iodine that has left the vessels. Throws Enough.
+    // The caller calls the following function when the session is over. The function checks that the injected
+    // iodine equals the iodine in the vessels plus the iodine that has left the vessels. Throws Enough.
     void balance_iodine(std::uint32_t tick) const;
     const Verdict &worst() const { return worst_; }
 

@@ -1,4 +1,4 @@
-/* Implements the whole device, which communicates through the token mailbox. */
+/* Implements a complete device that exchanges USB tokens through the mailbox. */
 #include "hil_tests/usb/usb_device.h"
 
 #include <string.h>

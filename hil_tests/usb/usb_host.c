@@ -71,7 +71,7 @@ usb_result usb_host_token(usb_host *host, crn_mailbox_token kind, uint8_t endpoi
     return USB_OK;
 }
 
-/* Converts the device's reply to a packet into a result, which is USB_OK if the packet succeeded. After
+/* Converts the device's reply to a packet into a result; USB_OK means that the packet succeeded. After
  * USB_NAKED and USB_SILENT the host may send the same packet again. */
 static usb_result judge(crn_mailbox_reply reply)
 {
@@ -87,7 +87,7 @@ static usb_result judge(crn_mailbox_reply reply)
     }
 }
 
-/* Counts a failed attempt to send a packet; returns false if no further attempt is allowed. */
+/* Counts a failed attempt to send a packet; returns false if the host may not try again. */
 static bool try_again(usb_host *host, usb_result result, uint32_t *naks, uint32_t *silences)
 {
     if (result == USB_NAKED) {

@@ -2,11 +2,11 @@
  * keeps data toggles, repeats lost packets, and gives up in time. Tests, fuzz targets and bridges use this
  * controller; the device may run in the same process or in another process.
  *
- * The caller provides the function `wait`. The controller calls `wait` between two reads of the mailbox, and
- * between two attempts to send a packet if the device has answered NAK. If the device is in this process,
- * `wait` runs the device; if the device is in another process, `wait` sleeps. After the deadline that
- * `begin_wait` set, `wait` returns false. This deadline limits how long a device may take to answer one
- * token. NAKs are counted. */
+ * The caller provides the function `wait`, which lets time pass. The controller calls `wait` between two
+ * reads of the mailbox, and between two attempts to send a packet if the device has answered NAK. If the
+ * device is in this process, `wait` runs the device; if the device is in another process, `wait` sleeps.
+ * After the deadline that `begin_wait` set, `wait` returns false. The deadline that `begin_wait` set limits
+ * how long a device may take to answer one token. NAKs are counted. */
 #ifndef CRN_USB_HOST_H
 #define CRN_USB_HOST_H
 
@@ -62,7 +62,7 @@ usb_result usb_host_token(usb_host *host, crn_mailbox_token kind, uint8_t endpoi
  * bytes that the device sent (IN). */
 usb_result usb_host_control(usb_host *host, const usb_request *request, uint8_t *bytes, uint32_t *count);
 
-/* Transfers one packet. A transfer of full length consists of as many packets as needed. */
+/* Transfers one packet. A longer transfer consists of as many packets as needed. */
 usb_result usb_host_packet_out(usb_host *host, uint8_t endpoint, const uint8_t *bytes, uint32_t count);
 usb_result usb_host_packet_in(usb_host *host, uint8_t endpoint, uint8_t *bytes, uint32_t capacity,
                               uint32_t *count);

@@ -195,7 +195,8 @@ const char *usb_judge_bos(const uint8_t *bytes, size_t count, uint8_t *vendor_co
     return NULL;
 }
 
-/* Checks a registry property of UTF-16 text; a text of type REG_MULTI_SZ ends with two zeros. */
+/* Checks a registry property in a Microsoft OS descriptor: UTF-16 text of type REG_MULTI_SZ, which ends with
+ * two zeros. */
 static const char *judge_property(const uint8_t *bytes, size_t count)
 {
     WRONG_IF(count < 10 || word(bytes + 4) != 7, "the property is a REG_MULTI_SZ");

@@ -35,8 +35,8 @@ const char *usb_judge_configuration(const uint8_t *bytes, size_t count, uint8_t 
                                     usb_judged *judged);
 const char *usb_judge_reports(const uint8_t *bytes, size_t count, usb_judged_report *reports,
                               size_t *report_count);
-/* In addition, the function returns the vendor code and the length of the Microsoft descriptor set that the
- * BOS descriptor announces. */
+/* Besides checking the BOS descriptor, the function returns the vendor code and the length of the Microsoft
+ * descriptor set that this descriptor announces. */
 const char *usb_judge_bos(const uint8_t *bytes, size_t count, uint8_t *vendor_code, uint16_t *set_bytes);
 const char *usb_judge_ms_os(const uint8_t *bytes, size_t count, uint8_t *first_interface);
 

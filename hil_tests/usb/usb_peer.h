@@ -1,6 +1,6 @@
-/* Opens the device that a bridge shows to a host. The device is in this process (a loop-back rig or the
- * complete application), or it is a program in another process, such as an emulator. The mailbox of such a
- * program is a file that both processes map into memory. */
+/* Opens a USB device for a bridge, which makes the device visible to a host. The device is in this process (a
+ * loop-back rig or the complete application), or it is a program in another process, such as an emulator. The
+ * mailbox of a program in another process is a file that both processes map into memory. */
 #ifndef CRN_USB_PEER_H
 #define CRN_USB_PEER_H
 
@@ -37,8 +37,8 @@ void usb_peer_open_app(usb_peer *peer, const char *serial);
 const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset);
 
 /* Opens the device that a command line names ("--here", "--app", "--app=SERIAL", or "--mailbox" and
- * FILE[:OFFSET]). Counts how many words of the command line name the device. Returns NULL on success,
- * otherwise an error message. */
+ * FILE[:OFFSET]). Sets `*used` to the number of words on the command line that name the device. Returns NULL
+ * on success, otherwise an error message. */
 const char *usb_peer_open(usb_peer *peer, int count, char **words, int *used);
 
 /* Lets a device in this process do all work that is due by now. */

@@ -39,8 +39,8 @@ static inline unsigned usb_urbs_pipe(uint8_t endpoint)
  * full. */
 bool usb_urbs_submit(usb_urbs *urbs, const usb_urb *urb);
 
-/* Removes a transfer from its queue. The submitter owns the transfer's buffer again, and the function
- * `complete` is not called. Returns false if the queue does not contain this transfer. */
+/* Removes a transfer from its queue. After the removal, the submitter owns the transfer's buffer again, and
+ * the function `complete` is not called. Returns false if the queue does not contain this transfer. */
 bool usb_urbs_cancel(usb_urbs *urbs, uint64_t id, usb_urb *urb);
 
 /* Removes the first transfer from an endpoint's queue, if the queue is not empty. */

@@ -98,8 +98,8 @@ Json phases_of(const AssessPlan &plan, const Evaluation &found)
 
 // --- the score ---
 
-// The share of the phases that ended and of the steps that were done, by weight; phases and steps that do not
-// apply do not count.
+// Returns the weighted share of the phases that ended and of the steps that were done; phases and steps that
+// do not apply are not counted.
 std::optional<double> share_of_phases(const AssessPlan &plan, const Evaluation &found)
 {
     double done = 0.0, of = 0.0;
@@ -117,7 +117,8 @@ std::optional<double> share_of_phases(const AssessPlan &plan, const Evaluation &
     return of > 0.0 ? std::optional(done / of) : std::nullopt;
 }
 
-// The share of the marks of a group of metrics that apply to the session.
+// Returns the marks of one group of metrics as a share of the possible marks; metrics that do not apply to
+// the session are not counted.
 std::optional<double> share_of_metrics(const Json &score, const std::string &group)
 {
     double points = 0.0, of = 0.0;
@@ -207,7 +208,8 @@ Json curves_of(const SessionLog &log)
          inserted = time;
     for (std::size_t k = 0; k < log.tools.size(); ++k) inserted.push_back(Json::array());
     for (std::size_t i = 0; i < log.moments.size(); i += step) {
-        // A short flash of X-ray or a short peak must not disappear between two points.
+        // Each point of the curve holds the largest value since the previous point, so that a short flash of
+        // X-ray or a short peak does not disappear between two points.
         double wall_N = 0.0, balloon_bar = 0.0;
         int mode = 0;
         for (std::size_t j = i; j < std::min(i + step, log.moments.size()); ++j) {

@@ -28,7 +28,7 @@ std::string missing_tool(const SessionLog &log, std::size_t tool)
     return tool < log.tools.size() ? "" : "the session has no tool '" + tool_name(tool) + "'";
 }
 
-// Returns what the session lacks for this atom, apart from vessels.
+// Returns what the session lacks for this simple condition (atom), apart from vessels.
 std::string missing(const ConditionAtom &atom, const SessionLog &log)
 {
     if (names_a_tool(atom.kind)) {
@@ -68,7 +68,8 @@ std::string bind_vessels(ConditionAtom &atom, const SessionLog &log, const PlanV
             atom.way.push_back(find_vessel(log, name, vessels.file, vessels.line, 0));
     }
     if (atom.kind != Kind::tip_in_vessel) return "";
-    // Two roles are left open by plans that serve many scenes; a case or the command line fills them.
+    // Plans that serve many scenes leave open which vessels are `target` and `ostium`; a case or the command
+    // line names these vessels.
     const auto named = vessels.names.find(atom.vessel);
     if (named == vessels.names.end() && (atom.vessel == "target" || atom.vessel == "ostium"))
         return "the plan does not say which vessel is the " + atom.vessel + " ([vessels] " + atom.vessel +
@@ -181,7 +182,8 @@ std::string Condition::bind(const SessionLog &log, const PlanVessels &vessels)
         const std::string why = missing(atom_, log);
         return why.empty() ? bind_vessels(atom_, log, vessels) : why;
     }
-    // Where one of several conditions is enough, those that do not apply are left out.
+    // If it is enough that one of several conditions holds, the conditions that do not apply to the session
+    // are left out.
     std::vector<Condition> applying;
     std::string why;
     for (Condition &part : parts_) {

@@ -1,9 +1,11 @@
-// Conditions of an assessment: sentences about one moment of a session (docs/assessment.md, "Conditions").
+// Conditions of an assessment are phrases that are true or false at one moment of a session
+// (docs/assessment.md, "Conditions").
 //
 //   tip wire in LAD at least 20 mm and not x-ray on
 //   ( guide withdraws or guide advances faster than 20 mm/s ) and injecting
 //
-// A condition is read once from a plan, bound to the vessels of a scene, and evaluated at every moment.
+// A condition is read once from a plan, is connected to the vessels of a scene, and is evaluated at every
+// moment.
 #pragma once
 #include "host/assess/signals.hpp"
 #include "host/script/tool.hpp"
@@ -66,7 +68,7 @@ struct ConditionAtom {
     bool allows(double value) const { return value >= least && (is_below ? value < most : value <= most); }
 };
 
-// Names that a plan gives to vessels of a scene, and the vessels through which a wire may go.
+// Holds the names that a plan gives to vessels of a scene, and the vessels through which a wire may go.
 struct PlanVessels {
     std::map<std::string, std::string> names; // such as target = "LAD"
     std::vector<std::string> way;             // empty: not stated
@@ -77,17 +79,18 @@ struct PlanVessels {
 class Condition
 {
   public:
-    // Reads a condition, which begins at `column` of the line in the file. Throws FileError, which names the
+    // Reads a condition, which begins at `column` of the line in the file. Throws a FileError that names the
     // place of the mistake and suggests a known word.
     static Condition parse(const std::string &text, const std::string &file, int line, int column);
 
-    // Returns why the condition has no meaning for this session (a tool, a balloon or a vessel that the
-    // session does not have, or a name that the plan does not give), or an empty string. "a or b" has a
-    // meaning if one of the two has one. Finds the vessels that the condition names; throws FileError if
-    // the scene has vessels, but none with such a name.
+    // Returns an empty string if the condition applies to this session. If the condition does not apply to
+    // the session, returns the reason: the session lacks a tool, a balloon or a vessel, or the plan does not
+    // give a name. The condition "a or b" applies if at least one of its two parts applies. Finds the vessels
+    // that the condition names; throws FileError if the scene has vessels, but none with such a name.
     std::string bind(const SessionLog &log, const PlanVessels &vessels);
 
-    // Evaluates the condition at moment `i`. Amounts (injected, runs, time) count since moment `since`.
+    // Returns true if the condition holds at moment `i`. The amounts in a condition (injected medium, number
+    // of runs, time) are counted from moment `since`.
     bool holds(const SessionSignals &signals, std::size_t i, std::size_t since = 0) const;
     const std::string &text() const { return text_; }
 

@@ -23,7 +23,7 @@ const std::vector<std::string> first_words = {
     "time",     "tip",       "balloon", "stent",     "lesion",   "wall",        "line",   "wire",
     "catheter", "guide",     "tool",    "damped",    "pressure", "unaspirated", "not",    "("};
 
-// Splits a condition into words and brackets. Quotation marks around the name of a vessel are left out.
+// Splits a condition into words and brackets. Quotation marks around the name of a vessel are removed.
 std::vector<Token> words_of(std::string text, int column)
 {
     for (char &c : text)
@@ -85,7 +85,8 @@ class ConditionParser
 
     Condition one()
     {
-        // A condition of a person has few brackets; deeper ones would overflow the stack.
+        // A condition that a person writes has few nested brackets; very many nested brackets would overflow
+        // the stack.
         if (++depth_ > 32) line_.fail("more than 32 nested brackets and 'not'");
         Condition condition;
         if (line_.accept("not")) {
@@ -183,7 +184,7 @@ class ConditionParser
         return atom;
     }
 
-    // Reads "at least X", "at most X", "below X" or "above X".
+    // Reads a limit of the form "at least X", "at most X", "below X" or "above X".
     void read_bound(ConditionAtom &atom, const std::string &what, const std::vector<Unit> &units,
                     double limit)
     {

@@ -22,7 +22,7 @@ const char *const debrief_style =
     "tr:target td{background:#fff3c4}svg{max-width:100%;height:auto}details{margin:1em 0}"
     "td.t{white-space:nowrap}";
 
-// Severities have a colour and a letter, so that they differ in print too.
+// Severities have a colour and a letter, so that they also differ in black-and-white print.
 const char *colour_of(int weight)
 {
     return weight >= 5 ? "#b3261e" : weight == 4 ? "#c2691c" : "#8a7d00";
@@ -102,7 +102,7 @@ std::string band(double from_s, double to_s, double end_s, double top, const cha
            title + "</title></rect>";
 }
 
-// Draws one band for every stretch of the curve that has the given value or more.
+// Draws one band for every part of the curve in which the value is at least `least`.
 std::string bands_of(const std::vector<double> &time_s, const std::vector<double> &values, double least,
                      double end_s, double top, const char *colour, const std::string &title)
 {

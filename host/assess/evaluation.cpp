@@ -32,8 +32,8 @@ class Evaluator
     }
 
   private:
-    // An error begins when its condition has held for `for_s`. It is over when the condition has not held
-    // for `again_s`.
+    // A handling error begins when its condition has held for `for_s`. A handling error ends when its
+    // condition has not held for `again_s`.
     void find_error(std::size_t kind)
     {
         const PlanError &error = plan_.errors[kind];
@@ -99,7 +99,8 @@ class Evaluator
         result_.phases.push_back(std::move(found));
     }
 
-    // Finds the steps that were done from the phase's begin up to its end, or up to the end of the session.
+    // Finds the steps that were done between the begin and the end of the phase, or up to the end of the
+    // session if the phase did not end.
     void follow(const std::vector<Condition> &done, std::size_t from, std::optional<std::size_t> to,
                 FoundPhase &found) const
     {

@@ -34,7 +34,8 @@ struct Evaluation {
 // Throws FileError if the plan names a vessel that the scene does not have.
 Evaluation evaluate(const AssessPlan &plan, const SessionLog &log);
 
-// Checks, before a session, that evaluate() will find the plan's vessels in the scene. Throws FileError.
+// Checks before a session that the scene has the vessels that the plan names, so that evaluate() will find
+// them. Throws FileError.
 void check_plan(const AssessPlan &plan, const SessionLog &log);
 
 } // namespace crn

@@ -10,7 +10,8 @@ namespace crn
 namespace
 {
 
-// Returns the amplitudes of the lowest frequencies of a profile, up to `cut_Hz`, relative to the largest one.
+// Returns the amplitudes of a profile's frequencies from zero to `cut_Hz`, divided by the largest of these
+// amplitudes.
 std::vector<double> amplitudes(std::span<const double> profile, std::size_t bins, std::size_t kept)
 {
     std::vector<double> padded(profile.begin(), profile.end());
@@ -71,7 +72,7 @@ int submovements(std::span<const double> speed, double prominence)
     for (double v : speed) peak = std::max(peak, v);
     if (peak == 0.0) return 0;
     const double rise = prominence * peak;
-    // A peak counts when the speed has risen by `rise` from the last valley and falls by `rise` after it.
+    // A peak is counted if the speed has risen by `rise` from the last minimum and then falls by `rise`.
     int count = 0;
     bool rises = true;
     double low = 0.0, high = 0.0;

@@ -1,6 +1,6 @@
-// Computes figures of how a hand and a tip moved: path length, smoothness and submovements.
+// Computes measures of the motion of a hand and a tip: path length, smoothness and submovements.
 //
-// Smoothness belongs to discrete movements, so the motion of a hand is split at its pauses first. Sources:
+// Smoothness is defined for single movements, so the motion of a hand is first split at its pauses. Sources:
 //   SPARC  Balasubramanian, Melendez-Calderon, Roby-Brami, Burdet: On the analysis of movement smoothness,
 //          J NeuroEng Rehabil 2015;12:112, with the parameters of the authors' program
 //   LDLJ   Hogan, Sternad: Sensitivity of smoothness measures to movement duration, amplitude, and arrests,
@@ -25,15 +25,15 @@ struct SparcSettings {
 double sparc(std::span<const double> speed, double rate_Hz, const SparcSettings &settings = {});
 
 // Returns the logarithmic dimensionless jerk of a speed profile, -ln(T^3 / v_peak^2 * integral of
-// (d2v/dt2)^2) (nearer to 0, or positive, is smoother). `speed` has at least three values; a profile without
+// (d2v/dt2)^2); a larger result means a smoother motion. `speed` has at least three values; a profile without
 // jerk gives 0.
 double ldlj(std::span<const double> speed, double rate_Hz);
 
-// Returns the number of peaks of a speed profile that rise by at least `prominence` of the largest speed
-// above the higher one of the two valleys beside them.
+// Returns the number of peaks of a speed profile. A peak is counted if it rises above the higher of the two
+// minima beside it by at least `prominence` times the largest speed.
 int submovements(std::span<const double> speed, double prominence = 0.1);
 
-// A part of a motion during which the hand did not pause: the samples begin .. end - 1.
+// Holds a part of a motion in which the hand did not pause: the samples begin .. end - 1.
 struct Movement {
     std::size_t begin = 0, end = 0;
 };
@@ -46,12 +46,12 @@ struct MovementSettings {
 std::vector<Movement> split_movements(std::span<const double> speed_mm_s, double rate_Hz,
                                       const MovementSettings &settings = {});
 
-// Returns the speed of a position sampled at a steady rate, smoothed by a Gaussian of `sigma_s`. The list has
-// as many values as the positions.
+// Returns the speed for a position that was sampled at a constant rate; the speed is smoothed with a Gaussian
+// of width `sigma_s`. The list of speeds has as many values as the list of positions.
 std::vector<double> speed_of(std::span<const double> position, double rate_Hz, double sigma_s = 0.032);
 
-// Measures the length of a path and ignores displacements shorter than `step`, so that a trembling point has
-// no path.
+// Measures the length of a path and ignores displacements shorter than `step`, so that the path of a
+// trembling point has no length.
 template <int N> class PathLength
 {
   public:
@@ -74,8 +74,8 @@ template <int N> class PathLength
     bool has_corner_ = false;
 };
 
-// Figures of one tool in a session. Smoothness is the mean over the hand's movements; it is absent if the
-// hand made no movement.
+// Holds the measures of one tool's motion in a session. The smoothness is the mean over the hand's movements;
+// it has no value if the hand made no movement.
 struct MotionFigures {
     double hand_path_mm = 0.0; // forwards and backwards
     double tip_path_mm = 0.0;  // in space, without the motion of heart and breath

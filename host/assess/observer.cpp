@@ -31,7 +31,8 @@ AssessObserver::AssessObserver(Patient &patient, const std::vector<Instrument> &
     follow_line();
 }
 
-// A position keeps the names of all tools that were there: "J wire, then Coronary wire".
+// The log gives each position on the line the names of all tools that have been there, such as "J wire, then
+// Coronary wire".
 void AssessObserver::follow_line()
 {
     const LineNumbers &now = patient_.line();
@@ -127,7 +128,7 @@ void AssessObserver::look_at_tools(const SessionFrame &frame, SessionMoment &mom
     }
 }
 
-// The diameter of the lumen at a tip, in mm, with lesions as in the scene file.
+// Returns the diameter of the lumen at a tip, in mm, with the lesions as narrow as in the scene file.
 double AssessObserver::lumen_mm(const TipPlace &tip) const
 {
     const VesselBranch &branch =

@@ -1,6 +1,6 @@
 // Observes a session for its assessment. The observer reads the state of the tools, the patient and the X-ray
-// room every 16 ticks and changes nothing. It needs no pictures: the place of a tip in the picture is
-// computed from the geometry of the C-arm.
+// room every 16 ticks and changes nothing. The observer needs no pictures: it computes the place of a tip in
+// the picture from the geometry of the C-arm.
 //
 //   AssessObserver observer(patient, tools, tips);
 //   run_session(device, patient, session, recorder, &observer, settings);
@@ -20,8 +20,8 @@ namespace crn
 class AssessObserver final : public FrameSink
 {
   public:
-    // `tools` is the table of the session's tools; the patient knows which of them are on the line. `patient`
-    // and `tips` must live longer than the observer.
+    // `tools` is the table of the session's tools; the patient knows which of these tools are on the line
+    // (nested in the vessels). `patient` and `tips` must live longer than the observer.
     AssessObserver(Patient &patient, const std::vector<Instrument> &tools, const TipPlaces &tips);
 
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state) override;
@@ -29,7 +29,7 @@ class AssessObserver final : public FrameSink
     std::uint32_t next_tick() const override { return next_tick_; }
     void frame(const SessionFrame &frame) override;
 
-    // Returns the moments up to now.
+    // Returns the moments that have been recorded so far.
     const SessionLog &log() const { return log_; }
 
   private:

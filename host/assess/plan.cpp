@@ -102,7 +102,7 @@ void read_vessels(const TomlTable &table, PlanVessels &vessels)
     }
 }
 
-// Adds an entry, or replaces the entry of the same name.
+// Adds an entry, or replaces the entry that has the same name.
 template <typename Entry> void put(std::vector<Entry> &entries, Entry entry)
 {
     for (Entry &one : entries)
@@ -148,7 +148,7 @@ namespace
 
 AssessPlan read_plan_at(const std::string &path, int depth);
 
-// Reads the plan on which this table builds, or an empty plan.
+// Reads the plan that this table extends; returns an empty plan if the table extends none.
 AssessPlan base_of(const TomlTable &table, int depth)
 {
     if (!table.has("plan")) return {};

@@ -1,6 +1,6 @@
 // Reads the plan of an assessment (TOML, docs/assessment.md): phases with steps, handling errors, limits of
-// metrics, and what each part of the score weighs. A plan is a file of shared/examples/assessments, a user's
-// own file, or the table [assessment] of another file.
+// metrics, and the weights of the parts of the score. A plan is a file in shared/examples/assessments, a
+// user's own file, or the table [assessment] of another file.
 //
 //   const AssessPlan plan = read_plan(named_path(plan_files, "angioplasty"));
 #pragma once
@@ -31,8 +31,8 @@ struct PlanPhase {
     std::vector<PlanStep> steps;
 };
 
-// How bad an error is. The weights are those of 28 experts for errors of carotid stenting: Van Herzeele,
-// Aggarwal, Malik et al., Eur J Vasc Endovasc Surg 2009;38:1.
+// How bad an error is. The weights are those that 28 experts gave to errors in carotid stenting: Van
+// Herzeele, Aggarwal, Malik et al., Eur J Vasc Endovasc Surg 2009;38:1.
 enum class Severity { moderate = 3, serious = 4, life_threatening = 5 };
 std::string severity_text(Severity severity);
 
@@ -60,20 +60,22 @@ struct AssessPlan {
     ScoreLimits limits; // of the metrics
 };
 
-// Reads a plan file. If the file has the key `plan`, the plan with that name is read first, and the file adds
-// to it: its [vessels] name vessels, its [score] and its metrics replace weights and limits, its errors are
-// added or replace those of the same name, and its phases, if it has any, replace all phases. Throws
-// FileError: the message names file, line and column and suggests a known word.
+// Reads a plan file. If the file has the key `plan`, the function first reads the plan with that name, and
+// the file then changes this plan. The file's [vessels] name vessels; its [score] and metrics replace weights
+// and limits; its errors are added, or replace errors of the same name; its phases, if there are any, replace
+// all phases. Throws a FileError whose message names file, line and column and suggests a known word.
 AssessPlan read_plan(const std::string &path);
 
 // Reads a plan in the same way from a table of another file, such as [assessment] in the file of a case. The
-// sources of that file must have been read (TomlTable::read_sources). Throws FileError.
+// caller must have read the list of sources in that file before (TomlTable::read_sources). Throws FileError.
 AssessPlan read_plan(const TomlTable &table);
 
-// Reads a word of the command line such as "target=LAD" into the plan's vessels. Throws std::runtime_error.
+// Reads a word of the command line, such as "target=LAD", and names the vessel in the plan accordingly.
+// Throws std::runtime_error.
 void set_vessel(AssessPlan &plan, const std::string &word);
 
-// Returns the plan that is used if none is named: `angioplasty` with a balloon, else `navigation`.
+// Returns the name of the plan that is used if the user names none: `angioplasty` if the session has a
+// balloon, else `navigation`.
 AssessPlan standard_plan(bool has_balloon);
 
 } // namespace crn

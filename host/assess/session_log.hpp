@@ -1,6 +1,7 @@
-// Holds what the assessment of a session needs: one moment every 16 ticks, with the places of the tips, the
-// hands, the X-ray, the syringe, the balloon, the stents and the forces of the walls. A moment depends only
-// on the session's inputs and on its tick, so a replay of a recording gives the same moments as the session.
+// Holds the data from which a session is assessed. There is one entry (moment) every 16 ticks, with the
+// places of the tips, the hands, the X-ray, the syringe, the balloon, the stents and the forces of the walls.
+// A moment depends only on the session's inputs and on its tick, so a replay of a recording gives the same
+// moments as the session.
 #pragma once
 #include "host/model/vessel_map.hpp"
 #include "host/xray/run.hpp"
@@ -14,7 +15,7 @@
 namespace crn
 {
 
-// The state of one tool at one moment. Lengths are in millimetres.
+// Holds the state of one tool at one moment. Lengths are in millimetres.
 struct ToolMoment {
     double inserted_mm = 0.0;  // beyond the introducer sheath
     double turned_deg = 0.0;   // by the hand, since the start

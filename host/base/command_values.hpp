@@ -11,8 +11,8 @@
 namespace crn
 {
 
-// The returned validator replaces each value by what the function makes of it. The text of a
-// std::runtime_error refuses the value.
+// The returned validator replaces each value of an option by the result of the function `replace`. If
+// `replace` throws a std::runtime_error, the value is refused with the text of this exception.
 template <typename Replace> CLI::Validator replaced_by(Replace replace)
 {
     CLI::Validator values;
@@ -27,15 +27,15 @@ template <typename Replace> CLI::Validator replaced_by(Replace replace)
     return values;
 }
 
-// The value of the returned validator's option may be the name of a file that comes with the program, or of
-// one of the user's own files. The validator replaces the name by the file's path. A name may end with
-// ":preset".
+// With the returned validator, the value of an option may be the name of a file that comes with the program,
+// or of one of the user's own files. The validator replaces the name of such a file by the file's path. A
+// name may end with ":preset".
 inline CLI::Validator name_or_path(const ExampleKind &kind)
 {
     return replaced_by([kind](const std::string &word) { return named_path(kind, word); });
 }
 
-// The returned validator accepts these words only, and suggests one of them for a mistyped word.
+// The returned validator accepts only these words, and suggests one of them if the user mistyped a word.
 inline CLI::Validator one_of(const std::vector<std::string> &words)
 {
     std::string list;
@@ -48,8 +48,9 @@ inline CLI::Validator one_of(const std::vector<std::string> &words)
         "{" + list + "}");
 }
 
-// A script in which a variable is empty produces `--json ""`, which does not mean that no file is wanted. An
-// option of this command, or of one of its subcommands, whose value is empty is refused as wrong usage.
+// If a variable in a user's script is empty, the command line contains `--json ""`, although the user wants a
+// file. If the value of an option of this command or of one of its subcommands is empty, the command line is
+// refused as wrong usage.
 inline void refuse_empty_values(CLI::App &app)
 {
     for (CLI::Option *option : app.get_options())

@@ -1,5 +1,6 @@
 // Makes unique identifiers (UIDs) from content: equal content gets equal UIDs, and different content gets
-// different UIDs. The UIDs have the form of PS3.5 B.2: 2.25 and a 128-bit number, without a registered root.
+// different UIDs. The UIDs have the form of DICOM PS3.5 B.2: "2.25." and a 128-bit number, without a
+// registered root.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,7 +9,8 @@
 namespace crn
 {
 
-// Computes the FNV-1a hash with 128 bits (draft-eastlake-fnv) of all data that were added, in order.
+// Computes the 128-bit FNV-1a hash (draft-eastlake-fnv) of all data that were added, in the order in which
+// they were added.
 class Digest
 {
   public:

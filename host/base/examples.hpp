@@ -8,8 +8,8 @@
 namespace crn
 {
 
-// The kinds of files that a user can name, each with the singular for messages and with the file name's
-// ending.
+// Describes a kind of file that a user can name: its folder, the singular for messages, and the ending of the
+// file name.
 struct ExampleKind {
     const char *folder, *singular, *ending;
 };
@@ -23,9 +23,10 @@ inline constexpr ExampleKind case_files{"cases", "case", ".toml"};
 inline constexpr ExampleKind scene_archives{"scenes", "scene", ".tar.xz"};
 
 // Returns the existing folders with the files of this kind that come with the program, in the order in which
-// they are searched. The installed program has share/cournand/examples/KIND, and the repository has
-// shared/examples/KIND; both are searched in the four folders above the running program, and the second also
-// in the current folder.
+// they are searched. The files are in share/cournand/examples/KIND of the installed program, and in
+// shared/examples/KIND of the repository. The program looks for share/cournand/examples/KIND and
+// shared/examples/KIND in the four folders above the running program, and for the second folder also in the
+// current folder.
 std::vector<std::filesystem::path> shipped_folders(const ExampleKind &kind);
 
 // Returns the user's own folder, $XDG_DATA_HOME/cournand/KIND or ~/.local/share/cournand/KIND, if it exists,
@@ -48,13 +49,13 @@ std::string example_path(const ExampleKind &kind, const std::string &name);
 // Returns the names of all files of this kind, sorted.
 std::vector<std::string> example_names(const ExampleKind &kind);
 
-// Returns true for a word of the command line that is a path: a word with a slash or a dot, and a word that
-// is the path of an existing file or folder, maybe with ":preset" behind it.
+// Returns true if a word of the command line is a path. A path is a word with a slash or a dot, or the path
+// of an existing file or folder; ":preset" may follow.
 bool is_path(const std::string &word);
 
-// Returns the path that a word of the command line means. A word that is_path() stays. Every other word is
-// the name of a file of this kind, maybe with ":preset" behind it, which stays behind the path. Throws as
-// example_path.
+// Returns the path to which a word of the command line refers. A word that is_path() stays. Every other word
+// is the name of a file of this kind; if ":preset" follows the name, it also follows the returned path.
+// Throws as example_path.
 std::string named_path(const ExampleKind &kind, const std::string &word);
 
 } // namespace crn

@@ -6,8 +6,8 @@
 namespace crn
 {
 
-// Formats text as printf does; the formatted text may have any length. A format that does not fit the values
-// to be printed does not compile.
+// Formats text as printf does; the formatted text may have any length. If a format string does not fit the
+// values that are to be printed, the code does not compile.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char *format, ...);
 
 [[gnu::format(printf, 1, 0)]] std::string formatted_with(const char *format, va_list values);

@@ -126,7 +126,8 @@ void reset_signals()
     ::_exit(0);
 }
 
-// Turns the first line of the messages that a library printed into printable text of at most 160 characters.
+// Takes the first line of the messages that a library printed, and makes printable text of at most 160
+// characters from it.
 std::string plain_line(const std::string &heard)
 {
     std::string line;
@@ -324,7 +325,7 @@ void Inbox::fail(const std::string &what)
 
 void Inbox::fail_ended()
 {
-    // The child process has closed its pipe, so it has ended or is about to end.
+    // The child process has closed its pipe, so it has ended or will end immediately.
     while (child_ > 0 && ::waitpid(child_, &status_, 0) < 0 && errno == EINTR) {
     }
     child_ = -1;

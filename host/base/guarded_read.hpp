@@ -37,7 +37,7 @@ inline constexpr std::uint64_t read_memory_bytes_max = std::uint64_t{1900}
                                                        << 20; // with the parent below 2 GB
 
 // Returns the limits of memory and time for reading a file of this size. The time limit is 18 s plus 2 s for
-// each MiB beyond 8 MiB; `growth` is the memory in bytes that each byte of the file may need.
+// each MiB of the file beyond 8 MiB; `growth` is the memory in bytes that each byte of the file may need.
 ReadLimits read_limits(std::uint64_t file_bytes, double growth);
 
 // The child process writes its data to the parent through an Outbox, which is the child's end of the pipe. If
@@ -86,8 +86,7 @@ class Inbox
         bytes(&value, sizeof value);
         return value;
     }
-    // Reads at most `most` letters or values, because the parent does not trust a child that announces more
-    // of them.
+    // Reads at most `most` letters or values, because a faulty child process might announce more of them.
     std::string text(std::uint64_t most = 1 << 20);
     template <class Value> std::vector<Value> list(std::uint64_t most)
     {
@@ -119,13 +118,13 @@ class Inbox
 void read_apart(const std::string &file, const ReadLimits &limits, const std::function<void(Outbox &)> &parse,
                 const std::function<void(Inbox &)> &take);
 
-// The parent calls `is_wanted` when a signal arrives while it waits for a child. If `is_wanted` returns true,
-// the reading of the file ends with the message "interrupted". A program whose Ctrl-C handler only sets a
-// flag should register a function that returns this flag.
+// If a signal arrives while the parent waits for a child, the parent calls `is_wanted`. If `is_wanted`
+// returns true, the reading of the file ends with the message "interrupted". A program whose Ctrl-C handler
+// only sets a flag should register a function that returns this flag.
 void stop_reading_when(bool (*is_wanted)());
 
-// Returns the size of a regular file, for read_limits. Throws GuardedReadError when the file does not exist,
-// is a folder, or has over `most` bytes.
+// Returns the size of a regular file, for read_limits. Throws GuardedReadError if the file does not exist, is
+// a folder, or has more than `most` bytes.
 std::uint64_t regular_file_bytes(const std::string &file, std::uint64_t most);
 
 } // namespace crn

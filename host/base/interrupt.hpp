@@ -1,6 +1,6 @@
 // The signals Ctrl-C (SIGINT) and SIGTERM have the same effect in all programs of this repository. Long loops
-// check the flag that the first signal sets, close their files and end. A second signal ends code that does
-// not check this flag.
+// check the flag that the first signal sets, close their files and end. A second signal also ends code that
+// does not check this flag.
 #pragma once
 
 namespace crn

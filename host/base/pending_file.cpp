@@ -44,8 +44,8 @@ void handle_signals()
         if (::sigaction(number, nullptr, &present) == 0 && present.sa_handler == SIG_DFL)
             std::signal(number, on_signal);
     }
-    // Writing beyond the user's limit on file sizes must end in an error with a message; without this line
-    // the signal SIGXFSZ would end the program.
+    // If the program writes beyond the user's limit on file sizes, the write must fail with an error and a
+    // message; without this line the signal SIGXFSZ would end the program.
     std::signal(SIGXFSZ, SIG_IGN);
 }
 
@@ -120,7 +120,7 @@ int sync_file(const std::string &path)
     return sync_path(path, O_RDONLY | O_NOFOLLOW);
 }
 
-// Flushes the folder's list of names, because otherwise the previous file might be back under its name after
+// Flushes the folder's list of names; without this step, the previous file might be back under its name after
 // a crash of the machine. A folder that is writable but not readable cannot be flushed, and this failure is
 // ignored.
 void sync_folder_of(const fs::path &path)

@@ -1,5 +1,6 @@
-// An output file is written as a pending file beside its final name, and is renamed when it is complete. So
-// the final name never refers to half a file, and the previous file is kept until the rename.
+// An output file is written as a pending file beside its final name, and is renamed when it is complete.
+// Therefore the final name never refers to an incomplete file, and the previous file is kept until the
+// rename.
 #pragma once
 #include <cstdio>
 #include <memory>
@@ -33,19 +34,19 @@ struct OpenPending {
 };
 OpenPending open_pending(const std::string &path, const std::string &ending = "");
 
-// Throws whatever exception open_pending would throw for this path, and leaves no file behind.
+// Throws the same exceptions as open_pending would throw for this path, and leaves no file behind.
 void probe_output(const std::string &path);
 
 // Renames a complete, closed pending file to its final name. The bytes of the file reach the disk before its
 // name does, and the name reaches the disk before this function returns. On failure the function removes the
-// pending file and throws OutputError. With `keeps_unsynced` a pending file is renamed even if a full disk
-// prevented the flush.
+// pending file and throws OutputError. If `keeps_unsynced` is true, the function renames the pending file
+// even if a full disk prevented the flush.
 void commit_pending(const std::string &pending, const std::string &path, bool keeps_unsynced = false);
 void discard_pending(const std::string &pending) noexcept;
 
-// The program lists its pending files, so that a signal that ends the program (SIGINT, SIGTERM, SIGHUP)
-// removes these files first. The list has pending_max entries. The program may write more pending files than
-// that, but a signal does not remove the files that are not in the list.
+// The program keeps a list of its pending files. If a signal (SIGINT, SIGTERM, SIGHUP) ends the program, the
+// signal handler first removes the listed files. The list has pending_max entries. The program may write more
+// pending files than the list has entries, but a signal does not remove the files that are not in the list.
 inline constexpr int pending_max = 32;
 void watch_pending(const std::string &pending);
 void forget_pending(const std::string &pending) noexcept;
@@ -78,16 +79,17 @@ class PendingFile
     bool has_name_ = false;
 };
 
-// Writes files that belong together, such as a scene and its bodies: either all new files get their final
+// Writes files that belong together, such as a scene and its bodies. Either all new files get their final
 // names, or all previous files stay.
 class FileSet
 {
   public:
     // Writes a pending file beside its final name. Throws OutputError.
     void add(const std::string &path, std::string_view bytes);
-    // On failure the function throws OutputError. It then undoes the renames already made, so that the
-    // previous files are back under their names. Only if the program dies between two renames (SIGKILL, a
-    // crash of the machine) is there a mixture of old and new files, which readers have to detect.
+    // On failure the function throws OutputError. After a failure the function undoes the renames already
+    // made, so that the previous files are back under their names. A mixture of old and new files can remain
+    // only if the program dies between two renames (SIGKILL, or a crash of the machine). Programs that read
+    // these files have to detect a mixture of old and new files.
     void commit();
 
   private:

@@ -1,5 +1,5 @@
-// Shows the progress of long work on standard error output, if that is a terminal. Progress never gets into a
-// file or a pipe.
+// Shows the progress of long work on standard error output, if that is a terminal. The progress is never
+// written to a file or a pipe.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -14,7 +14,7 @@ bool shows_progress();
 class ProgressLine
 {
   public:
-    // With `is_wanted` false nothing is printed.
+    // If `is_wanted` is false, nothing is printed.
     explicit ProgressLine(bool is_wanted);
     ~ProgressLine(); // erases the bar
     ProgressLine(const ProgressLine &) = delete;

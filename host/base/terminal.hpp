@@ -1,5 +1,5 @@
-// Makes text safe for a terminal: text from files, devices and third-party libraries is printed without
-// control characters, so that no name can move the cursor, change a title or forge a line.
+// Makes text safe for a terminal. Text from files, devices and third-party libraries is printed without
+// control characters, so that no name can move the cursor, change a title or imitate a line of the program.
 #pragma once
 #include <cstdio>
 #include <string>
@@ -8,11 +8,12 @@
 namespace crn
 {
 
-// Makes a name or path printable in one line. Control characters (C0, DEL, C1), characters that change the
-// writing direction, line separators and bytes that are not UTF-8 become \xNN, byte by byte. All other
-// characters do not change. A backslash in the text stays too, because the result is only for reading.
+// Returns a name or a path as text that can be printed in one line. Control characters (C0, DEL, C1),
+// characters that change the writing direction, line separators and bytes that are not UTF-8 become \xNN,
+// byte by byte. All other characters do not change. A backslash in the text is not doubled, because the
+// result is only for reading.
 std::string printable(std::string_view text);
-// Makes a whole message printable; line ends in the message stay.
+// Makes a whole message printable and keeps its line ends.
 std::string printable_lines(std::string_view text);
 
 // Prints like fprintf, through printable_lines().

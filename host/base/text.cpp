@@ -21,7 +21,8 @@ std::string place(const std::string &file, int line, int column, const std::stri
     return printable_lines(result + ": " + text);
 }
 
-// Returns the number of letters that were left out, added, replaced or exchanged with their neighbour.
+// Returns the least number of letters that must be left out, added, replaced or exchanged with their
+// neighbour to turn one word into the other.
 std::size_t edit_distance(std::string_view a, std::string_view b)
 {
     std::vector<std::size_t> above, row(b.size() + 1), below(b.size() + 1);

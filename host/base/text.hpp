@@ -16,8 +16,8 @@ class FileError : public Fault
     FileError(const std::string &file, int line, int column, const std::string &text);
 };
 
-// Returns ", did you mean 'advance'?" when a known word is at most two edits away from the given word, else
-// "; known: a, b, c".
+// Returns ", did you mean 'advance'?" if a known word is at most two edits away from the given word, else ";
+// known: a, b, c".
 std::string suggestion(std::string_view word, const std::vector<std::string> &candidates);
 
 // Reads the whole file. Throws FileError with the operating system's reason.

@@ -14,7 +14,8 @@ namespace
 constexpr int real_time_priority = 1; // the lowest of the class: above ordinary threads, below all drivers
 constexpr std::uint64_t slice_ns = 100'000;
 
-// The argument of the system call sched_setattr (man page sched_setattr(2)). glibc 2.36 does not declare it.
+// Describes the argument of the system call sched_setattr (man page sched_setattr(2)), which glibc 2.36 does
+// not declare.
 struct SchedulingRequest {
     std::uint32_t size = sizeof(SchedulingRequest);
     std::uint32_t policy = SCHED_OTHER;
@@ -27,7 +28,8 @@ struct SchedulingRequest {
 
 constexpr std::uint64_t flag_reset_on_fork = 1; // threads that this thread starts are ordinary
 
-// Requests ordinary scheduling in shares of this length; 0: the kernel's own. The nice value stays.
+// Requests ordinary scheduling with time slices of this length; 0 means the kernel's own length. The nice
+// value stays.
 bool request_shares_of(std::uint64_t slice)
 {
     SchedulingRequest wanted;
@@ -37,7 +39,7 @@ bool request_shares_of(std::uint64_t slice)
     return syscall(SYS_sched_setattr, 0, &wanted, 0U) == 0;
 }
 
-// Returns the length of this thread's share of time, or 0 if the kernel does not support such lengths.
+// Returns the length of this thread's time slice, or 0 if the kernel does not support such lengths.
 std::uint64_t granted_slice_ns()
 {
     SchedulingRequest granted;

@@ -1,5 +1,5 @@
-// States how the kernel schedules the calling thread beside others. A thread that must act every millisecond
-// cannot wait until a thread that computes has used up its share of time, which takes 3 to 4 ms.
+// Controls how the kernel schedules the calling thread among other threads. A thread that must act every
+// millisecond cannot wait until a computing thread has used up its time slice, which takes 3 to 4 ms.
 //
 //   make_thread_urgent();      at the begin of the thread
 //   make_thread_ordinary();    when it computes without a pause, so that it does not lock out others
@@ -14,9 +14,9 @@ enum class ThreadUrgency {
     ordinary
 };
 
-// Requests the most punctual scheduling that this user may have, and returns what the kernel granted. The
-// real-time class needs the limit RLIMIT_RTPRIO of at least 1 (`ulimit -r`). Threads that this thread starts
-// later are ordinary.
+// Requests the scheduling with the shortest delays that this user may have, and returns what the kernel
+// granted. The real-time class needs the limit RLIMIT_RTPRIO of at least 1 (`ulimit -r`). Threads that this
+// thread starts later have ordinary scheduling.
 ThreadUrgency make_thread_urgent();
 void make_thread_ordinary();
 

@@ -1,4 +1,4 @@
-// Checks a TOML text before its parser sees it.
+// Checks a TOML text before it is parsed.
 #define TOML_IMPLEMENTATION
 #include "host/base/toml.hpp"
 

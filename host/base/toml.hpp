@@ -1,12 +1,12 @@
-// Includes toml++ in a form that is safe for texts from any source. If one of the assertions in toml++
-// failed, it would end the program. Some of the assertions fail on texts, such as a lone '[', that the parser
-// would refuse properly a moment later, so assertions are switched off.
+// Includes toml++ in a form that is safe for texts from any source. If an assertion in toml++ failed, it
+// would end the program. Some assertions fail on texts, such as a lone '[', that the parser itself would
+// refuse with an error message, so assertions are switched off.
 //
 // toml++ recurses once for each table within a table, and so does every traversal of its result. A header of
-// 400,000 dotted names would overflow the stack. So every text is checked for nesting before it is parsed.
-// With at most 32 names in a key and 32 nested brackets, the tables of a text are nested at most 32 + 33 * 32
-// deep, which is about 1,100. The program's stack can hold a hundred times as many nested tables. A limit on
-// the size of the text limits the memory that the parser needs.
+// 400,000 dotted names would overflow the stack. Therefore the nesting of every text is checked before the
+// text is parsed. With at most 32 names in a key and 32 nested brackets, the tables of a text are nested at
+// most 32 + 33 * 32 deep, which is about 1,100. The program's stack can hold a hundred times as many nested
+// tables. A limit on the size of the text limits the memory that the parser needs.
 #pragma once
 #define TOML_ASSERT(expr) static_cast<void>(0)
 #define TOML_HEADER_ONLY 0 // toml.cpp alone compiles it
@@ -15,9 +15,9 @@
 #include <string>
 #include <string_view>
 // toml++ 3.3 uses a table with gaps to find out whether a character is white space, and declares that no
-// look-up reaches a gap. A letter outside ASCII between two values does reach such a gap in the table, which
-// is undefined behaviour. With the macro below, a look-up that reaches a gap returns that the letter is not
-// white space. Upstream's macro is restored below.
+// table look-up reaches a gap. A letter outside ASCII between two values does reach such a gap in the table,
+// which is undefined behaviour. With the macro below, a look-up that reaches a gap returns false: the letter
+// is not white space. Upstream's macro is restored below.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false
@@ -34,7 +34,7 @@ struct TomlKind;
 inline constexpr std::size_t toml_bytes_max = std::size_t{4} << 20; // the largest legitimate text has 11 kB
 inline constexpr int toml_key_names_max = 32, toml_brackets_max = 32;
 
-// Describes the fault in a TOML text, without the file's name; line 0 refers to the whole file.
+// Describes an error in a TOML text, without the file's name; line 0 refers to the whole file.
 struct TomlError : std::runtime_error {
     TomlError(int line_, int column_, const std::string &text)
         : std::runtime_error(text), line(line_), column(column_)
@@ -46,8 +46,8 @@ struct TomlError : std::runtime_error {
 // Throws TomlError. `file` is the file name that toml++ stores in the source positions of its nodes.
 toml::table parse_toml(std::string_view text, const std::string &file);
 
-// Reads a TOML file as a tree that can be changed and written; for all other purposes toml_reader.hpp is
-// used. Throws FileError.
+// Reads a TOML file as a tree that the program can change and write back; for all other purposes,
+// toml_reader.hpp is used. Throws FileError.
 toml::table read_toml_tree(const std::string &file, const TomlKind &kind);
 
 // Checks only the size of the text, the number of names in a key and the nesting of brackets, without

@@ -1,6 +1,7 @@
-// All TOML files that people write are read by this code. The reader checks known keys, numbers with bounds,
-// texts and lists. It also checks that each value is accompanied by its source, such as a publication. Each
-// refusal of a file is a FileError: "FILE:LINE:COLUMN: place: what is wrong".
+// This code reads all TOML files that people write. The reader checks that keys are known, that numbers are
+// within bounds, and that texts and lists have the right form. The reader also checks that values have a
+// source, such as a publication, where one is required. If a file is refused, a FileError is thrown:
+// "FILE:LINE:COLUMN: place: what is wrong".
 //
 //   const TomlTable root = read_toml(file, {"a case", "a case's folder"});
 //   root.check_keys({"name", "depth"});
@@ -8,7 +9,7 @@
 //   for (const TomlTable &depth : root.tables("depth")) ...
 //
 // Compiling the header of toml++ takes a second for each source file that includes it, so this header only
-// declares its types.
+// declares the types of toml++.
 #pragma once
 #include "host/base/number_range.hpp"
 #include "host/base/text.hpp"
@@ -40,7 +41,8 @@ struct TomlDocument; // a parsed file, with its name and its sources
 class TomlTable;
 
 // Holds the value of a key in a TOML table, or records that the key is absent. If the key is absent, all
-// functions throw an error except the first ones, which only describe the key and the kind of its value.
+// functions throw an error, except the first ones in this class, which only describe the key and the kind of
+// its value.
 class TomlValue
 {
   public:
@@ -80,8 +82,8 @@ class TomlValue
     void require(const std::string &remedy = "") const;
 };
 
-// Holds a value that changes along a part of an instrument, as the values at the beginning and at the end of
-// that part.
+// Holds a value that changes along a part of an instrument, given by its values at the beginning and at the
+// end of that part.
 struct TomlRange {
     double from = 0.0, to = 0.0;
     bool is_constant() const { return from == to; }
@@ -104,8 +106,8 @@ class TomlTable
     TomlTable table(const std::string &key) const;
     std::vector<TomlTable> tables(const std::string &key) const; // empty where the key is absent
 
-    // Returns this table with a longer description of its place in the file, such as "preset 'physical',
-    // section 2", which its error messages then contain.
+    // Returns this table with a more detailed description of its place in the file, such as "preset
+    // 'physical', section 2". Error messages about the table then contain this more detailed description.
     TomlTable inside(const std::string &more) const;
     TomlTable in_place_of(const TomlTable &other) const; // takes the text of the other table
     [[noreturn]] void fail(const std::string &what) const;
@@ -113,8 +115,8 @@ class TomlTable
     const std::string &file() const;
 
     // Reads values with a source: { value, source } or { from, to, source }. A source "@key" or "@key: more"
-    // refers to an entry of the table [sources] in the file's root table. This entry must exist, and every
-    // entry of [sources] must be used.
+    // refers to an entry of the table [sources] in the file's root table. The entry to which a source refers
+    // must exist, and every entry of [sources] must be used.
     void read_sources() const;       // of the root
     void check_sources_used() const; // of the root, after everything else
     void check_source() const;       // of the key `source` in this table

@@ -1,5 +1,6 @@
 // Measures how long the replay takes to show any second of a ten-minute recording (docs/bench.md). The
-// session is made first: a J wire in the shipped aorta, with contrast medium, fluoroscopy and pauses.
+// program first makes the session: a J wire in the shipped aorta, with contrast medium, fluoroscopy and
+// pauses.
 #include "firmware/bench/bench.h"
 #include "host/command/cli.hpp"
 #include "host/live/replay_room.hpp"
@@ -49,7 +50,8 @@ std::string make_recording()
     return path;
 }
 
-// Jumps to seconds all over the recording, from changing angles; the slowest view counts.
+// Jumps to many seconds of the recording while the C-arm's angles change, and returns the time for the
+// slowest picture.
 double slowest_ms(const bench_case *)
 {
     const std::string path = make_recording();

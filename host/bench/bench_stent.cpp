@@ -1,5 +1,5 @@
 // Measures the computing time per picture for a stent with a thousand struts in a beating artery. The program
-// also measures how well the shipped stent stays in place for a minute, in the left anterior descending
+// also measures how well the shipped stent stays in place during one minute in the left anterior descending
 // artery (LAD) of the shipped heart (docs/stent.md).
 #include "firmware/bench/bench.h"
 #include "host/stent/tests/stent_heart.hpp"
@@ -15,8 +15,8 @@ namespace
 
 constexpr int pictures_per_beat = 12, rounds = 40; // 75 /min at 15 pictures a second
 
-// This stent has twice as many crowns and three times as many rings as the shipped one, which makes 1,008
-// struts and 1,008 points.
+// The stent of this benchmark has twice as many crowns and three times as many rings as the shipped stent,
+// which makes 1,008 struts and 1,008 points.
 StentDesign thousand_struts()
 {
     StentDesign design = read_stent("shared/examples/stents/coronary_3_0x18.toml");
@@ -28,7 +28,7 @@ StentDesign thousand_struts()
     return design;
 }
 
-// The stent is inflated for two and a half beats and deployed; then it moves with the beating artery.
+// The stent is inflated for two and a half heartbeats and deployed; then it moves with the beating artery.
 class Bench
 {
   public:
@@ -71,8 +71,8 @@ extern "C" BENCH_MEASURED void measured_stent_step()
     bench->step();
 }
 
-// Returns the mean computing time per picture of a heartbeat, or the computing time of the slowest picture.
-// For each picture of the beat, the function takes the shortest time over many beats.
+// Returns the mean computing time per picture of a heartbeat, or the computing time of the beat's slowest
+// picture. For each picture of the beat, the function takes the shortest time over many beats.
 double step_us(const bench_case *self)
 {
     bench = std::make_unique<Bench>();

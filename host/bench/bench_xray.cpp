@@ -1,6 +1,6 @@
 // Measures how long the computation of an X-ray picture takes (docs/bench.md and docs/xray.md). The simulated
 // patient is out/aorta.bodies, which `make run` makes; if that file is missing, the program makes a model
-// itself. Both models have at least 300,000 triangles and four materials.
+// itself. The two models of a patient have at least 300,000 triangles and four materials.
 #include "firmware/bench/bench.h"
 #include "host/xray/chain.hpp"
 #include "host/xray/gl/gl_paths.hpp"
@@ -51,8 +51,8 @@ Bodies made_here()
     return bodies;
 }
 
-// Replaces every material by one of the four materials for which docs/xray.md states its limits; the shipped
-// anatomy has eight materials.
+// Replaces every material by one of the four materials for which docs/xray.md states limits of the computing
+// time; the shipped anatomy has eight materials.
 const char *one_of_four(const std::string &name)
 {
     const Material material = material_from_name(name).value_or(Material::soft_tissue);
@@ -129,8 +129,8 @@ class Bench
             curves_.push_back(strut);
         }
     }
-    // Finds the exposure technique on which automatic exposure control settles in each view, and fixes it, so
-    // that frames do not differ in exposure.
+    // Finds the exposure technique (voltage, current and others) on which automatic exposure control settles
+    // in each view, and fixes it, so that all frames have the same exposure.
     void settle(int size)
     {
         for (std::size_t i = 0; i < std::size(looks); ++i) {
@@ -186,8 +186,8 @@ class Bench
 
 constexpr int is_kept = 1 << 16, is_beating = 1 << 17, has_four = 1 << 18;
 
-// Returns the processor time of all threads of this process, which does not depend on other users of the
-// machine.
+// Returns the processor time of all threads of this process, which other programs on the machine do not
+// influence.
 double processor_ms()
 {
     timespec now;

@@ -17,7 +17,8 @@ constexpr std::size_t title_bytes_max = 80, text_bytes_max = 4000, name_bytes_ma
 constexpr NumberRange order_range{0, 999}, ages_years{0, 120}, lengths_mm{0, 1600}, marks_range{0, 1000},
     values_range{-1e6, 1e6};
 
-// Returns a text for people. Line ends are spaces, so that a file may break its lines where it likes.
+// Returns a text for people. Line ends of the file become spaces, so that the file may break its lines
+// anywhere.
 std::string story_of(const TomlTable &table, const std::string &key)
 {
     std::string text = table.words(key), joined;
@@ -37,8 +38,8 @@ std::string story_of(const TomlTable &table, const std::string &key)
     return joined;
 }
 
-// Returns the path that a word of a case file means: the name of a file that comes with the program or of the
-// user's own, or a path from the folder of the case file.
+// Returns the path to which a word of a case file refers. The word is the name of a file that comes with the
+// program, the name of a user's own file, or a path from the folder of the case file.
 std::string path_of(const TomlValue &value, const std::string &word, const ExampleKind &kind,
                     const fs::path &folder)
 {
@@ -99,7 +100,7 @@ Recipe read_recipe(const TomlTable &table, const fs::path &folder)
     return recipe;
 }
 
-// The message of a statement's mistake names the line of the list.
+// If a statement in the list has a mistake, the error message names the line of that statement.
 std::vector<Statement> read_room(const TomlTable &table, CaseStart &start)
 {
     std::string text;
@@ -121,8 +122,8 @@ std::vector<Statement> read_room(const TomlTable &table, CaseStart &start)
     return parse_session(text, table.file()).statements;
 }
 
-// Returns the number in the table of the tool that the start names; a tool that lies there twice can be named
-// twice.
+// Returns the number of the named tool in the table of offered tools; a tool that lies on the table twice can
+// be named twice.
 std::uint8_t number_of(const std::string &path, const std::vector<std::string> &offered,
                        const LineNumbers &taken)
 {

@@ -1,6 +1,6 @@
 // Reads case files (TOML, docs/cases.md). A case is an exercise for a trainee: an anatomy with lesions, the
-// tools on the table, the start, and goals that a session must reach. A teacher writes a case as a text file,
-// and the program needs no change for it.
+// offered tools, the situation at the start, and goals that a session must reach. A teacher writes a case as
+// a text file, without changing the program.
 //
 //   const Case lesson = read_case(example_path(case_files, "first_push"));
 #pragma once
@@ -25,9 +25,9 @@ struct CasePatient {
     int age_years = 0;
 };
 
-// A condition in the words of `expect` (docs/session.md). A goal must hold at the end of the session, or at
-// any moment of the session if `is_once` is true. A goal of the second kind counts only from the moment at
-// which all earlier goals of this kind have been reached.
+// Holds a condition in the words of the script statement `expect` (docs/session.md). A goal must hold at the
+// end of the session, or at any moment of the session if `is_once` is true. A goal with `is_once` counts only
+// from the moment at which all earlier goals with `is_once` have been reached.
 struct CaseGoal {
     int line = 0;
     std::string text; // for the trainee
@@ -36,8 +36,8 @@ struct CaseGoal {
     double marks = case_marks_standard;
 };
 
-// A quantity of the session's report that earns all marks up to `full_at`, none from `none_at` on, and a part
-// of the marks between these two values.
+// Limits a quantity of the session's report: a value up to `full_at` earns all marks, a value from `none_at`
+// on earns none, and a value between these two earns a part of the marks.
 struct CaseLimit {
     int line = 0;
     std::string measure; // one of case_measures()
@@ -45,7 +45,8 @@ struct CaseLimit {
     double marks = case_marks_standard;
 };
 
-// What is on the line when the case begins. The lists have one entry for each position, from the innermost.
+// Describes which tools are on the line (nested in the vessels) when the case begins. The lists have one
+// entry for each position on the line, from the innermost to the outermost.
 struct CaseStart {
     int line = 0;
     std::vector<std::string> tools; // paths, maybe with ":preset"; empty at a free position
@@ -73,22 +74,23 @@ struct Case {
     bool has_assessment = false; // the table [assessment], which host/assess reads
 };
 
-// Throws FileError: "FILE:LINE:COLUMN: what is wrong", with a suggestion for a misspelt word.
+// Throws a FileError "FILE:LINE:COLUMN: what is wrong", with a suggestion for a misspelt word.
 Case read_case(const std::string &path);
 
-// Returns the paths of all case files: the user's own first, then those that come with the program. A case
-// that has the name of an earlier one is left out.
+// Returns the paths of all case files: the user's own first, then those that come with the program. If two
+// cases have the same name, the later one is left out.
 std::vector<std::string> case_paths();
 
-// Returns the session that a script of a case leads: the script's own statements after the statements for the
-// room at the start of the case. The tools on the line and the inserted lengths at the start are those of the
-// case, whose table holds the offered tools.
+// Returns the session for a script of a case: the statements that set up the X-ray room at the start of the
+// case, followed by the script's own statements. The session begins with the case's tools on the line and
+// with their inserted lengths; the table of the session holds the offered tools.
 Session case_session(const Case &lesson, const std::string &script);
-// Returns the words of `begin with` for a line of these tools of the table.
+// Returns the words of a `begin with` statement for these tools on the line, given by their numbers in the
+// table.
 std::vector<std::string> line_words(const LineNumbers &numbers);
 
-// Returns a case file with comments, for a teacher to change. The file passes the check, once the two scripts
-// are beside it (template_scripts).
+// Returns a case file with comments as a template, which a teacher can change. The template passes the check
+// as soon as the two scripts (template_scripts) are beside it.
 std::string case_template(const std::string &name);
 struct NamedText {
     std::string name, text;

@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t story_bytes_min = 60, teaching_bytes_min = 60;
 constexpr TomlKind lesion_kind{"a text with lesions", "a file with [[lesion]] tables (docs/lesions.md)"};
 
-// Makes a tree that has only the names of the recipe's vessels, without their shapes. Where the scene's aorta
-// will be divided into three vessels, the map of this tree divides it too.
+// Makes a vessel tree that has only the names of the recipe's vessels, without their shapes. If the scene's
+// aorta will be divided into three vessels, the map of this tree divides the aorta too.
 VesselTree tree_of_names(const std::vector<RecipeVessel> &vessels)
 {
     VesselTree tree;
@@ -43,7 +43,8 @@ bool is_free(const Instrument &tool)
     return tool.table.knots_count == 0;
 }
 
-// Returns why the tool at a position does not fit through the next tool outside of it, or an empty string.
+// Returns an empty string if the tool at a position fits through the next tool outside it. If the tool at a
+// position does not fit, returns the reason.
 std::string fit_refusal(const std::vector<Instrument> &line, std::size_t position)
 {
     const auto outer = std::find_if(line.begin() + static_cast<std::ptrdiff_t>(position) + 1, line.end(),
@@ -74,7 +75,7 @@ class Checker
     {
         faults_.push_back(FileError(file, line, 0, text).what());
     }
-    // Keeps the message of a file that cannot be read.
+    // Keeps the error message about a file that cannot be read.
     template <typename Read> bool can(Read read)
     {
         try {
@@ -114,7 +115,7 @@ class Checker
         stents();
     }
 
-    // A stent must fit one of the offered balloons.
+    // Every stent of the case must fit one of the offered balloons.
     void stents()
     {
         for (const std::string &path : lesson_.stents)
@@ -137,7 +138,8 @@ class Checker
         map_ = VesselMap(tree_of_names(vessels_));
     }
 
-    // Returns the length of a vessel. All parts of an aorta have the length of the whole.
+    // Returns the length of a vessel of the recipe. Each part of a divided aorta gets the length of the whole
+    // aorta.
     double length_mm(std::size_t vessel) const { return vessels_[map_.vessels()[vessel].branch].length_mm; }
 
     void lesions()
@@ -222,7 +224,8 @@ class Checker
         statements(path, session);
     }
 
-    // Looks at every statement with the tools that are on the line by then.
+    // Checks each statement of the script with the tools that are on the line when the statement is carried
+    // out.
     void statements(const std::string &path, const Session &session)
     {
         LineNumbers numbers = lesson_.start.numbers;
@@ -246,7 +249,7 @@ class Checker
         }
     }
 
-    // Carries out an exchange, and returns the tools on the line after it.
+    // Carries out an exchange of tools, and returns the tools that are on the line afterwards.
     std::vector<Instrument> exchange(const std::string &path, const Statement &statement,
                                      LineNumbers &numbers)
     {

@@ -84,8 +84,8 @@ void GoalSink::frame(const SessionFrame &frame)
         goals_.look({inserted_m, places, witness_, tick_}, turned_deg);
         next_ = tick_ + GoalWatch::look_every_ticks - tick_ % GoalWatch::look_every_ticks;
     }
-    // The patient has reached this tick already, so next_tick() of the inner observer speaks of a later one:
-    // it must get every frame, and ignores those that it does not need.
+    // The patient has reached this tick already, so next_tick() of the other observer refers to a later tick.
+    // The other observer must therefore get every frame, and ignores the frames that it does not need.
     if (inner_) inner_->frame(frame);
 }
 
@@ -131,7 +131,8 @@ Json case_result(const Case &lesson, const std::vector<GoalResult> &goals, const
     }
     for (const CaseLimit &limit : lesson.limits) {
         const std::optional<double> value = measured(limit.measure, report);
-        // A session without the value, such as an angioplasty without a treated lesion, gets no marks for it.
+        // If the session has no value for a limit, such as an angioplasty without a treated lesion, the limit
+        // earns no marks.
         const double share =
             value ? std::clamp((*value - limit.none_at) / (limit.full_at - limit.none_at), 0.0, 1.0) + 0.0
                   : 0.0; // + 0.0: no marks are 0, not -0

@@ -1,4 +1,4 @@
-// Watches during a session which goals of a case are reached, and gives the case's marks at its end.
+// Watches during a session which goals of a case are reached, and computes the case's marks at the end.
 //
 //   GoalWatch goals(lesson, tips.map());
 //   goals.look({inserted_m, tips, &witness, tick}, turned_deg);      every GoalWatch::look_every_ticks
@@ -25,15 +25,17 @@ struct GoalResult {
 class GoalWatch
 {
   public:
-    // The goals depend on the ticks at which they are looked at, so every session looks at the same ticks.
+    // The result depends on the ticks at which the goals are checked, so every session checks them at the
+    // same ticks.
     static constexpr std::uint32_t look_every_ticks = 64;
 
     // `lesson` must live longer than this object. Throws FileError if a goal names a vessel or a tool that
     // the case does not have; the message gives the line of the case file.
     GoalWatch(const Case &lesson, const VesselMap &map);
-    // Takes the state of the session at one tick. `turned_deg` holds the angle by which each hand has turned.
+    // Checks the goals against the state of the session at one tick. `turned_deg` holds the angle by which
+    // each hand has turned.
     void look(const SessionView &view, std::span<const double> turned_deg);
-    // Returns one result per goal; a goal of the end is judged by the last look.
+    // Returns one result for each goal; the last look judges the goals that must hold at the end.
     const std::vector<GoalResult> &results() const { return results_; }
     bool are_all_reached() const;
 
@@ -44,8 +46,8 @@ class GoalWatch
     std::vector<GoalResult> results_;
 };
 
-// Passes a session's frames to the goals and to another observer, which may be nullptr. A replay of a
-// recording sends the same frames, so a recorded session gets the same results.
+// Passes the frames of a session to the goals and to another observer, which may be nullptr. A replay of a
+// recording passes the same frames, so the recorded session gets the same results.
 class GoalSink final : public FrameSink
 {
   public:
@@ -71,24 +73,26 @@ class GoalSink final : public FrameSink
 
 // Returns the entry "case" of a session's report: {"name", "title", "score", "is_reached", "goals": [{"text",
 // "expected", "when", "is_reached", "at_s", "found", "marks", "points"}], "limits": [{"measure", "title",
-// "value", "unit", "full_marks_at", "no_marks_at", "marks", "points"}]}. The score is the sum of the points
-// in percent of the sum of the marks.
+// "value", "unit", "full_marks_at", "no_marks_at", "marks", "points"}]}. The score is the sum of the points,
+// in percent of the sum of the possible marks.
 nlohmann::ordered_json case_result(const Case &lesson, const std::vector<GoalResult> &goals,
                                    const nlohmann::ordered_json &report);
-// Prints the entry, one line per goal and limit.
+// Prints the entry "case" of a report, with one line for each goal and limit.
 void print_case_result(const nlohmann::ordered_json &entry);
 
-// Watches the goals of the case that a session or a replay plays. Without a case it only passes frames on.
+// Watches the goals of the case that a session or a replay plays. If no case is played, the class only passes
+// frames on.
 class CasePlay
 {
   public:
-    // `lesson`, `witness` and `pictures` may be nullptr; all must live longer than this object. Throws as
-    // GoalWatch.
+    // `lesson`, `witness` and `pictures` may be nullptr; if they are not, they must live longer than this
+    // object. Throws as GoalWatch.
     CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitness *witness, FrameSink *pictures);
     FrameSink *sink() { return sink_; }
-    // Judges the goals at the end; only for a session with a case. Returns the entry "case" of the report.
+    // Judges the goals at the end of a session; it may be called only if the session has a case. Returns the
+    // entry "case" of the report.
     nlohmann::ordered_json judge_end(const RunResult &result, const nlohmann::ordered_json &report);
-    // Does the same, and prints the entry.
+    // Does the same as judge_end(), and prints the entry.
     nlohmann::ordered_json end(const RunResult &result, const nlohmann::ordered_json &report);
 
   private:

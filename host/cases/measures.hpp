@@ -1,4 +1,4 @@
-// The quantities of a session's report (docs/session.md) that a case may limit.
+// Lists the quantities of a session's report (docs/session.md) that a case may limit.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -18,8 +18,8 @@ const std::vector<Measure> &case_measures();
 std::vector<std::string> measure_names();
 const Measure &measure_named(const std::string &name); // throws std::out_of_range
 
-// Returns the value of a measure in a report, or no value if the session has none, such as the score of an
-// angioplasty without a lesion.
+// Returns the value of a measure in a report. Returns no value if the report has none, such as the score of
+// an angioplasty without a lesion.
 std::optional<double> measured(const std::string &name, const nlohmann::ordered_json &report);
 
 } // namespace crn

@@ -24,7 +24,7 @@ constexpr int poll_ms = 100;
 constexpr double patience_s = 2.0; // between SIGTERM and SIGKILL
 constexpr std::size_t said_bytes_max = std::size_t{1} << 20;
 
-// Holds a pipe whose two ends are closed at the end of the object's life.
+// Holds a pipe and closes its two ends when the object is destroyed.
 struct Pipe {
     int ends[2] = {-1, -1};
     Pipe()
@@ -59,7 +59,7 @@ struct Pipe {
     ::_exit(127);
 }
 
-// Reads what is there; returns false at the end of the pipe.
+// Reads the bytes that are available; returns false at the end of the pipe.
 bool read_some(Pipe &pipe, std::string &text)
 {
     char bytes[4096];
@@ -70,7 +70,7 @@ bool read_some(Pipe &pipe, std::string &text)
     return true;
 }
 
-// Reads both pipes until they end, and ends the process when `goes_on` says so.
+// Reads both pipes until they end, and ends the process if `goes_on` returns false.
 void hear(pid_t process, Pipe &said, Pipe &refused, ProgramResult &result,
           const std::function<bool()> &goes_on)
 {
@@ -97,7 +97,7 @@ std::string sibling_program(const std::string &name)
 {
     std::error_code failure;
     const fs::path folder = fs::read_symlink("/proc/self/exe", failure).parent_path();
-    // The programs of tests lie in other folders of the build, and find bin/ above them.
+    // Test programs are in other folders of the build tree, and find bin/ in a folder above their own.
     for (fs::path above = folder; above.has_relative_path(); above = above.parent_path())
         for (const fs::path &path : {above / name, above / "bin" / name})
             if (fs::is_regular_file(path, failure) && ::access(path.c_str(), X_OK) == 0) return path.string();

@@ -1,4 +1,5 @@
-// Runs the programs that belong to this one, such as `anatomy` and `bake`, which are in the same folder.
+// Runs other programs of this project, such as `anatomy` and `bake`, which are in the same folder as this
+// program.
 #pragma once
 #include <functional>
 #include <string>
@@ -7,8 +8,8 @@
 namespace crn
 {
 
-// Returns the path of a program in the folder of the running program. Throws std::runtime_error with the
-// remedy if there is no such program.
+// Returns the path of a program in the folder of the running program. Throws a std::runtime_error that states
+// the remedy if there is no such program.
 std::string sibling_program(const std::string &name);
 
 struct ProgramResult {
@@ -18,9 +19,9 @@ struct ProgramResult {
     bool was_stopped = false;
 };
 
-// Runs a program until it ends. `goes_on` is called about ten times per second; when it returns false, the
-// program gets SIGTERM, and SIGKILL two seconds later. The program also ends when this process dies. Throws
-// std::runtime_error if the program cannot be started.
+// Runs a program until it ends. The function calls `goes_on` about ten times per second. When `goes_on`
+// returns false, the program gets SIGTERM, and SIGKILL two seconds later. The program also ends when this
+// process dies. Throws std::runtime_error if the program cannot be started.
 ProgramResult run_program(const std::vector<std::string> &words, const std::function<bool()> &goes_on);
 
 } // namespace crn

@@ -37,7 +37,8 @@ bool is_shipped_aorta(const Recipe &recipe)
     return recipe.kind == "aorta" && recipe.vessels.empty() && recipe.lesions.empty();
 }
 
-// Returns the archive with the scene of the shipped aorta, or an empty path.
+// Returns the path of the archive with the scene of the shipped aorta, or an empty path if there is no
+// archive.
 std::string shipped_archive()
 {
     return search_file(shipped_folders(scene_archives), "aorta.tar.xz").path;
@@ -49,7 +50,7 @@ std::string vessels_of(const Recipe &recipe)
     return search_file(shipped_folders(anatomy_files), recipe.kind + ".toml").path;
 }
 
-// Adds a file of vessels and all files that it extends.
+// Adds a file of vessels, and all files that this file extends, to the digest.
 void add_vessels(Digest &digest, std::string path)
 {
     const std::string shipped = "shipped:";
@@ -64,8 +65,9 @@ void add_vessels(Digest &digest, std::string path)
     }
 }
 
-// Adds the release and the format of the programs that make scenes. The tests of `bake` compare whole scenes,
-// so two releases with the same scenes may still have different keys, but never the reverse.
+// Adds to the digest the release of the programs that make scenes, and the version of the scene format. The
+// tests of `bake` compare whole scenes, so scenes cannot change while this release and this version stay the
+// same. Two releases that make the same scenes may still have different keys.
 void add_bakers(Digest &digest)
 {
     for (const char *name : {"anatomy", "bake"}) sibling_program(name); // throws if it is missing
@@ -96,7 +98,7 @@ void make_folder(const fs::path &folder)
                           "; set XDG_CACHE_HOME to a folder that you may write");
 }
 
-// While an object of this class exists, no other process makes the scene of the same key.
+// While an object of this class exists, no other process makes the scene with the same key.
 class SceneLock
 {
   public:
@@ -118,7 +120,7 @@ class SceneLock
     int file_ = -1;
 };
 
-// A folder that is removed at the end, with everything in it.
+// Holds a folder that is removed at the end, with everything in it.
 class WorkFolder
 {
   public:
@@ -141,7 +143,7 @@ class WorkFolder
     fs::path path_;
 };
 
-// Makes one scene, and reports the progress to the watch.
+// Makes one scene, and reports the progress to the caller's function.
 class SceneMaker
 {
   public:
@@ -153,7 +155,7 @@ class SceneMaker
         return watch_({stage, step_, steps_, seconds});
     }
 
-    // Makes the scene in `out`; `work` is a folder for what is needed meanwhile.
+    // Makes the scene in the folder `out`; `work` is a folder for temporary files.
     void make(const fs::path &work, const fs::path &out)
     {
         make_folder(out);
@@ -170,7 +172,7 @@ class SceneMaker
     }
 
   private:
-    // Returns false if the archive is absent or damaged: then the scene is made anew.
+    // Returns false if the archive is absent or damaged; the scene is then made from its recipe.
     bool unpack(const fs::path &work, const fs::path &out)
     {
         const std::string archive = shipped_archive();
@@ -253,8 +255,8 @@ std::vector<std::string> cells_of(const std::string &line)
     return cells;
 }
 
-// Adds a scene text and the contents of all files that it names: any text in quotes may be the path of a mesh
-// or of a centreline, as seen from the folder of the scene text.
+// Adds a scene text and the contents of all files that the text names to the digest. Any text in quotes may
+// be the path of a mesh or of a centreline, as seen from the folder of the scene text.
 void add_scene_text(Digest &digest, const fs::path &scene)
 {
     const std::string text = read_text_file(scene.string());

@@ -1,6 +1,6 @@
-// A case states how its anatomy is made: which command of the program `anatomy`, which file of vessels and
-// which lesions. The programs `anatomy` and `bake` make the scene from this recipe when the case is first
-// played, and the scene is kept in the user's cache.
+// A recipe is the part of a case that states how its anatomy is made: with which command of the program
+// `anatomy`, which file of vessels and which lesions. The programs `anatomy` and `bake` make the scene from
+// the recipe when the case is played for the first time, and the scene is kept in the user's cache.
 //
 //   const PreparedScene scene = prepare_scene(recipe, [](const SceneProgress &) { return true; });
 #pragma once
@@ -20,16 +20,17 @@ struct Recipe {
     std::string scene;                // path of a baked scene, or of a scene text for `bake` (.toml)
 };
 
-// The kinds of anatomy that a recipe may name.
+// Returns the kinds of anatomy that a recipe may name.
 const std::vector<std::string> &recipe_kinds();
 
-// Reports the progress of a scene that is being made.
+// Describes the progress of a scene that is being made.
 struct SceneProgress {
     std::string stage; // "the anatomy is made"
     int step = 0, steps = 0;
     double seconds = 0.0; // since the begin
 };
-// Is called several times per second; if it returns false, the making ends.
+// The following function is called several times per second; if it returns false, the making of the scene
+// ends.
 using SceneWatch = std::function<bool(const SceneProgress &)>;
 
 struct PreparedScene {
@@ -37,29 +38,33 @@ struct PreparedScene {
     bool was_ready = false;    // it was in the cache
 };
 
-// The making of a scene was interrupted, by Ctrl-C or by its watch.
+// SceneStopped means that the making of a scene was interrupted, either by Ctrl-C or by the caller's
+// function.
 struct SceneStopped : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// Returns the key of a recipe: a hash of everything that decides how the scene becomes, including the
-// contents of the programs that make it. Throws std::runtime_error if a file or a program is missing.
+// Returns the key of a recipe: a hash of everything that influences the scene, including the release of the
+// programs that make it. Throws std::runtime_error if a file or a program is missing.
 std::string recipe_key(const Recipe &recipe);
-// Returns true if prepare_scene() would return without making anything.
+// Returns true if prepare_scene() would find the scene in the cache.
 bool is_scene_ready(const Recipe &recipe);
-// Returns the scene from the cache, $XDG_CACHE_HOME/cournand/scenes or ~/.cache/cournand/scenes, and makes it
-// first if it is not there. A scene gets its name when it is complete, so no half scene is ever found. If
-// another process makes the same scene, this function waits for it. Throws SceneStopped, OutputError if the
-// cache cannot be written, and std::runtime_error with the message of the program that failed.
+// Returns the scene from the cache ($XDG_CACHE_HOME/cournand/scenes or ~/.cache/cournand/scenes), and makes
+// the scene first if the cache does not contain it. A scene gets its final name only when it is complete, so
+// no program finds an incomplete scene. If another process makes the same scene, this function waits for it.
+// Throws SceneStopped if the work was interrupted, OutputError if the cache cannot be written, and
+// std::runtime_error with the message of the program that failed.
 PreparedScene prepare_scene(const Recipe &recipe, const SceneWatch &watch);
 
-// Holds the vessels that a recipe will give, as far as they are known before the scene is made.
+// Describes a vessel of the scene that a recipe will give, as far as the vessel is known before the scene is
+// made.
 struct RecipeVessel {
     std::string name;
     double length_mm = 0.0;
 };
-// Returns the vessels that `anatomy list` names for a recipe with a kind. Throws std::runtime_error with the
-// program's message, which names file and line for a mistake in a file of vessels.
+// Returns the vessels that `anatomy list` prints for a recipe that names a kind of anatomy. Throws a
+// std::runtime_error with the program's message, which names file and line if a file of vessels has a
+// mistake.
 std::vector<RecipeVessel> recipe_vessels(const Recipe &recipe);
 
 } // namespace crn

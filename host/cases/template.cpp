@@ -1,4 +1,4 @@
-// The template of `cournand case new`.
+// Contains the template file that the command `cournand case new` writes.
 #include "host/cases/case.hpp"
 
 namespace crn

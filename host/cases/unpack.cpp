@@ -29,7 +29,7 @@ struct Close {
                              "; get the file again, or install the program again");
 }
 
-// A folder beside the wanted one, which is removed unless it gets the final name.
+// Holds a folder beside the wanted one, which is removed unless it gets the wanted folder's name.
 class PendingFolder
 {
   public:
@@ -55,7 +55,7 @@ class PendingFolder
     {
         std::error_code failure;
         fs::rename(path_, wanted_, failure);
-        // Another program may have unpacked the same archive in the meantime.
+        // Another program may have unpacked the same archive into the wanted folder in the meantime.
         if (failure && !fs::is_directory(wanted_))
             throw std::runtime_error(wanted_.string() + ": cannot be made: " + failure.message());
     }

@@ -7,10 +7,11 @@
 namespace crn
 {
 
-// Writes the files of the archive, a tar file compressed by xz, into the folder, which is made. Either all
-// files appear, together with the folder, or none does; two programs may unpack into the same folder at once.
-// `goes_on` receives the bytes of the archive that were read, and all of them; if it returns false, nothing
-// is unpacked. Throws std::runtime_error with the cause and the remedy.
+// Creates the folder and writes the files of the archive, a tar file compressed by xz, into it. Either all
+// files appear, together with the folder, or none of them does; two programs may unpack into the same folder
+// at once. `goes_on` receives the number of the archive's bytes that were read, and the number of all its
+// bytes; if it returns false, nothing is unpacked. Throws a std::runtime_error that states the cause and the
+// remedy.
 using UnpackWatch = std::function<bool(std::size_t done, std::size_t total)>;
 void unpack_scene(const std::filesystem::path &archive, const std::filesystem::path &folder,
                   const UnpackWatch &goes_on);

@@ -10,7 +10,7 @@ namespace crn
 namespace
 {
 
-// Follows the finished words of a command line through the table.
+// Follows the complete words of a command line through the table of commands and options.
 class Walk
 {
   public:
@@ -39,7 +39,7 @@ class Walk
         return option->get_items_expected_max() >= CLI::detail::expected_max_vector_size ||
                std::find(used_.begin(), used_.end(), option) == used_.end();
     }
-    // Returns the argument that the next word without a dash would be.
+    // Returns the argument to which the next word would belong if that word did not begin with a dash.
     const CLI::Option *next_argument() const
     {
         const std::vector<const CLI::Option *> known = arguments_of(*app_);

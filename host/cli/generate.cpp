@@ -14,7 +14,8 @@ namespace
 
 namespace fs = std::filesystem;
 
-// How each shell's script is installed below PREFIX/share; PROGRAM stands for the program.
+// States where the completion script of each shell is installed below PREFIX/share; PROGRAM stands for the
+// program's name.
 struct ShellFile {
     const char *shell, *path;
 };

@@ -10,7 +10,7 @@ namespace
 
 constexpr std::size_t line_letters = 100, column = 30;
 
-// Breaks a text into lines that fit behind `indent` blanks.
+// Breaks a text into lines that are indented by `indent` blanks.
 std::string wrapped(const std::string &text, std::size_t indent)
 {
     std::string lines;

@@ -1,11 +1,12 @@
-// The layout of help texts: options in groups, ranges and defaults in words, lines of at most 100 characters.
+// Defines the layout of help texts: options in groups, ranges and defaults in words, lines of at most 100
+// characters.
 #pragma once
 #include <CLI/CLI.hpp>
 
 namespace crn
 {
 
-// Gives this layout to the help texts of a program and all its commands.
+// Gives the project's layout to the help texts of a program and all its commands.
 void use_help_format(CLI::App &app);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// Man pages from the table of commands and options: see generate.hpp. The macros are those of man(7), which
-// groff and mandoc both format.
+// Makes man pages from the table of commands and options: see generate.hpp. The pages use the macros of
+// man(7), which groff and mandoc both format.
 #include "host/base/version.hpp"
 #include "host/cli/generate.hpp"
 #include "host/cli/table.hpp"
@@ -12,7 +12,8 @@ namespace crn
 namespace
 {
 
-// Makes a text safe for roff: no backslash or dash keeps its special meaning, and no line is a request.
+// Makes a text safe for roff: no backslash or dash keeps its special meaning, and no line is read as a
+// request.
 std::string roff(const std::string &text)
 {
     std::string safe;

@@ -70,7 +70,7 @@ std::string explanation(const CLI::App &app, const CLI::ParseError &error)
     return error.what();
 }
 
-// Without a pattern of its own, the library would print a help text and the version on stdout, as here.
+// Returns true if the parse error only means that a help text or the version must be printed.
 bool is_answer(const CLI::ParseError &error)
 {
     return error.get_exit_code() == 0;

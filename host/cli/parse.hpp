@@ -1,5 +1,5 @@
-// Parses the command line of a program in the same way for all programs of this project: help, mistakes in
-// the user's words, man pages and completion all come from the same table of commands and options.
+// Parses the command line in the same way for all programs of this project. Help texts, messages about the
+// user's mistakes, man pages and completion all come from one table of commands and options.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -10,22 +10,23 @@
 namespace crn
 {
 
-// Returns the names that may stand in place of a file in an option whose values have this type, such as
-// "INSTRUMENT". The list is empty for a type whose values have no names.
+// Returns the names that the user may give instead of a file in an option whose values have this type, such
+// as "INSTRUMENT". The list is empty if values of this type have no names.
 using NamesOfType = std::function<std::vector<std::string>(const std::string &type)>;
 
 // Parses the command line. Returns the exit code if the program must end now: 0 after a help text, the
 // version or a generated text, or 2 after wrong usage, which this function explains on stderr. Returns
 // nothing if the program must carry out the command.
 //
-// `app` must have a name and all its options and commands. Two hidden first words are not in the table:
-// `--generate KIND` writes man pages and completion scripts (generate.hpp), and `--complete WORDS` lists what
-// may follow (complete.hpp). The completion scripts call the second one.
+// `app` must already have its name and all its options and commands. Two hidden first words of a command line
+// are not in the table: `--generate KIND` writes man pages and completion scripts (generate.hpp), and
+// `--complete WORDS` lists the words that may follow (complete.hpp). The completion scripts call the program
+// with `--complete`.
 std::optional<int> parse_command_line(CLI::App &app, int argc, char **argv, const NamesOfType &names = {});
 
-// Returns an explanation of the first word that is no command and no option of the program, with a
-// suggestion. The text is empty if every word is known. `app` must have parsed the command line, even if this
-// failed.
+// Finds the first word that is neither a command nor an option of the program, and returns an explanation
+// with a suggestion. The returned text is empty if every word is known. `app` must have parsed the command
+// line already, even if the parsing failed.
 std::string unknown_word(const CLI::App &app);
 
 } // namespace crn

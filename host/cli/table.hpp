@@ -1,5 +1,5 @@
-// Reads the table of a program's commands and options, which CLI11 holds, for help texts, man pages and
-// completion.
+// Reads the table of a program's commands and options, which the library CLI11 holds, for help texts, man
+// pages and completion.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
@@ -11,7 +11,8 @@ namespace crn
 // Returns the commands of a program, or the subcommands of a command, in the order of their definition.
 std::vector<const CLI::App *> commands_of(const CLI::App &app);
 
-// Returns the options that begin with a dash, or the arguments without one, in the order of their definition.
+// Returns the options (which begin with a dash) or the arguments (which do not), in the order of their
+// definition.
 std::vector<const CLI::Option *> shown_options(const CLI::App &app);
 std::vector<const CLI::Option *> arguments_of(const CLI::App &app);
 
@@ -30,7 +31,7 @@ ValueText value_text(const CLI::Option &option);
 // "Pictures per second (1 to 60; default 15)".
 std::string whole_description(const CLI::Option &option);
 
-// "-o,--output FILE", or "FILE..." for an argument without a dash.
+// Returns, for example, "-o,--output FILE", or "FILE..." for an argument without a dash.
 std::string option_usage(const CLI::Option &option);
 
 } // namespace crn

@@ -25,7 +25,8 @@ namespace crn
 namespace
 {
 
-// While an object of this class exists, new options of the command appear in this group of its help.
+// While an object of this class exists, new options of the command are listed in this group of the command's
+// help text.
 class Group
 {
   public:
@@ -38,7 +39,7 @@ class Group
     CLI::App &command_;
 };
 
-// An option for a file that the command writes.
+// Adds an option for a file that the command writes.
 CLI::Option *add_output(CLI::App &command, const std::string &names, std::string &path,
                         const std::string &text)
 {

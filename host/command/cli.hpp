@@ -66,7 +66,7 @@ int command_instruments(const InstrumentsOptions &options);
 // Returns the tools that are on the line at the end of a session, for its report; a free position has the
 // name "nothing".
 std::vector<Instrument> reported_tools(const Patient &patient);
-// Returns the tools, in which a position without a tool is called free.
+// Returns the tools on the line; a position without a tool gets the name "nothing".
 std::vector<Instrument> with_free_positions(std::vector<Instrument> tools);
 
 // Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
@@ -74,21 +74,21 @@ std::vector<Instrument> with_free_positions(std::vector<Instrument> tools);
 // FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools,
                                    std::size_t most = CRN_WIRE_TOOL_MAX);
-// Returns the names by which a script and the option --line call the tools: those of their files, without
-// folder and ending.
+// Returns the names by which a script and the option --line refer to the tools: the names of their files,
+// without folder and ending.
 std::vector<std::string> tool_words(const std::string &instrument, const std::vector<std::string> &tools);
-// Returns the line that the words of the option --line name; no words: an empty line, which stands for all
-// tools. Throws UsageError if a word names no tool, or if the option is missing for more tools than a line
-// holds.
+// Returns the tools on the line that the words of the option --line name. If no words are given, the result
+// is empty, which stands for all tools. Throws UsageError if a word names no tool, or if the option --line is
+// missing although there are more tools than a line holds.
 LineNumbers line_numbers(const std::vector<std::string> &words, const std::string &instrument,
                          const std::vector<std::string> &tools);
 // Returns the point where the tools enter the patient, with their inserted lengths. The user may give no
-// length (then the default applies), one length for all tools, or one length for each tool. Throws UsageError
-// if there are more lengths than tools.
+// length (then the default applies), one length for all tools, or one length per tool. Throws UsageError if
+// there are more lengths than tools.
 crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
                           const std::vector<double> &inserted_mm);
-// Returns commands for the X-ray room: the table moves so that the entry point is in view, and then follows
-// the tip.
+// Returns commands for the X-ray room that move the table so that the entry point is in view, and then make
+// the table follow the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
 // Returns the device for a session in the mode FREE_RUN. If `motors` is set, the function first prints which
 // motors will get power, and asks the user for confirmation unless `yes` is set. Throws RigStopped when the
@@ -111,19 +111,19 @@ void check_core(const RecordingHeader &header, const crn_wire_hello_reply &ident
 // Returns the result of a replay in the form of the result of a session, for reports.
 RunResult run_result(const ReplayResult &replayed);
 
-// Adds the name of the vessel branch to the point at which the physics left its valid range; the names come
+// Adds the name of the vessel branch to the place at which the physics left its valid range; the names come
 // from the scene's bodies. Does nothing if the physics stayed in its valid range, or if the bodies cannot be
 // read.
 void name_range_branch(RangeWatch &range, const std::string &bodies_path);
-// If the physics left its valid range, prints this on stderr and returns the exit code 3; otherwise returns
-// 0.
+// If the physics left its valid range, prints a message about this on stderr and returns the exit code 3;
+// otherwise returns 0.
 int exit_of_range(const RangeWatch &range);
 
-// Fills in what `cournand view` needs when the user has named nothing: the scene that comes with the program,
-// and a J wire. If a tool or a scene is named, only the missing tool is filled in.
+// Fills in what `cournand view` needs if the user has named nothing: the scene that comes with the program,
+// and a J wire. If the user has named a tool or a scene, the function fills in only a tool if none was named.
 void choose_defaults(WindowOptions &options);
 
-// If `run_window` is empty, the command `view` is refused. Without any other word, the program calls
+// If `run_window` is empty, the command `view` is refused. If the user gives no other word, the program calls
 // `open_start` where there is a display; elsewhere, or if `open_start` is empty, it prints what the user can
 // do without a window (start.hpp).
 int command_line(int argc, char **argv, const RunWindow &run_window, const OpenStart &open_start = {});

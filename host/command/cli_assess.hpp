@@ -1,5 +1,5 @@
-// The options and the work that `cournand run --plan` and `cournand score` share: a plan is read, the session
-// is observed, and the assessment is written.
+// Contains the options and the work that `cournand run --plan` and `cournand score` share: they read a plan,
+// observe the session, and write the assessment.
 #pragma once
 #include "host/assess/assessment.hpp"
 #include "host/assess/observer.hpp"
@@ -18,24 +18,26 @@ struct PlanOptions {
 };
 void add_plan(CLI::App &command, PlanOptions &options, const std::string &help);
 
-// Reads the plan, or the standard plan for these tools. Throws FileError and std::runtime_error.
+// Reads the named plan; if none is named, reads the standard plan for these tools. Throws FileError and
+// std::runtime_error.
 AssessPlan plan_of(const PlanOptions &options, const SessionLog &log);
 
-// Returns the plan of a case: its table [assessment], or the standard plan for these tools. In the standard
-// plan `target` is the vessel of the last goal about the tip of the innermost tool, and `ostium` that of the
-// last goal about the tip of the guiding catheter. Throws FileError.
+// Returns the plan of a case. The plan of a case is the one in the case's table [assessment], or the standard
+// plan for these tools. In the standard plan, `target` is the vessel of the last goal about the tip of the
+// innermost tool, and `ostium` is the vessel of the last goal about the tip of the guiding catheter. Throws
+// FileError.
 AssessPlan case_plan(const Case &lesson, const SessionLog &log);
 
 // Observes a session and assesses it.
 class SessionAssessor
 {
   public:
-    // Reads the plan and checks its vessels; throws FileError. `pictures` may be nullptr. Without a named
-    // plan the plan of `lesson` is used, if there is a case.
+    // Reads the plan and checks its vessels; throws FileError if they are wrong. `pictures` may be nullptr.
+    // If no plan is named, and there is a case, the plan of this case (`lesson`) is used.
     SessionAssessor(const PlanOptions &options, Patient &patient, const std::vector<Instrument> &tools,
                     const TipPlaces &tips, FrameSink *pictures, const Case *lesson = nullptr);
     FrameSink *sink() { return &sinks_; } // of the observer and the pictures
-    // Adds the entry "assessment" to the report, and gives the report's score the limits of the plan.
+    // Adds the entry "assessment" to the report, and makes the report's score use the limits of the plan.
     void assess(nlohmann::ordered_json &report) const;
 
   private:

@@ -49,7 +49,8 @@ Listed all_cases()
     return listed;
 }
 
-// The key of a recipe needs the programs that make scenes; without them, no scene of a recipe is ready.
+// The key of a recipe depends on the programs that make scenes. Without the programs that make scenes, no
+// scene of a recipe counts as ready.
 bool is_ready(const Case &lesson)
 {
     try {
@@ -75,7 +76,7 @@ Json entry_of(const Case &lesson)
 
 int call_play(const Case &lesson, const std::string &script, std::vector<std::string> more);
 
-// Plays the expert's script of every case for its picture.
+// Plays the expert's script of every case and makes the case's picture from it.
 int make_cards(const Listed &listed, const std::string &folder)
 {
     fs::create_directories(folder);
@@ -152,7 +153,7 @@ int play(const CaseOptions &options, const RunWindow &run_window)
     return command_run(run);
 }
 
-// Gives the marks of a case to a recorded session, such as one that hands played in the window.
+// Gives a recorded session the marks of a case, for example a session that a user played in the window.
 int score(const CaseOptions &options)
 {
     const Case lesson = read_case(named_path(case_files, options.name));
@@ -163,7 +164,7 @@ int score(const CaseOptions &options)
     return command_replay(replay);
 }
 
-// Plays a case in a process of its own, so that a crash is a result like any other. Returns the exit code.
+// Plays a case in a separate process, so that a crash becomes a result like any other. Returns the exit code.
 int call_play(const Case &lesson, const std::string &script, std::vector<std::string> more)
 {
     std::error_code failure;
@@ -261,7 +262,7 @@ Bars play_both(const Case &lesson)
     return bars;
 }
 
-// Replaces the table between the marks of docs/cases.md.
+// Replaces the table of cases that stands between two marks in docs/cases.md.
 void write_table(const std::string &path, const std::string &rows)
 {
     const std::string begin = "<!-- table of cases: written by `make docs-cases` -->\n",

@@ -1,4 +1,5 @@
-// The command `cournand case`: list, play, score, new and check (docs/cases.md).
+// Implements the command `cournand case` with its subcommands list, play, score, new and check
+// (docs/cases.md).
 #pragma once
 #include "host/command/view_options.hpp"
 #include <CLI/CLI.hpp>
@@ -23,7 +24,7 @@ struct CaseOptions {
 };
 
 void add_case(CLI::App &app, CaseOptions &options);
-// Carries out the subcommand that the command line named. `run_window` may be empty.
+// Carries out the subcommand that the user named on the command line. `run_window` may be empty.
 int command_case(const CLI::App &app, const CaseOptions &options, const RunWindow &run_window);
 
 } // namespace crn

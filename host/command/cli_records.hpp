@@ -30,11 +30,12 @@ struct RecordsOptions {
 };
 
 void add_records(CLI::App &app, RecordsOptions &options);
-// Returns 0, or 1 if `check` found damage or `ship` could not send everything. Throws RecordsError,
+// Returns 1 if `check` found damage or `ship` could not send everything, otherwise 0. Throws RecordsError,
 // UsageError, OutputError.
 int command_records(const RecordsOptions &options);
 
-// The commands of curves and cohorts, in cli_records_learning.cpp.
+// The following functions carry out the commands about learning curves and groups of trainees; they are in
+// cli_records_learning.cpp.
 int command_records_curve(RecordStore &store, const RecordsOptions &options);
 int command_records_cohort(RecordStore &store, const RecordsOptions &options);
 // "12:03" from seconds.

@@ -18,7 +18,8 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-// The sessions of the case, by their begin. Throws RecordsError if the case is not known, with a suggestion.
+// Returns the sessions of the case in the order of their begin. If the case is not known, throws a
+// RecordsError with a suggestion.
 std::vector<SessionRecord> sessions_of_case(RecordStore &store, const std::string &case_id)
 {
     std::vector<SessionRecord> sessions = store.sessions({"", case_id, ""});
@@ -45,7 +46,7 @@ std::vector<std::string> metrics_of(const RecordsOptions &options, const std::ve
     return options.metrics;
 }
 
-// The pseudonyms of a group; an empty group means everybody.
+// Returns the pseudonyms of the trainees in a group; an empty group means all trainees.
 std::set<std::string> members_of(RecordStore &store, const std::string &group)
 {
     std::set<std::string> members;

@@ -134,7 +134,8 @@ void print_session(const SessionRecord &session)
             event.kind.c_str(), event.text.c_str());
 }
 
-// A pseudonym and the begin of a UUID can look alike; the trainee is tried first.
+// A pseudonym and the beginning of a UUID can look alike; the program first looks for a trainee with this
+// pseudonym.
 int show(RecordStore &store, const RecordsOptions &options)
 {
     for (const TraineeLine &line : store.trainees()) {
@@ -196,7 +197,8 @@ int import_sessions(RecordStore &store, const RecordsOptions &options)
             records.push_back(std::move(record));
     std::size_t known = 0;
     for (SessionRecord &record : records) {
-        // A session without an id would be stored again by each import.
+        // If a session has no id, the program makes an id from its contents, because otherwise each import
+        // would store the session again.
         if (record.id.empty())
             record.id =
                 uuid_of_name("import", record.trainee + "\n" + record.case_id + "\n" + record.started_at);
@@ -226,7 +228,7 @@ int change_trainee(RecordStore &store, const RecordsOptions &options)
     return 0;
 }
 
-// Deletes only regular files of this user whose contents are those of the session.
+// Deletes a recording only if it is a regular file of this user and its contents are those of the session.
 std::string delete_recording(const RecordingFile &recording)
 {
     struct stat status;
@@ -273,7 +275,8 @@ int erase(RecordStore &store, const RecordsOptions &options)
             pseudonyms.push_back(trainee.pseudonym);
     else
         pseudonyms.push_back(store.trainee(options.what).pseudonym);
-    // Without a person at the terminal, both answers have to be on the command line.
+    // If no person is at the terminal, the command line must contain both answers: whether to erase, and
+    // whether to delete recordings.
     if (!::isatty(STDIN_FILENO) && options.yes && !options.with_recordings && !options.keeps_recordings)
         for (const std::string &pseudonym : pseudonyms)
             if (!store.recordings(pseudonym).empty())

@@ -115,7 +115,7 @@ void write_card(const std::string &path, const SessionPictures &pictures)
     print_files({path});
 }
 
-// Writes the files of a session that was observed for its assessment: the page is the debrief.
+// Writes the files of a session that was observed for its assessment; one of them is the debrief page.
 void write_assessed(const RunOptions &options, const RunResult &result, const std::string &scene,
                     const std::string &session, const std::vector<Instrument> &tools, Patient &patient,
                     const SessionAssessor &assessor)
@@ -148,7 +148,7 @@ DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
     return choice;
 }
 
-// Prints the reason if the session did not end as it should, and returns the exit code.
+// If the session did not end as it should, prints the reason; returns the exit code.
 static int tell_end(const RunResult &result, const Patient &patient, bool was_stopped)
 {
     for (const std::string &failure : result.failures) say(stderr, "cournand: %s\n", failure.c_str());
@@ -168,7 +168,7 @@ static int tell_end(const RunResult &result, const Patient &patient, bool was_st
     return result.failures.empty() ? 0 : 1;
 }
 
-// Adds to the options what the session was written for, and what the user has not named.
+// For everything that the user has not named, adds to the options the file for which the session was written.
 static RunOptions with_needs(const RunOptions &given, const SessionNeeds &needs)
 {
     RunOptions options = given;
@@ -181,7 +181,7 @@ static RunOptions with_needs(const RunOptions &given, const SessionNeeds &needs)
     return options;
 }
 
-// Returns the script of the session; a session on a rig has an empty one.
+// Returns the script of the session; for a session on a rig the script is empty.
 static Session session_of(const RunOptions &given)
 {
     if (given.free_run_s) return {"rig", {}, {}, {}};
@@ -190,7 +190,7 @@ static Session session_of(const RunOptions &given)
     return given.hands.empty() ? session : with_hands(session, read_hands(given.hands));
 }
 
-// The option --line replaces the script's `begin with`.
+// The option --line replaces the script's statement `begin with`.
 static LineNumbers line_of_run(const RunOptions &options, Session &session)
 {
     if (options.free_run_s || !options.line.empty()) {

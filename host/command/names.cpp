@@ -28,14 +28,14 @@ constexpr char archive_ending[] = ".tar.xz";
 constexpr char last_word[] = "last";
 const ExampleKind archive_files{scene_files.folder, scene_files.singular, archive_ending};
 
-// Scenes that are made from a recipe, as those of cases are, when they are first needed.
+// Lists the scenes that are made from a recipe when they are first needed, as the scenes of cases are.
 struct RecipeScene {
     const char *name, *kind, *lesion; // an empty lesion: none
 };
 constexpr RecipeScene recipe_scenes[] = {
     {"heart", "heart", ""}, {"lad_pci", "heart", "lad_middle"}, {"renal_pci", "aorta", "renal_ostium"}};
 
-// Scenes that need data from elsewhere are not made without being asked.
+// Lists the scenes that need data from elsewhere; they are made only if the user asks for this.
 struct MadeScene {
     const char *name, *target, *minutes;
 };
@@ -75,7 +75,7 @@ std::vector<std::string> scene_names()
 }
 
 // Returns the scene of a recipe from the cache, and makes it first if it is not there. Returns an empty path
-// for another name.
+// if the name is not that of a recipe.
 std::string scene_of_recipe(const std::string &name)
 {
     const auto *found = std::find_if(std::begin(recipe_scenes), std::end(recipe_scenes),

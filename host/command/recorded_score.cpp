@@ -14,7 +14,8 @@ namespace
 struct ScoreStopped {
 };
 
-// Tells how far a replay is, and ends it by an exception if the watch wants that.
+// Reports how far a replay has advanced, and ends the replay by an exception if the caller's function returns
+// false.
 class ReplayWatch final : public FrameSink
 {
   public:

@@ -1,4 +1,4 @@
-// What `cournand` does without any other word.
+// Determines what `cournand` does if the user gives no other word.
 #pragma once
 #include <string>
 
@@ -8,8 +8,8 @@ namespace crn
 // Returns true if the environment names a display (DISPLAY or WAYLAND_DISPLAY).
 bool has_display();
 
-// Returns a text of one screenful about what the user can do without a display. `program` is the word by
-// which the user has called the program, so that every command works as it is printed.
+// Returns a text, short enough for one screen, about what the user can do without a display. `program` is the
+// word with which the user called the program, so that the user can copy every printed command.
 std::string start_text(const std::string &program);
 
 } // namespace crn

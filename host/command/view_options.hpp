@@ -1,5 +1,5 @@
-// Holds the options of `cournand view`. Only the main program with a display contains the window; it passes
-// the function that opens the window to command_line().
+// Holds the options of `cournand view`. Only the main program for machines with a display contains the
+// window; it passes the function that opens the window to command_line().
 #pragma once
 #include "host/cases/case.hpp"
 #include "host/picture/session_pictures.hpp"
@@ -15,15 +15,15 @@ struct WindowOptions {
     std::string scene;              // empty: free space
     std::string instrument;         // file of the innermost tool, or empty
     std::vector<std::string> tools; // files of the others, towards the outermost
-    // The tools on the line at the start, from the innermost: names of their files, their numbers in the
-    // table, or `nothing` for a free position. Empty: all tools. The other tools can be loaded during the
-    // session.
+    // Names the tools on the line at the start, from the innermost: the names of their files, their numbers
+    // in the table, or `nothing` for a free position. Empty: all tools. Tools that are not on the line at the
+    // start can be loaded during the session.
     std::vector<std::string> line;
     std::vector<std::string> stents; // files, in the order of loading
     std::string device = "sim";      // as parse_device
-    // Holds the paths of the file of figures and of the score's page, which are written at the end of each
-    // session. A file whose path is empty is not written. After a reset the files are numbered as for
-    // `record`.
+    // Holds the paths of two files that are written at the end of each session: the report with its figures,
+    // and the page of the score. A file whose path is empty is not written. After a reset of the session, the
+    // files get numbers in their names, as for `record`.
     std::string json, score;
     bool keeps_recording =
         true; // without `record`: keep it in a folder of the user, named by date and time (docs/session.md)
@@ -36,15 +36,16 @@ struct WindowOptions {
     bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     bool starts_with_fluoro = false;
     bool shows_help = true;
-    // In tests the window closes after this number of screens. Every screen counts as 1/60 s of session time,
-    // however long it takes. If this number is 0, the window runs in real time until the user presses Esc.
+    // In tests the window closes after it has drawn this number of screens. Every screen counts as 1/60 s of
+    // session time, however long it takes to draw. If the number of screens is 0, the window runs in real
+    // time until the user presses Esc.
     int frames = 0;
     std::string screenshot;                       // PNG of the window's last screen; empty: none
     int window_width = 1600, window_height = 900; // at the start, in pixels of the desktop
     std::string font;                             // TrueType file; empty: the installed DejaVu Sans
     bool opens_start = false;                     // begin with the cards instead of a session
-    // The case that the session plays: its goals are shown, and its marks are given at the end. The window
-    // begins with the preparation of the case. Null: no case.
+    // Holds the case that the session plays. The window shows the goals of the case during the session, and
+    // the marks at the end. The window begins with the preparation of the case. Null: no case.
     std::shared_ptr<const Case> lesson{};
     std::string replays; // begin with the replay of this recording; empty: no
     std::string timing;  // file of the figures of this machine: punctuality, pictures, delays; empty: none
@@ -53,7 +54,7 @@ struct WindowOptions {
 
 // Opens the window and returns the exit code.
 using RunWindow = std::function<int(WindowOptions)>;
-// Opens what the program shows when it is called without any other word, and returns the exit code.
+// Opens the window that the program shows if it is called without any other word, and returns the exit code.
 using OpenStart = std::function<int()>;
 
 } // namespace crn

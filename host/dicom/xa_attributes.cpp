@@ -118,7 +118,7 @@ void put_pixel_format(XaItem &item, const XrayRun &run)
 }
 
 // Writes the attributes for the relation of pixel value to X-ray intensity (C.8.7.1.1.2). For the relation
-// LOG the function adds a table (C.11.1) that converts pixel values back to values proportional to the
+// LOG, the function adds a table (C.11.1) that converts pixel values back to values proportional to the
 // intensity. It is not for display.
 void put_relation(XaItem &item, const XrayRun &run)
 {
@@ -180,7 +180,7 @@ void put_times(XaItem &item, const XrayRun &run)
     item.shorts(DCM_PreferredPlaybackSequencing, {0}); // repeatedly from the first to the last
 }
 
-// Describes the shift of the mask in words too, so that a reader knows its direction.
+// Also describes the shift of the mask in words, so that a reader knows its direction.
 std::string mask_in_words(const RunMask &mask)
 {
     if (mask.shift_x_px == 0.0 && mask.shift_y_px == 0.0) return "mean of the mask frames, not moved";

@@ -1,4 +1,5 @@
-// Writes the attributes of an X-ray run, module by module, as PS3.3 A.14 lists the modules. Needs DCMTK.
+// Writes the attributes of an X-ray run, module by module, in the order in which PS3.3 A.14 lists the
+// modules. Needs DCMTK.
 #pragma once
 #include "host/dicom/xa_file.hpp"
 #include <dcmtk/config/osconfig.h>

@@ -31,15 +31,15 @@ std::vector<double> each_of(const XrayRun &run, double RunFrame::*value)
     return values;
 }
 
-// Returns the offset of each frame's value from that of the first frame; C.8.7.5.1.3 requires one value per
-// frame.
+// Returns the difference between each frame's value and that of the first frame; C.8.7.5.1.3 requires one
+// value per frame.
 template <class Value> std::vector<double> offsets(const XrayRun &run, const Value &value)
 {
     std::vector<double> all;
     const double first = value(run.frames.front().carm);
     for (const RunFrame &frame : run.frames) {
         // Values are rounded to a thousandth, because the text of each number (DICOM type DS) has to be
-        // short, and no C-arm is more precise than this.
+        // short, and no C-arm is more precise.
         all.push_back(std::round((value(frame.carm) - first) * 1e3) / 1e3);
     }
     return all;
@@ -93,7 +93,7 @@ void put_filters(XaItem &item, const XrayRun &run)
     item.decimals(DCM_FilterThicknessMaximum, thickness_mm);
 }
 
-// Writes the pixel pitch at the detector, and also that at the isocentre if it is equal in all frames.
+// Writes the pixel pitch at the detector, and also the pitch at the isocentre if that is equal in all frames.
 void put_spacing(XaItem &item, const XrayRun &run)
 {
     const CArm &carm = run.frames.front().carm;
@@ -164,11 +164,11 @@ void put_collimator(XaItem &item, const XrayRun &run)
     item.whole(DCM_CollimatorLowerHorizontalEdge, shape.bottom + 1);
 }
 
-// Puts the table's motion (C.8.7.4). The patient lies on the back with the head at the table's head end:
-// longitudinal is towards LAO (the patient's left), and lateral is towards cranial. When the table moves in
-// one direction, the patient's point at the isocentre moves in the opposite direction. Down is positive for
-// the table's vertical position, as in C.8.19.6.11, because the classic DICOM module does not define the
-// sign.
+// Puts the table's motion (C.8.7.4). The patient lies on the back with the head at the table's head end.
+// Longitudinal is therefore towards LAO (the patient's left), and lateral is towards cranial. When the table
+// moves in one direction, the patient's point at the isocentre moves in the opposite direction. Down is
+// positive for the table's vertical position, as in C.8.19.6.11, because the classic DICOM module does not
+// define the sign.
 void put_table(XaItem &item, const XrayRun &run)
 {
     const std::vector<double> left_mm = offsets(run, [](const CArm &c) { return -c.isocentre_m.x() * 1e3; });
@@ -184,7 +184,7 @@ void put_table(XaItem &item, const XrayRun &run)
     item.decimals(DCM_TableLateralIncrement, head_mm);
 }
 
-// Writes the C-arm's angles in the first frame, and the offsets of the angles in other frames from them
+// Writes the C-arm's angles in the first frame, and how the angles of the other frames differ from these
 // (C.8.7.5).
 void put_positioner(XaItem &item, const XrayRun &run)
 {

@@ -36,13 +36,13 @@ class XaItem
     DcmItem &item_;
 };
 
-// The private block of the DICOM file holds values, one per frame, for which the classic XA object has no
-// attribute (docs/output.md).
+// The private block of the DICOM file holds values for which the classic XA object has no attribute, with one
+// value per frame (docs/output.md).
 inline constexpr std::uint16_t private_group = 0x0023;
 inline constexpr const char *private_creator = "COURNAND 1.0";
 
-// Writes the attributes of the X-ray beam and the C-arm: tube, dose, filter, collimator, table and C-arm
-// (xa_beam.cpp).
+// Writes the attributes of the X-ray beam and of the C-arm: tube, dose, filter, collimator, table and C-arm
+// angles (xa_beam.cpp).
 struct XrayRun;
 void put_acquisition(XaItem &item, const XrayRun &run);
 void put_collimator(XaItem &item, const XrayRun &run);

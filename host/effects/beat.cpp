@@ -20,8 +20,8 @@ double hump(double place)
     return 30.0 * rise * rise;
 }
 
-// Returns the conductance of a vascular bed at this moment, divided by its mean over a beat: the fraction
-// `even` of it is constant, and the remainder rises and falls once within `length_s`.
+// Returns the present conductance of a vascular bed divided by its mean over a beat. The fraction `even` of
+// the conductance is constant, and the remainder rises and falls once within `length_s`.
 double openness(double even, bool is_in_hump, double place, double length_s, double beat_s)
 {
     return even + (is_in_hump ? (1.0 - even) * hump(place) * beat_s / length_s : 0.0);

@@ -118,9 +118,9 @@ void ContrastFlow::end_widening()
     network_.set_volumes(volume_ml_);
 }
 
-// Each layer of blood has received its fraction of the flows, but must grow by half of the added volume.
-// Because the layer's fraction of the flows is not one half, one layer passes the excess volume to the other
-// layer.
+// Each layer of blood has received its fraction of the flows, but must grow by half of the volume by which
+// its cell grows. Because this fraction of the flows is not one half, one layer passes its excess volume to
+// the other layer.
 void ContrastFlow::widen(double dt_s)
 {
     const double core_share = settings_.core_flow_share;
@@ -158,7 +158,8 @@ double ContrastFlow::parts_of_step()
 
 // The iodine of each layer is transported separately by the upwind rule: a flow has the concentration of the
 // cell that it leaves. Each of the two layers of blood has half of the cell's volume and a fixed fraction of
-// every flow, including injected fluid. So the flow into a layer of blood equals the flow out of the layer.
+// every flow, including injected fluid. The flow into a layer of blood therefore equals the flow out of the
+// layer.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
@@ -209,8 +210,9 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
     }
 }
 
-// The difference of concentration between the two layers falls as exp(-k t), with k in proportion to the
-// speed. The time step is implicit, so that this difference never changes sign.
+// The difference of concentration between the two layers falls as exp(-k t), where k is proportional to the
+// speed of the blood. The time step is implicit, so that the difference of concentration between the two
+// layers never changes sign.
 void ContrastFlow::mix(double dt_s)
 {
     double *core = core_mg_.data(), *wall = wall_mg_.data();

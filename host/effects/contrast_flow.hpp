@@ -65,9 +65,9 @@ class ContrastFlow
     const FlowCells &cells() const { return cells_; }
     void place(const VesselTree &moved) { cells_.place(moved); }
     // Adopts the new shape of the vessels after a balloon has widened lesions (FlowCells::reshape).
-    // Resistances change at once. The volumes of cells change within `steps` time steps: a cell that becomes
+    // Resistances change at once. The volumes of cells change within `steps` time steps. A cell that becomes
     // larger takes blood from its neighbours, and a cell that becomes smaller gives blood to them. The
-    // exchanged blood has the concentration of the cell that it leaves. With `steps` 0 every cell gets its
+    // exchanged blood has the concentration of the cell that it leaves. If `steps` is 0, every cell gets its
     // new volume at once and keeps its amount of iodine.
     void reshape(const VesselTree &opened, int steps);
 
@@ -78,8 +78,8 @@ class ContrastFlow
     // openings.
     void step(const FlowDrive &drive, const InjectedFluid &fluid);
 
-    // The next functions return concentrations in a cell, mg/ml: the mean of both layers, that of the layer
-    // around the axis, and that of the layer along the wall.
+    // The next three functions return concentrations in a cell in mg/ml: the mean of both layers, the
+    // concentration in the layer around the axis, and the concentration in the layer along the wall.
     double iodine_mg_per_ml(std::size_t cell) const;
     double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / volume_ml_[cell]; }
     double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / volume_ml_[cell]; }
@@ -89,8 +89,8 @@ class ContrastFlow
     const IodineBudget &budget() const { return budget_; }
     // Returns for each branch the amount of contrast medium that entered the branch and did not flow back.
     // Contrast medium may be injected into the branch, or come from the vessel upstream or from a branch
-    // downstream. If a branch passes contrast medium on to branches that leave it, this medium counts both
-    // for the branch and for the branches that leave it.
+    // downstream. If a branch passes contrast medium on to its side branches, this medium counts
+    // both for the branch and for the side branches.
     std::vector<double> received_mg() const;
 
     // Returns, as bytes, the whole state on which the next time step depends, except the shape of the

@@ -129,7 +129,8 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
         branch.flow_ml_s > 0.0 ? branch.flow_ml_s : murray_flow_ml_s(cells_.back().radius_mm);
 }
 
-// If the narrowest point of a lesion lies before the branch's first cell, the lesion narrows that cell.
+// If the narrowest point of a lesion lies before the first cell of the branch, the lesion narrows this first
+// cell.
 FlowThroat FlowCells::throat_of(const VesselTree &tree, const VesselLesion &lesion) const
 {
     const std::size_t point = tree.throat(lesion), end = branch_begin_[lesion.branch + 1];

@@ -48,7 +48,8 @@ class FlowCells
 
     std::size_t size() const { return cells_.size(); }
     const FlowCell &operator[](std::size_t i) const { return cells_[i]; }
-    // The next functions return the index of a branch's first cell, and the index one behind its last cell.
+    // The next functions return the index of a branch's first cell, and the index after the branch's last
+    // cell.
     std::size_t branch_begin(std::size_t branch) const { return branch_begin_[branch]; }
     std::size_t branch_count() const { return branch_begin_.empty() ? 0 : branch_begin_.size() - 1; }
 
@@ -58,15 +59,16 @@ class FlowCells
     // heart and breath phase as the tree that the constructor received. The mean flow into the vascular beds
     // does not change.
     void reshape(const VesselTree &opened);
-    // Moves the tree's points: `moved` must have the same numbers of branches, points and lesions as the tree
-    // that the constructor received. Any other tree is ignored.
+    // Moves the points of the tree: `moved` must have the same numbers of branches, points and lesions as the
+    // tree that the constructor received. Any other tree is ignored.
     void place(const VesselTree &moved);
     const Eigen::Vector3d &middle_m(std::size_t i) const { return middle_m_[i]; }
     Eigen::Vector3d first_face_m(std::size_t i) const { return at(i, cells_[i].first); }
     Eigen::Vector3d last_face_m(std::size_t i) const { return at(i, cells_[i].last); }
 
-    // Finds the cell with the smallest power distance |p - middle|^2 - radius^2 from a point p. Where vessels
-    // overlap, the cell found is in the vessel in which p lies deeper.
+    // Finds the cell with the smallest power distance |p - m|^2 - r^2 from a point p, where m is the middle
+    // and r the radius of the cell. Where vessels overlap, the cell found is in the vessel in which p lies
+    // deeper.
     std::size_t nearest(const Eigen::Vector3d &place_m) const;
 
   private:

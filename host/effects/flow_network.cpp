@@ -170,8 +170,8 @@ void FlowNetwork::set_ways()
     }
 }
 
-// Adds the losses of a run's stenoses, at the flows of the last solution, to its resistance by Poiseuille's
-// law.
+// Adds the losses of a run's stenoses, at the flows of the last solution, to the run's resistance by
+// Poiseuille's law.
 void FlowNetwork::add_throats()
 {
     for (Row &row : rows_) row.way = row.open_way;
@@ -193,10 +193,10 @@ double FlowNetwork::pressure_mmHg(std::size_t cell) const
     return rows_[run].pressure_mmHg + (flow_ml_s == 0.0 ? 0.0 : flow_ml_s * resistance);
 }
 
-// Behind a run's last cell, c is the conductance to the veins and s is the injected flow there. With the
-// pressure p in the last cell, and the conductance g of the path into it from the pressure u upstream, the
-// balance of flows is g (u - p) + s = c p. Seen from upstream, the run has the conductance g c / (g + c) and
-// the source g s / (g + c).
+// In the following equations, c is the conductance from a run's last cell to the veins, and s is the flow
+// that is injected there. If p is the pressure in the last cell, u the pressure upstream, and g the
+// conductance of the path between them, the balance of flows is g (u - p) + s = c p. Seen from upstream, the
+// run has the conductance g c / (g + c) and the source g s / (g + c).
 void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources)
 {
     const bool is_divided =

@@ -15,8 +15,9 @@ namespace crn
 {
 
 // Returns the fraction of its conductance that a round tube keeps with a concentric round rod in it; k is the
-// rod's radius divided by the tube's radius. This fraction is 1 - k^4 - (1 - k^2)^2 / ln(1/k), and 0 from k =
-// 0.98 on (Bird, Stewart, Lightfoot, Transport Phenomena, flow through an annulus).
+// rod's radius divided by the tube's radius. The fraction of the conductance that remains is 1 - k^4 - (1 -
+// k^2)^2 / ln(1/k), and 0 from k = 0.98 on (Bird, Stewart, Lightfoot, Transport Phenomena, flow through an
+// annulus).
 double annulus_share(double share);
 
 struct CellSource {
@@ -61,8 +62,9 @@ class FlowNetwork
 
     double pressure_mmHg(std::size_t cell) const; // above the veins
 
-    // Returns the flows through the stenoses, in ml/s, which determine the stenoses' resistance. These flows
-    // are the only stored state on which the next solution depends; all other inputs are arguments.
+    // Returns the flows through the stenoses, in ml/s, which determine the stenoses' resistance. The flows
+    // through the stenoses are the only stored state on which the next solution depends; all other inputs are
+    // arguments.
     const std::vector<double> &throat_flows_ml_s() const { return throat_flows_; }
     void set_throat_flows(std::span<const double> flows_ml_s); // as many as there are stenoses
 

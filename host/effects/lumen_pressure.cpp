@@ -38,8 +38,7 @@ double radius_m(const Instrument &tool, double arc_m, std::uint32_t crn_wire_kno
     return knots[count - 1].*radius_um * 1e-6;
 }
 
-// Returns the radius of the widest tool that lies in the lumen at a position; the result is 0 if no tool lies
-// there.
+// Returns the radius of the widest tool that lies in the lumen at a position, or 0 if no tool lies there.
 double inner_radius_m(std::span<const InnerTool> inside, double arc_m)
 {
     double widest_m = 0.0;
@@ -51,8 +50,8 @@ double inner_radius_m(std::span<const InnerTool> inside, double arc_m)
     return widest_m;
 }
 
-// Returns the conductance of a lumen with a guidewire in it, divided by that of the empty lumen. The
-// guidewire lies where it lets the most fluid pass.
+// Returns the conductance of a lumen with a guidewire in it, divided by the conductance of the empty lumen.
+// The guidewire is assumed to lie where it lets the most fluid pass.
 double gap_share(double k)
 {
     if (k <= 0.0) return 1.0;

@@ -22,8 +22,8 @@ inline constexpr double injection_pressure_max_kPa = 8274.0;
 // strength between the strengths on the label, and down to 0.69 mPa s for water at 0 mg/ml.
 double contrast_viscosity_mPa_s(double iodine_mg_per_ml);
 
-// Describes a tool inside the lumen of an outer tool, and the distance of its tip behind the outer tool's
-// tip; the distance is negative if its tip is ahead.
+// Describes a tool inside the lumen of an outer tool, and the distance of the inner tip behind the outer tip;
+// the distance is negative if the inner tip is ahead.
 struct InnerTool {
     const Instrument *tool = nullptr;
     double tip_behind_m = 0.0;

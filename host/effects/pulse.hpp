@@ -13,7 +13,7 @@
 namespace crn
 {
 
-// The aortic valve closes at this phase of the beat, which is 10 / 24 of a cycle.
+// The aortic valve closes when 10 / 24 of the heart's cycle have passed.
 inline constexpr double phase_systole_end = 10.0 / 24.0;
 
 inline double phase_of(std::uint32_t phase32)
@@ -38,15 +38,17 @@ class PulseMonitor
         float ecg_mV = 0.0f, pressure_mmHg = 0.0f;
     };
 
-    // Receives every tick. The curve then shows the aortic pressure.
+    // Receives every tick. After this call the curve shows the aortic pressure.
     void tick(const crn_wire_tick_state &state);
-    // Does the same in two steps, for a curve that shows the pressure of another transducer: advance()
-    // computes the aortic pressure, and show() receives the measured pressure of the same tick.
+    // The next two functions together do the same as tick(), for a curve that shows the pressure of another
+    // transducer. advance() computes the aortic pressure, and show() receives the measured pressure of the
+    // same tick.
     void advance(const crn_wire_tick_state &state);
     void show(double measured_mmHg);
 
     double pressure_mmHg() const { return aortic_mmHg_; } // in the aorta
-    // The next functions return figures of the last complete beat. The pressures are those of the curve.
+    // The next functions return figures of the last complete beat. The systolic and diastolic pressures are
+    // those of the displayed curve.
     double systolic_mmHg() const { return systolic_mmHg_; }
     double diastolic_mmHg() const { return diastolic_mmHg_; }
     // Returns the heart rate per minute: 60 000 divided by the mean of the last four intervals in ms; 0 after

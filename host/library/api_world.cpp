@@ -1,5 +1,5 @@
-// The functions of cournand.h for worlds. Each enters the world alone (with_world), and keeps the text of a
-// refusal in it.
+// Contains the functions of cournand.h for worlds. Each function locks the world for its own thread
+// (with_world), and keeps the text of a refusal in the world.
 #include "host/library/recordings.hpp"
 #include "host/library/renderer.hpp"
 
@@ -9,7 +9,7 @@ using namespace crn::library;
 namespace
 {
 
-// Runs work(world) with the world for this thread alone.
+// Runs work(world) while no other thread can use the world.
 template <class Work> cournand_status with_world(const cournand_world *handle, Work work) noexcept
 {
     return guarded([&] {
@@ -27,7 +27,7 @@ template <class Work> cournand_status with_world(const cournand_world *handle, W
     });
 }
 
-// Fills a struct of the caller from the world. The struct is checked first.
+// Fills a struct of the caller with values from the world. The struct is checked first.
 template <class Struct>
 cournand_status read_world(const cournand_world *world, Struct *to, const char *name) noexcept
 {

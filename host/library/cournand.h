@@ -1,4 +1,5 @@
-/* The C library of Cournand: scenes, worlds, snapshots, pictures with labels, and recordings. C11 and C++.
+/* This header declares Cournand's C library, which provides scenes, worlds (simulated sessions), snapshots,
+ * pictures with labels, and recordings. The header is for C11 and C++.
  *
  *   cournand_scene *scene;
  *   cournand_tool *tool;
@@ -9,31 +10,33 @@
  *   float push_and_turn[COURNAND_ACTION_FLOATS] = {0.03f};       30 mm/s
  *   cournand_world_move(world, push_and_turn, 133);              133 ticks of 1 ms
  *
- * STATUS. Every function returns a status, 0 for success. If a call is refused, nothing has changed, and
- * cournand_error_text() says what, where, and the remedy. No function ends the program, prints, or throws.
+ * STATUS. Every function that can fail returns a status; 0 means success. If a call is refused, it has
+ * changed nothing, and cournand_error_text() returns a text that names the problem, its place and the remedy.
+ * No function ends the program, prints text, or throws an exception.
  *
- * HANDLES are numbers in the form of pointers. Each is freed by its own function. A scene, a tool or a
- * recording may be freed while a world made of it lives on. A freed handle, NULL, and a handle of another
- * kind are refused (COURNAND_BAD_HANDLE). Memory that the caller passes must be valid; that cannot be
- * checked.
+ * HANDLES are numbers in the form of pointers. Each kind of handle has its own function that frees it. A
+ * scene, a tool or a recording may be freed while a world that was made from it is still in use. A freed
+ * handle, NULL, or a handle of another kind is refused (COURNAND_BAD_HANDLE). Memory that the caller passes
+ * must be valid; the library cannot check this.
  *
- * STRUCTS with a first member `struct_bytes` can grow in a later version. Set it before the call:
- * `cournand_pose pose = {.struct_bytes = sizeof pose};` in C,
- * `cournand_pose pose = {}; pose.struct_bytes = sizeof pose;` in C++. A larger size than the library's is
- * accepted if the rest is zero.
+ * STRUCTS whose first member is `struct_bytes` can get more members in a later version. Set `struct_bytes`
+ * before the call, in C by `cournand_pose pose = {.struct_bytes = sizeof pose};` and in C++ by
+ * `cournand_pose pose = {}; pose.struct_bytes = sizeof pose;`. A struct that is larger than the library's is
+ * accepted if its additional bytes are zero.
  *
- * VIEWS. Pointers in cournand_pose, cournand_contacts and cournand_picture refer to memory of the library,
- * without a copy. They stay valid until the next call that changes the same world (move, advance, replay,
- * restore, free), or for a picture until the next picture of the same renderer. Texts stay valid until their
- * handle is freed.
+ * VIEWS. Pointers in cournand_pose, cournand_contacts and cournand_picture point to memory of the library;
+ * nothing is copied. The pointers in a pose or in contacts stay valid until the next call that changes the
+ * same world (move, advance, replay, restore, free). The pointers in a picture stay valid until the next
+ * picture of the same renderer. Texts stay valid until their handle is freed.
  *
- * THREADS. Scenes, tools and recordings do not change, and any number of threads may use them. A world and a
- * renderer belong to one thread at a time; a call while another thread is inside the same one is refused
- * (COURNAND_BUSY). Different worlds run in parallel and give the same bits with any number of threads. The
- * library starts threads only in cournand_pool_create().
+ * THREADS. Scenes, tools and recordings do not change, and any number of threads may use them. Only one
+ * thread at a time may use a world or a renderer; a call is refused while another thread is inside a call
+ * with the same object (COURNAND_BUSY). Different worlds can run in parallel, and their results are equal bit
+ * for bit with any number of threads. The library starts threads only in cournand_pool_create().
  *
  * UNITS are m, s, N, N m, rad, kPa and mg/ml. The patient frame has +x to the patient's left, +y to the head
- * and +z to the front. Tools are numbered from the innermost; node 0 is the leading tip. One tick is 1 ms. */
+ * and +z to the front. Tools are numbered from the innermost to the outermost; node 0 of their common shape
+ * is the leading tip. One tick is 1 ms. */
 #ifndef COURNAND_H
 #define COURNAND_H
 
@@ -50,7 +53,7 @@
 extern "C" {
 #endif
 
-/* The version of this header. Functions and members may be added with a higher minor version; nothing is
+/* The version of this header. A higher minor version may add functions and members of structs; nothing is
  * removed or changed before the next major version. */
 #define COURNAND_VERSION_MAJOR 0
 #define COURNAND_VERSION_MINOR 1
@@ -83,19 +86,21 @@ enum {
     COURNAND_THREADS_MAX = 256,
 };
 
-/* The name of a status, such as "BAD_HANDLE". Unknown numbers give "UNKNOWN". */
+/* Returns the name of a status, such as "BAD_HANDLE". Unknown numbers give "UNKNOWN". */
 COURNAND_API const char *cournand_status_name(cournand_status status);
 
-/* The text of the last refusal in this thread: what, where, and the remedy. "" if none was refused yet. Valid
- * until the next refusal in this thread. */
+/* Returns the text of the last refusal in this thread, which names the problem, its place and the remedy.
+ * Returns "" if no call of this thread was refused yet. The text stays valid until the next refusal in this
+ * thread. */
 COURNAND_API const char *cournand_error_text(void);
 
-/* The library's version as text, "0.1.0", and as a number, major * 1000000 + minor * 1000 + patch. */
+/* The next two functions return the library's version: as a text such as "0.1.0", and as the number
+ * major * 1000000 + minor * 1000 + patch. */
 COURNAND_API const char *cournand_version_text(void);
 COURNAND_API uint32_t cournand_version(void);
 
-/* The version of the core. Equal versions give equal bits from equal inputs, and replay each other's
- * recordings. */
+/* Returns the version of the core. Two cores with equal versions give results that are equal bit for bit
+ * from equal inputs, and each can replay the other's recordings. */
 COURNAND_API uint32_t cournand_core_version(void);
 
 /* --- scenes -----------------------------------------------------------------------------------------------
@@ -103,9 +108,10 @@ COURNAND_API uint32_t cournand_core_version(void);
 
 typedef struct cournand_scene cournand_scene;
 
-/* Opens a baked scene with its bodies. `scene_path` is NULL or "" for free space without vessels.
- * `bodies_path` is NULL for the file X.bodies beside X.scene, if there is one; without bodies a scene has no
- * vessel names, and its pictures show the tools in air. Status: BAD_FILE. */
+/* Opens a scene file that `bake` has made, with its bodies (the meshes for pictures). `scene_path` is NULL or
+ * "" for free space without vessels. If `bodies_path` is NULL, the library uses the file X.bodies beside
+ * X.scene, if there is one. Without bodies a scene has no vessel names, and its pictures show the tools in
+ * air. Status: BAD_FILE. */
 COURNAND_API cournand_status cournand_scene_open(const char *scene_path, const char *bodies_path,
                                                  cournand_scene **scene);
 COURNAND_API cournand_status cournand_scene_free(cournand_scene *scene);
@@ -122,8 +128,9 @@ typedef struct cournand_scene_info {
 } cournand_scene_info;
 COURNAND_API cournand_status cournand_scene_describe(const cournand_scene *scene, cournand_scene_info *info);
 
-/* A vessel. Its centreline has `point_count` rows of x, y, z and the radius of the lumen, in m: float [n][4],
- * contiguous, in the direction of the blood flow and in the reference pose (heart and breath at rest). */
+/* Describes a vessel. The vessel's centreline has `point_count` rows with x, y, z and the radius of the
+ * lumen, in m. The rows of the centreline are a contiguous array, float [n][4], in the direction of the blood
+ * flow and in the reference pose (heart and breath at rest). */
 typedef struct cournand_vessel {
     uint32_t struct_bytes;
     int32_t parent;   /* number of an earlier vessel; -1: the root */
@@ -133,10 +140,11 @@ typedef struct cournand_vessel {
     uint32_t reserved;
     double length_m;
 } cournand_vessel;
-/* `vessel` is 0 .. vessel_count - 1. */
+/* `vessel` is the number of a vessel, 0 .. vessel_count - 1. */
 COURNAND_API cournand_status cournand_scene_vessel(const cournand_scene *scene, uint32_t vessel,
                                                    cournand_vessel *description);
-/* Finds a vessel by its name, ignoring case, spaces and "artery". Status: BAD_ARGUMENT with a suggestion. */
+/* Finds a vessel by its name; upper and lower case, spaces and the word "artery" make no difference. Status:
+ * BAD_ARGUMENT with a suggestion. */
 COURNAND_API cournand_status cournand_scene_find_vessel(const cournand_scene *scene, const char *name,
                                                         uint32_t *vessel);
 
@@ -161,15 +169,15 @@ typedef struct cournand_tool_info {
 } cournand_tool_info;
 COURNAND_API cournand_status cournand_tool_describe(const cournand_tool *tool, cournand_tool_info *info);
 
-/* Factors on a tool's properties, 0.1 .. 10 each; 1 changes nothing. */
+/* Holds factors for a tool's properties, 0.1 .. 10 each; the factor 1 changes nothing. */
 typedef struct cournand_tool_scales {
     uint32_t struct_bytes;
     uint32_t reserved;
     double bend_stiffness, twist_stiffness, mass, friction;
     double rest_curvature; /* of a preformed tip; may be negative, -10 .. 10 */
 } cournand_tool_scales;
-/* Makes another tool with scaled properties, for domain randomisation. What leaves the range of the core is
- * refused when a world is created. */
+/* Makes another tool with scaled properties, for domain randomisation. A scaled value outside the core's
+ * range is refused when a world is created. */
 COURNAND_API cournand_status cournand_tool_scaled(const cournand_tool *tool,
                                                   const cournand_tool_scales *scales, cournand_tool **scaled);
 
@@ -185,41 +193,46 @@ enum {
 typedef struct cournand_world_options {
     uint32_t struct_bytes;
     uint32_t flags; /* COURNAND_WITH_PATIENT */
-    /* Number in `tools`, from 1, of the tool at each position of the line, from the innermost; 0: the
-     * position is free. line_count 0: the tools are the line, at most three. */
+    /* Holds, for each position of the line (tools that lie one inside another) from the innermost, the number
+     * of its tool in `tools`, from 1, or 0 for a free position. If line_count is 0, the line consists of all
+     * tools, at most three. */
     uint32_t line_count;
     uint32_t line[COURNAND_POSITIONS_MAX];
-    /* Length beyond the introducer's opening at tick 0 of the tool at each position, 0 .. 2 m. Not a number,
-     * or inserted_count 0: the scene's start length. */
+    /* Holds, for the tool at each position, its length beyond the introducer's opening at tick 0, 0 .. 2 m.
+     * If a length is NaN, or if inserted_count is 0, the scene's start length is used. */
     uint32_t inserted_count;
     float inserted_m[COURNAND_POSITIONS_MAX];
-    /* Ticks between two samples of the wall forces, for cournand_reading::wall_force_peak_N: 1 .. 1000; 0:
-     * none. */
+    /* The number of ticks between two samples of the wall forces for cournand_reading::wall_force_peak_N is
+     * 1 .. 1000; with 0 there are no samples. */
     uint32_t contact_ticks;
     uint32_t stent_count; /* stents that the patient may get, in this order; needs COURNAND_WITH_PATIENT */
     const char *const *stents; /* paths of stent files (docs/stent.md) */
 } cournand_world_options;
 
-/* Makes a world at tick 0. `tools` has tool_count handles, 1 .. COURNAND_TOOLS_MAX, from the innermost
- * outwards; `options` may be NULL. The same scene, tools and options give the same world bit for bit. Status:
- * REFUSED with the names of tools that do not fit into each other. */
+/* Makes a world (a simulated session) at tick 0. `tools` has tool_count handles, 1 .. COURNAND_TOOLS_MAX,
+ * from the innermost tool to the outermost. `options` may be NULL, which stands for the defaults. Equal
+ * scenes, tools and options give worlds that are equal bit for bit. If tools do not fit into each other, the
+ * status is REFUSED, and the text names these tools. */
 COURNAND_API cournand_status cournand_world_create(const cournand_scene *scene, cournand_tool *const *tools,
                                                    size_t tool_count, const cournand_world_options *options,
                                                    cournand_world **world);
 COURNAND_API cournand_status cournand_world_free(cournand_world *world);
 
-/* The text of the last refusal of this world, in whichever thread it happened. Valid until its next call. */
+/* Returns the text of the last refused call with this world, whichever thread made the call. The text stays
+ * valid until the next call with this world. */
 COURNAND_API const char *cournand_world_error_text(const cournand_world *world);
 
-/* Moves the hands at steady speeds for `ticks` ticks, 1 .. COURNAND_TICKS_MAX. `action` is float
- * [COURNAND_ACTION_FLOATS]: push of the hands at positions 0, 1, 2 in m/s (-1 .. 1, + into the patient), turn
- * in rad/s (-100 .. 100, + right-handed about the direction of insertion), pressure of the inflator in kPa (0
- * .. 4000), and 0. Entries of positions that the line does not have must be 0. Hands hold their tools
- * rigidly. */
+/* Moves the hands at constant speeds for `ticks` ticks (1 .. COURNAND_TICKS_MAX). `action` is a float array
+ * of COURNAND_ACTION_FLOATS entries. The first three entries of `action` are the pushing speeds of the hands
+ * at positions 0, 1 and 2 in m/s (-1 .. 1, + into the patient). The next three entries are the turning speeds
+ * in rad/s (-100 .. 100, + right-handed about the direction of insertion). The seventh entry is the pressure
+ * of the inflator in kPa (0 .. 4000), and the eighth is 0. Entries of positions that the line does not have
+ * must be zero. Hands hold their tools rigidly. */
 COURNAND_API cournand_status cournand_world_move(cournand_world *world, const float *action, uint32_t ticks);
 
-/* An order to the core: what can happen in a tick besides the hands. `values` are those of docs/wire.md in
- * their order; the rest is 0. */
+/* Holds an order to the core: an event that happens in one tick, other than the motion of the hands. `values`
+ * holds the values that docs/wire.md lists for this kind of order, in the same sequence; all other values are
+ * 0. */
 typedef enum cournand_order_kind {
     COURNAND_ORDER_RHYTHM = 1,   /* action, value: heart rate, premature beat, breath (docs/heart.md) */
     COURNAND_ORDER_SCAFFOLD = 2, /* lesion, first, last, open_q15 */
@@ -232,11 +245,13 @@ typedef struct cournand_order {
     int32_t values[7];
 } cournand_order;
 
-/* Gives an order for the next tick; a second one of the same kind waits for the tick after. The core tries
- * the order first on a copy of its state. Status: REFUSED with the core's reason. */
+/* Gives the core an order for the next tick; a second order of the same kind waits for the tick after that.
+ * The core first tries the order on a copy of its state. If the core refuses the order, the status is
+ * REFUSED, and the text gives the core's reason. */
 COURNAND_API cournand_status cournand_world_order(cournand_world *world, const cournand_order *order);
 
-/* The exact input of one tick, 168 bytes without padding: int32 counts of the hands since tick 0. */
+/* Holds the exact input of one tick, in 168 bytes without padding. The positions of the hands are int32
+ * counts since tick 0. */
 typedef struct cournand_input {
     int32_t push_um[COURNAND_POSITIONS_MAX];     /* + into the patient */
     int32_t turn_counts[COURNAND_POSITIONS_MAX]; /* 65536 per turn */
@@ -247,13 +262,14 @@ typedef struct cournand_input {
     cournand_order orders[COURNAND_ORDERS_MAX];
 } cournand_input;
 
-/* Advances by one tick per input, 1 .. COURNAND_TICKS_MAX. From one tick to the next a hand moves by at most
- * 5 mm and a quarter turn. The inputs of a recording give its state hash. */
+/* Advances the world by one tick per input; there are 1 .. COURNAND_TICKS_MAX inputs. From one tick to the
+ * next a hand moves by at most 5 mm and a quarter turn. The inputs of a recording lead to the state hash of
+ * that recording. */
 COURNAND_API cournand_status cournand_world_advance(cournand_world *world, const cournand_input *inputs,
                                                     size_t input_count);
 
-/* The shape of the tools. All arrays have node_count rows, contiguous, node 0 at the leading tip; the last
- * node is the first one inside the introducer. */
+/* Describes the common shape of the tools. The arrays of nodes are contiguous and have node_count rows. Node
+ * 0 is at the leading tip, and the last node is the first one inside the introducer. */
 typedef struct cournand_pose {
     uint32_t struct_bytes;
     uint32_t tick;
@@ -268,7 +284,8 @@ typedef struct cournand_pose {
 } cournand_pose;
 COURNAND_API cournand_status cournand_world_pose(cournand_world *world, cournand_pose *pose);
 
-/* What was measured after the last tick; zeros before the first one, except for lengths and phases. */
+/* Holds the values that were measured after the last tick. Before the first tick, all values except lengths
+ * and phases are 0. */
 typedef struct cournand_reading {
     uint32_t struct_bytes;
     uint32_t tick;
@@ -295,7 +312,7 @@ typedef struct cournand_reading {
 } cournand_reading;
 COURNAND_API cournand_status cournand_world_read(cournand_world *world, cournand_reading *reading);
 
-/* The forces of the wall on the nodes, now: `count` rows. */
+/* Holds the present forces of the wall on the nodes, in `count` rows. */
 typedef struct cournand_contacts {
     uint32_t struct_bytes;
     uint32_t tick;
@@ -306,7 +323,7 @@ typedef struct cournand_contacts {
 } cournand_contacts;
 COURNAND_API cournand_status cournand_world_contacts(cournand_world *world, cournand_contacts *contacts);
 
-/* Where the tip of the tool at a position is. */
+/* Describes where the tip of the tool at a position is. */
 typedef struct cournand_place {
     uint32_t struct_bytes;
     int32_t vessel;   /* -1: not known: no vessels, or the position is free */
@@ -319,17 +336,18 @@ typedef struct cournand_place {
 COURNAND_API cournand_status cournand_world_tip(cournand_world *world, uint32_t position,
                                                 cournand_place *place);
 
-/* The full hash of the core's state, FNV-1a, as `cournand run` prints it. */
+/* Returns the full hash of the core's state (FNV-1a), as `cournand run` prints it. */
 COURNAND_API cournand_status cournand_world_hash(cournand_world *world, uint64_t *hash);
 
-/* A fault that the device has counted; texts are valid for ever. */
+/* Describes a fault that the device has counted. The texts of a fault stay valid as long as the program runs.
+ */
 typedef struct cournand_fault {
     uint32_t code; /* docs/faults.md */
     uint32_t tick_first, tick_last, count;
     int32_t value1, value2;
     const char *text, *remedy;
 } cournand_fault;
-/* Writes the first `capacity` faults and their number in all. */
+/* Writes the first `capacity` faults to `faults`, and the number of all faults to `count`. */
 COURNAND_API cournand_status cournand_world_faults(cournand_world *world, cournand_fault *faults,
                                                    size_t capacity, size_t *count);
 
@@ -337,12 +355,14 @@ COURNAND_API cournand_status cournand_world_faults(cournand_world *world, courna
  * --------------------------------------------------------- */
 
 /* Injects contrast medium from the next tick on: 0 .. 200 ml at 0.001 .. 50 ml/s; 0 ml ends an injection.
- * `position` is that of the injecting tool; -1 takes the outermost one with a lumen. `iodine` is the strength
- * of the medium, 10 .. 350 mg/ml. Status: REFUSED with the reason. */
+ * `position` is the position of the tool through which the medium is injected; -1 selects the outermost tool
+ * that has a lumen. `iodine` is the strength of the medium, 10 .. 350 mg/ml. Status: REFUSED with the reason.
+ */
 COURNAND_API cournand_status cournand_world_inject(cournand_world *world, double volume_ml,
                                                    double flow_ml_per_s, int32_t position,
                                                    double iodine_mg_per_ml);
-/* Mounts the next stent of the options on the balloon that is on the line. */
+/* Takes the next stent of the list in the world's options, and mounts it on the balloon that is on the line.
+ */
 COURNAND_API cournand_status cournand_world_load_stent(cournand_world *world);
 
 typedef struct cournand_patient_reading {
@@ -363,10 +383,13 @@ COURNAND_API cournand_status cournand_world_read_patient(cournand_world *world,
 
 /* The size of every snapshot of this world, about 37 kB. */
 COURNAND_API cournand_status cournand_world_snapshot_bytes(cournand_world *world, size_t *bytes);
-/* Writes a snapshot, with version and check, to `bytes`; `capacity` is at least its size. */
+/* Writes a snapshot, which contains its version and a checksum, to `bytes`; `capacity` must be at least the
+ * size of the snapshot. */
 COURNAND_API cournand_status cournand_world_save(cournand_world *world, void *bytes, size_t capacity);
-/* Sets the world to a snapshot of any world with the same scene, tools and options, also of another process
- * or machine. It then continues bit for bit. Status: BAD_SNAPSHOT; BAD_STATE while a recording is written. */
+/* Sets the world to the state in a snapshot. The snapshot may be from any world with the same scene, tools
+ * and options, also in another process or on another machine. The world then continues, bit for bit, as the
+ * saved world did. The status is BAD_SNAPSHOT if the snapshot is refused, and BAD_STATE while a recording is
+ * written. */
 COURNAND_API cournand_status cournand_world_restore(cournand_world *world, const void *bytes, size_t count);
 
 /* --- many worlds
@@ -374,22 +397,22 @@ COURNAND_API cournand_status cournand_world_restore(cournand_world *world, const
 
 typedef struct cournand_pool cournand_pool;
 
-/* Starts threads - 1 threads, 1 .. COURNAND_THREADS_MAX; the calling thread works, too. After a fork() the
- * child cannot use its parent's pool (BAD_STATE). */
+/* Makes a pool of `threads` threads, 1 .. COURNAND_THREADS_MAX. One of them is the calling thread, so the
+ * function starts `threads` - 1 threads. After a fork() the child cannot use its parent's pool (BAD_STATE).
+ */
 COURNAND_API cournand_status cournand_pool_create(uint32_t threads, cournand_pool **pool);
 COURNAND_API cournand_status cournand_pool_free(cournand_pool *pool);
 
-/* Moves `count` different worlds in parallel, each as cournand_world_move(). `actions` is float
- * [count][COURNAND_ACTION_FLOATS], contiguous. `statuses` is int32 [count] and receives the status of each
- * world, or is NULL. Returns OK if every world has moved, otherwise the first status that is not OK; other
- * worlds have moved.
- */
+/* Moves `count` different worlds in parallel, each as cournand_world_move() does. `actions` is float
+ * [count][COURNAND_ACTION_FLOATS], contiguous. `statuses` is NULL, or int32 [count], which receives the
+ * status of each world. Returns OK if every world has moved. If a world has not moved, returns the first
+ * status that is not OK; the other worlds have moved. */
 COURNAND_API cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *worlds,
                                                 size_t count, const float *actions, uint32_t ticks,
                                                 int32_t *statuses);
 
-/* Calls work(context, i) once for every i below count, in parallel and in any order; returns when all are
- * done. The function may call the library, except for this pool. */
+/* Calls work(context, i) once for every i below count, in parallel and in any order; returns when all calls
+ * are done. The function `work` may call the library, but not with this pool. */
 COURNAND_API cournand_status cournand_pool_run(cournand_pool *pool, size_t count,
                                                void (*work)(void *context, size_t index), void *context);
 
@@ -398,8 +421,8 @@ COURNAND_API cournand_status cournand_pool_run(cournand_pool *pool, size_t count
 
 typedef struct cournand_renderer cournand_renderer;
 
-/* Makes a renderer for worlds of this scene. It uses `threads` threads while it renders, 1 .. 16; the
- * pictures do not depend on their number. */
+/* Makes a renderer for worlds of this scene. While the renderer renders, it uses `threads` threads, 1 .. 16;
+ * the pictures do not depend on this number. */
 COURNAND_API cournand_status cournand_renderer_create(const cournand_scene *scene, uint32_t threads,
                                                       cournand_renderer **renderer);
 COURNAND_API cournand_status cournand_renderer_free(cournand_renderer *renderer);
@@ -412,7 +435,8 @@ enum {
     COURNAND_VIEW_LABELS_ONLY = 16, /* no picture: only the label image */
 };
 
-/* Geometry and beam of one picture. Zeros stand for the defaults, except for the angles and the isocentre. */
+/* Describes the geometry and the beam of one picture. Members that are 0 stand for their defaults, except for
+ * the angles and the isocentre. */
 typedef struct cournand_view {
     uint32_t struct_bytes;
     uint32_t flags;
@@ -429,8 +453,8 @@ typedef struct cournand_view {
 } cournand_view;
 
 /* Bits of the label image. A pixel can have several. A tool, stent or balloon marks a pixel if at least one
- * of nine rays through the pixel meets it; medium marks it if its mean path is at least 1/32 mm of undiluted
- * medium. */
+ * of nine rays through the pixel meets it. Contrast medium marks a pixel if the mean path through the medium
+ * corresponds to at least 1/32 mm of undiluted medium. */
 enum {
     COURNAND_LABEL_TOOL_0 = 1, /* the tool at position 0, and 2 and 4 for positions 1 and 2 */
     COURNAND_LABEL_TOOL_1 = 2,
@@ -440,7 +464,7 @@ enum {
     COURNAND_LABEL_BALLOON = 32, /* the medium in a balloon */
 };
 
-/* A picture: size x size pixels, rows contiguous, row 0 on top. */
+/* Holds a picture of size x size pixels. The rows of pixels are contiguous, and row 0 is at the top. */
 typedef struct cournand_picture {
     uint32_t struct_bytes;
     uint32_t size;
@@ -454,27 +478,28 @@ typedef struct cournand_picture {
     double kap_Gy_cm2;
 } cournand_picture;
 
-/* Renders the world as it is now. Equal worlds, views and seeds give equal pictures bit for bit. */
+/* Renders the present state of the world. Equal worlds, views and seeds give pictures that are equal bit for
+ * bit. */
 COURNAND_API cournand_status cournand_render(cournand_renderer *renderer, cournand_world *world,
                                              const cournand_view *view, cournand_picture *picture);
 
-/* The projection of a view as a matrix P, double [3][4], by rows: P (x, y, z, 1) in m gives (u w, v w, w),
- * where u is the column and v the row in pixels, with pixel centres at .5. */
+/* Returns the projection of a view as a matrix P, double [3][4], row by row. P (x, y, z, 1), with x, y and z
+ * in m, is (u w, v w, w), where u is the column and v the row in pixels; the centres of pixels are at .5. */
 COURNAND_API cournand_status cournand_view_matrix(const cournand_view *view, double matrix[12]);
 
 /* --- recordings
  * ---------------------------------------------------------------------------------------------- */
 
-/* Begins a recording of the world as a file for `cournand replay`. The world is at tick 0. The file gets its
- * name when cournand_world_end_recording() has closed it. `session` names what leads the session, for the
- * file. */
+/* Begins a recording of the world as a file for `cournand replay`. The world must be at tick 0. The file gets
+ * its name only when cournand_world_end_recording() has closed it. `session` is stored in the file, and names
+ * what controls the session. */
 COURNAND_API cournand_status cournand_world_record(cournand_world *world, const char *path,
                                                    const char *session);
 COURNAND_API cournand_status cournand_world_end_recording(cournand_world *world);
 
 typedef struct cournand_recording cournand_recording;
 
-/* Reads a recording, of `cournand run`, `view` or this library. Status: BAD_FILE. */
+/* Reads a recording that `cournand run`, `cournand view` or this library has made. Status: BAD_FILE. */
 COURNAND_API cournand_status cournand_recording_open(const char *path, cournand_recording **recording);
 COURNAND_API cournand_status cournand_recording_free(cournand_recording *recording);
 
@@ -494,19 +519,20 @@ typedef struct cournand_recording_info {
 COURNAND_API cournand_status cournand_recording_describe(const cournand_recording *recording,
                                                          cournand_recording_info *info);
 
-/* Copies the inputs of the ticks first .. first + count - 1, counted from 0, to `inputs`. */
+/* Copies the inputs of the ticks first .. first + count - 1 to `inputs`; ticks are counted from 0. */
 COURNAND_API cournand_status cournand_recording_inputs(const cournand_recording *recording, uint32_t first,
                                                        uint32_t count, cournand_input *inputs);
 
-/* Makes a world with the recording's tools, line, entry and stents, at tick 0. `scene` is the scene of the
- * recording: its file has the same size and checksum. `flags` as in the options. */
+/* Makes a world at tick 0 with the recording's tools, line, entry and stents. `scene` must be the scene of
+ * the recording, which means that its file has the same size and checksum. `flags` as in the options. */
 COURNAND_API cournand_status cournand_recording_world(const cournand_recording *recording,
                                                       const cournand_scene *scene, uint32_t flags,
                                                       cournand_world **world);
 
-/* Replays the recording in such a world up to `tick`, which is not before the world's own tick, and compares
- * every tick with the recording. Without a patient it starts from the last recorded snapshot on the way.
- * Status: DIFFERENT; the world then stands at the first tick that differs. */
+/* Replays the recording up to `tick` in a world from cournand_recording_world(), and compares every tick with
+ * the recording. `tick` must not be before the world's own tick. If the world has no patient, the replay
+ * starts from the last recorded snapshot between the world's own tick and `tick`. If a tick differs, the
+ * status is DIFFERENT, and the world stands at the first tick that differs. */
 COURNAND_API cournand_status cournand_world_replay(cournand_world *world, const cournand_recording *recording,
                                                    uint32_t tick);
 

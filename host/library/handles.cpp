@@ -9,8 +9,8 @@ namespace crn::library
 namespace
 {
 
-// A handle has, from the lowest bit: the number of its slot plus 1, its kind, and how often the slot was
-// used.
+// A handle consists of three numbers, from the lowest bit: the number of its slot plus 1, its kind, and how
+// often the slot has been used.
 constexpr int slot_bits = 20, kind_bits = 4;
 constexpr std::uintptr_t slot_mask = (std::uintptr_t{1} << slot_bits) - 1;
 
@@ -26,7 +26,7 @@ struct Table {
     std::vector<std::size_t> free;
 };
 
-// The table is never destroyed, because a handle may be freed while the program ends.
+// The table of handles is never destroyed, because a handle may be freed while the program ends.
 Table &table()
 {
     static Table *const kept = new Table;

@@ -1,5 +1,5 @@
 // Keeps the objects behind the handles of the API. A handle is a number that is never used again, so a freed
-// one is recognised, and an object lives until the last call with it has returned.
+// handle is recognised. An object lives until the last call that uses it has returned.
 #pragma once
 #include "host/library/refusal.hpp"
 #include <atomic>
@@ -12,11 +12,11 @@ namespace crn::library
 enum class HandleKind : std::uintptr_t { scene = 1, tool, world, renderer, pool, recording };
 
 std::uintptr_t add_handle(HandleKind kind, std::shared_ptr<void> object);
-// Return null for a handle that is NULL, freed or of another kind.
+// The next two functions return null for a handle that is NULL, freed or of another kind.
 std::shared_ptr<void> find_handle(HandleKind kind, std::uintptr_t handle);
 std::shared_ptr<void> remove_handle(HandleKind kind, std::uintptr_t handle);
 
-// Connects a handle's C type to the class of its object; each class has a specialisation.
+// Connects the C type of a handle to the class of its object; each class has a template specialisation.
 template <class Handle> struct HandleOf;
 
 template <class Handle> Handle *make_handle(std::shared_ptr<typename HandleOf<Handle>::Object> object)
@@ -42,7 +42,7 @@ template <class Handle> cournand_status free_handle(const Handle *handle) noexce
     });
 }
 
-// Lets one thread at a time into an object; another one is refused at once.
+// Lets only one thread at a time use an object; a call from a second thread is refused at once.
 class OneAtATime
 {
   public:

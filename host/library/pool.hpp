@@ -1,5 +1,5 @@
-// Threads that work on many worlds at once. What they compute does not depend on their number, because each
-// world is computed by one thread.
+// Provides threads that work on many worlds at the same time. The results do not depend on the number of
+// threads, because one thread computes each world.
 #pragma once
 #include "host/library/handles.hpp"
 #include <condition_variable>
@@ -20,8 +20,8 @@ class Pool
     Pool(const Pool &) = delete;
     Pool &operator=(const Pool &) = delete;
 
-    // Calls work(i) once for each i below `count`; `work` must not throw. Throws Refused in a child of
-    // fork(), which does not have the threads.
+    // Calls work(i) once for each i below `count`; `work` must not throw. Throws Refused in a child process
+    // of fork(), which does not have the threads.
     void run(std::size_t count, const std::function<void(std::size_t)> &work);
 
     OneAtATime door;

@@ -7,7 +7,7 @@ namespace crn::library
 namespace
 {
 
-// An order of the wire as the C struct has it: the fields in their order.
+// Returns an order of the wire protocol as the C struct of the API, with the fields in the same sequence.
 cournand_order order_of_wire(const crn_wire_order &order)
 {
     switch (order.kind) {

@@ -1,4 +1,4 @@
-// Recordings of the API, as read from their files.
+// Holds recordings for the API, as they were read from their files.
 #pragma once
 #include "host/library/handles.hpp"
 #include "host/library/world.hpp"
@@ -8,7 +8,8 @@ namespace crn::library
 
 void describe(const Recording &recording, cournand_recording_info &info);
 void copy_inputs(const Recording &recording, std::uint32_t first, std::span<cournand_input> inputs);
-// Returns the settings of a world that can replay the recording. Throws Refused if the scene is another one.
+// Returns the settings of a world in which the recording can be replayed. Throws Refused if the scene is not
+// that of the recording.
 WorldSettings settings_of(const Recording &recording, std::shared_ptr<const Scene> scene,
                           std::uint32_t flags);
 

@@ -20,12 +20,13 @@ class Refused : public std::runtime_error
     cournand_status status;
 };
 
-// Keeps the text of the exception that is being handled for this thread, and returns its status. `otherwise`
-// is the status of an exception that does not state its own. Neither throws nor allocates.
+// Keeps the text of the present exception for this thread, and returns the status of this exception.
+// `otherwise` is the status that is returned if the exception does not state a status. Neither throws nor
+// allocates.
 cournand_status note_failure(cournand_status otherwise) noexcept;
 const char *last_text() noexcept;
 
-// Throws Refused(COURNAND_BAD_ARGUMENT) unless the claim about an argument holds.
+// Throws Refused(COURNAND_BAD_ARGUMENT) if a condition on an argument does not hold.
 inline void require(bool holds, const char *text)
 {
     if (!holds) throw Refused(COURNAND_BAD_ARGUMENT, text);
@@ -42,7 +43,8 @@ cournand_status guarded(Work work, cournand_status otherwise = COURNAND_INTERNAL
     }
 }
 
-// Runs work that reads or writes files: an error without a status of its own is that of the file.
+// Runs work that reads or writes files. An error that states no status of its own gets the status
+// COURNAND_BAD_FILE.
 template <class Work> auto with_files(Work work)
 {
     try {
@@ -56,13 +58,13 @@ template <class Work> auto with_files(Work work)
     }
 }
 
-// The size that a struct had in the first version of the library, which callers of that version pass. When a
-// struct grows, a specialisation keeps this number.
+// Holds the size that a struct had in the first version of the library, which callers of that version pass.
+// When a struct gets new members, a template specialisation keeps its first size.
 template <class Struct> inline constexpr std::size_t first_bytes = sizeof(Struct);
 inline constexpr std::size_t struct_bytes_max = 4096;
 
-// Copies a struct that the caller passes, which may be older or newer than the library's (cournand.h,
-// "STRUCTS"). What an older one does not have is zero.
+// Copies a struct from the caller; the struct may be from an older or a newer version of the library
+// (cournand.h, "STRUCTS"). Members that an older struct does not have are set to zero.
 template <class Struct> Struct read_struct(const Struct *from, const char *name)
 {
     Struct own{};
@@ -80,7 +82,7 @@ template <class Struct> Struct read_struct(const Struct *from, const char *name)
     return own;
 }
 
-// Fills a struct of the caller, which has passed read_struct().
+// Copies values to a struct of the caller, which read_struct() has checked before.
 template <class Struct> void write_struct(Struct *to, const Struct &own, const char *name)
 {
     const Struct asked = read_struct(to, name);

@@ -110,8 +110,8 @@ void Renderer::render(World &world, const cournand_view &view, cournand_picture 
     picture.labels = labels_.data();
 }
 
-// Draws each kind by itself. In the shot the curves are those of the balloon, the struts, and the medium, in
-// this order (shot_of).
+// Draws each kind by itself. The curves in the shot come in this order: the balloon, the struts, and the
+// medium (shot_of).
 void Renderer::draw_labels(World &world, const PulseShot &shot, const XraySettings &settings)
 {
     const View view = make_view(settings.carm, settings.size);

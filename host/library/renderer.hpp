@@ -1,4 +1,4 @@
-// Renders pictures and label images of worlds. The picture is that of the X-ray room (host/xray).
+// Renders pictures and label images of worlds. The picture is computed by the X-ray room's code (host/xray).
 #pragma once
 #include "host/library/world.hpp"
 #include "host/patient/body_poses.hpp"
@@ -9,9 +9,9 @@
 namespace crn::library
 {
 
-// Returns the settings of a view. Throws Refused.
+// Returns the X-ray settings for a view. Throws Refused.
 XraySettings xray_settings(const cournand_view &view);
-// Writes the projection of a view, by rows.
+// Writes the projection matrix of a view, row by row.
 void write_matrix(const cournand_view &view, double matrix[12]);
 
 class Renderer
@@ -25,7 +25,7 @@ class Renderer
   private:
     PulseShot shot_at(World &world);
     void draw_labels(World &world, const PulseShot &shot, const XraySettings &settings);
-    // Sets `bit` in the pixels that the frame's tools and curves meet.
+    // Sets the bit `bit` in all pixels in which rays meet the frame's tools and curves.
     void mark(const XrayFrame &frame, const View &view, std::uint8_t bit);
 
     std::shared_ptr<const Scene> scene_;

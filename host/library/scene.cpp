@@ -23,7 +23,7 @@ const XrayScene &Scene::xray() const
     return xray_;
 }
 
-// The points of a vessel are those of its branch's stretch.
+// A vessel of the map may be only a stretch of its branch; its points are those of this stretch.
 void Scene::collect_points()
 {
     for (const MappedVessel &vessel : tips_.map().vessels()) {

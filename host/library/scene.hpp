@@ -1,5 +1,5 @@
-// A scene of the API: the baked scene, its bodies and vessels. It does not change, so worlds and renderers of
-// any thread share it.
+// Holds a scene of the API: the baked scene, its bodies and its vessels. The scene does not change, so worlds
+// and renderers of any thread share it.
 #pragma once
 #include "host/library/handles.hpp"
 #include "host/model/scene_anatomy.hpp"
@@ -15,14 +15,14 @@ namespace crn::library
 class Scene
 {
   public:
-    // Throws Refused. An empty `bodies_path` names the file beside the scene.
+    // Throws Refused. If `bodies_path` is empty, the file beside the scene is used.
     Scene(const std::string &scene_path, const std::string &bodies_path);
 
     const SceneFile &file() const { return file_; }
     const SceneAnatomy &anatomy() const { return anatomy_; }
     const std::string &bodies_path() const { return bodies_path_; }
     const TipPlaces &tips() const { return tips_; }
-    // The meshes for pictures are made at the first call, because many worlds need none.
+    // The meshes for pictures are made at the first call of this function, because many worlds need none.
     const XrayScene &xray() const;
     void describe(cournand_scene_info &info) const;
     void describe(std::uint32_t vessel, cournand_vessel &description) const;

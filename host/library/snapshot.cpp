@@ -4,7 +4,7 @@
 //   hands i64 x 6 in 1e-6 counts | inflator i32 | bytes of the tick's result u32 | result of the last tick,
 //   padded | the device's snapshot (docs/wire.md)
 //
-// The check covers everything behind it. The device checks its own part once more.
+// The checksum covers all bytes behind it. In addition, the device checks its own part of the snapshot.
 #include "host/library/world.hpp"
 #include <algorithm>
 #include <bit>
@@ -19,7 +19,8 @@ constexpr std::uint32_t magic = 0x534e5243; // "CRNS"
 constexpr std::uint32_t version = 1;
 constexpr std::size_t head_bytes = 32, hands_bytes = 6 * 8 + 4 + 4;
 constexpr std::size_t state_bytes = (CRN_WIRE_BYTES_tick_state + 7u) / 8u * 8u;
-// The hands of the longest session stay within this; beyond it, sums could overflow.
+// The positions of the hands stay within this limit even in the longest session; beyond it, sums could
+// overflow.
 constexpr std::uint64_t parts_max = 4'000'000'000'000'000'000;
 constexpr std::size_t device_at = head_bytes + hands_bytes + state_bytes;
 
@@ -31,8 +32,8 @@ std::uint64_t word(const std::uint8_t *bytes)
     return value;
 }
 
-// Four lanes of multiplications keep the processor busy: a checksum of bytes would take longer than the
-// restoring.
+// Four independent chains of multiplications keep the processor busy; a checksum that is computed byte by
+// byte would take longer than restoring the snapshot.
 std::uint64_t check_of(std::span<const std::uint8_t> bytes)
 {
     constexpr std::uint64_t prime = 0x9e3779b97f4a7c15ull;

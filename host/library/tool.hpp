@@ -1,4 +1,4 @@
-// A tool of the API: an instrument as its file states it, or scaled.
+// Holds a tool of the API: an instrument as its file states it, or with scaled values.
 #pragma once
 #include "host/library/handles.hpp"
 #include "host/model/instrument.hpp"

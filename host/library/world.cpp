@@ -10,7 +10,7 @@ namespace crn::library
 namespace
 {
 
-// A device in this process answers at once; a debugger or a busy machine may still stop it for long.
+// A device in this process answers at once, but a debugger or a busy machine may stop it for a long time.
 constexpr Patience::Span patience = std::chrono::hours(24);
 
 std::uint64_t fnv(std::uint64_t hash, std::span<const std::uint8_t> bytes)

@@ -1,6 +1,6 @@
-// A world of the API: one simulated device in this process, with the tools, orders and readings of one
-// session, and its patient if there is one. The device, the link and the patient are those of `cournand run`,
-// so equal orders give equal hashes. Snapshots are in snapshot.hpp.
+// Implements a world of the API: one simulated device in this process, with the tools, orders and readings of
+// one session, and a patient if the world has one. Device, link and patient are the same code as in `cournand
+// run`, so equal orders give equal hashes. Snapshots are in snapshot.hpp.
 #pragma once
 #include "host/library/scene.hpp"
 #include "host/library/tool.hpp"
@@ -33,11 +33,11 @@ struct WorldSettings {
     std::vector<StentDesign> stents{};
 };
 
-// Holds the settings that the C struct states. Throws Refused.
+// Returns the world settings that the caller's C struct states. Throws Refused.
 WorldSettings world_settings(std::shared_ptr<const Scene> scene, std::vector<Instrument> tools,
                              const cournand_world_options *options);
 
-// Returns a number that differs between worlds whose snapshots do not fit each other.
+// Returns a number that differs between two worlds if neither can use the other's snapshots.
 std::uint64_t fingerprint(const SceneFile &scene, const std::vector<Instrument> &tools,
                           const LineNumbers &line, const crn_wire_entry &entry, const crn_wire_rig &rig);
 
@@ -87,11 +87,12 @@ class World
     const Scene &scene() const { return *settings_.scene; }
     std::size_t positions() const { return settings_.line.size(); }
     const std::vector<Instrument> &tools_on_line();
-    // What X-rays see of the tools on the line. Throws std::runtime_error if a material is unknown.
+    // Returns how the tools on the line look in X-ray pictures. Throws std::runtime_error if a material is
+    // unknown.
     const std::vector<RadiopaqueInstrument> &looks_on_line();
 
   private:
-    // Completes the input of a tick; its number counts from 0 in this call.
+    // Fills in the input of a tick; the tick's number counts from 0 within this call.
     using Fill = std::function<void(std::uint32_t, crn_wire_tick_input &)>;
     struct Source {
         const Fill &fill;
@@ -116,8 +117,8 @@ class World
     void command(const RoomCommand &command);
     Patient &need_patient();
     void record_state();
-    // Runs work with the recorder, if there is one. A recording that cannot be written ends, and the world
-    // goes on.
+    // Runs `work` with the recorder, if the world has one. If the recording cannot be written, the recording
+    // ends, and the world continues.
     template <class Work> void recording_work(Work work)
     {
         if (!recorder_) return;
@@ -140,7 +141,7 @@ class World
     bool was_commanded_ = false; // the patient has received a command
     std::string stopped_;        // why the world cannot continue; empty: it can
 
-    // Hands in 1e-6 counts since tick 0, and the inflator.
+    // Holds the positions of the hands in 1e-6 counts since tick 0, and the pressure of the inflator.
     std::int64_t push_[COURNAND_POSITIONS_MAX] = {}, turn_[COURNAND_POSITIONS_MAX] = {};
     std::int32_t inflator_kPa_ = 0;
     OrderQueue orders_;
@@ -150,7 +151,7 @@ class World
     std::optional<std::uint32_t> out_of_range_tick_;
     double wall_N_ = 0.0, wall_peak_N_ = 0.0;
 
-    // Views, valid until the next change.
+    // The following views of the world's state are valid until its next change.
     bool has_nodes_ = false, has_contacts_ = false;
     WireFrame frame_;
     LineNumbers line_now_;

@@ -1,5 +1,5 @@
-// Advances a world by new inputs or by those of a recording. The order of calls to device and patient is that
-// of `cournand run` and `cournand replay`.
+// Advances a world by new inputs or by the inputs of a recording. Device and patient are called in the same
+// order as in `cournand run` and `cournand replay`.
 #include "host/base/number_text.hpp"
 #include "host/library/world.hpp"
 #include "host/session/contact_figures.hpp"
@@ -17,7 +17,8 @@ constexpr std::int64_t parts_per_count = 1'000'000;
 constexpr std::int64_t push_step_max = 5000, turn_step_max = 16384; // counts in one tick
 constexpr double push_max_m_per_s = 1.0, turn_max_rad_per_s = 100.0;
 
-// Rounds down, so that equal steps give equal counts on both sides of zero. Counts may wrap, as encoders do.
+// Rounds down, so that equal steps give equal numbers of counts below and above zero. Counts may wrap around,
+// as those of encoders do.
 std::int32_t counts(std::int64_t parts)
 {
     const std::int64_t whole = parts / parts_per_count - (parts % parts_per_count < 0);
@@ -75,7 +76,8 @@ crn_wire_order wire_order(const cournand_order &order)
     }
 }
 
-// Faster hands than these stop the device, which takes them for a broken encoder (docs/faults.md).
+// A hand that moves faster than these limits would stop the device, which takes such a motion for a broken
+// encoder (docs/faults.md).
 void check_step(const crn_wire_hand &from, const crn_wire_hand &to)
 {
     const auto way = [](std::int32_t a, std::int32_t b) { // counts may wrap
@@ -154,7 +156,7 @@ void World::move(std::span<const float> action, std::uint32_t ticks)
     run(ticks, {fill, nullptr, false});
 }
 
-// The device judges an order in a tick of its own, which is then undone, so that a refusal changes nothing.
+// The device tries the order in a separate tick, which is then undone, so that a refusal changes nothing.
 void World::try_orders(const crn_wire_order_list &orders)
 {
     std::vector<std::uint8_t> before(SimTransport::snapshot_bytes());
@@ -209,7 +211,8 @@ void World::advance(std::span<const cournand_input> given)
                 try_orders({1, {order}});
                 continue;
             }
-            // Whether an exchange is possible is only known at its tick, and the reading says so.
+            // The core decides only at the tick of an exchange whether it is possible; the reading then
+            // contains the answer.
             require(order.exchange.position < positions() && order.exchange.tool <= settings_.tools.size(),
                     "an exchange names a position or a tool that the world does not have");
         }
@@ -356,7 +359,8 @@ void World::pass_recorded(const Recording &recording)
             patient_->command(commands[replayed_command_].tick, commands[replayed_command_].command);
 }
 
-// The device had gone away and came back at this tick, with another state.
+// In the recorded session, the device disappeared and returned at this tick with another state, which is
+// restored here.
 void World::resume_recorded(const Recording &recording)
 {
     const RecordedSnapshot *resumed = recording.resumed_at(tick());

@@ -1,4 +1,4 @@
-// Reads a world. Arrays are the world's own memory, made at the first request after a change.
+// Reads a world. The arrays are the world's own memory; they are filled at the first request after a change.
 #include "host/library/world.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
@@ -15,7 +15,7 @@ float phase(std::uint32_t phase32)
     return static_cast<float>(phase32 * 0x1p-32);
 }
 
-// The exact positions are given as an array of three numbers per node.
+// The exact positions are returned as three numbers per node.
 static_assert(sizeof(crn_wire_node_position) == 3 * sizeof(std::int32_t));
 
 } // namespace

@@ -1,4 +1,4 @@
-// Writes the recording of a world, as `cournand run` writes that of a session.
+// Writes the recording of a world in the same form as `cournand run` writes the recording of a session.
 #include "host/library/world.hpp"
 
 namespace crn::library

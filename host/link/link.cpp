@@ -57,7 +57,7 @@ void Link::send(std::uint16_t type, const crn_wire_writer &payload)
 
 // --- handshake and set-up ---
 
-// Returns true when answered. Every other frame that arrives while the host waits for the answer to HELLO,
+// Returns true when answered. While the host waits for the answer to HELLO, every other frame that arrives,
 // complete or cut, belongs to an earlier conversation.
 bool Link::ask_hello(const crn_wire_hello &hello)
 {
@@ -82,8 +82,8 @@ bool Link::ask_hello(const crn_wire_hello &hello)
 }
 
 // The message HELLO starts the conversation of host and device anew, whatever bytes were lost or cut before.
-// If the device restarted in the middle of a frame, its reply to HELLO follows half a frame and is lost; the
-// host then sends HELLO once more.
+// If the device restarted in the middle of a frame, its reply to HELLO follows an incomplete frame and is
+// lost; the host then sends HELLO once more.
 crn_wire_hello_reply Link::hello_once()
 {
     const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
@@ -301,7 +301,7 @@ void Link::say_present()
 }
 
 // Removes from the list of received ticks those that the last call returned to the caller. Ticks that arrived
-// since then, together with replies to other requests, stay in the list.
+// since the last call, together with replies to other requests, stay in the list.
 void Link::drop_given()
 {
     const auto given = static_cast<std::ptrdiff_t>(ticks_given_);

@@ -45,8 +45,8 @@ class Link
 {
   public:
     static constexpr std::size_t steps_max = CRN_WIRE_MAX_step_inputs;
-    // No correct device exceeds the following limits: how many frames it sends before an answer, how
-    // many bytes a snapshot has, and how many notices wait until the host fetches them.
+    // The following limits state how many frames a device sends before an answer, how many bytes a snapshot
+    // has, and how many notices wait until the host fetches them; no correct device exceeds them.
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
 
@@ -59,8 +59,8 @@ class Link
     // A program that has disconnected loses this control after at most 50 ms.
     crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
-    // `line` names the tool at each position by its number in the table, from 1, and 0 for a free position;
-    // if `line` is empty, the tools of the table are the line.
+    // `line` holds the number (from 1) of the tool at each position in the table, and 0 for a free position.
+    // If `line` is empty, all tools of the table are on the line.
     void load_tools(std::span<const crn_wire_instrument> tools, std::span<const std::uint8_t> line = {});
     void set_entry(const crn_wire_entry &entry);
     void set_rig(const crn_wire_rig &rig);
@@ -76,7 +76,7 @@ class Link
 
     // In the mode LOCKSTEP, step() advances the device by one tick per input. The list of ticks that step()
     // returns is valid until the next call. If a fault stops the device, step() stores the ticks that were
-    // finished and throws; tick() returns the last of these ticks.
+    // finished and then throws an exception; tick() returns the last of these ticks.
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
@@ -88,8 +88,8 @@ class Link
     void say_present();                                // one heartbeat; nothing is received
     std::vector<crn_wire_tick_state> free_run(std::uint32_t milliseconds);
     // In the mode FREE_RUN, the device carries out these commands ("orders") in the next tick that has no
-    // other commands. In the mode LOCKSTEP, such commands are part of a tick's input. `orders` must contain
-    // at least one command. Throws LinkError.
+    // other commands. In the mode LOCKSTEP, commands to the core are part of a tick's input. `orders` must
+    // contain at least one command. Throws LinkError.
     void give_orders(const crn_wire_order_list &orders);
     // The next functions return the ticks of the last call with their inputs, sensors and flags, also after
     // an exception, and the events since that call.
@@ -114,7 +114,7 @@ class Link
     crn_wire_sensors read_sensors(); // the rig's last sample
     std::vector<std::uint8_t> read_snapshot();
     void write_snapshot(std::span<const std::uint8_t> snapshot); // LOCKSTEP, armed
-    // The device was set to a snapshot of this tick without this conversation (SimTransport::put_snapshot).
+    // Tells the Link that SimTransport::put_snapshot has set the device to a snapshot of this tick.
     void continue_at(std::uint32_t tick)
     {
         tick_ = tick;

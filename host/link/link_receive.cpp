@@ -36,8 +36,8 @@ void Link::check_patience()
                   waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
 }
 
-// A device that sends without end causes an error, as a silent device does. `frames` counts down from a
-// number of frames that no correct device sends without a pause.
+// A device that sends without end causes an error in the same way as a silent device does. `frames` counts
+// down from a number of frames that no correct device sends without a pause.
 bool Link::receive_one_of(std::uint32_t &frames)
 {
     if (!receive()) return false;
@@ -195,8 +195,8 @@ void Link::file_stream()
     }
 }
 
-// Returns true if a refusal belongs to an earlier request, whose time had run out, or to a command that did
-// not reach the device as a complete frame.
+// Returns true if a refusal belongs to an earlier request whose time limit had expired, or to a command that
+// did not reach the device as a complete frame.
 bool Link::is_late_refusal() const
 {
     if (decoder_.header.type != CRN_WIRE_TYPE_reject) return false;

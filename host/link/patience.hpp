@@ -1,9 +1,9 @@
 // Limits how long a device may keep the host waiting in total, over a whole conversation. A correct device
-// answers each request within milliseconds. The part of a wait that exceeds the time `free` is subtracted
-// from the time budget, and every quick answer returns a little time to the budget. So the host gives up
-// after the same bounded time whether a device is silent, sends without answering, or answers each request
-// just before a time limit. After Ctrl-C the host waits only as long as a healthy device needs to end a
-// session cleanly.
+// answers each request within milliseconds. If a wait exceeds the time `free`, the excess is subtracted from
+// the time budget; every quick answer returns a little time to the budget. Therefore the host gives up after
+// the same bounded time whether a device is silent, sends without answering, or answers each request just
+// before a time limit. After Ctrl-C the host waits only as long as a healthy device needs to end a session
+// cleanly.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -17,9 +17,9 @@ class Patience
     using Clock = std::chrono::steady_clock;
     using Span = std::chrono::milliseconds;
     // `free` is the longest time that a correct device needs for an answer, and `free_per_tick` is the
-    // longest time that it needs for each requested tick. A rig needs 1 ms per tick. The rig's firmware in an
-    // emulator needs 3 ms per tick on a computer that also does other work. The time budget is enough for one
-    // or two checks of a scene, which are the longest single waits.
+    // longest time that it needs for each requested tick. A rig needs 1 ms for each tick. The rig's firmware
+    // in an emulator needs 3 ms per tick on a computer that also does other work. The time budget is enough
+    // for one or two checks of a scene, which are the longest single waits.
     static constexpr Span free{200}, free_per_tick{5}, budget_default{3500}, regained{2},
         after_interrupt{400};
 

@@ -1,5 +1,5 @@
-// Makes the sim port, which is the firmware compiled for the host, a Transport: the firmware runs in this
-// process, and the host reaches it through bytes only.
+// Makes the sim port, which is the firmware compiled for the host, available as a Transport: the firmware
+// runs in this process, and the host reaches it only through bytes.
 #pragma once
 #include "host/link/transport.hpp"
 #include <memory>
@@ -18,8 +18,9 @@ class SimTransport final : public Transport
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
     bool has_own_clock() const override { return false; }
-    // Copy the state of a session in LOCKSTEP, and put such a state back, in microseconds (sim.h). The Link
-    // of this device must then be told the tick (Link::continue_at). Both return false if the device refuses.
+    // The next functions copy the state of a LOCKSTEP session and restore such a copy, each within
+    // microseconds (sim.h). After a state has been restored, the Link of this device must be told the tick
+    // (Link::continue_at). The functions that copy and restore a state return false if the device refuses.
     static std::size_t snapshot_bytes();
     bool take_snapshot(std::span<std::uint8_t> bytes);
     bool put_snapshot(std::span<const std::uint8_t> bytes);

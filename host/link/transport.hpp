@@ -23,8 +23,8 @@ class Transport
     virtual void pass_time_ms(std::uint32_t milliseconds) = 0;
     // Returns the name of the device in messages to the user, such as "the rig 'RIG-0001'".
     virtual std::string name() const { return "the device"; }
-    // Returns false if the device computes only as fast as this machine allows (sim port, emulator), because
-    // a slow answer is then not the device's fault.
+    // Returns false if the device computes only as fast as this machine allows (sim port, emulator); a slow
+    // answer is then not the device's fault.
     virtual bool has_own_clock() const { return true; }
 };
 

@@ -244,8 +244,8 @@ void UsbWatch::wait_ms(std::uint32_t milliseconds)
         std::this_thread::sleep_for(std::chrono::milliseconds(std::min(milliseconds, look_again_ms)));
         return;
     }
-    // If a rig is plugged in or unplugged between two waits, the next wait ends at once. Each wait is short,
-    // so that Ctrl-C works soon.
+    // If a rig is plugged in or unplugged between two waits, the next wait ends at once. Each wait for the
+    // USB bus is short, so that Ctrl-C works soon.
     const std::uint32_t wait = std::min(milliseconds, look_again_ms);
     timeval time{0, static_cast<suseconds_t>(wait * 1000)};
     libusb_handle_events_timeout_completed(context_.get(), &time, &changed_);

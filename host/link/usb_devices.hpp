@@ -65,8 +65,8 @@ std::string usb_text(libusb_device_handle *handle, std::uint8_t index, int &erro
 // ...".
 std::string usb_trouble(int error, const std::string &what);
 
-// Detects when a rig is plugged in or unplugged. Where the operating system can, it reports such changes;
-// elsewhere this class looks for changes 5 times a second.
+// Detects when a rig is plugged in or unplugged. Where the operating system can report that a rig was plugged
+// in or unplugged, this class uses these reports; elsewhere it looks for changes 5 times a second.
 class UsbWatch
 {
   public:

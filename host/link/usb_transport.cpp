@@ -153,8 +153,8 @@ void UsbTransport::submit(Slot &slot)
 }
 
 // Submits as many USB reads as the ring buffer has space for. When the host does not read, the device must
-// wait, and no byte is lost. USB transfers finish in the order of submission, so the program may use any free
-// transfer next.
+// wait, and no byte is lost. USB transfers finish in the order in which they were submitted, so the program
+// may use any free transfer next.
 void UsbTransport::submit_reads()
 {
     const auto flying = std::count_if(reads_.begin(), reads_.end(),
@@ -263,7 +263,8 @@ void UsbTransport::throw_failure() const
     throw LinkError(usb_trouble(failure_, who));
 }
 
-// The caller waits in short slices, because a signal does not wake up a condition variable.
+// The caller waits in short periods, because a signal does not wake a thread that waits for a condition
+// variable.
 bool UsbTransport::wait(std::unique_lock<std::mutex> &hold, std::chrono::milliseconds limit,
                         const std::function<bool()> &is_done)
 {
@@ -293,8 +294,8 @@ void UsbTransport::write(std::span<const std::uint8_t> bytes)
             free = slot == writes_.end() ? nullptr : slot->get();
             return free != nullptr || failure_ != 0;
         };
-        // libusb ends each transfer after write_ms. If twice this time passes, the thread that serves libusb
-        // is not running.
+        // libusb ends each transfer after write_ms. If twice write_ms passes without a result, the thread
+        // that serves libusb is not running.
         if (!wait(hold, std::chrono::milliseconds(2 * limits_.write_ms), find))
             failure_ = LIBUSB_ERROR_TIMEOUT;
         if (failure_ != 0) throw_failure();

@@ -36,7 +36,7 @@ class UsbTransport final : public Transport
     ~UsbTransport() override;
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
-    // Sleeps. Between this call and the next write, read() returns at once with the bytes received so far,
+    // Sleeps. After this call and until the next write, read() returns the bytes received so far at once,
     // without waiting for more.
     void pass_time_ms(std::uint32_t milliseconds) override;
     std::string name() const override { return "the rig '" + serial_ + "'"; }

@@ -1,9 +1,9 @@
-// Runs a long piece of work in a thread of its own, so that the window never waits for it.
+// Runs a long piece of work in a separate thread, so that the window never waits for it.
 //
 //   BackgroundTask<Scene> task([](TaskProgress &progress) { return make_scene(progress); });
 //   if (const Scene *made = task.result()) ...      in every frame of the window
 //
-// The destructor asks the work to end, and waits for it.
+// The destructor asks the work to end, and waits until it has ended.
 #pragma once
 #include <atomic>
 #include <exception>
@@ -16,11 +16,12 @@
 namespace crn
 {
 
-// What the work tells about itself, and whether it may go on.
+// Passes the progress of the work to the window, and tells the work whether it may continue.
 class TaskProgress
 {
   public:
-    // `share` is 0 .. 1, or below 0 if it is not known. Returns false if the work must end.
+    // `share` is the completed share of the work, 0 to 1, or a negative number if it is not known. Returns
+    // false if the work must end.
     bool tell(const std::string &stage, double share)
     {
         const std::lock_guard lock(mutex_);
@@ -59,11 +60,11 @@ template <class Result> class BackgroundTask
     BackgroundTask &operator=(const BackgroundTask &) = delete;
 
     bool is_done() const { return is_done_; }
-    // Returns the result, or null before the end and after a failure.
+    // Returns the result, or null if the work has not ended yet or has failed.
     const Result *result() const { return is_done_ && result_ ? &*result_ : nullptr; }
-    // Moves the result out; only after result() was not null.
+    // Moves the result out of the task; the caller may call this only after result() was not null.
     Result take() { return std::move(*result_); }
-    // Says why there is no result; empty before the end.
+    // Returns the reason why there is no result; the text is empty until the work has ended.
     std::string trouble() const { return is_done_ ? trouble_ : std::string(); }
     const TaskProgress &progress() const { return progress_; }
     void cancel() { progress_.cancel(); }

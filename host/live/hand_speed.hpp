@@ -1,4 +1,4 @@
-// Says how fast a user wants one hand to move its tool.
+// States how fast a user wants one hand to move its tool.
 #pragma once
 #include <cstdint>
 

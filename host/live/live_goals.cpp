@@ -6,7 +6,8 @@ namespace crn
 namespace
 {
 
-// Rarer than for marks, because the residual stenosis takes milliseconds, in which the physics waits.
+// The live session checks its goals less often than the marks do, because computing the residual stenosis
+// takes milliseconds, in which the physics waits.
 constexpr std::uint32_t look_ticks = 4 * GoalWatch::look_every_ticks;
 
 } // namespace

@@ -16,10 +16,10 @@ namespace
 
 constexpr std::int32_t inflator_max_kPa = 4000; // the largest value that a device accepts (docs/wire.md)
 constexpr std::uint32_t look_every_ticks = 20;  // the window is told the shape of the tools so often
-// A hand that drags a tool by the mouse moves at most 0.2 m and 2.5 turns per second.
+// When the user drags a tool with the mouse, the hand moves at most 0.2 m and 2.5 turns per second.
 constexpr std::int32_t drag_um_per_tick = 200, drag_turn_per_tick = counts_per_turn / 400;
-// A second thread of the measuring chamber would have to wait for the threads that draw, and the physics for
-// it.
+// The measuring chamber of automatic exposure uses only one thread. A second thread would have to wait for
+// the threads that draw, and the physics would have to wait for the second thread.
 constexpr int chamber_threads = 1;
 constexpr std::int32_t drag_max_counts = 100'000; // 10 cm, or one and a half turns, may wait
 
@@ -58,7 +58,7 @@ void LiveSession::drag(std::size_t tool, std::int32_t translation_counts, std::i
         std::clamp(waiting.rotation_counts + rotation_counts, -drag_max_counts, drag_max_counts);
 }
 
-// Returns the part of a drag that one tick carries out.
+// Returns the part of a drag (a motion by the mouse) that one tick carries out.
 crn_wire_hand LiveSession::step_of_drag(crn_wire_hand &waiting)
 {
     const crn_wire_hand step = {std::clamp(waiting.translation_counts, -drag_um_per_tick, drag_um_per_tick),
@@ -99,7 +99,8 @@ void LiveSession::exchange(std::uint8_t position, std::uint8_t tool)
 void LiveSession::order(const crn_wire_order &order)
 {
     if (!choice_.free_run) return orders_.add(order);
-    // A rig that is away, or that has too many orders already, leaves this order out: the user may repeat it.
+    // If a rig has disappeared, or already has too many waiting orders, this order is not sent; the user may
+    // repeat it.
     try {
         if (fault_.empty()) device_.link().give_orders({1, {order}});
     } catch (const DeviceLost &) {
@@ -225,8 +226,8 @@ void LiveSession::stop_out_of_range()
         has_stopped_ = true;
         figures_.range.find_place(device_.link());
     } catch (const LinkError &) {
-        // If the device has disappeared in the meantime, the program cannot read where the physics left its
-        // valid range, and the recording ends at that tick.
+        // If the device has disappeared in the meantime, the program cannot read at which place the physics
+        // left its valid range, and the recording ends at that tick.
     }
 }
 
@@ -266,7 +267,7 @@ void LiveSession::record_state()
     recorder_->snapshot(link.tick(), device_.read_snapshot());
 }
 
-// Brings the patient to the present tick, and gives what happened in the X-ray room to the pictures' thread.
+// Advances the patient to the present tick, and passes the events of the X-ray room to the pictures' thread.
 void LiveSession::look()
 {
     const crn_wire_tick_input input = inputs_.empty() ? crn_wire_tick_input{} : inputs_.back();

@@ -1,7 +1,8 @@
 // Runs a session that a person controls; it has one device, one recording, one patient and the thread of its
-// pictures. An object of this class serves one session; after a reset the window makes a new object. A device
-// in the mode FREE_RUN computes ticks by its own clock, and its encoders measure the motion of the user's
-// hands. The pedals of a rig work in addition to the keys. One thread at a time may use the object.
+// pictures. An object of this class serves one session; after a reset the window makes a new object. In the
+// mode FREE_RUN, a device computes ticks by its own clock, and its encoders measure the motion of the user's
+// hands. The pedals of a rig work in addition to the pedal keys of the keyboard. Only one thread at a time
+// may use an object of this class.
 #pragma once
 #include "host/live/hand_speed.hpp"
 #include "host/live/picture_thread.hpp"
@@ -26,27 +27,29 @@ namespace crn
 class LiveSession final : private FreeRunSink
 {
   public:
-    // `tools` is the table of the session's tools, and pictures.line says which of them are on the line at
-    // the start (tool_line.hpp). `begin` holds the commands that the X-ray room receives at the start. If
-    // `record` is empty, the session is not recorded. Throws the exceptions that Device, Recorder and
-    // PictureThread throw.
+    // `tools` is the table of the session's tools, and pictures.line states which of these tools are on the
+    // line at the start (tool_line.hpp). `begin` holds the commands that the X-ray room receives at the
+    // start. If `record` is empty, the session is not recorded. Throws the exceptions that Device, Recorder
+    // and PictureThread throw.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {},
                 bool keeps_all_pictures = false);
 
     // --- what the user does; all of it is in force from the next tick on, and recorded ---
+
     // Sets the speeds of the hands, one per tool.
     void lead(std::span<const HandSpeed> speeds);
-    // Moves one hand by a distance and an angle in encoder counts, no faster than a hand can.
+    // Moves one hand by a distance and an angle in encoder counts, at most as fast as a real hand can move.
     void drag(std::size_t tool, std::int32_t translation_counts, std::int32_t rotation_counts);
-    // Sets the rate at which the inflator's pressure changes from now on; a rate of 0 keeps the pressure.
-    // If no tool on the line has a balloon, the screen shows a notice instead.
+    // Sets the rate at which the inflator's pressure changes from now on; a rate of 0 keeps the pressure. If
+    // no tool on the line has a balloon, the screen shows a notice about this instead.
     void inflate(std::int32_t kPa_per_s);
     void command(const RoomCommand &command);
     void order(const crn_wire_order &order);
-    // Exchanges the tool at a position (0: innermost) for one of the table, counted from 1; 0 takes it off
-    // the line. The patient's notice() says why an exchange was refused.
+    // Exchanges the tool at a position (0: innermost) for a tool of the table, whose numbers count from 1;
+    // number 0 takes the tool off the line. If an exchange was refused, the patient's notice() returns the
+    // reason.
     void exchange(std::uint8_t position, std::uint8_t tool);
     void note_input(SuiteClock::time_point when) { asked_ = when; } // for the delay from hand to picture
 
@@ -54,8 +57,8 @@ class LiveSession final : private FreeRunSink
     // false when the device stopped; fault() gives the reason.
     bool advance(std::uint32_t ticks);
     std::uint32_t tick() const { return choice_.free_run ? led_tick_ : done_tick_; }
-    // Calls `observer` in the thread of the session, each time that the session has looked at the tools and
-    // the patient, at least every 20 ms. The observer changes nothing.
+    // Each time the session has updated tools and patient (at least every 20 ms), it calls `observer` in its
+    // own thread. The observer changes nothing.
     using Observer = std::function<void(const SessionFrame &, Patient &)>;
     void observe(Observer observer) { observer_ = std::move(observer); }
     bool has_own_clock() const { return choice_.free_run && choice_.is_usb; }

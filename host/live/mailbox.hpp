@@ -1,5 +1,5 @@
-// Passes the newest of a series of immutable values from one thread to another. A value that nobody has taken
-// is replaced by the next one, so neither side ever waits for the other.
+// Passes the newest of a series of immutable values from one thread to another. If nobody has taken a value,
+// the next value replaces it, so neither thread ever waits for the other.
 //
 //   Mailbox<Picture> pictures;
 //   pictures.put(std::make_shared<const Picture>(...));     in the thread that makes them
@@ -20,7 +20,7 @@ template <class T> class Mailbox
         const std::lock_guard lock(mutex_);
         slot_.swap(value); // the old value is destroyed outside the lock
     }
-    // Returns the value that was put last, or null before the first one.
+    // Returns the value that was stored last, or null if no value has been stored yet.
     std::shared_ptr<const T> latest() const
     {
         const std::lock_guard lock(mutex_);

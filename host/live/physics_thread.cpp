@@ -13,8 +13,8 @@ constexpr auto publish_every = std::chrono::milliseconds(20);
 constexpr auto urgent_again_after = std::chrono::seconds(1);
 constexpr auto late_after = std::chrono::milliseconds(2);
 
-// Counts the ticks that are due, and how punctual they are. Tick n is due n ms after the begin, plus the time
-// that the session has lost.
+// Counts the ticks that are due, and measures how punctual they are. Tick n is due n ms after the beginning,
+// plus the time by which the session has fallen behind.
 class Pace
 {
   public:
@@ -38,8 +38,9 @@ class Pace
         ticks_ += count;
     }
     std::int64_t next() const { return ticks_ + 1; }
-    // Punctual threads are urgent. A session that cannot keep up with real time computes without a pause, so
-    // its thread is ordinary until a second has passed without further loss: it must not lock out the window.
+    // Punctual threads are urgent. If a session cannot keep up with real time, it computes without a pause.
+    // The session's thread then has ordinary priority until the session has kept up for a second, so that the
+    // thread does not block the window.
     void choose_urgency()
     {
         const bool should_be_urgent = SuiteClock::now() - lost_at_ > urgent_again_after;
@@ -49,7 +50,8 @@ class Pace
         figures_.urgency = is_urgent_ ? make_thread_urgent() : ThreadUrgency::ordinary;
     }
 
-    // Returns the figures for the window. The real-time factor is that of the last second.
+    // Returns the figures about the physics' pace for the window. The real-time factor is computed over the
+    // last second.
     const PaceFigures &figures()
     {
         const auto now = SuiteClock::now();
@@ -125,7 +127,7 @@ void PhysicsThread::publish(const PaceFigures &pace)
     state_.put(std::move(state));
 }
 
-// Carries out what the window has asked. Returns false if the thread must end.
+// Carries out the actions that the window has requested. Returns false if the thread must end.
 bool PhysicsThread::take_actions()
 {
     std::vector<Action> actions;

@@ -1,4 +1,4 @@
-// Advances a live session in a thread of its own, 1000 ticks a second. The window asks for actions, which
+// Advances a live session in a separate thread, 1000 ticks per second. The window requests actions, which
 // this thread carries out before its next tick, and takes copies of the state from a mailbox.
 //
 //   PhysicsThread physics(std::move(session), PhysicsPace::real_time);
@@ -36,12 +36,13 @@ class PhysicsThread
     std::shared_ptr<const MonitorPicture> live() const { return pictures_.live(); }
     std::shared_ptr<const MonitorPicture> reference() const { return pictures_.reference(); }
     void show_reference(const ReferenceChoice &choice) { pictures_.show_reference(choice); }
-    // Throws what the thread has thrown, for example because the recording's disk is full.
+    // Throws the exception with which the thread has failed, for example because the recording's disk is
+    // full.
     void check();
-    // Counted pace: carries out what was asked and so many ticks, and waits for their pictures. Throws what
-    // the session throws.
+    // In the pace `counted`, the function carries out the requested actions and then this number of ticks,
+    // and waits for the pictures of these ticks. Throws what the session throws.
     void run_ticks(std::uint32_t ticks);
-    // Ends the thread and returns the session. Throws what the session has thrown.
+    // Ends the thread and returns the session. Throws the exception with which the session has failed.
     std::unique_ptr<LiveSession> stop();
 
   private:

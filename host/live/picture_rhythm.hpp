@@ -1,6 +1,6 @@
-// Predicts when the next picture of the live monitor comes, from the times of the last two. A screen that is
-// begun shortly before a picture would show it only with the screen after, so the window waits for it
-// instead.
+// Predicts when the live monitor gets its next picture, from the times of the last two pictures. If the
+// window began to draw a screen shortly before a picture arrives, only the following screen would show this
+// picture. The window therefore waits for the picture.
 #pragma once
 #include <chrono>
 
@@ -18,8 +18,8 @@ class PictureRhythm
         period_ = when - last_;
         last_ = when;
     }
-    // Returns true if a screen that is begun now and takes this long would probably delay a picture. A
-    // picture that is late by a quarter of its period is not waited for any longer.
+    // Returns true if drawing a screen of this duration now would probably delay a picture. If a picture is
+    // late by more than a quarter of its period, the window no longer waits for it.
     bool is_picture_near(Time now, Duration screen) const
     {
         if (period_ > period_max) return false;

@@ -50,8 +50,8 @@ PictureThread::~PictureThread()
     if (thread_.joinable()) thread_.join();
 }
 
-// The pictures belong to this thread from their construction on, because an OpenGL context belongs to one
-// thread.
+// This thread makes the objects that draw pictures and uses them to the end, because an OpenGL context
+// belongs to one thread.
 void PictureThread::run(const PictureSettings &settings, const std::vector<Instrument> &tools,
                         const XrayScene &scene, const SceneAnatomy &anatomy)
 {
@@ -156,8 +156,9 @@ std::size_t PictureThread::waiting_pulses() const
     return pulses;
 }
 
-// Fluoroscopy shows the present: a pulse that waits behind another picture is left out when the next pulse
-// comes. Its events and all frames of runs stay.
+// Fluoroscopy shows the present. If an X-ray pulse is still waiting for its picture when the next pulse
+// comes, the waiting pulse is left out. The events of a pulse that is left out, and all frames of stored
+// runs, are kept.
 void PictureThread::leave_out_fluoroscopy()
 {
     for (RoomPackage &package : waiting_)
@@ -173,7 +174,7 @@ void PictureThread::give(RoomPackage package)
     if (!keeps_all_ && pulses_in(package) > 0) leave_out_fluoroscopy();
     changed_.wait(lock, [this] { return waiting_pulses() < pulses_waiting_max || failure_; });
     throw_failure();
-    // A package without events only carries the room, so the next one can replace it.
+    // A package without events contains only the state of the room, so the next package can replace it.
     if (!waiting_.empty() && waiting_.back().items.empty()) waiting_.pop_back();
     waiting_.push_back(std::move(package));
     lock.unlock();

@@ -1,10 +1,12 @@
-// Computes the pictures of a live session in a thread of its own. The physics gives packages: the events of
-// the X-ray room, a copy of what each pulse sees, and a copy of the room. The window takes finished pictures
-// from mailboxes. The thread shares nothing else with the physics, so the pictures cannot influence it.
+// Computes the pictures of a live session in a separate thread. The physics passes packages to this thread:
+// the events of the X-ray room, a copy of the data for each pulse's picture, and a copy of the room. The
+// window takes the finished pictures from mailboxes. The pictures' thread shares nothing else with the
+// physics, so the pictures cannot influence the physics.
 //
-// When the machine is too slow, pulses of fluoroscopy that wait are left out of the screen, and only the
-// newest one is drawn. The frames of cine and DSA runs are all drawn; while many of them wait, give() waits
-// too, and the session becomes slower than real time. `keeps_all` treats fluoroscopy in the same way.
+// If the machine is too slow, fluoroscopy pulses that wait for their pictures are left out, and only the
+// newest pulse is drawn. All frames of cine and DSA runs are drawn. While many frames of such runs wait,
+// give() waits too, and the session becomes slower than real time. With `keeps_all`, all pulses of
+// fluoroscopy are drawn as well.
 #pragma once
 #include "host/live/mailbox.hpp"
 #include "host/picture/room_pictures.hpp"
@@ -31,14 +33,14 @@ struct RoomPackage {
     SuiteClock::time_point asked{}; // when the user last moved a hand before this package; 0: never
 };
 
-// Says what the reference monitor shows.
+// States what the reference monitor shows.
 struct ReferenceChoice {
     enum class Kind { nothing, copy, loop, frame } kind = Kind::nothing;
     int run = 0, frame = 0;
     bool operator==(const ReferenceChoice &) const = default;
 };
 
-// One finished picture of a monitor, without text.
+// Holds one finished picture of a monitor, without text.
 struct MonitorPicture {
     int size = 0;
     std::vector<std::uint8_t> grey; // size * size pixels; empty before the first pulse
@@ -52,21 +54,22 @@ struct MonitorPicture {
 class PictureThread
 {
   public:
-    // `scene` must live longer than this object. The constructor starts the thread, and throws what
-    // RoomPictures throws. With `threads` 0 in the settings, one processor is left to the physics.
+    // `scene` must live longer than this object. The constructor starts the thread, and throws the exceptions
+    // that RoomPictures throws. If `threads` in the settings is 0, the pictures use all processors except
+    // one, which remains for the physics.
     PictureThread(const PictureSettings &settings, const std::vector<Instrument> &tools,
                   const XrayScene &scene, const SceneAnatomy &anatomy, bool keeps_all);
     ~PictureThread();
     PictureThread(const PictureThread &) = delete;
     PictureThread &operator=(const PictureThread &) = delete;
 
-    // Throws what the thread has thrown, for example when the memory is full.
+    // Throws the exception with which the thread has failed, for example because the memory is full.
     void give(RoomPackage package);
     std::shared_ptr<const MonitorPicture> live() const { return live_.latest(); }
     std::shared_ptr<const MonitorPicture> reference() const { return reference_.latest(); }
     void show_reference(const ReferenceChoice &choice);
     void wait_until_idle();
-    // Draws what still waits, and ends the thread. Afterwards pictures() may be used.
+    // Draws the pictures that still wait, and ends the thread. Afterwards pictures() may be used.
     void stop();
     RoomPictures &pictures() { return *pictures_; }
 

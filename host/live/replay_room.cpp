@@ -68,8 +68,8 @@ std::vector<ReplayMark> ReplayRoom::marks() const
     return marks;
 }
 
-// Advances a device by the recorded inputs. Where the session went on from another state after an unplugged
-// cable, the recording has that state.
+// Advances a device by the recorded inputs. If the recorded session continued from another state after its
+// cable had been unplugged, the recording contains that state.
 void ReplayRoom::step_to(Device &device, std::uint32_t tick, crn_wire_tick_state &state) const
 {
     std::vector<crn_wire_tick_input> inputs;
@@ -136,8 +136,9 @@ bool ReplayRoom::prepare(std::uint32_t count)
     return device.link().tick() < ticks();
 }
 
-// Brings the pictures' device to a tick: onwards from where it is, or from the nearest snapshot before it.
-// The last tick is always computed, because a snapshot does not contain the readings of its tick.
+// Advances the device for the pictures to a tick, either from its present tick or from the nearest snapshot
+// before the wanted tick. The last tick is always computed, because a snapshot does not contain the readings
+// of the tick at which it was taken.
 void ReplayRoom::go_to(std::uint32_t tick)
 {
     const std::uint32_t now = device_->link().tick();

@@ -1,7 +1,7 @@
-// Shows any moment of a recording from any angle of the C-arm. Each moment is computed from the last
-// snapshot before it, so a late moment takes no longer than an early one. What depends on the whole session
-// before (contrast medium, stents, the C-arm as it was) comes from a track, which another thread prepares
-// once.
+// Shows any moment of a recording from any angle of the C-arm. Each moment is computed from the last snapshot
+// before it, so a late moment takes no longer than an early one. Contrast medium, stents and the position of
+// the C-arm depend on the whole session before the moment. The replay takes medium, stents and the C-arm's
+// position from a track (a list of these states), which another thread prepares once.
 //
 //   ReplayRoom room("live.rec", "", settings);
 //   while (room.prepare(1000)) ...                        in one thread, until the track is complete
@@ -35,7 +35,7 @@ struct ReplayPicture {
     bool is_prepared = false; // the track has reached that tick, so medium and stents are in the picture
 };
 
-// A period of the session for the time line.
+// Describes a period of the session that the time line marks.
 struct ReplayMark {
     enum class Kind { fluoro, acquire, injection } kind = Kind::fluoro;
     std::uint32_t begin = 0, end = 0;
@@ -44,7 +44,8 @@ struct ReplayMark {
 class ReplayRoom
 {
   public:
-    // `scene` may be empty: the recorded path is used. Throws what the readers of the files throw.
+    // If `scene` is empty, the path in the recording is used. Throws the exceptions of the functions that
+    // read the files.
     ReplayRoom(const std::string &recording, const std::string &scene, PictureSettings settings);
     ~ReplayRoom();
 
@@ -52,10 +53,12 @@ class ReplayRoom
     const std::vector<Instrument> &tools() const { return recording_.header.tools; }
     std::vector<ReplayMark> marks() const;
 
-    // Continues the track by up to so many ticks. Returns false when it is complete. One thread at a time.
+    // Continues the track (the list of states over the session) by at most this number of ticks. Returns
+    // false when the track is complete. One thread at a time.
     bool prepare(std::uint32_t ticks);
     std::uint32_t prepared() const { return prepared_; }
-    // Computes a picture; equal questions give equal bits. One thread at a time, which may be another one.
+    // Computes a picture; equal requests give pictures that are equal bit for bit. Only one thread at a time
+    // may call picture(), but this may be another thread than the one that calls prepare().
     ReplayPicture picture(const ReplayAsk &ask);
 
     static constexpr std::uint32_t snapshot_every_ticks = 1000;

@@ -45,7 +45,7 @@ void ReplayThread::prepare()
             goes_on = room_->prepare(track_ticks);
         }
     } catch (const std::exception &) {
-        // The pictures go on without medium and stents from here, and say that they are not prepared.
+        // From here on, the pictures continue without medium and stents, and are marked as not prepared.
     }
 }
 

@@ -1,5 +1,5 @@
-// Holds a copy of everything about a session that the window shows besides pictures. The thread of the
-// physics publishes a new copy about 50 times a second, and never changes a copy that it has published.
+// Holds a copy of everything about a session that the window shows besides pictures. The physics' thread
+// publishes a new copy about 50 times a second, and never changes a published copy.
 #pragma once
 #include "host/base/thread_urgency.hpp"
 #include "host/effects/pulse.hpp"
@@ -13,7 +13,7 @@
 namespace crn
 {
 
-// Says how punctual the physics is.
+// States how punctual the physics is.
 struct PaceFigures {
     double real_time_factor = 1.0;                   // simulated seconds per second, over the last second
     std::uint64_t ticks = 0, late_ticks = 0;         // more than 2 ms after their time
@@ -27,8 +27,8 @@ struct SuiteState {
     LineNumbers line;   // the tools at the positions of the line
     SessionFrame frame; // the shape and the readings of the tools, at most 20 ms old
     double contrast_ml = 0.0, contrast_ml_s = 0.0;
-    // The pressure that 1 ml/s needs with the tools as they are now; empty: no tool can inject. The flow is
-    // laminar, so the pressure grows in proportion to it.
+    // Holds the pressure that an injection of 1 ml/s needs with the present tools; it is empty if no tool can
+    // inject. The flow is laminar, so the pressure grows in proportion to the flow.
     std::optional<double> injection_kPa_per_ml_s;
     double inflator_kPa = 0.0; // as set by the user
     crn_wire_tick_state core{};

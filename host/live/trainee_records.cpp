@@ -63,7 +63,8 @@ void add_events(const Json &assessment, SessionRecord &record)
                      [](const SessionEvent &a, const SessionEvent &b) { return a.tick < b.tick; });
 }
 
-// Gives the recording a second name in the data folder. Returns the first name if that is not possible.
+// Gives the recording a second name (a hard link) in the data folder. If the second name cannot be made,
+// returns the first name.
 std::string second_name(const std::string &recording)
 {
     const fs::path folder = data_folder() / "recordings", file = folder / fs::path(recording).filename();
@@ -175,7 +176,7 @@ StoredSession store_session(const PlayedCase &played, const RecordedScore &score
             stored.trouble = error.what();
             return stored;
         }
-        // Once the session is stored, a failure only means that no curve is shown.
+        // After the session has been stored, a failure only means that no learning curve is shown.
         stored.note += std::string(stored.note.empty() ? "" : " ") +
                        "The session is stored, but its curve cannot be shown: " + error.what();
     }

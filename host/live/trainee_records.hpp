@@ -1,5 +1,5 @@
-// Stores the sessions of cases in the records of trainees (docs/records.md), and reads best scores and curves
-// of learning for the window's screens.
+// Stores the sessions of cases in the records of trainees (docs/records.md), and reads best scores and
+// learning curves for the screens of the window.
 #pragma once
 #include "host/cases/case.hpp"
 #include "host/command/recorded_score.hpp"
@@ -12,15 +12,16 @@ namespace crn
 
 inline constexpr char guest_name[] = "guest"; // pseudonym of a trainee who gives none
 
-// Returns the pseudonym that remember_trainee() has kept in the user's state folder; empty: none.
+// Returns the pseudonym that remember_trainee() has stored in the user's state folder, or an empty text if
+// there is none.
 std::string remembered_trainee();
 void remember_trainee(const std::string &trainee); // an error of the disk is ignored
 
-// Returns the best score of this trainee in each case, by the case's name; empty if there are no records or
-// they cannot be read.
+// Returns the best score of this trainee for each case, by the case's name. The result is empty if there are
+// no records or they cannot be read.
 std::map<std::string, double> best_scores(const std::string &trainee);
 
-// Says which session is stored, and when it began.
+// States which session is stored, and when the session began.
 struct PlayedCase {
     const Case *lesson = nullptr;
     std::string trainee;    // empty: guest
@@ -33,11 +34,11 @@ struct StoredSession {
     std::string trouble; // why the session is not stored, with the remedy; empty: it is
     LearningCurve curve; // of the score, over the trainee's sessions in this case
 };
-// Returns the record of a scored session: the score is the marks of the case, the metrics are the
-// assessment's and the motion's, and the events are errors and the begins of phases.
+// Returns the record of a scored session. The score is the marks of the case, the metrics are those of the
+// assessment and of the motion, and the events are the errors and the beginnings of phases.
 SessionRecord record_of(const PlayedCase &played, const RecordedScore &score);
 // Stores the session and sends it to the server that COURNAND_RECORDS names, if it names one. The recording
-// gets a second name in the user's data folder, so that it stays when the kept recordings are tidied.
+// gets a second name in the user's data folder, so that it is not deleted with the oldest kept recordings.
 StoredSession store_session(const PlayedCase &played, const RecordedScore &score);
 
 } // namespace crn

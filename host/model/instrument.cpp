@@ -29,8 +29,8 @@ void read_head(const TomlTable &root, Instrument &instrument)
     instrument.kind = kind == "wire" ? InstrumentKind::wire : InstrumentKind::catheter;
 }
 
-// Reads the length of the real tool, and the part of a monorail catheter that runs over a wire. Only the
-// exchange of tools uses them.
+// Reads the length of the real tool, and the part of a monorail catheter that runs over a wire. The program
+// uses the length of the real tool and of its monorail part only for the exchange of tools.
 void read_whole(const TomlTable &root, InstrumentKind kind, crn_wire_instrument &wire)
 {
     if (!root.has("whole")) return;
@@ -74,9 +74,9 @@ TomlRange scaled(const TomlRange &range, double factor, NumberRange bounds)
 }
 
 // See docs/instruments.md, "vcsim3-fit". The shaft of the preset from the thesis gets Young's modulus E and
-// its radius from the thesis's table. The table does not describe the tip, so each value along the instrument
-// keeps the ratio to the shaft's value that it has in the base preset. Mass and friction also stay as in the
-// base preset.
+// its radius from the thesis's table. The thesis's table does not describe the tip, so each value along the
+// instrument keeps its ratio to the shaft's value from the base preset. The preset from the thesis also keeps
+// the mass and the friction of the base preset.
 void apply_thesis(const TomlTable &table, const ThesisRow &thesis, std::vector<Section> &sections)
 {
     const double factor = thesis.bend_stiffness_N_m2() / sections.back().bend_N_m2.to;
@@ -84,7 +84,7 @@ void apply_thesis(const TomlTable &table, const ThesisRow &thesis, std::vector<S
     for (Section &section : sections) {
         section.bend_N_m2 = scaled(section.bend_N_m2, factor, stiffness_bounds);
         section.twist_N_m2 = scaled(section.twist_N_m2, factor, stiffness_bounds);
-        // The metal core keeps its size, so the ratio of its radius to the new outer radius changes.
+        // The metal core keeps its size, so the ratio of the core's radius to the new outer radius changes.
         const double share = section.radius_outer_mm.from / radius_mm;
         for (InstrumentLayer &layer : section.layers)
             layer.radius_share = std::min(1.0, layer.radius_share * share);

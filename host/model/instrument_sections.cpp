@@ -105,8 +105,8 @@ TomlRange read_twist(const Values &values, const Section &section)
     if (key == "twist_stiffness_N_m2") return values.read(key, stiffness_bounds);
     const TomlRange ratio = values.read(key, twist_ratio_bounds);
     const TomlRange twist = {ratio.from * section.bend_N_m2.from, ratio.to * section.bend_N_m2.to};
-    // The softest tips would be softer in torsion than the core allows, so the function raises their
-    // torsional stiffness to the core's lower limit.
+    // The softest tips would be softer in torsion than the core allows. The function therefore raises the
+    // torsional stiffness of the softest tips to the core's lower limit.
     return {std::max(twist.from, stiffness_bounds.low), std::max(twist.to, stiffness_bounds.low)};
 }
 
@@ -177,7 +177,7 @@ Section read_section(const TomlTable &table, const std::optional<TomlTable> &all
 }
 
 // In [[shape]], a straight piece has a length. A bent piece of [[shape]] has an angle, and either the radius
-// of its centreline or the length over which it bends.
+// of its centreline or the length over which the piece bends.
 InstrumentArc read_arc(const TomlTable &table, double begin_m)
 {
     table.check_keys({"name", "length_mm", "radius_mm", "angle_deg", "plane_deg", "source"});

@@ -28,8 +28,8 @@ struct LesionStations {
 // come first.
 std::vector<LesionStations> lesion_stations(const crn_scene &scene);
 // Reads the stations (evenly spaced points) of all lesions that a balloon can open from the PLAQUES section
-// of a scene file. Returns an empty list when the file has no such section. When the section cannot be read,
-// the list is empty too, and `error` has a message.
+// of a scene file. Returns an empty list when the file has no PLAQUES section. When the section cannot be
+// read, the list is empty too, and `error` has a message.
 std::vector<LesionStations> read_lesion_stations(const std::string &scene_path, std::string &error);
 
 class LesionOpening

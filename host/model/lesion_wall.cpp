@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 constexpr double unmoved_m = 1e-6;
 constexpr int share_rounds = 24;
 
-// Adds each stretch of a branch that may lie nearer than the lesion to some wall inside the box. Distances
-// from a vessel are compared in radii of that vessel.
+// Adds those stretches of a branch that may be nearer to some part of the wall inside the box than the lesion
+// is. Distances from a vessel are compared in radii of that vessel.
 void add_near_stretches(const VesselBranch &branch, const Eigen::AlignedBox3d &reach_m,
                         std::vector<VesselBranch> &stretches)
 {
@@ -109,8 +109,9 @@ LesionFoot LesionWall::foot(const Vector3d &place_m) const
     return foot;
 }
 
-// Returns the fraction of the lesion's displacement that applies to a point of the wall. This fraction is 1
-// near the vessel, and 0 far from the vessel or where the point is nearer to another vessel.
+// Returns the fraction of the lesion's displacement that applies to a point of the wall. The fraction of the
+// displacement is 1 near the vessel, and 0 far from the vessel or where the point is nearer to another
+// vessel.
 double LesionWall::share_of_way(const LesionFoot &foot, const Vector3d &place_m) const
 {
     const double fade =
@@ -132,9 +133,9 @@ Vector3d LesionWall::way_m(const Vector3d &healthy_m) const
 // Finds the healthy position of a point of the wall that has moved by a known fraction s of the lesion's
 // displacement. Let v be the healthy position of the point. Let h be the point on the healthy centreline that
 // is nearest to v. The lesion moved v to x, which lies near m = h + s (c - h), and x - m has the same
-// direction across the centreline as v - h. So h is the point of the centreline where x - m is perpendicular
-// to the centreline, or a corner of the centreline where x - m is perpendicular to neither side. The healthy
-// position is then v = h + (x - m) / (1 - s (1 - left)).
+// direction across the centreline as v - h. Therefore h is either the point of the centreline at which x - m
+// is perpendicular to the centreline, or a corner of the centreline at which x - m is perpendicular to
+// neither side. The healthy position is then v = h + (x - m) / (1 - s (1 - left)).
 LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) const
 {
     Healthy healthy{narrowed_m, 0};
@@ -161,9 +162,8 @@ LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) c
     return healthy;
 }
 
-// A point of the wall that was farther from the centreline moved by a smaller fraction s of the displacement.
-// So for each narrowed position exactly one fraction s is consistent with the healthy position that it
-// implies.
+// If a point of the healthy wall was farther from the centreline, it moved by a smaller fraction s of the
+// displacement. Therefore exactly one fraction s is consistent with each narrowed position.
 bool LesionWall::healthy_of(const Vector3d &narrowed_m, Healthy &healthy) const
 {
     if (!reach_m_.contains(narrowed_m)) return false;

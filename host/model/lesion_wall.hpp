@@ -13,7 +13,7 @@ namespace crn
 {
 
 // A point of the wall moves fully with the lesion if it is at most lesion_near_radii radii from the healthy
-// centreline. Beyond lesion_far_radii radii it does not move.
+// centreline. A point that is more than lesion_far_radii radii from the healthy centreline does not move.
 constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 
 // Returns the tree of vessels as it was before disease narrowed it.
@@ -34,7 +34,7 @@ class LesionWall
     LesionWall(const VesselTree &tree, std::size_t lesion); // requires a checked tree
 
     // Returns the displacement from a point of the healthy vessel's wall to the same point of the narrowed
-    // wall. This displacement is 0 far from the lesion, and where the wall is nearer to another vessel.
+    // wall. The displacement is 0 far from the lesion, and where the wall is nearer to another vessel.
     Eigen::Vector3d way_m(const Eigen::Vector3d &healthy_m) const;
 
     struct Healthy {
@@ -42,7 +42,7 @@ class LesionWall
         double arc_m = 0; // of its foot
     };
     // Finds the position in the healthy vessel that the lesion moves to `narrowed_m`. Returns false if the
-    // lesion does not move that point.
+    // lesion does not move the point at `narrowed_m`.
     bool healthy_of(const Eigen::Vector3d &narrowed_m, Healthy &healthy) const;
 
     LesionFoot foot(const Eigen::Vector3d &place_m) const;

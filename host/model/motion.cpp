@@ -133,8 +133,8 @@ namespace
 {
 
 // Solves x = X - w(x) for the position x by fixed-point iteration, where w is the lattice's displacement. The
-// iteration converges because the displacement w changes by less than x does. Each round multiplies the error
-// by the gradient of w, which is a third in the lattice of a heart.
+// iteration converges because the displacement w changes by less than x does. Each round of the iteration
+// multiplies the error by the gradient of w, which is a third in the lattice of a heart.
 template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;
@@ -196,8 +196,8 @@ MovingPoints::MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> re
     }
 }
 
-// Returns where the displacements of all points begin, at a keyframe and in a part: 0 without breath, 1 the
-// difference that a full breath makes.
+// Returns the index at which the displacements of all points begin in the list, for a keyframe and a part.
+// Part 0 is the displacement without breath, and part 1 is the difference that a full breath makes.
 std::size_t MovingPoints::plane(std::size_t keyframe, std::size_t part) const
 {
     return (keyframe * parts() + part) * 3 * size();
@@ -227,16 +227,17 @@ Eigen::Vector3f MovingPoints::way_um(std::size_t i, const MotionWeights &weights
     return way;
 }
 
-// Returns what is added before a number is truncated, so that it is rounded half away from zero, as
-// std::lround does, without its call: a heart has 100 000 vertices. This is the largest float below 0.5, so
-// that the sum does not round up a value just below a half. Requires a size below 2^23.
+// Returns the number that must be added before a truncation, so that the result is rounded half away from
+// zero. Adding this number is faster than a call of std::lround, which matters because a heart has 100 000
+// vertices. The added number is the largest float below 0.5, so that the sum does not round up a value just
+// below a half. Requires a size below 2^23.
 static float half_of(float value)
 {
     return std::copysign(0x1.fffffep-2f, value);
 }
 
-// The numbers of all points lie one after the other in memory, so a block of a fixed count is computed with
-// vectors.
+// The numbers of all points are adjacent in memory, so the compiler can compute a block of constant size with
+// vector instructions.
 void MovingPoints::place(const MotionWeights &weights, std::span<const Eigen::Vector3i> reference_um,
                          std::span<Eigen::Vector3i> to_um) const
 {

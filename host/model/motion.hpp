@@ -1,5 +1,5 @@
-// Computes the motion of a scene's vessels in SI doubles, from the same lattice that the core evaluates in
-// fixed point (docs/heart.md).
+// Computes the motion of a scene's vessels in SI units with double precision, from the same lattice that the
+// core evaluates in fixed point (docs/heart.md).
 //
 //   const auto motion = read_motion("heart.scene", error);     // nullopt with an empty error: it does not move
 //   X = motion->pull(x, moment); x = motion->push(X, moment);
@@ -84,22 +84,22 @@ class Motion
 };
 
 // Reads the MOTION section of a scene file, which describes how vessels move. Returns no motion when the file
-// has no such section. If the section cannot be read, the function also returns no motion, and `error` has a
-// message.
+// has no MOTION section. If the section cannot be read, the function also returns no motion, and `error` has
+// a message.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
 // Holds points that move with the lattice of heart and breath. The lattice is evaluated at each point only
-// once, for all keyframes, without breath and with a full breath. After that, computing the position of a
-// point at a moment takes only a few products. Between keyframes the position follows a spline through the
-// moved positions, which is within 0.05 mm of the lattice's own map.
+// once, for all keyframes, without breath and with a full breath. After the lattice has been evaluated,
+// computing the position of a point at a moment takes only a few products. Between keyframes the position
+// follows a spline through the moved positions, which is within 0.05 mm of the lattice's own map.
 class MovingPoints
 {
   public:
     MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m);
     std::size_t size() const { return reference_m_.size(); }
     bool moves(std::size_t i) const { return moves_[i]; }
-    // Returns the displacement of point i from the reference pose, in um; the result is 0 0 0 for a point
-    // that never moves.
+    // Returns the displacement of point i from the reference pose, in um; the result is 0 for a point that
+    // never moves.
     Eigen::Vector3f way_um(std::size_t i, const MotionWeights &weights) const;
     // Writes the present positions of all points, in whole um: `reference_um` plus the rounded displacements.
     // Both lists have size() points.
@@ -118,9 +118,9 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // Holds the displacements at the keyframes 23, 0 .. 23, 0: those of all points without breath, and then
-    // the difference that a full breath makes. The points of one keyframe are adjacent in memory, because
-    // each moment needs three keyframes of all points.
+    // Holds the displacements at the keyframes 23, 0 .. 23, 0. The displacements of all points without breath
+    // come first, and then the difference that a full breath makes. The points of one keyframe are adjacent
+    // in memory, because each moment needs three keyframes of all points.
     std::vector<float> ways_um_;
 };
 

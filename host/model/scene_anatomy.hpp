@@ -24,8 +24,8 @@ struct SceneAnatomy {
 // be read, or if the bodies were not baked together with this scene.
 SceneAnatomy read_scene_anatomy(const std::string &scene_path, const std::string &bodies_path);
 
-// Returns the path of the bodies that belong to a scene: for "x.scene" it is "x.bodies". If that file does
-// not exist, the path is empty.
+// Returns the path of the bodies that belong to a scene: for "x.scene" it is "x.bodies". If the file of
+// bodies does not exist, the returned path is empty.
 std::string bodies_beside(const std::string &scene);
 
 } // namespace crn

@@ -205,8 +205,8 @@ double VesselMap::inside_m(const VesselPlace &place, const VesselPlace &start) c
     return distance_m(mouth(place.vessel, start), place);
 }
 
-// In a tree, a detour from the route to a point and back is twice as long as the distance of that point from
-// the route.
+// In a tree, a detour from the route to a point and back is twice as long as the distance from the route to
+// that point.
 VesselWay VesselMap::way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const
 {
     if (place.vessel == goal) return {0, 0, um(inside_m(place, start))};

@@ -59,8 +59,8 @@ class VesselMap
     const std::vector<MappedVessel> &vessels() const { return vessels_; }
     std::vector<std::string> names() const;
 
-    // Finds a vessel by its name, ignoring case, spaces, underscores and hyphens, and "artery" at the end,
-    // and accepting the usual long names of coronary arteries.
+    // Finds a vessel by its name. Upper and lower case, spaces, underscores, hyphens, and "artery" at the end
+    // make no difference, and the usual long names of coronary arteries are accepted.
     std::optional<std::size_t> find(std::string_view name) const;
     // Returns ", did you mean ...?" with the vessel name nearest to the given name, or else the list of all
     // vessel names.
@@ -69,9 +69,9 @@ class VesselMap
     // Returns the vessel in which a point lies, or else the nearest vessel. The map must have at least one
     // vessel.
     VesselPlace at(const Eigen::Vector3d &reference_m) const;
-    // Returns how far inside its vessel a position lies. This distance is measured from the point where the
-    // route from `start` enters the vessel: the vessel's beginning, or the origin of the branch from which
-    // the route comes.
+    // Returns how far inside a vessel a position lies. The distance inside a vessel is measured from the
+    // point where the route from `start` enters the vessel: the vessel's beginning, or the origin of the
+    // branch from which the route comes.
     double inside_m(const VesselPlace &place, const VesselPlace &start) const;
     VesselWay way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const;
     // Returns the radius of the lumen at the ostium of the goal vessel.

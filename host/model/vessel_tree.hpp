@@ -11,8 +11,8 @@
 namespace crn
 {
 
-// Names the kind of tissue that a vessel feeds, which determines when in the beat blood flows there. Files
-// contain these numbers.
+// Names the kind of tissue that a vessel supplies, which determines when in the heartbeat blood flows there.
+// Files contain these numbers.
 enum class VesselBed { systemic = 0, left_coronary = 1, right_coronary = 2 };
 
 struct VesselBranch {
@@ -62,10 +62,10 @@ VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_
 
 // Returns the distance along a branch's centreline at which the branch leaves its parent. A branch that
 // leaves the side of its parent begins where its centreline leaves the parent's lumen. A branch at the end of
-// its parent (a division) begins half of the parent's radius along its own centreline. In both cases the
-// distance is at most 0.8 of the branch's length. The blood that belongs to the branch begins at this
-// distance from the first point of its centreline, and distances from the branch's ostium are measured from
-// there. For the root branch the result is 0.
+// its parent (a division) begins half of the parent's radius along its own centreline. The returned distance
+// is at most 0.8 of the branch's length, wherever the branch begins. At the returned distance from the first
+// point of the branch's centreline, the blood that belongs to the branch begins. Distances from the branch's
+// ostium are measured from this point. For the root branch the result is 0.
 double vessel_start_m(const VesselTree &tree, std::size_t branch);
 
 // Checks what reading alone cannot guarantee: parents come before children, the points to which indices refer

@@ -23,7 +23,7 @@ void nothing_that_is_accepted_is_fast_or_goes_on_to_and_fro(void **)
 }
 
 // The device must refuse a coupling of 800 N/m at a force gain of 2, even if the host declares the rig's true
-// damping. With this setting, a carriage in a loose hand reached 0.34 m/s.
+// damping. With a coupling of 800 N/m at a force gain of 2, a carriage in a loose hand reached 0.34 m/s.
 void a_gain_of_two_on_honest_damping_is_refused(void **)
 {
     hil::SimLevel level;

@@ -137,10 +137,11 @@ class Patient
         debugger.set_program_counter(address);
         debugger.go_on();
     }
-    // Turns the processor's interrupts off and runs an endless loop, so that the device hangs. The watchdog
-    // then never interrupts the processor within the handler that runs every millisecond. The watchdog waits
-    // one minute, which is a whole number of milliseconds. The watchdog may therefore act just after a
-    // millisecond has begun, while the processor runs that millisecond's handler.
+    // Turns the processor's interrupts off and runs an endless loop, so that the device hangs. With its
+    // interrupts off, the processor cannot be in the handler that runs every millisecond when the watchdog
+    // acts. The watchdog acts one minute after the last sign of life, and a minute is a whole number of
+    // milliseconds. The watchdog may therefore act just after a millisecond has begun, while the processor
+    // runs that millisecond's handler.
     void hang()
     {
         debugger.stop();
@@ -211,8 +212,8 @@ void power_goes_with_a_hard_fault()
 }
 
 // In this test each instruction takes 1 us of emulated time. The test runs no millisecond handler and loads
-// no scenes, so the emulator needs less than a second of real time for the minute after which the watchdog
-// acts.
+// no scenes. The emulator therefore needs less than a second of real time for the minute after which the
+// watchdog acts.
 constexpr int slowest = 10;
 
 void the_watchdog_starts_a_crashed_device_again_and_it_says_why()

@@ -137,7 +137,7 @@ void what_hands_do_at_a_rig_replays_bit_for_bit(void **)
     }
 }
 
-// The rig continues for 1.5 s without the host. Then the host resumes the session from the last tick that the
+// The rig continues without the host for 1.5 s. The host then resumes the session from the last tick that the
 // host has received.
 void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
 {
@@ -154,8 +154,9 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
     }
 }
 
-// The host keeps the inputs of about free_run_kept_max ticks at most. If the host resumes a session with more
-// ticks than this number, the resumed session begins with a snapshot, which the recording contains.
+// The host keeps the inputs of at most about free_run_kept_max ticks. If the host resumes a session with more
+// than about free_run_kept_max ticks, the resumed session begins with a snapshot, which the recording
+// contains.
 void a_long_session_resumes_from_a_snapshot(void **)
 {
     Trial trial(false);

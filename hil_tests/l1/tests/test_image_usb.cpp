@@ -1,7 +1,7 @@
 // This test exercises the USB interface of the firmware image with single USB tokens. The device must
 // enumerate, accept its configuration, and answer HELLO through the pair of bulk endpoints. The device must
-// also keep its messages while the bus is suspended, and the time that it needs for USB requests must count
-// as work.
+// also keep its messages while the bus is suspended, and its clock must count the time that USB requests take
+// as working time.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

@@ -66,8 +66,8 @@ void a_device_that_never_frames_holds_no_command(void **)
     expect_good(cases, 600);
 }
 
-// In an earlier version, these lies led to exit code 0 and a false recording, because no second device
-// checked the results.
+// In an earlier version, the lies of this test led to exit code 0 and a false recording, because no second
+// device checked the results.
 void no_falsehood_is_recorded(void **)
 {
     const std::vector<std::string> lies = {"ticks.lane0 at=3 value=0",

@@ -87,7 +87,7 @@ void viscous_friction_gives_a_terminal_speed(void **)
 }
 
 // While the hand holds the tool, a motor force up to the sum of grip and bearing friction does not move the
-// roller. A force beyond this sum makes the roller slip.
+// roller. A motor force beyond the sum of grip and bearing friction makes the roller slip.
 void the_roller_slips_at_its_threshold(void **)
 {
     AxisSettings s = ideal();
@@ -142,8 +142,8 @@ void a_motor_that_sticks_on_needs_the_power_stage(void **)
     near("force without power in N", axis.motor_force(), 0.0, 1e-5);
 }
 
-// The encoder's count is floor(position / width of a count + 1/2), so the count is wrong by at most half a
-// count plus jitter.
+// The encoder's count is floor(position / width of a count + 1/2), so the position read from the count is
+// wrong by at most half a count plus jitter.
 void encoders_quantise_by_half_a_count(void **)
 {
     hil::Random random(3);

@@ -165,7 +165,7 @@ void a_recording_that_lost_its_end_is_told(void **)
 }
 
 // In free space only the wire's stiffness resists the hand, with a force of some millinewtons. The first push
-// therefore exceeds a force limit of 1 uN, whereas a pause without motion never exceeds it.
+// therefore exceeds a force limit of 1 uN, and the session must end there.
 void a_bar_that_is_much_too_low_ends_the_session_at_the_first_push(void **)
 {
     const soak::Bars bars{1.0, 1.0, 1e-6, 1e-6};
@@ -214,8 +214,8 @@ void a_verdict_keeps_its_numbers_as_a_line(void **)
 
 // --- shrinking ---
 
-// This judge reads only the script: a session counts as failed if, after an inflation, the script pushes the
-// catheter by at least 20 mm.
+// The judge of this test reads only the script: a session counts as failed if, after an inflation, the script
+// pushes the catheter by at least 20 mm.
 soak::Verdict judge_of_words(const soak::DrawnSession &session)
 {
     soak::Verdict verdict;
@@ -239,8 +239,8 @@ void a_broken_session_shrinks_to_the_statements_that_break_it(void **)
          "wait 1000 ms", "deflate at 4 bar/s"},
         {instrument("coronary_014"), instrument("balloon_3x20"), instrument("guide_jl4_6f")});
     const soak::Shrunk shrunk = soak::shrink(session, judge_of_words(session), judge_of_words);
-    // The judge's condition does not depend on the wire, so the wire is removed and the balloon becomes the
-    // innermost tool; the push of 100 mm is halved to 25 mm.
+    // The judge's condition does not depend on the wire, so shortening removes the wire, makes the balloon
+    // the innermost tool, and halves the push of 100 mm to 25 mm.
     assert_string_equal(soak::script_of(shrunk.session).c_str(),
                         "inflate to 1 bar at 10 bar/s\nadvance wire 25 mm at 50 mm/s\n");
     assert_string_equal(soak::tools_of(shrunk.session).c_str(), "balloon_3x20 + guide_jl4_6f");

@@ -1,7 +1,7 @@
 // Tests sessions with several tools. If the device refuses a tool, the error message must contain the tool's
-// name from its instrument file. A session with three tools replays bit for bit. The X-ray picture shows each
-// tool only along that tool's own length, with its own layers and lumen. The report has an entry for every
-// tool.
+// name as its instrument file gives it. A session with three tools replays bit for bit. The X-ray picture
+// shows each tool only along that tool's own length, with its own layers and lumen. The report has an entry
+// for every tool.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -26,7 +26,7 @@
 #include "host/session/run.hpp"
 #include "host/xray/xray.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -187,8 +187,9 @@ void a_changed_input_of_any_tool_is_found(void **)
 
 // --- the line as the picture sees it ---
 
-// The nested tools have different lengths. Every tool's tip must lie at its own arc length along the nested
-// tools. At each point the radius of the nested tools must be that of the outermost tool at this point.
+// The nested tools have different lengths. The tip of every tool must lie at its own arc length along the
+// nested tools. At each point the radius of the nested tools must be that of the outermost tool at this
+// point.
 void each_tool_covers_the_line_from_its_own_tip(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -207,8 +208,8 @@ void each_tool_covers_the_line_from_its_own_tip(void **)
     }
 }
 
-// Makes a straight set of three nested tools along x, 200 mm above the table. This set has nodes every 4 mm,
-// and the tips of the tools lie between nodes.
+// Makes a straight set of three nested tools along x, 200 mm above the table. The three nested tools have
+// nodes every 4 mm, and the tips of the tools lie between nodes.
 crn::WireFrame line_frame()
 {
     crn::WireFrame wire;
@@ -227,8 +228,8 @@ crn::XraySettings close_view()
     return settings;
 }
 
-// Returns the volume of one material in the picture, mm^3. The function sums the path lengths in this
-// material over all pixels, with the magnification of the plane through the isocentre.
+// Returns the volume of one material in the picture, in mm^3. The function adds the path lengths in this
+// material over all pixels, and uses the magnification of the plane through the isocentre.
 double volume_mm3(const std::vector<crn::RadiopaqueInstrument> &tools, const crn::WireFrame &wire,
                   crn::Material material)
 {
@@ -252,7 +253,8 @@ void expect_volume(const char *what, double value_mm3, double expected_mm3)
 
 // The three tools have three different materials, so that the test can find every tool in the picture. Every
 // tool must show the volume of its own length and cross-section, from its own tip (between two nodes) to the
-// end of the nested tools. The arc lengths of a tool's layers count from its own tip, and its lumen is empty.
+// end of the nested tools. The arc lengths of a tool's layers are measured from the tool's own tip, and the
+// tool's lumen is empty.
 void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
 {
     const double pi = std::acos(-1.0);
@@ -290,8 +292,8 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
         largest = std::max(largest, here);
         if (y == 255 || y == 256) middle = std::max(middle, here);
     }
-    // This path in the wall is 2 (2 - 1.2) = 1.6 mm long in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside
-    // the lumen.
+    // The path in the tool's wall is 2 (2 - 1.2) = 1.6 mm long in the middle of the tool, and 2 sqrt(4 -
+    // 1.44) = 3.2 mm beside the lumen.
     assert_in_range(middle, 1540, 1740);
     assert_in_range(largest, 2900, 3300);
 }

@@ -1,8 +1,8 @@
-"""Plays an angioplasty with the hands of experts and of novices (`cournand run --hands`), for tests that compare the
+"""Plays an angioplasty with simulated hands of experts and novices (`cournand run --hands`), for tests that compare the
 two groups with published studies.
 
-The scene is a straight artery of 3 mm with a side branch and a lesion, because it is simulated quickly. All people
-play the same script; hands, feet and eyes differ by `host/script/hand_model.cpp`.
+The scene is a straight artery of 3 mm with a side branch and a lesion, which can be simulated quickly. All simulated
+people play the same script; the model `host/script/hand_model.cpp` makes their hands, feet and eyes differ.
 """
 
 import json
@@ -149,7 +149,7 @@ def figures(report):
 
 
 def group(folder, scene, skill, seeds):
-    """Plays the script once per seed and returns a list of values per figure."""
+    """Plays the script once for each seed and returns, for each measure, a list with one value per seed."""
     people = [figures(play(folder, scene, skill, seed)) for seed in seeds]
     return {name: [person[name] for person in people] for name in people[0]}
 
@@ -159,13 +159,15 @@ def median_ratio(novices, experts, name):
 
 
 def auc(larger, smaller):
-    """Returns the chance that a value of the first list is larger than one of the second; ties count half."""
+    """Returns the probability that a value of the first list is larger than a value of the second list; equal values
+    count half."""
     wins = sum((a > b) + 0.5 * (a == b) for a in larger for b in smaller)
     return wins / (len(larger) * len(smaller))
 
 
 def mann_whitney_p(a, b):
-    """Returns the two-sided p of the Mann-Whitney test by its normal approximation with the correction for ties."""
+    """Returns the two-sided p value of the Mann-Whitney test, by its normal approximation with the correction for
+    ties."""
     values = sorted(a + b)
     n, ties = len(values), [values.count(value) for value in set(values)]
     spread = len(a) * len(b) / 12.0 * (n + 1 - sum(t**3 - t for t in ties) / (n * (n - 1)))

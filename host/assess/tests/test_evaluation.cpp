@@ -1,5 +1,5 @@
-// Tests how errors, phases and the score come from the moments of a session. The sessions are written by
-// hand, moment by moment, so that every expected tick is known.
+// Tests how errors, phases and the score are computed from the moments of a session. The test writes the
+// sessions moment by moment, so every expected tick is known.
 #include "host/assess/assessment.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -17,7 +17,7 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-// A session of 10 s with one wire and one straight vessel; `change` fills in what happens.
+// Returns a session of 10 s with one wire and one straight vessel; `change` sets what happens at each moment.
 crn::SessionLog session(const std::function<void(double s, crn::SessionMoment &)> &change)
 {
     crn::SessionLog log;
@@ -124,9 +124,9 @@ void an_unknown_vessel_is_refused_with_a_suggestion(void **)
     }
 }
 
-// A wire that follows inside a catheter is out of sight only if the tip of the catheter is: from 2 s on, the
-// wire moves below the picture. The catheter's tip is ahead of it in the picture, then ahead of it below the
-// picture, then in the picture but behind it.
+// A wire that follows inside a catheter counts as out of sight only if the catheter's tip is out of sight. In
+// this test the wire moves below the edge of the picture from 2 s on. In the three cases, the catheter's tip
+// is ahead of the wire and visible, ahead of the wire and not visible, or visible but behind the wire's tip.
 void a_wire_inside_a_catheter_is_watched_by_the_catheters_tip(void **)
 {
     const auto errors = [](bool has_catheter, bool is_catheter_shown, double ahead_mm) {
@@ -150,7 +150,8 @@ void a_wire_inside_a_catheter_is_watched_by_the_catheters_tip(void **)
     assert_int_equal(errors(false, true, 30.0), 1); // without a catheter, the rule is that of the wire
 }
 
-// The transducer decides, not the geometry: the pressure is damped from 2 s to 4 s.
+// The pressure transducer, not the geometry, decides whether the pressure is damped; here it is damped from 2
+// s to 4 s.
 void an_injection_while_the_pressure_is_damped_is_found(void **)
 {
     crn::SessionLog log = session([](double s, crn::SessionMoment &moment) {
@@ -165,7 +166,7 @@ void an_injection_while_the_pressure_is_damped_is_found(void **)
     assert_in_range(found.errors[0].begin_tick, 3000, 3016);
 }
 
-// Two injections come while the lumen may hold air; the second lasts.
+// The test makes two injections while the lumen may contain air; the second injection continues to the end.
 void each_injection_without_aspiration_is_one_error(void **)
 {
     crn::SessionLog log = session([](double s, crn::SessionMoment &moment) {
@@ -179,7 +180,7 @@ void each_injection_without_aspiration_is_one_error(void **)
     assert_in_range(found.errors[1].begin_tick, 5000, 5016);
 }
 
-// The wire is off the line from 2 s to 6 s; the other tool moves from 4 s on.
+// From 2 s to 6 s no wire is on the line (nested in the vessels); the other tool moves from 4 s on.
 void a_move_while_no_wire_is_on_the_line_is_found(void **)
 {
     const crn::SessionLog log = session([](double s, crn::SessionMoment &moment) {
@@ -193,7 +194,8 @@ void a_move_while_no_wire_is_on_the_line_is_found(void **)
     assert_in_range(found.errors[0].end_tick, 5968, 6000);
 }
 
-// The hand pushes 40 mm in 4 s; the tip stops after 20 mm. The rule notices it 15 mm later.
+// The hand pushes 40 mm in 4 s; the tip stops after 20 mm. The rule detects the fixed tip after 15 mm of
+// further pushing.
 void a_push_against_a_fixed_tip_is_found(void **)
 {
     const crn::SessionLog log = session([](double s, crn::SessionMoment &moment) {
@@ -241,7 +243,8 @@ void the_score_is_the_mean_of_its_parts_by_weight(void **)
     const crn::SessionLog log =
         session([](double s, crn::SessionMoment &moment) { moment.is_xray_on = s < 4.0 || s > 6.0; });
     crn::AssessPlan plan = plan_with("not x-ray on", 0.5, 1.0, crn::Severity::serious);
-    // Errors 50 * (1 - 4/40), burden 10 of 10; without phases and lesions the other parts do not apply.
+    // Errors give 50 * (1 - 4/40) marks, and burden gives 10 of 10; without phases and lesions in the
+    // session, the other parts of the score do not apply.
     assert_float_equal(percent(plan, log), 100.0 * (45.0 + 10.0) / 60.0, 1e-9);
     plan.phases.push_back({"one", "One", {}, condition("injecting"), 1.0, {}});
     assert_float_equal(percent(plan, log), 100.0 * (45.0 + 0.0 + 10.0) / 80.0, 1e-9);
@@ -257,7 +260,7 @@ void a_life_threatening_error_limits_the_score(void **)
     assert_float_equal(percent(plan, log), 60.0, 0.0);
 }
 
-// The same motion in half of the time loses no marks, and in twice the time neither.
+// The score must be the same if the same motion takes half of the time or twice the time.
 void speed_alone_costs_no_marks(void **)
 {
     const auto at = [](double speed) {

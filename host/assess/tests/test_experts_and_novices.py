@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Tests that the assessment separates experts from novices in the direction and the order of size that studies
-published, with 20 scripted experts and 20 scripted novices. The bars are a third and three times the published
-difference; residual stenosis must not separate. test_few_experts_and_novices.py is a small sample of it.
+"""Tests that the assessment separates 20 scripted experts from 20 scripted novices. The differences must have the
+direction and the order of magnitude that studies published. A measured difference must lie between a third and three
+times the published difference; the residual stenosis of the two groups must not differ. test_few_experts_and_novices.py
+runs a small sample of this test.
 
-Sources: Crossley et al., J NeuroIntervent Surg 2019;11:775 (thrombectomy on a simulator: experts 19 % faster, 42 %
-fewer errors, 40 % more phases, 20 % more steps); carotid stenting on a simulator, Acta Radiol 2008 (novices 8.7 min
-more fluoroscopy; residual stenosis alike), scaled by the 11.2 min of fluoroscopy of PMC7400356; Rolls et al.,
-EuroIntervention (path of the tip in the picture 3,836 px of experts against 10,556 px).
+Crossley et al., J NeuroIntervent Surg 2019;11:775, studied thrombectomy on a simulator: experts were 19 % faster and
+had 42 % fewer errors, 40 % more phases and 20 % more steps than novices. In carotid stenting on a simulator (Acta
+Radiol 2008), novices needed 8.7 min more fluoroscopy, and the residual stenosis was alike; the test divides the 8.7 min
+by the 11.2 min of fluoroscopy of PMC7400356. In Rolls et al., EuroIntervention, the path of the tip in the picture was
+3,836 px long for experts and 10,556 px for novices.
 """
 
 import os
@@ -18,7 +20,7 @@ import people  # noqa: E402
 
 
 def compare(count, checks_spread):
-    """Plays the sessions of both groups and prints a line of TAP per claim."""
+    """Plays the sessions of both groups and prints a TAP line for each claim."""
     results = []
 
     def claim(name, is_true, text):

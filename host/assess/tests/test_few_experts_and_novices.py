@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Tests with two scripted experts and two scripted novices that errors, fluoroscopy, time and the path of the tip
-differ as test_experts_and_novices.py states with its sources; that test has 20 people in each group."""
+differ between the groups. The sources are in test_experts_and_novices.py, which has 20 people in each group."""
 
 import os
 import sys

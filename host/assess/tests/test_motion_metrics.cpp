@@ -1,5 +1,5 @@
-// Tests the figures of motion: smoothness against the check values of the authors' programs, the split of a
-// motion at its pauses, submovements, and path lengths that ignore a trembling point.
+// Tests the measures of motion: smoothness against the published check values of the authors' programs, the
+// split of a motion at its pauses, submovements, and path lengths that ignore a trembling point.
 #include "host/assess/motion_metrics.hpp"
 #include "host/assess/session_log.hpp"
 #include <cmath>
@@ -23,13 +23,13 @@ std::vector<double> bell(double narrowness, double centre_s = 0.0)
     return speed;
 }
 
-// The authors' program states this value for exp(-5 t^2), t from -1 to 1 s at 100 Hz.
+// For exp(-5 t^2), with t from -1 to 1 s at 100 Hz, the program of SPARC's authors gives this value.
 void sparc_has_its_published_check_value(void **)
 {
     assert_float_equal(crn::sparc(bell(5.0), 100.0), -1.41403, 5e-6);
 }
 
-// The same program states -5.81636 for the logarithmic dimensionless jerk.
+// For the same function, the program of SPARC's authors gives -5.81636 as the logarithmic dimensionless jerk.
 void ldlj_has_its_published_check_value(void **)
 {
     assert_float_equal(crn::ldlj(bell(5.0), 100.0), -5.81636, 5e-6);
@@ -97,8 +97,8 @@ void a_trembling_tip_has_no_path(void **)
     assert_float_equal(path.length(), 100.0, 2.0);
 }
 
-// A hand pushes 60 mm in 2 s, rests, and pulls 60 mm back; the tip follows it. The path in the picture counts
-// only while the X-ray is on.
+// A hand pushes 60 mm in 2 s, rests, and pulls 60 mm back; the tip follows the hand. The path in the picture
+// counts only while the X-ray is on.
 void a_tool_has_the_path_of_its_hand_and_its_tip(void **)
 {
     crn::SessionLog log;

@@ -1,5 +1,6 @@
-// Tests that the observer of an assessment follows the tools on the line. A session may have more tools than
-// positions, and every moment has one entry per position.
+// Tests that the observer of an assessment follows which tools are on the line (nested in the vessels). A
+// session may have more tools than there are positions on the line, and every moment has one entry for each
+// position.
 #include "host/assess/observer.hpp"
 #include "host/session/run.hpp"
 #include <csetjmp>
@@ -7,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -15,7 +16,7 @@ extern "C" {
 namespace
 {
 
-// The order of the table is not that of the line.
+// The table lists the tools in another order than they have on the line.
 const std::vector<std::string> &names()
 {
     static const std::vector<std::string> list = {"balloon_3x20", "guide_jl4_6f", "terumo_4f", "coronary_014",

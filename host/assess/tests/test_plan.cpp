@@ -154,7 +154,7 @@ void a_plan_with_a_mistake_is_refused_with_its_line(void **)
         "did you mean 'kap_Gy_cm2'"));
     assert_non_null(
         std::strstr(plan_message("format = 1\nname = \"none\"\n").c_str(), "neither phases nor errors"));
-    // An error without a source is refused: every limit has to say where it comes from.
+    // A handling error without a source is refused, because every limit in a plan must name its source.
     assert_non_null(
         std::strstr(plan_message("format = 1\nname = \"n\"\n[[error]]\nname = \"a\"\nwhen = \"injecting\"\n"
                                  "severity = \"serious\"\n")
@@ -178,7 +178,7 @@ void every_shipped_plan_is_read_and_every_limit_has_a_source(void **)
     assert_true(count >= 2);
 }
 
-// The file of a case names a shipped plan and adds to it.
+// The file of a case names a shipped plan and extends it.
 void a_case_names_a_plan_its_vessels_and_what_differs(void **)
 {
     const std::string path =

@@ -1,5 +1,5 @@
-// Tests that files are found by their names: the user's own before those that come with the program, with a
-// suggestion for a misspelt name, and that a path stays what it is.
+// Tests that files are found by their names. The user's own files come before those that ship with the
+// program, a misspelt name gets a suggestion, and a path is not changed.
 #include "host/base/examples.hpp"
 #include "host/base/tests/folder.hpp"
 #include <csetjmp>
@@ -27,7 +27,7 @@ std::string error_for(const ExampleKind &kind, const std::string &word)
     }
 }
 
-// The user's own files lie in a folder of this test.
+// In this test the user's own files are in the test's folder.
 struct Own {
     Own() { setenv("XDG_DATA_HOME", files.path.c_str(), 1); }
     ~Own() { unsetenv("XDG_DATA_HOME"); }
@@ -68,7 +68,7 @@ static void a_users_own_file_comes_first(void **)
 
 static void a_relative_data_folder_is_ignored(void **)
 {
-    // XDG Base Directory Specification: a relative path is invalid, and the program ignores it.
+    // By the XDG Base Directory Specification a relative path is invalid, and the program ignores it.
     setenv("XDG_DATA_HOME", "shared", 1);
     for (const std::filesystem::path &folder : example_folders(instrument_files))
         if (folder.string().starts_with("shared/cournand")) fail_msg("%s", folder.c_str());

@@ -1,6 +1,6 @@
-// These tests check the following. The first Ctrl-C or SIGTERM only sets a flag. The second signal removes
-// pending files and ends the program, even where the parent process had blocked or ignored the signal. All
-// programs of this repository use the same helper (host/base/interrupt) for these signals.
+// These tests check the following. The first Ctrl-C or SIGTERM only sets a flag. The second signal must
+// remove pending files and end the program, even if the parent process had blocked or ignored this signal.
+// All programs of this repository use the functions of host/base/interrupt for Ctrl-C and SIGTERM.
 #include <csetjmp>
 #include <csignal>
 #include <cstdarg>
@@ -105,8 +105,8 @@ void no_program_has_a_handler_of_its_own(void **)
                  {"signal(SIGINT", "signal(SIGTERM", "sigaction(SIGINT", "sigaction(SIGTERM"}) {
                 for (std::size_t at = text.find(taken); at != std::string::npos;
                      at = text.find(taken, at + 1)) {
-                    // A line of code that restores the default action, or ignores the signal for the leader
-                    // of the process group, does not count as a handler.
+                    // A line of code that restores the default action or ignores the signal does not count as
+                    // a handler.
                     const std::string line = text.substr(at, text.find('\n', at) - at);
                     if (line.find("SIG_DFL") == std::string::npos &&
                         line.find("SIG_IGN") == std::string::npos)

@@ -1,7 +1,7 @@
-// These tests check the following. A file name never refers to half a file. The new file appears under its
-// name only when it is complete, and the previous file stays until then. Errors and signals leave no pending
-// file behind. The bytes of a file reach the disk before its name does. To check the order of flush and
-// rename, the test replaces fsync and rename by functions that log their calls.
+// These tests check the following. A file name never refers to an incomplete file. The new file appears under
+// its name only when it is complete, and the previous file keeps the name until then. Errors and signals
+// leave no pending file behind. The bytes of a file reach the disk before its final name does. To check the
+// order of flush and rename, the test replaces fsync and rename by functions that log their calls.
 #include "host/base/pending_file.hpp"
 #include "host/base/tests/folder.hpp"
 #include <cerrno>
@@ -214,7 +214,7 @@ static void a_signal_leaves_the_files_that_are_whole(void **)
 }
 
 // In this test another user of the folder has created a link under a name that can be guessed. The program
-// must neither follow this link nor empty the file to which it points.
+// must neither follow the other user's link nor empty the file to which the link points.
 static void a_planted_link_is_not_followed(void **)
 {
     Folder folder;

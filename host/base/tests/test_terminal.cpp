@@ -1,6 +1,6 @@
-// These tests check the following. Text from files is printed on a terminal as visible letters only.
-// Characters that would move the cursor, change the writing direction or end a line are shown as \xNN; text
-// in any language stays as it is.
+// These tests check the following. When the program prints text from files on a terminal, it prints only
+// visible letters. Characters that would move the cursor, change the writing direction or end a line are
+// shown as \xNN; all other letters of any language are not changed.
 #include "host/base/terminal.hpp"
 #include <csetjmp>
 #include <cstdarg>

@@ -1,5 +1,5 @@
-// An urgent thread is scheduled before threads that compute, as far as its user may ask for this. What such a
-// thread starts is ordinary.
+// The kernel schedules an urgent thread before threads that compute, as far as the user's rights permit this.
+// Threads and processes that an urgent thread starts have ordinary scheduling.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

@@ -1,6 +1,6 @@
-// These tests check the following. A text whose parser would recurse too deeply is refused, with line and
-// column, before it is parsed. Every text within the limits is parsed, traversed and destroyed without a deep
-// stack.
+// These tests check the following. The reader refuses a text whose parser would recurse too deeply, before it
+// parses the text, and names line and column. A text within the limits must be parsed, traversed and
+// destroyed without a deep stack.
 #include "host/base/toml.hpp"
 
 #include <csetjmp>
@@ -49,7 +49,8 @@ void brackets_without_end_are_refused(void **)
 {
     begins_with(refusal("a = " + std::string(1000000, '[')), "1:37 over 32 brackets");
     begins_with(refusal("a = " + repeated("{b = ", 100000)), "1:");
-    // Of five quotes in a row, three end the string, so the text that follows is outside the string.
+    // If five quotation marks end a string, the last three of them close it, so the text that follows is
+    // outside the string.
     begins_with(refusal("a = [\"\"\"x\"\"\"\"\", " + std::string(1000, '[')), "1:");
 }
 
@@ -82,9 +83,9 @@ void the_deepest_text_that_is_allowed_is_read(void **)
     assert_int_equal(depth, 32 + 32 * 32);
 }
 
-// To find out whether a letter outside ASCII is white space, the library toml++ looks it up in a table. This
-// look-up was undefined behaviour, which ended the sanitized program for most such letters
-// (host/base/toml.hpp).
+// To find out whether a letter outside ASCII is white space, the library toml++ looks it up in a table. In an
+// earlier version, such a look-up was undefined behaviour for most of these letters, and a sanitizer ended
+// the program (host/base/toml.hpp).
 void a_letter_outside_ascii_is_no_blank(void **)
 {
     begins_with(refusal("\xEF\xBB\x9F\x07"), "1:1 ");

@@ -1,7 +1,7 @@
-// Tests that a case file is read with all its parts, and that each mistake of a teacher is refused with file
-// and line. A goal that must be reached once stays reached, and counts only after the earlier goals of its
-// kind; a goal of the end is judged by the last look. The marks between the two values of a limit fall in
-// proportion.
+// Tests that a case file is read with all its parts, and that each mistake is refused with file and line. A
+// goal that must be reached once stays reached, and counts only after the earlier goals of this kind; the
+// last look judges a goal that must hold at the end. Between the two values of a limit, the marks fall in
+// proportion to the measured value.
 #include "host/cases/check.hpp"
 #include "host/cases/goals.hpp"
 #include "host/cases/measures.hpp"
@@ -50,7 +50,7 @@ void write(const fs::path &path, const std::string &text)
     std::ofstream(path) << text;
 }
 
-// Writes the template as a case, with one piece of its text changed, and returns its path.
+// Writes the template as a case with one changed piece of text, and returns the path of the case.
 std::string template_case(const std::string &old = "", const std::string &changed = "")
 {
     std::string text = crn::case_template("a");
@@ -86,7 +86,7 @@ struct Mistake {
     const char *old, *changed, *said; // `said` is part of the message
 };
 
-// Each mistake is found with the file and the line on which it stands.
+// For each mistake in a case file, the check must name the file and the line of the mistake.
 void each_mistake_is_refused_with_its_line(void **)
 {
     const std::vector<Mistake> mistakes = {
@@ -127,8 +127,8 @@ void each_mistake_is_refused_with_its_line(void **)
         const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
         const int line = line_of(text, mistake.changed);
         const bool has_line = faults[0].find(path + ":" + std::to_string(line) + ":") != std::string::npos;
-        // Faults of the stents are told at the start's tools, and those of a key that is missing at its
-        // table.
+        // A fault of a stent is reported at the line of the start's tools, and a missing key is reported at
+        // the line of its table.
         const bool is_elsewhere = faults[0].find("balloon") != std::string::npos ||
                                   faults[0].find("is only") != std::string::npos ||
                                   faults[0].find("lengths for") != std::string::npos;
@@ -148,7 +148,7 @@ void a_mistake_in_a_script_is_told_at_the_script(void **)
     assert_int_equal(faults.size(), 3);
 }
 
-// Writes a case with five tools on the table, of which two are on the line beside a free position.
+// Writes a case with five offered tools, of which two are on the line at the start, beside a free position.
 std::string exchange_case(const std::string &expert)
 {
     std::string text = crn::case_template("a");
@@ -186,7 +186,7 @@ void a_case_may_have_more_tools_than_the_line(void **)
     assert_int_equal(session.inserted_um[2], 5000);
 }
 
-// A script is looked at with the tools that are on the line by then.
+// The check judges each statement of a script with the tools that are on the line at that statement.
 void a_mistake_about_the_line_is_told_at_its_statement(void **)
 {
     const std::vector<Mistake> mistakes = {
@@ -210,7 +210,7 @@ void a_mistake_about_the_line_is_told_at_its_statement(void **)
     }
 }
 
-// A free position has no length.
+// A free position on the line has no inserted length.
 void a_length_at_a_free_position_is_refused(void **)
 {
     const std::string path = exchange_case(exchanges);
@@ -296,15 +296,16 @@ void a_goal_without_its_vessel_is_refused(void **)
     }
 }
 
-// An observer that expects no frame for a long time.
+// Simulates an observer that expects no frame for a long time.
 struct Counter final : crn::FrameSink {
     int frames = 0;
     std::uint32_t next_tick() const override { return 100000; }
     void frame(const crn::SessionFrame &) override { ++frames; }
 };
 
-// Pictures read the events of the room at the patient's last look, so a frame that they do not get is a pulse
-// without a picture. The cine runs of the first cases lacked all their frames.
+// The observer that makes pictures reads the X-ray events of the patient's last update. If this observer does
+// not get a frame, an X-ray pulse has no picture. The first version of the cases lost such frames, so their
+// cine runs had no pictures.
 void pictures_get_every_frame_that_the_goals_ask_for(void **)
 {
     const crn::TipPlaces tips(tube(), {});
@@ -320,7 +321,8 @@ void pictures_get_every_frame_that_the_goals_ask_for(void **)
     assert_int_equal(pictures.frames, 20);
 }
 
-// Half of the way between the two values gives half of the marks, in both directions.
+// A value in the middle between `full_at` and `none_at` must earn half of the marks, whichever of the two is
+// larger.
 void marks_fall_in_proportion_between_the_values_of_a_limit(void **)
 {
     const Json report = Json::parse(R"({"ticks": 180000, "tools": [{"handle_force_max_N": 2.0}],
@@ -342,7 +344,7 @@ void marks_fall_in_proportion_between_the_values_of_a_limit(void **)
     assert_false(entry["is_reached"].get<bool>());
 }
 
-// The key of a scene changes with the lesion's text, and with nothing else of the case.
+// The key of a scene must change if the lesion's text changes, but not if any other part of the case changes.
 void a_changed_lesion_is_another_scene(void **)
 {
     const std::string lesion = (folder / "l.toml").string();
@@ -357,7 +359,7 @@ void a_changed_lesion_is_another_scene(void **)
     assert_string_not_equal(crn::recipe_key(recipe).c_str(), first.c_str());
 }
 
-// The key changes with a mesh that the scene's text names, although that text stays the same.
+// The key must change if a mesh that the scene's text names has changed, although that text has not.
 void a_changed_mesh_is_another_scene(void **)
 {
     crn::Recipe recipe;

@@ -1,5 +1,6 @@
-// Tests the command line that all programs share, on a small table of commands: mistyped words are named with
-// a suggestion, completion offers what may follow, and help, man pages and scripts come from the same table.
+// Tests the command line that all programs share, with a small table of commands. Mistyped words get a
+// suggestion, completion offers the words that may follow, and help, man pages and scripts come from the same
+// table.
 #include "host/base/command_values.hpp"
 #include "host/cli/complete.hpp"
 #include "host/cli/generate.hpp"
@@ -19,7 +20,7 @@ using namespace crn;
 namespace
 {
 
-// A program with two commands, one of which has two subcommands.
+// Makes a program with two commands, one of which has two subcommands.
 struct Program {
     Program()
     {

@@ -1,5 +1,5 @@
-// Tests the score of a recording whose tools were exchanged: its report names the tools that are on the line
-// at the end, as the report of the session itself does.
+// Tests the score of a recording in which tools were exchanged. The report must name the tools that are on
+// the line at the end, as the session's own report does.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -13,7 +13,7 @@
 #include "host/command/recorded_score.hpp"
 #include "host/session/run.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

@@ -1,6 +1,6 @@
 // These tests check the following. An X-ray run becomes a valid DICOM file. DCMTK reads the file back pixel
 // for pixel. dciodvfy and dctopnm accept the file; both are from dicom3tools, which shares no code with
-// DCMTK. The attributes equal the inputs, and a failure never leaves half a file.
+// DCMTK. The attributes equal the inputs, and a failure never leaves an incomplete file.
 #include "host/base/tests/folder.hpp"
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/tests/xray_runs.hpp"
@@ -282,7 +282,7 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
 }
 
 // DICOM counts rows and columns from 1, and the attributes of the collimator name the last row or column that
-// each blade covers. So columns 2 to 63 and rows 3 to 62 of the picture are open.
+// each blade covers. In this test, columns 2 to 63 and rows 3 to 62 of the picture must therefore be open.
 static void collimator_edges_are_the_last_covered_columns_and_rows(void **)
 {
     Folder folder;

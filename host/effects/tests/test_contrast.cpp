@@ -53,7 +53,7 @@ VesselTree fork()
     return tree;
 }
 
-// Makes an aorta along y, from whose middle a renal artery leaves.
+// Makes an aorta along y with a renal artery that leaves the aorta in the middle.
 VesselTree aorta()
 {
     VesselTree tree{{straight("aorta", {0, 0, 0}, {0, -200, 0}, 10.0, 40.0),
@@ -84,7 +84,7 @@ void within(const char *what, double value, double expected, double tolerance)
     fail_msg("%s = %.9g, expected %.9g (allowed %.3g %%)", what, value, expected, tolerance * 100);
 }
 
-// Returns the position along x, mm, at which the concentration of contrast medium falls to half of that in
+// Returns the position along x, in mm, at which the concentration of contrast medium falls to half of that in
 // the first cell.
 double front_mm(const ContrastFlow &contrast)
 {
@@ -99,7 +99,7 @@ double front_mm(const ContrastFlow &contrast)
 
 // --- transport ---
 
-// Returns the flow into the vascular bed behind the last cell, ml/s.
+// Returns the flow into the vascular bed behind the last cell, in ml/s.
 double out_of_the_last(const ContrastFlow &contrast)
 {
     return contrast.network().outflow_ml_s(contrast.network().runs().size() - 1);
@@ -121,8 +121,7 @@ void a_front_moves_with_flow_over_area(void **)
 }
 
 // In laminar flow the two layers of blood move at 1.5 and 0.5 times the mean speed. The volume of blood that
-// contrast medium has replaced grows by exactly the flow; this volume is the mean position of the front times
-// the area.
+// contrast medium has replaced (the mean position of the front times the area) must grow by exactly the flow.
 void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 {
     ContrastFlow contrast(tube(10.0), {3.5, 0.75, 1e9});
@@ -141,8 +140,8 @@ void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 
 // The two layers of blood move at U(1 +- 1/2), and the difference between their concentrations falls by
 // U/lambda per second. A pulse of contrast medium then spreads with the dispersion D = U lambda / 4. The
-// upwind rule with cells of length L adds U L / 2 to the dispersion, and the time step removes a part of
-// this. With L = 1.5 mm the two together add 3 % to the dispersion.
+// upwind rule with cells of length L adds U L / 2 to the dispersion, and the time step removes a part of this
+// addition. With L = 1.5 mm, the upwind rule and the time step together add 3 % to the dispersion.
 void a_pulse_spreads_as_the_two_layers_say(void **)
 {
     const VesselTree tree{{straight("tube", {0, 0, 0}, {1900, 0, 0}, 3.0, 10.0)}};
@@ -250,8 +249,8 @@ void more_than_flows_away_goes_back_upstream(void **)
     within("mg back", back_mg, iodine * (20.0 - out_of_the_last(forced)) * 0.15, 0.03);
 }
 
-// A catheter as wide as the vessel blocks the flow: no blood flows past the catheter. So the injected fluid
-// flows downstream undiluted, and no fluid flows back.
+// A catheter as wide as the vessel blocks the flow: no blood flows past the catheter. The injected fluid
+// therefore flows downstream undiluted, and no fluid flows back.
 void a_wedged_catheter_lets_nothing_past(void **)
 {
     ContrastFlow contrast(aorta());
@@ -318,7 +317,7 @@ void aorta_flows_in_systole_and_left_coronary_in_diastole(void **)
         }
     }
     for (double bed : sum) within("mean openness", bed / 60000, 1.0, 1e-3);
-    // Systole takes a fraction of 0.34 of the beat.
+    // Systole takes a fraction of 0.34 of the heartbeat.
     assert_true(systolic[0] / sum[0] > 0.55 && systolic[1] / sum[1] < 0.2 && systolic[2] / sum[2] < 0.34);
     BeatPhase none;
     none.is_beating = false;

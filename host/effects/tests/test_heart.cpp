@@ -57,8 +57,8 @@ void a_resting_adult_has_the_usual_pressures(void **)
     assert_true(std::abs(patient.monitor.rate_per_min() - 70) < 0.2);
 }
 
-// The premature beat ejects less, so its systolic pressure is lower. The diastolic pressure after the long
-// pause that follows a premature beat is lower too.
+// The ventricle ejects less blood in a premature beat, so the systolic pressure of this beat is lower. The
+// diastolic pressure after the long pause that follows a premature beat is lower too.
 void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
 {
     Patient patient;
@@ -76,8 +76,8 @@ void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
     assert_true(patient.monitor.diastolic_mmHg() < diastolic - 5);
 }
 
-// The curve begins at the left edge with the first pressure. A place that was never written would be drawn as
-// a fall to 0 mmHg.
+// The curve must begin at the left edge with the first pressure. A position of the curve that was never
+// written would be drawn as a fall to 0 mmHg.
 void the_curve_begins_with_the_first_sample(void **)
 {
     Patient patient;
@@ -145,7 +145,7 @@ MotionMoment moment(double heart, double breath)
 
 // The middle node of the lattice is at (0, 7.8125, 7.8125) mm. The displacement coefficients of that node are
 // 44 units at keyframe 0 and rise by 44 units per keyframe. A quadratic spline through values on a straight
-// line is that straight line. The deepest breath moves the node by 262 units along y.
+// line is this straight line itself. The deepest breath moves the node by 262 units along y.
 void the_lattice_is_read_as_it_was_written(void **)
 {
     const Sample sample;

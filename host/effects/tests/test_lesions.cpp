@@ -28,7 +28,7 @@ namespace
 constexpr double pi = 3.14159265358979323846, viscosity_mPa_s = 3.5, mmHg_per_Pa = 1 / 133.322;
 constexpr double healthy_mm = 1.5, flow_ml_s = 1.0;
 
-// Returns the flow into the vascular bed behind the last cell, ml/s.
+// Returns the flow into the vascular bed behind the last cell, in ml/s.
 double out_of_the_last(const FlowNetwork &network)
 {
     return network.outflow_ml_s(network.runs().size() - 1);
@@ -206,8 +206,8 @@ void a_snapshot_goes_on_as_the_original_does(void **)
 
 // --- lesions that yield ---
 
-// Returns the same vessel after its lesion has opened by the fraction `share`. The lesion is concentric, so
-// the points of its centreline do not move, and its radii change in proportion.
+// Returns the same vessel after its lesion has been opened by the fraction `share`. The lesion is concentric,
+// so the points of its centreline do not move, and its radii change in proportion to the opening.
 VesselTree opened(const VesselTree &tree, double share)
 {
     const LesionStations stations{21, 1e-3};

@@ -4,8 +4,8 @@
  *   cc round_the_arch.c $(pkg-config --cflags --libs cournand) -o round_the_arch
  *   ./round_the_arch aorta.scene rosen.toml
  *
- * The J of the wire may catch in an artery. Then the way round the arch begins again from a snapshot taken
- * below it, with the wire turned by another 30 degrees. */
+ * The J of the wire may catch in an artery. If the J catches, the wire goes back to a snapshot taken below
+ * the arch, and tries again with its tip turned by another 30 degrees. */
 #include <cournand.h>
 #include <stdio.h>
 #include <stdlib.h>

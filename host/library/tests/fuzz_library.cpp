@@ -1,7 +1,7 @@
-// This fuzz target calls the C library in random order with random arguments: living, freed, foreign and null
-// handles, numbers of every size, structs of wrong sizes, damaged snapshots. No call may crash, a refusal
-// must have a text, and a refused call must leave the state hash of its world as it was. The sanitizers watch
-// the memory.
+// This fuzz target calls the C library in random order with random arguments: valid, freed, foreign and null
+// handles, numbers of every size, structs of wrong sizes, and damaged snapshots. No call may crash, every
+// refusal must have a text, and a refused call must not change the state hash of its world. The sanitizers
+// watch the memory.
 #include "host/library/cournand.h"
 #include <algorithm>
 #include <cstddef>
@@ -25,7 +25,7 @@ void promise(bool kept)
     if (!kept) std::abort();
 }
 
-// Gives the bytes of the input as numbers; zeros follow its end.
+// Returns the bytes of the input as numbers; after the end of the input, the numbers are zero.
 class Bytes
 {
   public:
@@ -45,7 +45,8 @@ class Bytes
         std::memcpy(&value, raw, sizeof value);
         return value;
     }
-    // Mostly a usual value, else any bits: infinite, not a number, or huge.
+    // Returns the usual value in three of four cases, otherwise any bit pattern: infinite, not a number, or
+    // huge.
     template <class Number> Number near(Number usual) { return one() % 4 != 0 ? usual : number<Number>(); }
     std::uint32_t size_of(std::size_t right)
     {
@@ -98,7 +99,7 @@ class Caller
         promise(status == COURNAND_OK || *cournand_error_text() != '\0');
         promise(std::strcmp(cournand_status_name(status), "UNKNOWN") != 0);
     }
-    // A world of this input, living or freed, or what is none.
+    // Returns a world that this input has made (valid or freed), or a handle that is no world.
     cournand_world *world()
     {
         const std::uint8_t which = in_.one();
@@ -125,7 +126,7 @@ class Caller
     void render();
     void share();
     void patient();
-    // Makes a call that changes the world only if it is carried out.
+    // Makes a call that may change the world only if the call succeeds.
     template <class Call> void change(cournand_world *world, Call call)
     {
         std::uint64_t before = 0, after = 0;
@@ -328,7 +329,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
     return 0;
 }
 
-// Each seed makes a world and repeats one kind of call.
+// Each seed input makes a world and repeats one kind of call.
 std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
 {
     if (index >= 12 || capacity < 256) return 0;

@@ -1,7 +1,7 @@
-// Tests what worlds of the C library compute: the hash of `cournand run` from the same orders, the same bits
-// with any number of threads, snapshots that continue bit for bit, readings in SI units, tips in named
-// vessels, recordings, and replays. Refusals are in test_library_refusals.cpp, pictures in
-// test_library_pictures.cpp.
+// Tests the results of worlds in the C library: the state hash of `cournand run` for the same orders, equal
+// results with any number of threads, snapshots that continue bit for bit, readings in SI units, tips in
+// named vessels, recordings, and replays. The tests of refusals are in test_library_refusals.cpp, and the
+// tests of pictures in test_library_pictures.cpp.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -20,7 +20,7 @@
 #include "host/session/run.hpp"
 #include "host/session/set_up.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -32,7 +32,7 @@ using namespace crn::tests;
 
 const char *const script = "begin inserted 5 mm\nadvance 200 mm at 80 mm/s while rotate 1 turn\nwait 0.2 s";
 
-// A session of `cournand run` in the aorta, as the program runs it.
+// Holds the result of a session that `cournand run` has run in the aorta.
 struct Ran {
     std::string path;
     std::uint64_t hash;
@@ -159,7 +159,8 @@ void a_restored_world_continues_bit_for_bit(void **)
     done(cournand_world_free(other));
 }
 
-// A device in this process gives its snapshot directly, with the bytes that a conversation would give.
+// The snapshot that a device in this process gives directly must have the same bytes as a snapshot through
+// the wire protocol.
 void a_snapshot_in_memory_is_that_of_the_wire(void **)
 {
     const crn::SceneFile scene = crn::read_scene("");
@@ -194,8 +195,8 @@ void a_snapshot_in_memory_is_that_of_the_wire(void **)
     assert_true(link.read_hash64().hash == other.read_hash64().hash);
 }
 
-// A search restores the same snapshot for every branch. The printed time is for information
-// (docs/library.md).
+// A search program restores the same snapshot for every branch of its search. The printed time is only for
+// information (docs/library.md).
 void a_snapshot_gives_the_same_world_however_often_it_is_restored(void **)
 {
     cournand_world *restored = world(aorta());
@@ -244,7 +245,8 @@ void hands_move_the_stated_way(void **)
     const double before = reading(moved).inserted_m[0];
     push(moved, 1000, 0.05f, 0.0f);
     const double way = reading(moved).inserted_m[0] - before;
-    // The first tick gives the zero of the hands, and the feed follows the hand within a few ticks: 0.2 mm.
+    // The first tick defines the zero of the hands, and the feed follows the hand within a few ticks;
+    // together they may cost 0.2 mm.
     print_message("inserted %.6f m in 1 s at 0.05 m/s\n", way);
     assert_true(std::fabs(way - 0.05) < 6e-4);
     push(moved, 1000, -0.05f, 0.0f);
@@ -348,7 +350,7 @@ void a_scaled_tool_is_as_stiff_as_asked(void **)
     done(cournand_tool_free(stiff));
 }
 
-// The program `cournand replay --verify` checks the recording with this function.
+// The program `cournand replay --verify` also checks a recording with this function.
 void a_recording_of_a_world_replays_in_the_program(void **)
 {
     const Folder folder("library-record");

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""The binary interface of the C library only grows. libabigail compares the header with the description of the last tag
-that has one (host/library/cournand.abi), and before there is such a tag, with the committed description.
+"""Tests that the binary interface of the C library only grows. The program libabigail compares the header with the
+description (host/library/cournand.abi) in the last tagged version that has one; before there is such a tag, it compares
+the header with the committed description.
 
   test_library_abi.py            prints TAP
   test_library_abi.py --write    writes the description of the present header
 
-The description is made of a small object with variables: one of the type of every function; for every constant an
-array of as many bytes; for every member of a struct one of its type, and an array of as many bytes as its offset. In
-the types of functions the structs that begin with struct_bytes are opaque, because these may grow at their end. The
-size of every other struct counts. The test of the installed library shows that it exports exactly the functions of the
-header."""
+The description is made from a small object file that contains only variables. There is one variable with the type of
+each function; for every constant, an array of as many bytes as its value; for every member of a struct, one variable of
+its type, and an array of as many bytes as its offset. In the types of functions, structs that begin with struct_bytes
+are opaque, because later versions may add members at their end. The size of every other struct must not change. The
+test of the installed library checks that this library exports exactly the functions of the header."""
 
 import os
 import re
@@ -50,7 +51,7 @@ def structs(text):
 
 
 def interface(header):
-    """Returns the C source that shows the interface of the header in variables."""
+    """Returns C source code that represents the header's interface by variables."""
     text = re.sub(r"/\*.*?\*/", "", header, flags=re.S)
     members = structs(text)
     grows = [name for name in members if members[name][0] == "struct_bytes"]
@@ -71,7 +72,8 @@ def interface(header):
 
 
 def describe(header, path):
-    """Writes the description of a header's text. Returns the compiler's message if it cannot be compiled."""
+    """Writes the description of the interface in a header's text. Returns the compiler's message if the header cannot
+    be compiled."""
     with tempfile.TemporaryDirectory() as folder:
         for file, text in zip(("calls.c", "values.c"), interface(header)):
             with open(os.path.join(folder, file), "w", encoding="utf-8") as out:
@@ -85,7 +87,7 @@ def describe(header, path):
 
 
 def difference(old, new, more=()):
-    """Returns what was removed or changed, "" for nothing."""
+    """Returns a text about what was removed or changed, or "" if nothing was."""
     compared = run("abidiff", *more, old, new)
     return compared.stdout + compared.stderr if compared.returncode != 0 else ""
 

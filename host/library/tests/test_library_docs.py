@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The table of functions in docs/library.md has exactly the functions of cournand.h. Prints TAP."""
+"""Tests that the table of functions in docs/library.md has exactly the functions of cournand.h. Prints TAP."""
 
 import os
 import re

@@ -1,5 +1,5 @@
-// Tests the pictures of the library: reproducible, with label images that lie where the matrix of the view
-// projects the tools, and with medium, stent and balloon marked.
+// Tests the pictures of the library. Pictures must be reproducible, label images must lie where the matrix of
+// the view projects the tools, and medium, stent and balloon must be marked.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,7 +13,7 @@
 
 #include "host/library/tests/worlds.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -239,7 +239,8 @@ void wrong_views_are_refused(void **)
     done(cournand_world_free(elsewhere));
 }
 
-// The bars are env.picture_ms: 2 ms at 128 and 12 ms at 512 pixels on a quiet machine.
+// The limits are those of env.picture_ms: 2 ms for a picture of 128 pixels and 12 ms for one of 512 pixels,
+// on a quiet machine.
 void a_picture_with_labels_takes_milliseconds(void **)
 {
     cournand_world *seen = world(aorta());

@@ -1,4 +1,4 @@
-// Tests that wrong calls of the C library are refused with a text, and leave the world as it was.
+// Tests that the C library refuses wrong calls with a text, and that such calls do not change the world.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -15,7 +15,7 @@
 
 #include "host/library/tests/worlds.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -25,7 +25,7 @@ namespace
 
 using namespace crn::tests;
 
-// The call was refused with this status, and its text has these words.
+// Checks that the call was refused with this status, and that the text of the refusal contains these words.
 void refused(cournand_status status, cournand_status expected, const std::string &words)
 {
     const std::string text = cournand_error_text();

@@ -1,4 +1,5 @@
-// Worlds for the tests of the library: free space, and the aorta that ships, unpacked once per program.
+// Makes worlds for the tests of the library: in free space, and in the shipped aorta, which each program
+// unpacks once.
 #pragma once
 #include "host/base/tests/folder.hpp"
 #include "host/cases/unpack.hpp"
@@ -14,14 +15,14 @@ namespace crn::tests
 inline const std::string instruments = "shared/examples/instruments/";
 inline const std::string stents = "shared/examples/stents/";
 
-// Ends the test with the library's text unless the call was carried out.
+// If the call did not succeed, the test fails with the library's text.
 inline void done(cournand_status status)
 {
     if (status != COURNAND_OK)
         throw std::runtime_error(std::string(cournand_status_name(status)) + ": " + cournand_error_text());
 }
 
-// Returns an empty struct of the API with its size.
+// Returns an empty struct of the API in which struct_bytes is set.
 template <class Struct> Struct sized()
 {
     Struct made{};

@@ -1,7 +1,7 @@
-// These tests check the following. Whatever bytes were lost, cut or repeated, the message HELLO begins a
-// working conversation, and nobody has to unplug the cable. A late answer is not taken for the answer to the
-// present request. A device that sends bytes without end causes an error. The recording contains every tick
-// that the host received.
+// These tests check the following. Whatever bytes were lost, cut or repeated, the message HELLO must begin a
+// working conversation, so that nobody has to unplug the cable. A late answer is not taken for the answer to
+// the present request. A device that sends bytes without end causes an error. The recording contains every
+// tick that the host received.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -188,8 +188,9 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// In this test the device sends zeros without end, noise without end, or one byte now and then. None of these
-// bytes is a message, and each call must end after a bounded number of bytes or a bounded time.
+// In this test the device sends zeros without end, noise without end, or one byte now and then. None of the
+// bytes that the device sends is a message, and each call must end after a bounded number of bytes or a
+// bounded time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {
@@ -270,9 +271,9 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
 }
 
 // While the host makes a picture, it can be silent for longer than the 30 ms after which a device reduces its
-// forces to zero. While the host makes a picture, an object of class Presence sends heartbeats, but not for
-// ever. The test counts frames instead of measuring time: three frames arrive while the Presence object
-// exists, and none arrives after its limit.
+// forces to zero. While the host makes a picture, an object of class Presence sends heartbeats, but only for
+// a limited time. The test counts frames instead of measuring time: three frames arrive while the Presence
+// object exists, and none arrives after its limit.
 void a_busy_host_is_present_for_half_a_second(void **)
 {
     TalkingDevice device;

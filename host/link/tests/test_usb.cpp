@@ -18,7 +18,7 @@
 #include "host/session/device.hpp"
 #include <libusb-1.0/libusb.h>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -141,7 +141,7 @@ void a_session_on_usb_has_the_hash_of_one_in_this_process(void **)
 }
 
 // The test cuts the cable while the host sends its n-th byte, for many n. In some cases the device keeps its
-// power while the cable is cut, in others it loses its power.
+// power while the cable is cut; in others the device loses its power.
 void a_session_goes_on_bit_for_bit_after_every_cut(void **)
 {
     unsigned total = 0;

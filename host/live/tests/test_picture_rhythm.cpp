@@ -1,4 +1,4 @@
-// The window waits for a picture only if a screen would delay it.
+// The window must wait for a picture only if drawing a screen now would delay that picture.
 #include <chrono>
 #include <csetjmp>
 #include <cstdarg>
@@ -22,7 +22,7 @@ PictureRhythm::Time at_ms(int ms)
     return PictureRhythm::Time(std::chrono::seconds(1000) + milliseconds(ms));
 }
 
-// Pictures came at 0 and 33 ms, so the next one is due at 66 ms.
+// The test has pictures at 0 and 33 ms, so the next picture is due at 66 ms.
 PictureRhythm thirty_per_second()
 {
     PictureRhythm rhythm;

@@ -1,5 +1,5 @@
-// Tests the replay with a scrub bar: any moment can be shown from any angle, in any order, and the same view
-// twice is the same picture bit for bit, whether it was reached from a snapshot or tick by tick.
+// Tests the replay with a scrub bar. Any moment can be shown from any angle and in any order. The same view
+// must give the same picture, bit for bit, whether it was reached from a snapshot or tick by tick.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -14,7 +14,7 @@
 #include "host/script/session.hpp"
 #include "host/session/run.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -71,7 +71,8 @@ void the_same_view_twice_is_the_same_picture(void **)
 {
     crn::ReplayRoom room(path, "", small_pictures());
     assert_true(room.ticks() > 8000);
-    // Without a track, from the recording's snapshots; then onwards, back, and with the track's snapshots.
+    // The test first uses the recording's snapshots, without a track. The test then goes forwards and back,
+    // and also uses the snapshots of the track.
     const crn::ReplayPicture first = room.picture(moment(6300, 30.0));
     room.picture(moment(7000));
     assert_true(room.picture(moment(6300, 30.0)).grey == first.grey);
@@ -98,7 +99,8 @@ void a_moment_has_the_tools_of_that_moment(void **)
     assert_true(room.picture(moment(room.ticks() + 5000)).frame.wire.tick == room.ticks()); // held at the end
 }
 
-// A moment at which the recording or the track has a snapshot has the readings of its own tick, too.
+// If the recording or the track has a snapshot at a moment, the readings must nevertheless be those of this
+// moment's own tick.
 void a_moment_has_the_readings_of_its_own_tick(void **)
 {
     const crn::Recording recording = crn::read_recording(path);
@@ -115,7 +117,8 @@ void a_moment_has_the_readings_of_its_own_tick(void **)
     assert_true(room.picture(moment(0)).line == (crn::LineNumbers{1}));
 }
 
-// Without an angle of its own, a picture has that of the session, once the track knows it.
+// If no angle is requested, a picture must have the angle of the C-arm in the session, as soon as the track
+// knows this angle.
 void the_c_arm_is_where_it_was(void **)
 {
     crn::ReplayRoom room(path, "", small_pictures());

@@ -1,6 +1,6 @@
-// Tests that a session's result does not depend on its threads: pictures that are left out, pictures that are
-// all drawn, and no window at all give the same report, and what is recorded replays bit for bit. A thread
-// that fails ends the session with its reason.
+// Tests that a session's result does not depend on its threads. The report must be the same whether pictures
+// are left out, all pictures are drawn, or there is no window, and the recording must replay bit for bit. If
+// a thread fails, the session ends, and its fault text gives the reason.
 #include <atomic>
 #include <csetjmp>
 #include <cstdarg>
@@ -20,7 +20,7 @@
 #include "host/picture/session_pictures.hpp"
 #include "host/session/replay.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -52,7 +52,7 @@ std::unique_ptr<crn::LiveSession> live(const std::string &record, const crn::Pic
                                               keeps_all);
 }
 
-// Plays the same actions, at the same ticks, in the counted pace.
+// Plays the same actions at the same ticks in each session, in the pace `counted`.
 std::unique_ptr<crn::LiveSession> played(const std::string &record, const crn::PictureSettings &pictures,
                                          bool keeps_all)
 {
@@ -123,7 +123,7 @@ void what_the_threads_record_replays_bit_for_bit(void **)
                 live_report["room"]["total"]["pulses"].get<unsigned>());
 }
 
-// The drag of a mouse moves the hand by the wanted distance, though not faster than a hand.
+// A drag of the mouse moves the hand by the wanted distance, but at most as fast as a real hand can move.
 void a_drag_moves_the_tool_by_its_distance(void **)
 {
     crn::PhysicsThread physics(live("", small_pictures(), true), crn::PhysicsPace::counted);
@@ -140,8 +140,8 @@ void a_drag_moves_the_tool_by_its_distance(void **)
     physics.stop()->finish();
 }
 
-// The window reads states and pictures, and asks for actions, while both threads work in real time. This test
-// also runs under the thread sanitizer (make test-lab).
+// The window reads states and pictures, and requests actions, while the threads of physics and pictures work
+// in real time. This test also runs under the thread sanitizer (make test-lab).
 void the_window_may_ask_and_read_at_any_time(void **)
 {
     crn::PhysicsThread physics(live("", small_pictures(), false), crn::PhysicsPace::real_time);
@@ -151,7 +151,8 @@ void the_window_may_ask_and_read_at_any_time(void **)
     });
     std::uint32_t last_tick = 0;
     std::uint64_t last_number = 0;
-    // It ends after so many pictures, or after so many ticks of a machine that draws none.
+    // The test ends after this number of pictures, or, on a machine that draws none, after this number of
+    // ticks.
     for (int i = 0; last_number < 8 && last_tick < 60'000; ++i) {
         const std::shared_ptr<const crn::SuiteState> state = physics.state();
         assert_true(state->tick >= last_tick);
@@ -172,7 +173,8 @@ void the_window_may_ask_and_read_at_any_time(void **)
     assert_non_null(session->pictures().reference().get());
 }
 
-// A loop on the reference monitor shows the stored run, and a copy shows what the live monitor showed.
+// A loop on the reference monitor must show the stored run, and a copy must show what the live monitor
+// showed.
 void the_reference_monitor_shows_copies_and_runs(void **)
 {
     const std::unique_ptr<crn::LiveSession> session = played("", small_pictures(), true);
@@ -194,8 +196,9 @@ void the_reference_monitor_shows_copies_and_runs(void **)
     session->finish();
 }
 
-// The line of a session by hand has a wire at its first position, its second one is free, and a guiding
-// catheter lies on the table. The window sees the line of every moment, and the reason of every refusal.
+// In this session the line has a wire at its first position and no tool at its second position, and a guiding
+// catheter lies on the table. The window gets the tools on the line at every moment, and the reason of every
+// refusal.
 void a_hand_exchanges_tools_and_hears_why_not(void **)
 {
     const auto read = [](const char *name) {
@@ -224,7 +227,8 @@ void a_hand_exchanges_tools_and_hears_why_not(void **)
     physics.stop()->finish();
 }
 
-// Without a balloon on the line, the inflator says so, although the table has a balloon catheter.
+// If no tool on the line has a balloon, the inflator must report this, although a balloon catheter lies on
+// the table.
 void the_inflator_needs_a_balloon_on_the_line(void **)
 {
     crn::PictureSettings pictures = small_pictures();
@@ -243,7 +247,7 @@ void the_inflator_needs_a_balloon_on_the_line(void **)
     physics.stop()->finish();
 }
 
-// The disk is full, or the folder is gone: the reason reaches the window.
+// If the disk is full or the folder no longer exists, the window must get the reason.
 void a_failure_in_the_physics_reaches_the_window(void **)
 {
     crn::PhysicsThread physics(live("", small_pictures(), true), crn::PhysicsPace::counted);

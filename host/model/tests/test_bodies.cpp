@@ -101,8 +101,8 @@ static void missing_file_is_named(void **)
     assert_true(error.find("/nowhere/a.bodies") != error.npos);
 }
 
-// The test cuts a file after every 37th byte, and flips a bit in every 37th byte. All these files must be
-// refused, and the bodies that were read before must not change.
+// The test cuts a file after every 37th byte, and flips a bit in every 37th byte. All cut or changed files
+// must be refused, and the bodies that were read before must not change.
 static void damaged_file_is_refused_and_leaves_the_old_bodies(void **)
 {
     const std::vector<std::uint8_t> whole = body_file(two_bodies());

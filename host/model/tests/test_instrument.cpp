@@ -16,7 +16,7 @@
 #include "host/base/text.hpp"
 #include "host/model/instrument.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

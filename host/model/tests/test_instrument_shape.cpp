@@ -26,7 +26,7 @@ extern "C" {
 #include "host/model/units.hpp"
 #include "host/session/device.hpp"
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -202,8 +202,8 @@ void every_physical_instrument_rests_in_its_shape(void **)
     for (const std::string &file : shipped_files()) expect_rest_shape(crn::read_instrument(file));
 }
 
-// Unlike the shapes of the shipped instruments, this curve lies in two planes: a quarter circle upwards is
-// followed by a quarter circle to the side.
+// Unlike the shapes of the shipped instruments, the curve of this test lies in two planes: a quarter circle
+// upwards is followed by a quarter circle to the side.
 void a_shape_out_of_its_plane_rests_in_it(void **)
 {
     std::string text = crn::read_text_file(folder + "simmons_2_5f.toml");
