@@ -26,19 +26,14 @@ endif()
 find_program(CRN_CCACHE ccache)
 if(CRN_CCACHE AND NOT CMAKE_C_COMPILER_LAUNCHER AND NOT CMAKE_CROSSCOMPILING) # call graphs (.ci) are not cached
     set(CMAKE_C_COMPILER_LAUNCHER ${CRN_CCACHE})
-    set(CMAKE_CXX_COMPILER_LAUNCHER ${CRN_CCACHE})
+    # The cache stores objects that use a precompiled header only if it may ignore macros which that header defines and
+    # the time of compilation. No source here uses either.
+    set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_SLOPPINESS=pch_defines,time_macros ${CRN_CCACHE})
 endif()
 
 # The headers with which most C++ files begin are precompiled. A precompiled header fits one set of flags, so there is
-# one for each level. A compiler cache stores no object that used a precompiled header.
-if(NOT DEFINED CRN_PREFIX_HEADERS)
-    if(CMAKE_CXX_COMPILER_LAUNCHER)
-        set(prefix OFF)
-    else()
-        set(prefix ON)
-    endif()
-    set(CRN_PREFIX_HEADERS ${prefix} CACHE BOOL "precompile the headers that most C++ files begin with")
-endif()
+# one for each level, and for code that hides its symbols and code that does not.
+set(CRN_PREFIX_HEADERS ON CACHE BOOL "precompile the headers that most C++ files begin with")
 
 add_library(crn_common INTERFACE)
 target_compile_options(crn_common INTERFACE
@@ -60,9 +55,13 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     # precompiled header it no longer recognises that they are in its own library. clang still reports real ones.
     target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
     if(CRN_PREFIX_HEADERS)
-        target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>
+        target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess> # for ccache
+            $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>
             $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overflow> $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overread>)
     endif()
+endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL Clang AND CRN_PREFIX_HEADERS)
+    target_compile_options(crn_common INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-Xclang -fno-pch-timestamp>") # for ccache
 endif()
 find_program(CRN_LLD ld.lld)
 if(CRN_LLD AND NOT CMAKE_CROSSCOMPILING)
@@ -115,7 +114,7 @@ function(crn_prefix_header target level)
             set_source_files_properties(${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
         endif()
     endforeach()
-    string(MAKE_C_IDENTIFIER "crn_prefix_${level}" owner)
+    string(MAKE_C_IDENTIFIER "crn_prefix_${CMAKE_CXX_VISIBILITY_PRESET}_${level}" owner)
     if(NOT TARGET ${owner})
         file(WRITE ${PROJECT_BINARY_DIR}/${owner}.cpp "")
         add_library(${owner} OBJECT ${PROJECT_BINARY_DIR}/${owner}.cpp)
