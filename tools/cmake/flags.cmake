@@ -61,7 +61,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     endif()
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL Clang AND CRN_PREFIX_HEADERS)
-    target_compile_options(crn_common INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-Xclang -fno-pch-timestamp>") # for ccache
+    # A compiler cache needs a precompiled header that does not contain the time.
+    target_compile_options(crn_common INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()
 find_program(CRN_LLD ld.lld)
 if(CRN_LLD AND NOT CMAKE_CROSSCOMPILING)
