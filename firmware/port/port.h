@@ -84,18 +84,16 @@ typedef struct crn_port {
     /* Queues one whole frame for the host; returns false, and queues nothing, if there is no space for it. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
     size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
-    /* Samples the rig. If there is no rig, returns false; the app then uses `input` messages and powers no
-     * motor. */
+    /* Samples the rig; false without a rig: the app then uses `input` messages and powers no motor. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */
-    const char *serial;        /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
-    uint8_t *scene_slots[2];   /* two buffers: the old scene stays valid until the new one is validated */
-    uint32_t scene_slot_bytes; /* size of each, 4-byte aligned */
-    uint32_t capabilities;     /* CRN_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
-    uint32_t
-        force_uN_per_count; /* scale of the force sensors, 0 for 1,000; hosts may change it by a quarter */
-    crn_port_built built;   /* port_built.h */
+    const char *serial;          /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
+    uint8_t *scene_slots[2];     /* two buffers: the old scene stays valid until the new one is validated */
+    uint32_t scene_slot_bytes;   /* size of each, 4-byte aligned */
+    uint32_t capabilities;       /* CRN_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
+    uint32_t force_uN_per_count; /* of the force sensors, 0 for 1,000; hosts may change it by a quarter */
+    crn_port_built built;        /* port_built.h */
 } crn_port;
 
 #endif
