@@ -2,13 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 
 namespace crn
 {
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 constexpr double step_s = 1e-3;
 constexpr double emptied_max = 0.95; // share of a layer that may leave its cell in one substep
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace crn
 {
@@ -10,7 +11,7 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 constexpr double length_per_radius = 0.5, length_min_mm = 1.0, length_max_mm = 3.0;
 constexpr double wall_shear_per_s = 500.0; // gives 1.75 Pa at 3.5 mPa s, about as in medium arteries
 

@@ -2,13 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace crn
 {
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 constexpr double mmHg_per_Pa = 1.0 / 133.322;
 constexpr double wedged_share = 0.98; // of the lumen's radius; beyond it there is no flow
 constexpr double blood_kg_m3 = 1060.0;

@@ -9,7 +9,7 @@ namespace
 {
 
 // Returns the value below which this share of the values lies, or null if `values` is empty.
-nlohmann::ordered_json quantile(std::vector<double> values, double share)
+nlohmann::ordered_json delay_quantile(std::vector<double> values, double share)
 {
     if (values.empty()) return nullptr;
     std::sort(values.begin(), values.end());
@@ -64,8 +64,8 @@ void SuiteTiming::write(const std::string &path) const
                          Seconds(input.shown.time_since_epoch()).count()});
     }
     json["hand_to_picture"] = {{"inputs", delays_ms.size()},
-                               {"p50_ms", quantile(delays_ms, 0.5)},
-                               {"p95_ms", quantile(delays_ms, 0.95)},
+                               {"p50_ms", delay_quantile(delays_ms, 0.5)},
+                               {"p95_ms", delay_quantile(delays_ms, 0.95)},
                                {"read_and_shown_s", times}}; // by the machine's monotonic clock
     write_whole_file(path, json.dump(2) + "\n");
 }
