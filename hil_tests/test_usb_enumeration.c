@@ -89,8 +89,9 @@ static void linux_enumerates_at_full_speed(void **state)
 }
 
 /* Windows requests 255 bytes of every descriptor. The configuration has 64 bytes, a full packet, so the
- * device must send an empty packet after it. Windows also requests the Microsoft string 0xee (which the
- * device refuses), the descriptor set by the vendor code of the BOS descriptor, and the device qualifier. */
+ * device must send an empty packet after it. Windows also requests three more items: the Microsoft string
+ * 0xee, which the device refuses; the Microsoft descriptor set, with the vendor code from the BOS descriptor;
+ * and the device qualifier. */
 static void windows_enumerates_and_learns_about_winusb(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* The firmware app runs the simulation core inside a device. The app contains the tick modes, encoders,
- * virtual coupling, force output, safety, faults and the wire protocol, and is the same code on every port.
- * The app checks everything that comes over the wire protocol before using it, and a refused request changes
- * nothing.
+ * virtual coupling, force output, safety, faults and the wire protocol. The app's code is the same on every
+ * port (the part for one kind of hardware). The app checks everything that comes over the wire protocol
+ * before using it, and a refused request changes nothing.
  *
  *          accepted HELLO        ARM             START
  *   INIT ----------------> READY ----> ARMED ----------> RUNNING
@@ -55,7 +55,7 @@ typedef struct crn_app_encoders {
 } crn_app_encoders;
 
 /* How one track is configured. The parts of the app (hands, haptics and safety) keep the values that they
- * derive from the configuration of the tracks. */
+ * derive from the configuration of the rig's tracks (one per tool). */
 typedef struct crn_app_track {
     crn_wire_track wire;         /* in force, as read back */
     crn_wire_track built;        /* as the rig's builder stated it */
@@ -64,8 +64,8 @@ typedef struct crn_app_track {
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
-/* Holds the messages that wait for space in the pipe to the host. In the queue, ticks have the encoding of a
- * `live` message, so that a tick without commands takes no space for commands. */
+/* Holds the messages that wait for space in the pipe to the host. In the queue, ticks are encoded as in a
+ * `live` message, so a tick without commands takes no space for commands. */
 typedef struct crn_app_queue {
     uint32_t first, count; /* ring of live ticks */
     uint32_t begin, used;  /* ring of their bytes */

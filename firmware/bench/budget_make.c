@@ -1,7 +1,7 @@
 /* This program prepares, on the PC, the cases that the Cortex-M7 measures. The program puts a wire into a
- * lumen, and either lets the wire settle or moves it until a tick needs a second solve (a second solution of
- * the linear system). Then it writes the state before the measured ticks with everything they need
- * (budget_case.h). usage: budget_make list | make CASE FILE */
+ * lumen. The program either lets the wire settle, or moves it until a tick needs a second solution of the
+ * linear system (a second solve). Then it writes the state before the measured ticks with everything they
+ * need (budget_case.h). usage: budget_make list | make CASE FILE */
 #include "firmware/bench/bench.h"
 #include "firmware/bench/budget_case.h"
 #include "firmware/tests/reference/random.h"
@@ -111,8 +111,8 @@ static void feed(int32_t step_m_q30)
     for (int k = 0; k < CRN_TOOL_MAX; k++) input.hands[k].feed_m_q30 += step_m_q30;
 }
 
-/* Pushes the tools in at 0.1 m/s until the number of mesh edges outside the sheath is the one that the scene
- * states, then waits. */
+/* Pushes the tools in at 0.1 m/s until as many mesh edges are outside the sheath as the scene states, then
+ * waits. */
 static void insert(const scene *s)
 {
     for (int rest = 0; rest < REST_TICKS;) {

@@ -39,8 +39,8 @@ void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator
 void crn_balloon_forces(const crn_model *model, crn_state *state);
 void crn_balloon_finish(const crn_model *model, crn_state *state, crn_output *output);
 
-/* Checks the restored state of a balloon with the given number of balls; the number is 0 if no tool of the
- * line has a balloon. */
+/* Checks the restored state of a balloon with the given number of balls; the number is 0 if no nested tool
+ * has a balloon. */
 bool crn_balloon_is_valid(uint32_t ball_count, const crn_balloon_state *balloon);
 
 #endif

@@ -1,7 +1,7 @@
 /* These tests check what happens when a second program connects to a rig that has power, and which events
- * reset a port's watchdog. If a second program connects while another program is in control, the program in
- * control loses nothing. If the program in control has gone, the next program can take over. Only timer edges
- * that the app has completed count as signs of life for the watchdog. */
+ * reset a port's watchdog. A second program that connects does not disturb the program that is in control. If
+ * the program in control has gone, the next program can take over. Only timer edges that the app has
+ * completed count as signs of life for the watchdog. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

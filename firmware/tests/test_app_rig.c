@@ -1,7 +1,7 @@
-/* These tests check the configuration of the tracks. The tests show which couplings a rig can render at a
- * given force gain, and which data about a rig a host may change without a person at the rig. The tests
- * exchange bytes with the simulated port. According to its builder's data, the rig of this port has 1 um per
- * count, its own damping of 1 N s/m and 2 uN m s/rad, and no lag. */
+/* These tests check the configuration of the rig's tracks (one per tool). The tests show which couplings a
+ * rig can render at a given force gain, and which data about a rig a host may change without a person at the
+ * rig. The tests exchange bytes with the simulated port. According to its builder's data, the rig of this
+ * port has 1 um per count, its own damping of 1 N s/m and 2 uN m s/rad, and no lag. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -76,9 +76,9 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
 
 /* --- couplings that a rig can render --- */
 
-/* By the condition b > G (K (T / 2 + t) + B), a rig with a damping of 1 N s/m and a lag of 0.5 ms just
- * supports a coupling of 800 N/m and 0.2 N s/m. With a force gain of 2, the hand feels 1,600 N/m instead of
- * 800 N/m, so only half of this stiffness and half of the damping are allowed. */
+/* By the condition b > G (K (T / 2 + t) + B), a rig with a damping of 1 N s/m and a lag of 0.5 ms has just
+ * enough damping for a coupling of 800 N/m and 0.2 N s/m. With a force gain of 2, the hand feels 1,600 N/m
+ * instead of 800 N/m, so only half of this stiffness and half of the damping are allowed. */
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;

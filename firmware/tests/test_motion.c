@@ -266,8 +266,8 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
     }
 }
 
-/* The test compares the wall's displacement in a tick, as computed by the core, with the displacement of the
- * same wall point by the exact map, at 120 beats a minute. The two displacements must differ by less than 2
+/* At 120 beats a minute, the test compares the wall's displacement in a tick, as the core computes it, with
+ * the displacement of the same wall point by the exact map. The two displacements must differ by less than 2
  * um plus 5 % of the largest wall displacement in a tick (0.13 mm). In every second case the chest also
  * moves, with 20 breaths a minute. */
 static void the_wall_step_is_that_of_the_map(void **state)
@@ -393,8 +393,8 @@ static void a_wire_in_a_beating_vessel_is_carried(void **state)
     assert_int_equal(f.faults & ~(uint32_t)CRN_FAULT_STEP_CAPPED, 0);
 }
 
-/* A session that continues from a snapshot taken in the middle of a heartbeat has the same hashes as the
- * uninterrupted session, so the state contains all data about the motion. */
+/* A session that continues from a snapshot in the middle of a heartbeat has the same hashes as the
+ * uninterrupted session. The equal hashes show that the state contains all data about the motion. */
 static void a_beating_state_can_be_saved_and_goes_on_the_same(void **state)
 {
     (void)state;

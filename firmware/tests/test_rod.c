@@ -251,12 +251,12 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     reference_tube_free(tube);
 }
 
-/* If the prediction misses a contact in several successive ticks, the node must be hardly deeper than 0.1 mm
- * in the wall at the end of the first of these ticks. To limit the node's depth to 0.1 mm, the core scales
- * down the deviation of all nodes in the first tick that misses the contact; the core need not solve the
- * equations a second time. The test measures the depth along the wall's normal at the predicted
- * configuration. A displacement of 0.75 mm (the largest in a tick) along the tangent of a wall of 4 mm radius
- * moves the node deeper by another 0.07 mm, which is the test's bound. The largest measured excess over the
+/* If the prediction misses a contact in several successive ticks, a node may be only slightly deeper than 0.1
+ * mm in the wall at the end of the first of these ticks. To limit the node's depth to 0.1 mm, the core scales
+ * down the deviation of all nodes in the first tick that misses the contact. For a missed contact, the core
+ * need not solve the equations a second time. The test measures the depth along the wall's normal at the
+ * predicted configuration. A displacement of 0.75 mm (the largest in a tick) along the tangent of a wall of 4
+ * mm radius adds 0.07 mm to the node's depth; this is the test's bound. The largest measured excess over the
  * depth of 0.1 mm was 0.0135 mm. */
 static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 {

@@ -176,8 +176,8 @@ static int run_away(int edges, int32_t counts, int32_t felt_mN)
 }
 
 /* One count of the encoder is subtracted before the speed is computed, because a reading may be one count too
- * large: 252 um in 1 ms means a speed of at least 251 mm/s. If the encoder moves by 250 um in each of eight
- * milliseconds, the computed speed is just less than 250 mm/s. */
+ * large. After this subtraction, a travel of 252 um in 1 ms means a speed of at least 251 mm/s. If the
+ * encoder moves by 250 um in each of eight milliseconds, the computed speed is just less than 250 mm/s. */
 static void a_carriage_that_its_motor_made_fast_stops(void **state)
 {
     (void)state;

@@ -121,8 +121,8 @@ static felt feel(const crn_strut_state *struts, double x, double y, double z)
     return f;
 }
 
-/* In a straight stent of 1.5 mm inner radius, the distances to the struts, inside, outside and round the
- * edge, agree with the closed form to a hundredth of a micrometre. */
+/* For a straight stent of 1.5 mm inner radius, the distances to the struts agree with the closed form to a
+ * hundredth of a micrometre: inside, outside and round the edge. */
 static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
 {
     (void)state;
@@ -201,7 +201,7 @@ static void a_bent_shell_follows_its_rings(void **state)
 }
 
 /* In a beating vessel, a point on the struts in the reference pose, moved by the vessel's motion, also lies
- * on the struts in world coordinates. */
+ * on the struts in patient coordinates. */
 static void struts_go_with_a_beating_vessel(void **state)
 {
     (void)state;

@@ -54,8 +54,8 @@ static crn_instrument make_tool(const tool_plan *plan)
     return tool;
 }
 
-/* From the tip on, the tool's shape is 6 mm straight, then 90 degrees of R = 7 mm, 23 mm of straight arm, and
- * 180 degrees of R = 10 mm in the opposite direction. */
+/* From the tip on, the tool is straight for 6 mm, bends by 90 degrees at R = 7 mm, is straight for 23 mm, and
+ * bends by 180 degrees at R = 10 mm in the opposite direction. */
 static void judkins(crn_instrument *tool)
 {
     static const uint32_t arc_um[] = {0, 6000, 6000, 17000, 17000, 40000, 40000, 71400, 71400};

@@ -1,7 +1,7 @@
 /* The haptics consist of a virtual coupling between hands and tools, and of the forces requested from the
  * motors (docs/haptics.md). The files of the haptics use only positions, forces and their own memory. The
  * haptics use neither the app, nor the wire protocol, nor the rod. All results of the haptics depend only on
- * encoder counts and the core's results, so a replay computes exactly the same forces; the memory of the
+ * encoder counts and the core's results, so a replay computes exactly the same forces. The memory of the
  * haptics is part of the snapshot.
  *
  *   hands, tools before the tick -> crn_haptics_before -> what the core takes for the hands

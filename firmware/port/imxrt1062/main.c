@@ -72,8 +72,8 @@ static void tick(void)
     clocks_edge_done();
 }
 
-/* Only timer edges that the app has completed reset the watchdog. A main loop that runs while the
- * milliseconds have stopped cannot reset the watchdog, and neither can a host that keeps sending bytes. */
+/* Only timer edges that the app has completed reset the watchdog. If the timer has stopped, neither a running
+ * main loop nor a host that keeps sending bytes can reset the watchdog. */
 static void feed_watchdog(void)
 {
     static uint32_t fed;

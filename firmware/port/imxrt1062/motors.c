@@ -1,7 +1,7 @@
-/* This port has never run on hardware. Each of the six motors has a pulse width (20 kHz) from FlexPWM2 or 3,
- * and a direction line. The fault line (pin 5) is low at over-current, or when the line's cable is broken. A
- * low level of the fault line turns all outputs off in the PWM unit's own logic, which needs neither a clock
- * nor the processor. */
+/* This port has never run on hardware. Each of the six motors has a pulse-width signal (20 kHz) from FlexPWM2
+ * or FlexPWM3, and a direction line. The fault line (pin 5) is low at over-current, or when the line's cable
+ * is broken. A low level of the fault line turns all outputs off in the PWM unit's own logic, which needs
+ * neither a clock nor the processor. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 

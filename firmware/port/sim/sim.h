@@ -66,7 +66,7 @@ void crn_sim_set_inputs(crn_sim *sim, const crn_port_inputs *inputs);
  */
 void crn_sim_set_plant(crn_sim *sim, const crn_port_inputs *inputs);
 
-/* Makes the power stage unable to turn off, as if its transistors had melted. */
+/* Makes the power stage unable to turn off, as when its transistors have failed as short circuits. */
 void crn_sim_weld_stage(crn_sim *sim, bool is_welded);
 
 /* These constants are the damping that the simulated rig itself has, according to its builder's data.

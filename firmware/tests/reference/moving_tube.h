@@ -38,8 +38,8 @@ double reference_contraction(double phase);
  * its motion by breath fade out at 90 mm from its middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 
-/* The following constants describe a vessel that begins at the origin and runs round the beating sphere, 40
- * mm from the sphere's middle: the pieces of the vessel, and the box in which the vessel moves. */
+/* The following constants give the pieces of a vessel and the box in which the vessel moves. The vessel
+ * begins at the origin and runs round the beating sphere, 40 mm from the sphere's middle. */
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 

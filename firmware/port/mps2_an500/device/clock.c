@@ -59,10 +59,10 @@ static bool is_plants(void)
     return rig_is_there() && rig_read(&rig->host.tick_source) == RIG_TICK_PLANT;
 }
 
-/* While the rig's model (the plant) sets the milliseconds, this clock stops whenever the device waits for the
- * plant. The clock counts only the device's work, so the time that it shows does not depend on how long the
- * device waited. Returns the value of the counter, from which the caller later computes how long the work
- * took. */
+/* While the rig's model (the plant) provides the clock, the device's clock stops whenever the device waits
+ * for the plant. The clock counts only the device's work, so the time that it shows does not depend on how
+ * long the device waited. Returns the value of the counter, from which the caller later computes how long the
+ * work took. */
 uint32_t clock_work_begin(void)
 {
     const uint32_t now = clock_counts();
@@ -70,8 +70,8 @@ uint32_t clock_work_begin(void)
     return now;
 }
 
-/* Sets the clock to the beginning of the plant's millisecond, if the rig's model (the plant) provides the
- * milliseconds. The clock is never set back, so a device that is late with its work stays late. */
+/* If the rig's model (the plant) provides the clock, sets the device's clock to the beginning of the plant's
+ * present millisecond. The clock is never set back, so a device that is late with its work stays late. */
 void clock_edge_begin(void)
 {
     clock_work_begin();
