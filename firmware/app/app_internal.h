@@ -81,8 +81,8 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
                              uint32_t *place);
 /* Returns the commands for this tick of FREE_RUN; they are valid until the next message. */
 const crn_app_tick_orders *crn_app_orders_next(crn_app *app);
-/* Before the tick runs, takes out or inserts the tool that is ordered for this tick, if any, and keeps the
- * answer for the host. */
+/* Before the tick runs, carries out the exchange of a tool that the host ordered for this tick, if any, and
+ * keeps the answer for the host. */
 void crn_app_exchange(crn_app *app, const crn_app_order_set *orders);
 
 /* app_stream.c: what the device sends unasked, with back-pressure */

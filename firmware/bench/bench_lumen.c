@@ -1,7 +1,7 @@
-/* This benchmark counts, by callgrind, the instructions of one lumen sample, for the cheap distance function
- * and for the contact function. The sampled points lie near the wall of a straight tube of 8 mm radius (level
- * 0) and of a refined tube (level 1). Samples near the wall take the most expensive paths through the
- * code. */
+/* With callgrind, this benchmark counts the instructions of one look-up in the lumen, for the cheap distance
+ * function and for the contact function. The sampled points lie near the wall of a straight tube of 8 mm
+ * radius (level 0) and of a refined tube (level 1). Samples near the wall take the most expensive paths
+ * through the code. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/lumen.h"
 

@@ -100,8 +100,8 @@ static int nearest_point(const reference_tube *tube, uint32_t node)
     return best;
 }
 
-/* Around the middle of the balloon, a stretch of 22 mm of the vessel widens by 0.4 mm all round. The vessel's
- * path has one point per millimetre. */
+/* Around the middle of the balloon, the vessel widens by 0.4 mm all round over a length of 22 mm. The
+ * vessel's path has one point per millimetre. */
 static void put_lesion(reference_tube *tube)
 {
     enum { STATIONS = 23 };
@@ -241,8 +241,8 @@ static double run_coronary(const bench_case *self)
 
 /* Returns the longest time, in ms, that an exchange of tools and the next tick take together; in this tick
  * the core combines the nested tools anew. While the exchange and the next tick run, the device can compute
- * no other tick. A wire and a guide are inserted by the length of 256 elements, and two catheters are put in
- * turn on the position between them. */
+ * no other tick. A wire and a guide are inserted by the length of 256 elements, and two catheters are
+ * inserted in turn between them. */
 static double run_exchange(const bench_case *self)
 {
     enum { TABLE = 8, EXCHANGES = 200 };

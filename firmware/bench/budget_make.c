@@ -151,7 +151,7 @@ static crn_input drive(uint32_t tick, int32_t middle_m_q30)
     return input;
 }
 
-/* Records the measured ticks of a scene in which the hands rest or keep feeding. */
+/* Records the measured ticks of a scene in which the hands rest or keep feeding the tools. */
 static void record(const scene *s, budget_case *c)
 {
     if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
@@ -165,7 +165,7 @@ static void record(const scene *s, budget_case *c)
     memcpy(c->hash_lane, output.hash_lane, sizeof c->hash_lane);
 }
 
-/* Of all ticks with a second solve, records the one that has the most contacts, and the tick before it.
+/* Of all ticks with a second solve, records the tick that has the most contacts, and the tick before it.
  * Prints the number of ticks that had a second solve. */
 static void record_worst(budget_case *c)
 {

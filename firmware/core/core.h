@@ -251,8 +251,8 @@ typedef enum crn_exchange_status {
 } crn_exchange_status;
 
 /* The function crn_exchange_check changes nothing. The function crn_exchange carries out an order to exchange
- * tools between two ticks, and changes nothing when it does not return CRN_EXCHANGE_DONE. An exchange changes
- * nothing of the other tools. The duration of an exchange has a bound: crn_exchange copies one tool, and the
+ * tools between two ticks, and changes nothing when it does not return CRN_EXCHANGE_DONE. An exchange does
+ * not change the other tools. The duration of an exchange has a bound: crn_exchange copies one tool, and the
  * next tick combines the nested tools anew. */
 crn_exchange_status crn_exchange_check(const crn_model *model, const crn_state *state,
                                        const crn_exchange_order *order);
@@ -304,8 +304,8 @@ uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
 
 /* The function crn_state_open returns how far a lesion of the lumen is open at one point of the lesion, in
  * Q30. The value 0 stands for the narrowed wall as the program that bakes the scene has stored it, and 1
- * stands for the healthy vessel. The function crn_state_open also returns 0 for a point that the lesion does
- * not have. The function crn_model_stations returns the number of points along a lesion that a balloon can
+ * stands for the healthy vessel. The function crn_state_open also returns 0 if the lesion does not have the
+ * given point. The function crn_model_stations returns the number of points along a lesion that a balloon can
  * open, or 0 if no lesion has the given number. The function crn_state_scaffold opens points of a lesion at
  * once and holds them open permanently. The function crn_state_scaffold returns false if the lesion does not
  * have the given points. */

@@ -332,7 +332,7 @@ static uint32_t knot_before(const crn_instrument *tool, int32_t arc_m_q30)
     return knot;
 }
 
-/* Checks that a tool can be inserted as far as the shortest length that the simulation allows, and that its
+/* Checks that a tool is long enough for the shortest insertion that the simulation allows, and that its
  * stress-free shape and twist stiffness fit its own cells. */
 static crn_build_status check_reach(const crn_model *model, uint32_t k, const crn_instrument *instrument,
                                     crn_build_place *place)
@@ -384,8 +384,8 @@ static crn_build_status check_mass(const crn_model *model)
 
 /* --- the rest ------------------------------------------------------------------------------------------- */
 
-/* Builds two axes across the direction of insertion, starting from the coordinate axis least aligned with
- * it. */
+/* Builds two axes perpendicular to the direction of insertion, starting from the coordinate axis least
+ * aligned with it. */
 static void build_base_axes(crn_model *model)
 {
     crn_vec3 direction = model->entry.direction_q30;

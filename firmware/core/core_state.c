@@ -46,8 +46,8 @@ static int32_t inserted_q30(uint32_t um)
     return (int32_t)crn_divide_u64((uint64_t)bounded_um << 30, 1000000u);
 }
 
-/* Sets the inserted lengths of the tools: each length is limited to what its tool allows, and the longest
- * length is at least the smallest length that the simulation allows. */
+/* Sets the inserted lengths of the tools; each length is limited by its tool, and the longest is at least the
+ * minimum of the simulation. */
 static void place_tools(const crn_model *model, crn_state_words *words, const uint32_t *inserted_um)
 {
     const int32_t least = crn_least_inserted(model);

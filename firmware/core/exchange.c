@@ -1,7 +1,7 @@
 /* Between two ticks, this file takes tools out of the set of nested tools (the line) and puts tools of the
  * table into it. All tools of the table share one mesh, and a tool is exchanged only while its tip is inside
  * the introducer sheath. A tool whose tip is inside the sheath adds nothing to any free node, so an exchange
- * moves no node and changes nothing of the other tools. */
+ * moves no node and does not change the other tools. */
 #include "firmware/core/rod.h"
 
 /* --- the model's line ----------------------------------------------------------------------------------- */
@@ -51,8 +51,8 @@ bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words)
     if (!crn_line_numbers_are_valid(model->table_count, exchange->line, model->tool_count)) {
         return false;
     }
-    /* Before the first exchange, the hash does not say which tools are nested, so they must still be those of
-     * the model. */
+    /* Before the first exchange, the hash does not say which tools are nested, so a restored state must have
+     * the model's own tools. */
     if (exchange->count == 0 && !is_first_line(model, exchange)) {
         return false;
     }
@@ -146,7 +146,7 @@ static crn_exchange_status check_leaving(const crn_model *model, const crn_state
     return is_inflated ? CRN_EXCHANGE_INFLATED : CRN_EXCHANGE_DONE;
 }
 
-/* Checks that the new tool fits between its neighbours. */
+/* Checks that the new tool fits between the tools inside and around it. */
 static crn_exchange_status check_nesting(const crn_model *model, const crn_state_words *words,
                                          const crn_exchange_order *order)
 {

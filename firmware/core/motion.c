@@ -138,7 +138,7 @@ static inline found find(const crn_lattice *lattice, crn_motion_field *field, co
 }
 
 /* Finds the tetrahedron of a lattice cell that contains the point. A path along edges of the lattice cell
- * defines the tetrahedron; the path starts at the corner of the cell with the smallest coordinates. This path
+ * defines the tetrahedron; the path starts at the corner of the cell with the smallest coordinates. The path
  * leads first along the axis with the point's largest fraction, then along the axis with the next largest
  * fraction. */
 static inline uint32_t tetrahedron_at(const int32_t *p_q31)
@@ -222,11 +222,11 @@ crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const 
     return stands_still(pose, world_m_q30) ? *world_m_q30 : pull_inside(motion, pose, world_m_q30);
 }
 
-/* Every lattice node has `row` numbers for each of its three components. For each of the `row` numbers, the
- * function finds the largest |difference|^2 between neighbouring nodes along one axis and adds it to
- * `squares`. Format: coefficients. Overflow is impossible: the displacements of neighbouring nodes differ by
- * at most 2^13 (checked when a scene is loaded). One axis adds at most 3 x 2^26 to each sum of squares, and
- * three axes add less than 2^30. */
+/* Every lattice node has `row` values for each of its three components. For each of the `row` values, the
+ * function adds to `squares` the largest |difference|^2 between neighbouring nodes along one axis. Format:
+ * coefficients. Overflow is impossible: the displacements of neighbouring nodes differ by at most 2^13
+ * (checked when a scene is loaded). One axis adds at most 3 x 2^26 to each sum of squares, and three axes add
+ * less than 2^30. */
 static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint32_t row, uint32_t axis,
                         uint32_t *squares)
 {
@@ -251,8 +251,8 @@ static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint
     }
 }
 
-/* Computes an upper bound of the steepness |J| of one lattice, for each of the numbers in a row of
- * coefficients. Format: Q28. Overflow: 5/8 sqrt(3). */
+/* Computes an upper bound of the steepness |J| of one lattice, for each value in a row of coefficients.
+ * Format: Q28. Overflow: 5/8 sqrt(3). */
 static void steepness_of(const crn_lattice *lattice, const int16_t *numbers, uint32_t row,
                          int32_t *steepness_q28)
 {

@@ -24,7 +24,7 @@ typedef struct corner_list {
 } corner_list;
 
 /* Moves on to another cell. If the new cell is next to the previous cell along one axis, the function moves
- * the values of the four corners that the two cells share to their new indices. Returns the other corners. */
+ * the values of the four shared corners to their new indices. Returns the other corners. */
 static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_motion_cell *cell)
 {
     /* corners on the low and the high side along x, y, z */

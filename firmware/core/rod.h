@@ -93,7 +93,7 @@ static inline bool crn_has_tool(const crn_state_words *words, uint32_t position)
     return words->exchange.line[position] != 0;
 }
 
-/* Returns the position of the tool around tool k, which is k + 1 unless the position k + 1 is free. The
+/* Returns the position of the tool around tool k, which is k + 1 unless no tool is at the position k + 1. The
  * caller ensures that k is not the outermost position. */
 static inline uint32_t crn_tool_around(const crn_model *model, const crn_state_words *words, uint32_t k)
 {
@@ -135,7 +135,7 @@ static inline uint32_t crn_edge_curved(const crn_state *state, uint32_t j)
  * tools); the number 0 empties the position. */
 void crn_exchange_put(crn_model *model, uint32_t position, uint32_t number);
 
-/* Makes the tools that a valid state names the nested tools of the model. */
+/* Puts the tools that a valid state names into the model, as its nested tools. */
 void crn_exchange_take_line(crn_model *model, const crn_state_words *words);
 
 /* Checks the numbers of the nested tools in a restored state. */
@@ -186,8 +186,8 @@ uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free
 void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint32_t i,
                            const crn_vec3 *slide_m_q33, crn_vec3 *shift_m_q33);
 
-/* Corrects the deviation that the solve found so that turning edges keep their length, edge by edge from the
- * hand to the tip (rod_length.c). The caller passes the largest component of the deviation. */
+/* From the hand to the tip, corrects the deviation that the solve found, edge by edge, so that turning edges
+ * keep their length (rod_length.c). The caller passes the largest component of the deviation. */
 void crn_rod_keep_lengths(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 
 /* Returns the joint at node i for this tick. The introducer sheath's distal end cuts off a part of the joints
@@ -230,9 +230,10 @@ void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent);
  * friction of the wall (rod_twist.c). */
 void crn_rod_twist(const crn_model *model, crn_state *state);
 
-/* These functions compute the forces between tools, and on the hands of tools that do not lead (rod_tools.c).
- * The functions run in this order: crn_tools_grip (how hard tools press on each other) before the twist,
- * crn_tools_turned after the twist, crn_tools_handles before the solve, and crn_tools_slide after the solve.
+/* These functions compute the forces between tools, and the forces on the hands, except the hand that holds
+ * the leading tool (rod_tools.c). The functions run in this order: crn_tools_grip (how hard tools press on
+ * each other) before the twist, crn_tools_turned after the twist, crn_tools_handles before the solve, and
+ * crn_tools_slide after the solve.
  */
 void crn_tools_grip(const crn_model *model, crn_state *state);
 void crn_tools_turned(const crn_model *model, crn_state *state);

@@ -126,11 +126,10 @@ CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work
 }
 
 /* Sets the stiffnesses of node i's contact for the motion expected in this tick. The vector `expected` is the
- * node's expected deviation from its slide, and `inwards` is the component of `expected` along the normal.
- * The vectors `expected` and `around` may share memory. `predicted_m_q30` is the contact depth of the node
- * after the deviation. Overflow is impossible: the friction displacement is below 2^29.2, deviations are
- * below 2^29 and the displacement by rolling is below 2^23, so every component of their sum is below 2^30.5.
- */
+ * node's expected deviation from its slide, and `inwards` is its component along the normal. The vectors
+ * `expected` and `around` may share memory. `predicted_m_q30` is the contact depth of the node after the
+ * deviation. Overflow is impossible: the friction displacement is below 2^29.2, deviations are below 2^29 and
+ * the displacement by rolling is below 2^23, so every component of their sum is below 2^30.5. */
 static inline void touch(const crn_model *model, crn_state *state, const crn_node_state *node, crn_work *work,
                          const crn_line_node *line, int32_t predicted_m_q30, const crn_vec3 *expected,
                          int32_t inwards)

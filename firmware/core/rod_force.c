@@ -6,8 +6,8 @@
  *     joint   b = w[i] - w[i-1],  v = W (b - g),  f[i-1] -= a v,  f[i] += (a + c) v,  f[i+1] -= c v
  *
  * The vector g is the sum of the tools' rest rotations, that is, of the angles of their stress-free shapes.
- * The twisting moment tau of the tools bends their common centreline by F = tau kb / 2 with kb = 2 t x t' /
- * (1 + t.t'). */
+ * The twisting moment tau of the tools bends their common centreline with the force F = tau kb / 2, where kb
+ * = 2 t x t' / (1 + t.t'). */
 #include "firmware/core/rod.h"
 
 enum {

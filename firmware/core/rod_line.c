@@ -165,7 +165,7 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
 
 /* --- cells that one or more tips divide ----------------------------------------------------------------- */
 
-/* Adds the integrals over the piece [from, to] of a cell; no tool begins or ends within the piece. */
+/* Adds the integrals over the piece [from, to] of a node's cell; no tool begins or ends within the piece. */
 static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_MAX], int64_t *compliance)
 {
     stretch part[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
@@ -194,8 +194,8 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_M
     }
 }
 
-/* Integrates the tools' properties over a cell, piece by piece from one tool's tip to the next. At most
- * CRN_TOOL_MAX tips lie in the cell of a node. */
+/* Integrates the tools' properties over a node's cell, piece by piece from one tool's tip to the next. At
+ * most CRN_TOOL_MAX tips lie in the cell of a node. */
 static void divided_cell(walk *w, cell c, crn_joint *joint)
 {
     stretch sums[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};

@@ -6,7 +6,7 @@
  * matrix keeps the directions of rest rotations fixed in space. For a tip of length s and curvature kappa on
  * a wire of length L, the solve recovers only about 1 / (kappa^2 s L) of the missing rotation in each tick
  * (docs/rod.md, "feed"). For a tip that touches the wall, the code predicts no rotation. At the wall the
- * solve stops the tip's rotation, and a tip for which further rotation is predicted trembles. */
+ * solve stops the tip's rotation; if further rotation were predicted, the tip would tremble. */
 #include "firmware/core/rod.h"
 
 enum {

@@ -4,8 +4,8 @@
  * The tools share one centreline, so the code does not compute a contact between the inner tool and the outer
  * tool's bore. A tool presses on the tool around it with the force that its bending puts on the nodes that
  * the two tools share. Friction mu N between the two tools then resists sliding and turning, in both
- * directions. The friction against sliding has one displacement along the centreline for each pair of tools;
- * the friction against turning has one for each edge (rod_twist.c).
+ * directions. For each pair of tools, one friction displacement along the centreline represents sliding, and
+ * one friction displacement per edge represents turning (rod_twist.c).
  *
  * If a tool does not lead, the force on the hand that holds it is the change of the elastic energy of all
  * tools as this tool slides along a centreline of fixed shape. Where the tool's properties change, the force
@@ -140,8 +140,8 @@ static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *her
     return length_of(&force);
 }
 
-/* The length over which a tool bears on the tool around it depends on clearance and stiffness. For a wire in
- * a catheter the bearing length is about 3 mm (sqrt(2 EI delta / M) with a clearance delta of 0.05 mm,
+/* The length over which a tool presses on the tool around it depends on clearance and stiffness. For a wire
+ * in a catheter the bearing length is about 3 mm (sqrt(2 EI delta / M) with a clearance delta of 0.05 mm,
  * docs/rod.md). If the pressing force were not spread over the bearing length, a finer mesh would give a
  * larger force where the moment has a step. */
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)

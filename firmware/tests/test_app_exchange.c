@@ -2,7 +2,7 @@
  * tools and a line (the tools inserted one inside another). An order `exchange` is carried out before its
  * tick, and the state that the tick reports contains the answer. A refused exchange changes nothing except
  * the answer in the tick's state. A FREE_RUN session with exchanges replays in LOCKSTEP bit for bit, and a
- * snapshot contains the tools on the line. After an exchange the force on the hand goes to zero, as when the
+ * snapshot says which tools are nested. After an exchange the force on the hand goes to zero, as when the
  * hand lets go. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -218,8 +218,8 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
 }
 
 /* The rule for the encoder's scale is the same as for the force sensor's scale. A host may change the
- * encoder's scale by up to a quarter of the built value, and with the local unlock to any value. Before the
- * device limited the encoder's scale, a host could change this scale by a factor of 5 x 10^5. */
+ * encoder's scale by up to a quarter of the value that the rig's builder gave, and with the local unlock to
+ * any value. In an earlier version, a host could change the encoder's scale by a factor of 5 x 10^5. */
 static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -273,7 +273,7 @@ static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **st
 
 /* In LOCKSTEP the host provides the positions of the user's hands, in its own counts, and no motor is driven.
  * If a person at the rig has confirmed values, they stay valid when the host sends the rig's settings again.
- * The device does not judge a coupling by values of the host that no person at the rig has confirmed. */
+ * To judge a coupling, the device does not use a host's values that no person at the rig has confirmed. */
 static void a_track_without_a_coupling_may_have_any_scale(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* These tests check the exchange of nested tools (docs/rod.md, "exchange"). An exchange moves no node and
- * changes nothing of the other tools; a refused exchange changes nothing at all. A tool that was inserted by
- * an exchange behaves bit for bit as if the session had begun with this tool. Each impossible exchange is
+ * does not change the other tools; a refused exchange changes nothing at all. A tool that was inserted by an
+ * exchange behaves bit for bit as if the session had begun with this tool. Each impossible exchange is
  * refused with the code of its own reason, and random orders never make the state invalid. */
 #include <math.h>
 #include <setjmp.h>
@@ -381,8 +381,8 @@ static void second_balloon_is_refused(void **context)
     free(r);
 }
 
-/* Friction acts between a wire and the guide around it even if the position between them is free: the results
- * are equal bit for bit, whichever position the guide has. */
+/* Friction acts between a wire and the guide around it even if the position between them has no tool: the
+ * results are equal bit for bit, whichever position the guide has. */
 static void free_position_between_two_tools_changes_nothing(void **context)
 {
     (void)context;
@@ -501,9 +501,9 @@ static void exchange_enters_the_hash(void **context)
     reference_tube_free(tube);
 }
 
-/* Hands move at random, and random orders arrive, most of which are refused. After every order a restore,
- * which checks the whole state, accepts the state, and every tool stays in the vessel. The allowed depth in
- * the wall is 0.2 mm, the depth at which the wall is stiffest. */
+/* Hands move at random, and random orders arrive, most of which are refused. After every order, the state
+ * passes all checks of a restore, and every tool stays in the vessel. The allowed depth in the wall is 0.2
+ * mm, the depth beyond which the wall is stiffer. */
 static void random_orders_never_break_the_line(void **context)
 {
     (void)context;

@@ -74,7 +74,7 @@ typedef struct insertion {
     double depth_mm, strain_pct, force_N, resting_um;
 } insertion;
 
-/* Holds the largest errors during a whole insertion at 0.1 m/s and during the second of rest after it. */
+/* Holds the largest errors during a whole insertion at 0.1 m/s and during the following second of rest. */
 static insertion insert(const reference_tube *tube, double bend_N_m2, double to_m)
 {
     crn_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
@@ -219,9 +219,9 @@ static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 
 /* --- hostile hand --------------------------------------------------------------------------------------- */
 
-/* A hand jumps at random for 20 s and turns at up to 12 rad/s. The rod stays stable, and its nodes are more
- * than 1 mm outside the lumen in at most 1 of 1000 ticks. The length error stays within 0.6 %, as in the fuzz
- * test of the project's prototype. */
+/* A hand moves in random jumps for 20 s and turns at up to 12 rad/s. The rod stays stable, and its nodes are
+ * more than 1 mm outside the lumen in at most 1 of 1000 ticks. The length error stays within 0.6 %, as in the
+ * fuzz test of the project's prototype. */
 static void random_hand_does_not_blow_the_rod_up(void **context)
 {
     (void)context;

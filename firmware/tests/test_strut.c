@@ -313,8 +313,8 @@ static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
     }
 }
 
-/* The wire's tip touches the stent's end, head on and off centre, with a friction coefficient of 0.3; the tip
- * moves on along one side, inside or outside. */
+/* With a friction coefficient of 0.3, the tip of the wire touches the end of the stent, head on or off
+ * centre; the tip then moves on along one side, inside or outside. */
 static void an_end_sends_a_tip_to_one_side(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* This file implements the virtual coupling between hands and tools: a spring and a damper along the
- * insertion axis, and a spring and a damper about it. The friction of sheath and valve acts on the tool's
- * side of the coupling. */
+ * insertion axis, and a spring and a damper about this axis. The friction of sheath and valve acts on the
+ * tool's side of the coupling. */
 #include "firmware/app/haptics/haptics.h"
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/core/fixed.h"
@@ -64,7 +64,7 @@ static int64_t limited(int64_t value, int64_t limit)
 /* Format: force / travel x 2^shift times travel. Overflow is impossible: the distance `lead` by which the
  * hand is ahead of its tool is limited to lead_max, so stiffness x lead is at most the shifted force limit.
  * The damper's force is at most the shifted force limit times the ratio damping / stiffness, and the sum of
- * spring and damper is limited to two force limits. */
+ * spring and damper is limited to twice the force limit. */
 static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t lead_before)
 {
     int64_t elastic = crn_rshift_round64(axis->stiffness * lead, axis->shift);

@@ -1,7 +1,7 @@
 /* This file computes the forces that the haptics request from the motors. The code first computes the forces
- * of the virtual coupling, or takes the forces of the rod itself where a track has no coupling. Then the code
- * applies to these forces, in this order, the gain, the passivity limit, the slew limit, the force limit and
- * the fade. */
+ * of the virtual coupling, or takes the forces of the rod itself where a track has no coupling. To the forces
+ * of coupling or rod, the code applies, in this order, the gain, the passivity limit, the slew limit, the
+ * force limit and the fade (the fall to zero when the host is silent). */
 #include "firmware/app/haptics/haptics.h"
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/core/fixed.h"

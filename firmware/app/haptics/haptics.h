@@ -103,8 +103,7 @@ typedef struct crn_haptics {
 /* The constants of one axis; `which` is CRN_APP_ALONG or CRN_APP_ABOUT. */
 void crn_haptics_axis_set(crn_haptics_axis *axis, int which, const crn_haptics_coupling *coupling);
 
-/* Resets the virtual coupling: the next tick takes the positions of hands and tools as they are, with no
- * distance between hand and tool and no force. */
+/* Resets the virtual coupling, so that it gives no force at the present positions of hands and tools. */
 void crn_haptics_reset(crn_haptics *haptics);
 
 /* Sets the forces requested from the motors to zero. */

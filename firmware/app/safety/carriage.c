@@ -63,8 +63,8 @@ static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 enum { SHARE_ONE = 4096 };
 
 /* If no hand balances a force, only a fraction of the force may remain. The function computes the permitted
- * fraction of the force from `value`, which is a speed or a time. The function returns one (the whole force)
- * up to the value `full`, and zero from the value `none` on. */
+ * fraction of the force from `value`, which is a speed or a time. The permitted fraction is one (the whole
+ * force) up to the value `full`, and zero from the value `none` on. */
 static int32_t share_of(int32_t value, int32_t full, int32_t none)
 {
     if (value <= full) return SHARE_ONE;
@@ -156,8 +156,8 @@ crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *in
                                   int32_t *value)
 {
     crn_safety_watch *watch = &safety->watches[k];
-    /* The code limits a change of the counts to twice the largest believable jump, because a larger change is
-     * not a motion; with this limit the sums cannot overflow. */
+    /* A change of the counts that is larger than twice the largest plausible jump is not a motion, so the
+     * code limits it, and the sums cannot overflow. */
     const int32_t most = 2 * (int32_t)safety->tracks[k].jump_counts;
     const int32_t moved = crn_limited(crn_carriage_moved(safety, input->rig, k), -most, most);
     watch->moved[safety->asked_at] = moved;

@@ -1,5 +1,5 @@
 /* This port has never run on hardware. This program is the device on an i.MX RT1062 (Teensy 4.1). The file
- * contains the memory, the port's table of functions, and the loop that passes bytes and milliseconds to the
+ * contains the memory, the port's table of functions, and the loop that passes bytes and timer edges to the
  * app. The code of this file allocates no memory, and its only interrupt handler increments a counter.
  *
  *   loop:  USB -> crn_app_receive

@@ -52,8 +52,8 @@ static void start_module(uint32_t base, uint32_t submodules)
     R16(base, PWM_OUTEN) = 0;
     R16(base, PWM_FFILT0) = (uint16_t)(BITS(PWM_FFILT0_FILT_CNT, FAULT_FILTER_SAMPLES) |
                                        BITS(PWM_FFILT0_FILT_PER, FAULT_FILTER_CLOCKS));
-    /* A low level of the fault line is a fault. The PWM unit keeps a fault until software clears it, which is
-     * impossible while the fault line is low. */
+    /* A low level of the fault line counts as a fault. The PWM unit keeps a fault until software clears it,
+     * which is impossible while the fault line is low. */
     R16(base, PWM_FCTRL0) = (uint16_t)(BITS(PWM_FCTRL0_FLVL, 0) | BITS(PWM_FCTRL0_FAUTO, 0) |
                                        BITS(PWM_FCTRL0_FSAFE, FAULT_INPUT));
     for (uint32_t i = 0; i < 4; i++) {

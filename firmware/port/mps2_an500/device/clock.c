@@ -6,10 +6,10 @@
 enum {
     COUNTS_PER_us = BOARD_CLOCK_HZ / 1000000,
     COUNTS_PER_ms = BOARD_CLOCK_HZ / 1000,
-    /* The watchdog's time of 60 s is longer than the longest request, the validation of a scene. At 1,000
-     * instructions per us, a validation takes 0.2 s; when instructions are counted, each as 128 ns, it takes
-     * 26 s. The power stage does not depend on the watchdog, because the stage removes the power by itself
-     * after 5 ms. */
+    /* The watchdog's limit of 60 s is longer than the longest request takes, which is the validation of a
+     * scene. The validation of a scene takes 0.2 s at 1,000 instructions per us, and 26 s if the emulator
+     * counts 128 ns for each instruction. The power stage does not depend on the watchdog, because the stage
+     * removes the power by itself after 5 ms. */
     WATCHDOG_s = 60,
 };
 

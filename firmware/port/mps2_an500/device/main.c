@@ -1,5 +1,5 @@
 /* This program is the device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig. The file contains
- * the memory, the port's table of functions, and the loop that passes bytes and milliseconds to the app. The
+ * the memory, the port's table of functions, and the loop that passes bytes and timer edges to the app. The
  * code of this file allocates no memory, and its interrupt handlers only increment counters.
  *
  *   loop:  bytes came -> crn_app_receive     USB tokens -> crn_rig_usb_poll     an edge is due -> crn_app_timer
