@@ -130,9 +130,9 @@ void check(const char *what, double value, double most)
     if (!(value <= most)) fail_msg("%s = %g, allowed %g", what, value, most);
 }
 
-// The limits are: at most 0.1 % of the samples are deeper in the wall than 0.3 mm, no sample is deeper than 1
-// mm, and the length error is at most 0.1 % (no tool is pushed against an obstacle here). Every tool must be
-// inserted by at least `inserted_mm`. The reference distance is measured from the surface of the outermost
+// At most 0.1 % of the samples may be deeper in the wall than 0.3 mm, and no sample may be deeper than 1 mm.
+// The length error may be at most 0.1 %, because no tool is pushed against an obstacle here. Every tool must
+// be inserted by at least `inserted_mm`. The reference distance is measured from the surface of the outermost
 // tool, not from the centreline.
 void drive(const std::vector<std::string> &instrument_files, const crn::Session &session, double inserted_mm)
 {

@@ -88,9 +88,10 @@ static void linux_enumerates_at_full_speed(void **state)
     linux_way(false);
 }
 
-/* Windows requests 255 bytes of every descriptor. The configuration has 64 bytes, a full packet, so the
- * device must send an empty packet after it. Windows also requests the Microsoft string 0xee (which the
- * device refuses), the descriptor set by the vendor code of the BOS descriptor, and the device qualifier. */
+/* Windows requests 255 bytes of every descriptor. The configuration descriptor has 64 bytes, exactly one full
+ * packet, so the device must send an empty packet after it. Windows also requests three more items: the
+ * Microsoft string 0xee, which the device refuses; the Microsoft descriptor set, with the vendor code from
+ * the BOS descriptor; and the device qualifier. */
 static void windows_enumerates_and_learns_about_winusb(void **state)
 {
     (void)state;

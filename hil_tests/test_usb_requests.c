@@ -186,7 +186,7 @@ static void the_address_changes_after_the_status_stage(void **state)
 }
 
 /* A halted endpoint must answer STALL and report its halt. After the halt is cleared, the endpoint must begin
- * with DATA0; meanwhile the other endpoints must continue. */
+ * with DATA0; meanwhile the other endpoints must continue to work. */
 static void a_halt_is_set_seen_and_cleared(void **state)
 {
     (void)state;
@@ -307,8 +307,8 @@ static void test_modes_are_handed_to_the_controller(void **state)
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
-/* After a lost acknowledgement the packet is repeated. No byte may be lost, and the device must not execute a
- * request twice. */
+/* After a lost acknowledgement, the sender repeats the packet. No byte may be lost, and the device must not
+ * execute a request twice. */
 static void lost_acknowledgements_change_nothing(void **state)
 {
     (void)state;

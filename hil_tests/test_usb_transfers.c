@@ -1,7 +1,7 @@
 /* These tests check the data in the USB pipes of the device. The bytes of the stream must arrive complete and
- * in order for every packet size and every loss of packets. If a host does not read, the device must wait and
- * keep its data. If a transfer is interrupted by a reset, a halt, a suspend or an unplugged cable, only the
- * frames in that transfer may be lost. */
+ * in order, whatever the packet size is and whichever packets are lost. If a host does not read, the device
+ * must wait and keep its data. If a transfer is interrupted by a reset, a halt, a suspend or an unplugged
+ * cable, only the frames in that transfer may be lost. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -47,10 +47,10 @@ static bool is_led(const crn_app *app)
     return app->safety.is_driving && crn_watchdog_left_ticks(&app->watchdog) > 0;
 }
 
-/* A second program may send HELLO while a first program is in control of powered motors. The second program
- * would next send RESET, which would end the first program's session with the device. While one program is in
- * control of powered motors, the device refuses another program's HELLO, and does not count this HELLO as a
- * sign of life of the program in control. A host that speaks another version of the protocol may not give the
+/* While one program controls powered motors, a second program could connect with HELLO. The second program
+ * would next send RESET, which would end the first program's session with the device. While one program
+ * controls powered motors, the device refuses another program's HELLO. A refused HELLO does not count as a
+ * message of the program in control. A host that speaks another version of the protocol may not give the
  * device any command, even in the middle of a session. */
 static void hello(crn_app *app, const uint8_t *payload, size_t length)
 {

@@ -1,7 +1,7 @@
 /* The firmware app runs the simulation core inside a device. The app contains the tick modes, encoders,
- * virtual coupling, force output, safety, faults and the wire protocol, and is the same code on every port.
- * The app checks everything that comes over the wire protocol before using it, and a refused request changes
- * nothing.
+ * virtual coupling, force output, safety, faults and the wire protocol. The app's code is the same on every
+ * port (the part for one kind of hardware). The app checks everything that comes over the wire protocol
+ * before using it, and a refused request changes nothing.
  *
  *          accepted HELLO        ARM             START
  *   INIT ----------------> READY ----> ARMED ----------> RUNNING
@@ -55,7 +55,7 @@ typedef struct crn_app_encoders {
 } crn_app_encoders;
 
 /* How one track is configured. The parts of the app (hands, haptics and safety) keep the values that they
- * derive from the configuration of the tracks. */
+ * derive from the configuration of the rig's tracks (one per tool). */
 typedef struct crn_app_track {
     crn_wire_track wire;         /* in force, as read back */
     crn_wire_track built;        /* as the rig's builder stated it */
@@ -64,8 +64,8 @@ typedef struct crn_app_track {
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
-/* Holds the messages that wait for space in the pipe to the host. In the queue, ticks have the encoding of a
- * `live` message, so that a tick without commands takes no space for commands. */
+/* Holds the messages that wait for space in the pipe to the host. In the queue, ticks are encoded as in a
+ * `live` message, so a tick without commands takes no space for commands. */
 typedef struct crn_app_queue {
     uint32_t first, count; /* ring of live ticks */
     uint32_t begin, used;  /* ring of their bytes */
@@ -90,8 +90,8 @@ typedef struct crn_app_order_set {
     crn_exchange_order exchange;
 } crn_app_order_set;
 
-/* Holds the commands for one tick of FREE_RUN, together with the form in which the tick's `live` message
- * shows them to the host. */
+/* Holds the commands for one tick of FREE_RUN, both as the core needs them and as the tick's `live` message
+ * reports them. */
 typedef struct crn_app_tick_orders {
     crn_wire_order_list wire;
     crn_app_order_set core;
@@ -154,8 +154,8 @@ typedef struct crn_app_faults {
     crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
 } crn_app_faults;
 
-/* Messages being read and written. Only the buffer `ticks` is still needed after a request or a timer
- * edge has been handled. */
+/* Messages being read and written. After a request or a timer edge has been handled, only the contents of the
+ * buffer `ticks` are still needed. */
 typedef struct crn_app_buffers {
     union {
         crn_wire_scene_chunk scene_chunk;
@@ -210,7 +210,7 @@ void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count);
 
 /* A host may also send requests without frames, as HID reports. The app checks a HID request as if it had
  * come in a frame. A frame of which only a part has arrived is not disturbed by a HID request. The app
- * answers a HID request by a frame in which the field `answers`, the number of the answered request, is 0. */
+ * answers a HID request by a frame whose field `answers` is 0, because a HID request has no frame number. */
 
 /* The function accepts only STOP and RESET, and returns true when the state is then no longer RUNNING, or is
  * READY after RESET. */
@@ -221,9 +221,9 @@ bool crn_app_order(crn_app *app, uint8_t action);
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
 /* A program that runs the device in its own process, such as the simulated port, can take a snapshot by
- * crn_app_snapshot_take and restore a snapshot by crn_app_snapshot_put. A snapshot has the same
- * CRN_APP_SNAPSHOT_BYTES bytes as in the messages of the wire protocol, without frames and checksums. To take
- * or put a snapshot, the mode must be LOCKSTEP, and the state must be ARMED or RUNNING. The function
+ * crn_app_snapshot_take and restore a snapshot by crn_app_snapshot_put. A snapshot has CRN_APP_SNAPSHOT_BYTES
+ * bytes, the same as in the messages of the wire protocol, without frames and checksums. To take or put a
+ * snapshot, the mode must be LOCKSTEP, and the state must be ARMED or RUNNING. The function
  * crn_app_snapshot_put checks the bytes in the same way as bytes that a host sends. When
  * crn_app_snapshot_take or crn_app_snapshot_put returns false, the session has not changed, but an unfinished
  * upload may have ended. */

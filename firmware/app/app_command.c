@@ -120,11 +120,12 @@ static void forget_hands(crn_app *app)
     crn_haptics_reset(&app->haptics);
 }
 
-/* In FREE_RUN the app does not read the hands before START, so FREE_RUN begins with a new zero position of
- * the coupling and with zero motor forces. In LOCKSTEP, a session continues after a STOP from exactly the
- * state in which it stopped. After a change of mode, too, the next reading of the hands' positions becomes
- * the new zero position of the coupling. START begins with exactly the state of a snapshot that was taken in
- * the state ARMED, so a session of FREE_RUN that is resumed from such a snapshot replays bit for bit. */
+/* In FREE_RUN the app does not read the hands' positions before START, so FREE_RUN begins with a new zero
+ * position of the coupling and with zero motor forces. In LOCKSTEP, a session continues after a STOP from
+ * exactly the state in which it stopped. After a change of mode, the next reading of the hands' positions
+ * becomes the new zero position of the coupling. If the device has restored a snapshot that was taken in the
+ * state ARMED, START begins with exactly the restored state. A FREE_RUN session that continues from a
+ * snapshot taken in the state ARMED replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
     app->watchdog.silent_ticks = 0;

@@ -6,7 +6,7 @@
 #include "firmware/app/app.h"
 
 /* If the check CRN_REQUIRE finds an error in the app itself, the app logs the error, switches the motors off,
- * and goes to the state FAULT; release builds contain the check, too. */
+ * and goes to the state FAULT. Release builds contain this check, too. */
 #define CRN_REQUIRE(app, condition, value)                                                                   \
     do {                                                                                                     \
         if (!(condition)) crn_app_internal_error(app, __LINE__, (int32_t)(value));                           \
@@ -81,7 +81,7 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
                              uint32_t *place);
 /* Returns the commands for this tick of FREE_RUN; they are valid until the next message. */
 const crn_app_tick_orders *crn_app_orders_next(crn_app *app);
-/* Carries out the exchange of tools that is ordered for this tick, if there is one, before the tick runs, and
+/* Before the tick runs, carries out the exchange of a tool that the host ordered for this tick, if any, and
  * keeps the answer for the host. */
 void crn_app_exchange(crn_app *app, const crn_app_order_set *orders);
 

@@ -34,8 +34,8 @@ _Static_assert((int)CRN_SCENE_PLAQUE_MAX == (int)CRN_LESION_MAX &&
                    (int)CRN_SCENE_PLAQUE_STATION_BYTES == (int)sizeof(crn_lesion_station),
                "scene and core agree about lesions that give way");
 
-/* The stations stay in place. The scene's data are words in the scene's own byte order, which must be that of
- * this machine (checked), at an address that is a multiple of 16. */
+/* The stations stay in place. The words of a scene must have the byte order of this machine, which the code
+ * checks, and begin at an address that is a multiple of 16. */
 static crn_lesion lesion_from(const crn_scene_plaque_view *plaque)
 {
     crn_lesion lesion = {

@@ -1,6 +1,6 @@
 /* Configuration of the tracks. The app accepts or refuses a request for settings as a whole, and the host can
  * read back the values that are in force. A host may always lower force limits, but may raise them only while
- * the local unlock is closed. */
+ * the local unlock (a switch inside the rig) is closed. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -27,10 +27,9 @@ static bool in_range(uint32_t value, uint32_t low, uint32_t high)
 }
 
 /* A force gain above one multiplies the stiffness of the coupling that the hand feels. If the host gives an
- * encoder scale with more travel per count than the known scale, the stiffness that the hand feels grows by
- * the same factor as the travel. Returns the product of the force gain and the scale factor in 1/1000,
- * rounded up. Overflow: the product wraps only if a value is outside its range, and such a value is refused
- * anyway; otherwise the product is below 2^41. */
+ * encoder scale with k times the known travel per count, the hand feels k times the stiffness. Returns the
+ * product of the force gain and the scale factor in 1/1000, rounded up. Overflow is possible only if a value
+ * is outside its range, and the app refuses this value anyway; otherwise the product is below 2^41. */
 static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t known)
 {
     const uint64_t gain_milli =
@@ -40,11 +39,11 @@ static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t k
 }
 
 /* The condition b > G (K (T / 2 + t) + B) limits a spring K and a damper B that are computed once in each
- * tick of length T. The rig itself has the damping b; its force comes late by t and is multiplied by G
- * (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N s/m, G in 1/1000; both sides in 1e-9 N s/m.
- * Overflow is impossible: G is below 2^32 (4 000 x 5 x 10^5, the range of scales), and 10^5 x 2^32 x 20 500
- * and 10^6 x 2^32 are below 2^63. For a track without a coupling, the condition on spring and damper does not
- * apply. */
+ * tick of length T. The damping b is that of the rig itself; the motor's force acts after the lag t and is
+ * multiplied by G (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N s/m, G in 1/1000; both sides in
+ * 1e-9 N s/m. Overflow is impossible: G is below 2^32 (4 000 x 5 x 10^5, the range of scales), and 10^5 x
+ * 2^32 x 20 500 and 10^6 x 2^32 are below 2^63. For a track without a virtual coupling, the condition on
+ * spring and damper does not apply. */
 static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us,
                        uint64_t factor_milli)
 {
@@ -107,14 +106,14 @@ static bool is_coupled(const crn_wire_track *wire)
 }
 
 /* For each setting of a track, this table gives the rule for the values that a host may send without
- * confirmation by a person at the rig. A scale that is too small hides large values from every check: with
- * too small a scale of a force sensor every force looks small, and with too small a scale of an encoder every
- * speed looks small. The virtual coupling becomes stiffer than the rig can render if the host gives too large
- * a scale for an encoder, a high gain, a damping that the rig does not have, or too short a lag. If the host
- * gives the wrong counting direction for an encoder, every simulated spring pushes the hand away instead of
- * pulling it back. A track without a coupling is never driven, so a host may set any of its values except the
- * force sensor's scale, because that sensor is checked in every state. The host may send again a value that a
- * person at the rig has confirmed. False: *field names the offender. */
+ * confirmation by a person at the rig. A scale that is too small hides large values from every check: every
+ * force of a force sensor, or every speed of an encoder, then looks small. The virtual coupling becomes
+ * stiffer than the rig can render if the host gives too large an encoder scale, a high gain, too short a lag,
+ * or a damping that the rig does not have. If the host gives the wrong counting direction for an encoder,
+ * every simulated spring pushes the hand away instead of pulling it back. A track without a coupling is never
+ * driven, so a host may set any of its values except the force sensor's scale, because that sensor is checked
+ * in every state. The host may send again a value that a person at the rig has confirmed. False: *field names
+ * the offender. */
 static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *present, uint32_t *field)
 {
     const crn_wire_track *vouched = &present->vouched, *built = &present->built;

@@ -4,7 +4,7 @@
 
 /* --- one tick --- */
 
-/* Writes the core's new fault bits, which stay set, to the fault log. */
+/* Writes the core's new fault bits to the fault log; a fault bit stays set. */
 void crn_app_log_core_faults(crn_app *app, uint32_t bits)
 {
     static const struct {

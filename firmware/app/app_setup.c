@@ -117,8 +117,8 @@ static void tool_from_wire(const crn_wire_instrument *wire, crn_instrument *tool
     }
 }
 
-/* Refuses a set-up request with the core's reason for not building a model, and with the tool and the knot at
- * fault. */
+/* Refuses a set-up request because the core could not build a model; the reply names the core's reason, the
+ * tool and the knot. */
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place)
 {
     static const uint16_t codes[] = {
@@ -135,8 +135,9 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
 
 static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}};
 
-/* If a message does not say which tools are on the line, the line has all tools of the table, in the table's
- * order. Returns the number of positions on the line, or 0 if the line would have too many tools. */
+/* If a message does not say which tools are nested at the start, all tools of the table are, in the table's
+ * order. Returns the number of positions for nested tools (the line), or 0 if there would be too many
+ * tools. */
 static uint32_t line_from_wire(const crn_wire_tools *wire, uint32_t line[CRN_TOOL_MAX])
 {
     const uint16_t count = wire->line_count > 0 ? wire->line_count : wire->tools_count;
@@ -148,8 +149,9 @@ static uint32_t line_from_wire(const crn_wire_tools *wire, uint32_t line[CRN_TOO
     return count;
 }
 
-/* In the state READY no model is in use, so the model's memory is free. The app checks the table of tools and
- * the line as a whole by building a model that has these tools but no vessel. */
+/* In the state READY no model is in use, so the model's memory is free. To check the table of tools and the
+ * line (the tools that are nested at the start) as a whole, the app builds a model that has these tools but
+ * no vessel. */
 void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_tools;

@@ -174,9 +174,9 @@ static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, c
            is_within(motor->torque_uN_m, track->torque_limit_uN_m);
 }
 
-/* The app refuses a snapshot if a hand is farther ahead of its tool than the coupling's axis allows, or if
- * the estimate of the tool's stiffness exceeds its largest value. Because the app limits the hand's lead and
- * the estimate of the stiffness in a snapshot, no product of a later tick can overflow. */
+/* The app refuses a snapshot in which a hand is farther ahead of its tool than the coupling allows, or in
+ * which the estimate of the tool's stiffness exceeds its largest value. Because the app limits the hand's
+ * lead and the estimate of the stiffness in a snapshot, no product of a later tick can overflow. */
 static bool read_spring(crn_wire_reader *reader, const crn_haptics_axis *axis, crn_haptics_spring *spring)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);

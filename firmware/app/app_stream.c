@@ -1,6 +1,6 @@
-/* This file sends the messages that no request caused, while there is space in the pipe to the host: first
- * the ticks of FREE_RUN, then notices, then pictures of the tools. Ticks and notices wait in queues; a newer
- * picture of the tools replaces an older picture for which there was no space. */
+/* While the pipe to the host has space, this file sends the messages that answer no request: first the ticks
+ * of FREE_RUN, then notices, then pictures of the tools. Ticks and notices wait in queues; a newer picture of
+ * the tools replaces an older picture for which there was no space. */
 #include "firmware/app/app_internal.h"
 
 enum {

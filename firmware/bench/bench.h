@@ -1,5 +1,5 @@
-/* A benchmark program consists of a table of cases and a main that follows the convention of docs/bench.md;
- * this header declares the table and the function that runs it. */
+/* A benchmark program consists of a table of cases and a `main` that follows the convention of docs/bench.md.
+ * This header declares the table of cases and the function that runs a benchmark program. */
 #ifndef CRN_BENCH_H
 #define CRN_BENCH_H
 

@@ -1,13 +1,14 @@
-/* This benchmark counts, by callgrind, the instructions of one lumen sample, for the cheap distance function
- * and for the contact function. The sampled points lie near the wall of a straight tube of 8 mm radius (level
- * 0) and of a refined tube (level 1); such points take the most expensive paths through the code. */
+/* With callgrind, this benchmark counts the instructions of one look-up in the lumen, for the cheap distance
+ * function and for the contact function. The sampled points lie near the wall of a straight tube of 8 mm
+ * radius (level 0) and of a refined tube (level 1). Samples near the wall take the most expensive paths
+ * through the code. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/lumen.h"
 
 enum { CALLS = 1000, POINTS = 64 };
 
-/* The first lumen is one coarse brick whose wall is the plane x = 4 voxels; the second is the same brick
- * refined. */
+/* The first lumen is one coarse brick whose wall is the plane x = 4 voxels; the second lumen is the same
+ * brick refined. */
 static int8_t samples[2 * CRN_LUMEN_BRICK_SAMPLES];
 static const uint16_t index_entries[2] = {2, 0x8000};
 static const uint16_t children[8] = {3, 3, 3, 3, 3, 3, 3, 3};

@@ -3,13 +3,13 @@
  *
  * In the scene `bends`, a very stiff wire (EI 1.85e-3 N m^2, 3 mm elements) is pushed through a tube of 2 mm
  * radius with three bends. In the scene `floor`, a soft wire (EI 2e-6 N m^2) lies on the floor of a straight
- * narrow tube, so that every node touches the wall except the few that hang from the sheath's distal end. The
- * scene `bends` also runs in a vessel that beats 90 times a minute, either along its whole length or, as in a
- * heart, only in its last 200 mm. In the scene `coronary`, a 0.014 in wire lies in a vessel of 1.5 mm radius
- * on a beating sphere (tests/reference/moving_tube.h). In the scene `balloon`, a wire lies in a balloon
- * catheter of 256 elements in a tube with three bends. The catheter's balloon of 3 x 20 mm is either folded,
- * or fills the vessel at 8 bar. A row of the benchmark fails when its scene has fewer contacts than the row
- * states. */
+ * narrow tube. In the scene `floor`, every node touches the wall except the few that hang from the sheath's
+ * distal end. The scene `bends` also runs in a vessel that beats 90 times a minute, either along its whole
+ * length or, as in a heart, only in its last 200 mm. In the scene `coronary`, a 0.014 in wire lies in a
+ * vessel of 1.5 mm radius on a beating sphere (tests/reference/moving_tube.h). In the scene `balloon`, a wire
+ * lies in a balloon catheter of 256 elements in a tube with three bends. The catheter's balloon of 3 x 20 mm
+ * is either folded, or fills the vessel at 8 bar. A row of the benchmark fails when its scene has fewer
+ * contacts than the row states. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"
@@ -100,8 +100,8 @@ static int nearest_point(const reference_tube *tube, uint32_t node)
     return best;
 }
 
-/* Around the middle of the balloon, a stretch of 22 mm of the vessel widens by 0.4 mm all round. The vessel's
- * path has one point per millimetre. */
+/* Around the middle of the balloon, the vessel widens by 0.4 mm all round over a length of 22 mm. The
+ * vessel's path has one point per millimetre. */
 static void put_lesion(reference_tube *tube)
 {
     enum { STATIONS = 23 };
@@ -162,8 +162,8 @@ static void begin_beating(void)
     input.rhythm = (crn_rhythm_order){0, 0};
 }
 
-/* Pushes the wire in at 0.1 m/s until the number of mesh edges outside the sheath is the one that the scene
- * states, then waits for half a second. */
+/* Pushes the wire in at 0.1 m/s until as many mesh edges are outside the sheath as the scene states, then
+ * waits for half a second. */
 static void insert(const scene *s)
 {
     const reference_piece straight = {0.85, 0, 0};
@@ -240,9 +240,9 @@ static double run_coronary(const bench_case *self)
 }
 
 /* Returns the longest time, in ms, that an exchange of tools and the next tick take together; in this tick
- * the core combines the tools of the line anew. While the exchange and the next tick run, the device can
- * compute no other tick. A wire and a guide are inserted by 256 elements, and two catheters are put in turn
- * on the position between them. */
+ * the core combines the nested tools anew. While the exchange and the next tick run, the device can compute
+ * no other tick. A wire and a guide are inserted by the length of 256 elements, and two catheters are
+ * inserted in turn between them. */
 static double run_exchange(const bench_case *self)
 {
     enum { TABLE = 8, EXCHANGES = 200 };

@@ -9,8 +9,8 @@
 
 enum { BUDGET_MAGIC = 0x42444731, BUDGET_TICKS_MAX = 1000 };
 
-/* After the file's header come the lumen's index (padded to words), children (padded) and samples (padded),
- * then the state, and one crn_input per tick. */
+/* After its header, the file has the lumen's index, child rows and samples (each padded to words), then the
+ * state, and then one crn_input per tick. */
 typedef struct budget_case {
     uint32_t magic;
     uint32_t ticks;

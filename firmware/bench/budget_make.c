@@ -1,7 +1,7 @@
 /* This program prepares, on the PC, the cases that the Cortex-M7 measures. The program puts a wire into a
- * lumen, and either lets the wire settle or moves it until a tick needs a second solve (a second solution of
- * the linear system). Then it writes the state before the measured ticks with everything they need
- * (budget_case.h). usage: budget_make list | make CASE FILE */
+ * lumen. The program either lets the wire settle, or moves it until a tick needs a second solution of the
+ * linear system (a second solve). Then it writes the state before the measured ticks with everything they
+ * need (budget_case.h). usage: budget_make list | make CASE FILE */
 #include "firmware/bench/bench.h"
 #include "firmware/bench/budget_case.h"
 #include "firmware/tests/reference/random.h"
@@ -111,8 +111,8 @@ static void feed(int32_t step_m_q30)
     for (int k = 0; k < CRN_TOOL_MAX; k++) input.hands[k].feed_m_q30 += step_m_q30;
 }
 
-/* Pushes the tools in at 0.1 m/s until the number of mesh edges outside the sheath is the one that the scene
- * states, then waits. */
+/* Pushes the tools in at 0.1 m/s until as many mesh edges are outside the sheath as the scene states, then
+ * waits. */
 static void insert(const scene *s)
 {
     for (int rest = 0; rest < REST_TICKS;) {
@@ -151,7 +151,7 @@ static crn_input drive(uint32_t tick, int32_t middle_m_q30)
     return input;
 }
 
-/* Records the measured ticks of a scene in which the hands rest or keep feeding. */
+/* Records the measured ticks of a scene in which the hands rest or keep feeding the tools. */
 static void record(const scene *s, budget_case *c)
 {
     if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
@@ -165,7 +165,7 @@ static void record(const scene *s, budget_case *c)
     memcpy(c->hash_lane, output.hash_lane, sizeof c->hash_lane);
 }
 
-/* Of all ticks with a second solve, records the one that has the most contacts, and the tick before it.
+/* Of all ticks with a second solve, records the tick that has the most contacts, and the tick before it.
  * Prints the number of ticks that had a second solve. */
 static void record_worst(budget_case *c)
 {

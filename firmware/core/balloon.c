@@ -122,8 +122,8 @@ void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tool)
 /* --- the maker's table ---------------------------------------------------------------------------------- */
 
 /* Returns y at x on the straight line through two points. Overflow is impossible: neighbouring points of a
- * table differ by less than 2^23 in x and in y. Beyond the last point of the table, the line continues, and
- * the result is at most a few times as large as the last y. */
+ * table differ by less than 2^23 in x and in y. Beyond the last point of the table, the last straight piece
+ * of the curve continues, and the result is at most a few times the last y. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
     return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
@@ -198,7 +198,7 @@ static place place_of(const crn_model *model, const crn_state *state, uint32_t b
     return at;
 }
 
-/* Converts a point from world coordinates to the reference pose, in which the lumen is described. */
+/* Converts a point from patient coordinates to the reference pose, in which the lumen is described. */
 static crn_vec3 in_reference(const crn_model *model, crn_state *state, const crn_vec3 *place_m_q30)
 {
     const crn_motion *motion = model->lumen->motion;

@@ -18,7 +18,7 @@
 
 #include "firmware/core/rod.h"
 
-/* Set-up. The function crn_balloon_check returns whether a tool has no balloon, or a valid one. */
+/* Set-up. The function crn_balloon_check returns true if a tool has a valid balloon or no balloon. */
 bool crn_balloon_check(const crn_instrument *tool);
 void crn_balloon_build(crn_balloon_model *balloon, const crn_instrument *tool);
 
@@ -31,16 +31,16 @@ int32_t crn_balloon_own_pressure(const crn_balloon_model *balloon, int32_t radiu
 
 /* The function crn_balloon_find runs before the solve, after the contacts with the wall were found. In
  * crn_balloon_find the balloon's balls grow against the wall at the predicted configuration, and the springs
- * between balls and centreline are added to the matrix. Then crn_balloon_forces adds the forces of the
- * springs between balls and centreline to the right side of the linear system. After the solve,
+ * between balls and centreline are added to the matrix. The function crn_balloon_forces adds the forces of
+ * the springs between balls and centreline to the right side of the linear system. After the solve,
  * crn_balloon_finish moves each ball along the tools' centreline where the force on the ball exceeds the
  * friction of the wall. */
 void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator_Pa);
 void crn_balloon_forces(const crn_model *model, crn_state *state);
 void crn_balloon_finish(const crn_model *model, crn_state *state, crn_output *output);
 
-/* Checks the restored state of a balloon with the given number of balls; the number is 0 if no tool of the
- * line has a balloon. */
+/* Checks the restored state of a balloon with the given number of balls; the number is 0 if no nested tool
+ * has a balloon. */
 bool crn_balloon_is_valid(uint32_t ball_count, const crn_balloon_state *balloon);
 
 #endif

@@ -1,6 +1,6 @@
 /* This is the core's public header. The core simulates one set of up to three nested (coaxial) tools in one
- * lumen, and advances the simulation in ticks of 1 ms. The tools on the line come from a table of up to
- * eight; between two ticks, crn_exchange() takes a tool off the line, or puts another one on.
+ * lumen, and advances the simulation in ticks of 1 ms. The nested tools (the line) come from a table of up to
+ * eight tools. Between two ticks, crn_exchange() takes a tool off the line, or puts another tool on it.
  *
  *   crn_model_build()  tools + lumen + entry -> constants                 (set-up, once)
  *   crn_state_init()   rest state with the tools in the inserter
@@ -204,10 +204,10 @@ crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, 
 void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2);
 
 /* Builds a model, as crn_model_build does, for a session in which tools are exchanged. The table has
- * `table_count` tools in any order, and the line has `line_count` positions from the innermost to the
- * outermost. line[k] is the number of the tool at position k, counted from 1; 0 means that the position is
- * free. All tools of the table share one mesh, so an exchange moves no node. The index `tool` of
- * crn_build_place counts the tools of the table from 0. */
+ * `table_count` tools in any order. The line (the set of nested tools) has `line_count` positions from the
+ * innermost to the outermost. line[k] is the number of the tool at position k, counted from 1; 0 means that
+ * no tool is at this position. All tools of the table share one mesh, so an exchange moves no node. The index
+ * `tool` of crn_build_place counts the tools of the table from 0. */
 crn_build_status crn_model_build_table(crn_model *model, const crn_instrument *table, uint32_t table_count,
                                        const uint32_t *line, uint32_t line_count, const crn_lumen *lumen,
                                        const crn_entry *entry, crn_build_place *place);
@@ -221,11 +221,11 @@ void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *in
  * hold saturates, and a fault bit is set. */
 void crn_step(const crn_model *model, crn_state *state, const crn_input *input, crn_output *output);
 
-/* An exchange takes the tool at a position off the line, puts a tool of the table on a free position, or does
- * both at once. A tool is put on the line with its tip in the introducer sheath, CRN_WITHDRAWN behind the
- * sheath's end. A tool leaves the line only after its tip was withdrawn into the sheath. The leading tool
- * cannot leave the line without a replacement, and is replaced only at the shortest length that the line can
- * have. */
+/* An exchange takes a tool out of the set of nested tools (the line), puts a tool of the table on a position
+ * that has none, or does both at once. A tool that joins the nested tools begins with its tip in the
+ * introducer sheath, CRN_WITHDRAWN behind the sheath's end. A tool can be removed from the nested tools only
+ * after its tip was withdrawn into the sheath. The leading tool cannot be removed without a replacement, and
+ * is replaced only when the nested tools are inserted as little as possible. */
 typedef struct crn_exchange_order {
     uint32_t position; /* 0: innermost */
     uint32_t tool;     /* number in the table, from 1; 0: the tool at this position leaves the line */
@@ -251,20 +251,20 @@ typedef enum crn_exchange_status {
 } crn_exchange_status;
 
 /* The function crn_exchange_check changes nothing. The function crn_exchange carries out an order to exchange
- * tools between two ticks, and changes nothing when it does not return CRN_EXCHANGE_DONE. An exchange changes
- * nothing of the other tools. The duration of an exchange has a bound: crn_exchange copies one tool, and the
- * next tick combines the tools of the line anew. */
+ * tools between two ticks, and changes nothing when it does not return CRN_EXCHANGE_DONE. An exchange does
+ * not change the other tools. The duration of an exchange has a bound: crn_exchange copies one tool, and the
+ * next tick combines the nested tools anew. */
 crn_exchange_status crn_exchange_check(const crn_model *model, const crn_state *state,
                                        const crn_exchange_order *order);
 crn_exchange_status crn_exchange(crn_model *model, crn_state *state, const crn_exchange_order *order);
-/* Returns the number, counted from 1, that the tool at a position of the line has in the table; returns 0 if
- * the position is free. */
+/* Returns the number, counted from 1, that the tool at a position has in the table of tools; returns 0 if no
+ * tool is at this position. */
 uint32_t crn_state_tool_at(const crn_state *state, uint32_t position);
 
 /* These functions save the state as 32-bit words, stored as little-endian bytes, and restore the state from
  * such bytes. The function crn_state_restore checks the ranges and the structure of the bytes, which may come
  * from an attacker, and leaves the state unchanged when it returns false. After crn_state_restore has
- * returned true, the model's line has the same tools as the restored state. */
+ * returned true, the model has the same nested tools as the restored state. */
 size_t crn_state_bytes(void);
 void crn_state_save(const crn_state *state, uint8_t *bytes);
 bool crn_state_restore(crn_model *model, crn_state *state, const uint8_t *bytes);
@@ -295,17 +295,17 @@ bool crn_state_contact_force(const crn_model *model, const crn_state *state, uin
  * crn_state_depth shows whether a tool would be inside the wall when the session starts; tests use the
  * function, too. The function crn_step reports its own contact depth in the output. */
 int32_t crn_state_depth(const crn_model *model, const crn_state *state);
-/* Reports the balloon's shape for pictures: the radii of its balls (spheres), beginning at the distal end,
- * and in `arc_m_q30` the arc length from the leading tip to the balloon's distal end. Returns the number of
- * balls (spheres) that represent the balloon; the number is 0 when no tool has a balloon. */
+/* Reports the balloon's shape for pictures: the radii of its balls (spheres), beginning at the distal end. In
+ * `arc_m_q30` the function reports the arc length from the leading tip to the balloon's distal end. Returns
+ * the number of balls (spheres) that represent the balloon; the number is 0 when no tool has a balloon. */
 uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
                            int32_t radii_m_q30[CRN_BALLOON_BALL_MAX], int32_t *arc_m_q30,
                            int32_t *spacing_m_q30);
 
 /* The function crn_state_open returns how far a lesion of the lumen is open at one point of the lesion, in
  * Q30. The value 0 stands for the narrowed wall as the program that bakes the scene has stored it, and 1
- * stands for the healthy vessel. The function crn_state_open also returns 0 for a point that the lesion does
- * not have. The function crn_model_stations returns the number of points along a lesion that a balloon can
+ * stands for the healthy vessel. The function crn_state_open also returns 0 if the lesion does not have the
+ * given point. The function crn_model_stations returns the number of points along a lesion that a balloon can
  * open, or 0 if no lesion has the given number. The function crn_state_scaffold opens points of a lesion at
  * once and holds them open permanently. The function crn_state_scaffold returns false if the lesion does not
  * have the given points. */

@@ -30,8 +30,8 @@ typedef struct mesh_plan {
     int32_t total, tip, shaft, fine; /* Q30 m */
 } mesh_plan;
 
-/* The mesh, which all tools of the table share, gets the length of the longest tool, the shortest elements of
- * any tool, and the longest finely meshed part of any tool. */
+/* All tools of the table share one mesh. The mesh has the length of the longest tool, the shortest elements
+ * of any tool, and the longest finely meshed part of any tool. */
 static mesh_plan plan_mesh(const crn_instrument *tools, uint32_t tool_count)
 {
     uint32_t total = 0, tip = UINT32_MAX, shaft = UINT32_MAX, fine = 0;
@@ -53,8 +53,9 @@ static int32_t inverse_per_m_q18(int32_t length_m_q30)
                                    (uint32_t)length_m_q30);
 }
 
-/* Builds the cells of the mesh, one for each node. The cell of a node reaches half an edge to either side of
- * the node; the cell of the tip node has only the half that lies behind the tip. */
+/* Builds the cells of the mesh; a cell is the stretch of the tools that belongs to one node. The cell of a
+ * node reaches half an edge to either side of the node; the cell of the tip node has only the half that lies
+ * behind the tip. */
 static void build_cells(crn_model *model)
 {
     int32_t begin = 0;
@@ -139,7 +140,7 @@ static void build_span(crn_span *span, const crn_knot *a, const crn_knot *b)
     }
 }
 
-/* Stores the properties of a tool of the table that crn_exchange reads. */
+/* Stores those properties of a tool of the table that crn_exchange reads. */
 static void build_table_tool(crn_table_tool *kept, const crn_instrument *instrument)
 {
     kept->whole_um = instrument->whole_um;
@@ -213,7 +214,7 @@ static int32_t own_stiffness(const crn_tool *tool, int32_t arc_m_q30)
 }
 
 /* Holds the CRN_TOOL_MAX largest values among all tools of the table, in descending order; no more tools can
- * be on the line at once. */
+ * be nested at once. */
 typedef struct largest_values {
     int32_t values[CRN_TOOL_MAX];
 } largest_values;
@@ -253,8 +254,8 @@ static stiffness_range range_at(const crn_model *model, uint32_t node)
     return range;
 }
 
-/* Returns the bending stiffness W of a node's cell that has the same bending stiffness EI everywhere. Format:
- * Q35 N m^2 x Q18 1/m -> Q26 N m in 64 bits. */
+/* Returns the stiffness W of a joint whose cell has the same bending stiffness EI everywhere. Format: Q35 N
+ * m^2 x Q18 1/m -> Q26 N m in 64 bits. */
 static int64_t cell_stiffness_q26(const crn_model *model, uint32_t node, int32_t bend_N_m2_q35)
 {
     return ((int64_t)bend_N_m2_q35 * model->mesh[node].inverse_cell_per_m_q18) >> 27;
@@ -285,9 +286,9 @@ static crn_build_status choose_exponent(crn_model *model)
         int64_t soft = crn_bend_spring_q8((int32_t)cell_stiffness_q26(model, i, range.softest_q35), c, c);
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
-    /* For a joint that the introducer sheath clips by more than CRN_CLIP_SURE, rod_feed.c keeps the joint's
-     * part of the diagonal entry below 2^28. If the sheath clips a joint by more than CRN_CLIP_SURE, the
-     * other terms of the diagonal entry must also stay below 2^28, so that the sum stays below 2^29. */
+    /* If less than 1/CRN_CLIP_SURE of a joint's cell lies outside the introducer sheath, rod_feed.c keeps the
+     * joint's part of the diagonal entry below 2^28. The other terms of this joint's diagonal entry must also
+     * stay below 2^28, so that the sum stays below 2^29. */
     worst_q8 = worst_q8 > 2 * unclipped_q8 ? worst_q8 : 2 * unclipped_q8;
     worst_q8 += (int64_t)(2 * LOAD_RESERVE_N_m) << 8;
     uint32_t exponent = 14;
@@ -331,7 +332,7 @@ static uint32_t knot_before(const crn_instrument *tool, int32_t arc_m_q30)
     return knot;
 }
 
-/* Checks that a tool can be inserted as far as the shortest length that the simulation allows, and that its
+/* Checks that a tool is long enough for the shortest insertion that the simulation allows, and that its
  * stress-free shape and twist stiffness fit its own cells. */
 static crn_build_status check_reach(const crn_model *model, uint32_t k, const crn_instrument *instrument,
                                     crn_build_place *place)
@@ -383,8 +384,8 @@ static crn_build_status check_mass(const crn_model *model)
 
 /* --- the rest ------------------------------------------------------------------------------------------- */
 
-/* Builds two axes across the direction of insertion, starting from the coordinate axis least aligned with
- * it. */
+/* Builds two axes perpendicular to the direction of insertion, starting from the coordinate axis least
+ * aligned with it. */
 static void build_base_axes(crn_model *model)
 {
     crn_vec3 direction = model->entry.direction_q30;
@@ -403,9 +404,9 @@ static void build_base_axes(crn_model *model)
     model->base_axis2_q30 = crn_vec3_cross(tangent, model->base_axis1_q30, 30);
 }
 
-/* Derives the constants of every tool of the table. If the table has more tools than the line has positions,
+/* Derives the constants of every tool of the table. If the table has more tools than can be nested at once,
  * and the mesh would have too many elements, the elements of the shaft become longer. The function also
- * chooses the number format of the matrix so that any tools of the table can be on the line. */
+ * chooses the number format of the matrix so that any tools of the table can be nested. */
 static crn_build_status build_table(crn_model *model, const crn_instrument *table, crn_build_place *place)
 {
     enum { STEPS = 16 }; /* from 4 mm to more than 8 mm */

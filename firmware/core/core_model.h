@@ -1,17 +1,17 @@
 /* The model holds the constants of one set of nested tools in one lumen, that is, all data that crn_step()
  * reads and never writes. Only crn_exchange() and crn_state_restore() change a model that has been built:
- * they copy tools of the table to the line.
+ * they copy tools of the table to the line (the set of nested tools).
  *
  *      leading tip                                                 inserter
  *   node 0 --edge 0-- node 1 --edge 1-- node 2  ...  node na-1 --edge na-1-- node na --edge na-- node na+1
  *                     joint 1           joint 2                              joint na
  *
  * One mesh serves all tools: node i lies at the unstretched arc length S[i] behind the leading tip, whichever
- * tool leads. The tip of tool k is the length `offset` behind the leading tip; the properties of tool k at
- * node i are those at its own arc length S[i] - offset (rod_line.c). A joint lies on the node between two
- * edges, and the joint's cell reaches half an edge to either side. The stiffness entries of the matrix are in
- * Q(a) N/m with one exponent a for the whole mesh (`stiffness_exponent`). The exponent is chosen so that no
- * assembled diagonal entry can reach 2^29, for any positions of the tools. */
+ * tool leads. The tip of tool k lies `offset` behind the leading tip. At node i, tool k has the properties at
+ * its own arc length S[i] - offset (rod_line.c). A joint lies on the node between two edges, and the joint's
+ * cell reaches half an edge to either side. The stiffness entries of the matrix are in Q(a) N/m with one
+ * exponent a for the whole mesh (`stiffness_exponent`). The exponent is chosen so that no assembled diagonal
+ * entry can reach 2^29, for any positions of the tools. */
 #ifndef CRN_CORE_MODEL_H
 #define CRN_CORE_MODEL_H
 
@@ -129,7 +129,7 @@ typedef struct crn_balloon_model {
     int32_t radius_m_q30[CRN_BALLOON_POINT_MAX + 2];
 } crn_balloon_model;
 
-/* Holds a tool of the table, ready to be put on the line. */
+/* Holds a tool of the table, ready to be put on the line (the set of nested tools). */
 typedef struct crn_table_tool {
     uint32_t outer_um, bore_um; /* largest outer radius; smallest radius of the lumen, 0: none */
     uint32_t whole_um, rail_um; /* as crn_instrument */
@@ -176,10 +176,10 @@ enum {
 
 /* The functions of this header check the tools of the table (number and ranges of their values), the tools
  * that the line begins with (their numbers, nesting and balloons) and the place of entry. *place receives the
- * tool and the knot that caused a refusal. The tools on the line are checked after the tools of the table. */
+ * tool and the knot that caused a refusal. The nested tools are checked after the tools of the table. */
 crn_build_status crn_check_table(const crn_instrument *table, uint32_t table_count, crn_build_place *place);
-/* Returns whether the line has at least one tool, contains only the number 0 and numbers of tools in the
- * table, and contains no tool twice. */
+/* Returns whether the line (a list of nested tools) has at least one tool, contains only the number 0 and
+ * numbers of tools in the table, and contains no tool twice. */
 bool crn_line_numbers_are_valid(uint32_t table_count, const uint32_t *line, uint32_t line_count);
 crn_build_status crn_check_line(const crn_instrument *table, uint32_t table_count, const uint32_t *line,
                                 uint32_t line_count, crn_build_place *place);

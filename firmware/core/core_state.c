@@ -46,8 +46,8 @@ static int32_t inserted_q30(uint32_t um)
     return (int32_t)crn_divide_u64((uint64_t)bounded_um << 30, 1000000u);
 }
 
-/* Sets the inserted lengths of the tools: each length is limited to what its tool allows, and the longest
- * length is at least the smallest length that the simulation allows. */
+/* Sets the inserted lengths of the tools; each length is limited by its tool, and the longest is at least the
+ * minimum of the simulation. */
 static void place_tools(const crn_model *model, crn_state_words *words, const uint32_t *inserted_um)
 {
     const int32_t least = crn_least_inserted(model);
@@ -143,9 +143,9 @@ static bool within(int32_t value, int32_t most)
     return value >= -most && value <= most;
 }
 
-/* Checks that the values of a node stay within the bounds that the arithmetic of a tick guarantees. A node
- * moves at most 3.9 mm per tick (3.1 mm are possible), its friction displacement (bristle) is at most 62 mm,
- * and a tool turns by at most half a radian per tick. */
+/* Checks that the values of a node stay within the bounds that the arithmetic of a tick guarantees. A tick
+ * moves a node by at most 3.1 mm, and the check allows 3.9 mm. The check allows a friction displacement
+ * (bristle) of 62 mm, and a turn of a tool by half a radian per tick. */
 static bool node_is_valid(const crn_node_state *node)
 {
     enum { STEP_MAX_M_Q33 = 1 << 25, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
@@ -266,8 +266,8 @@ bool crn_state_restore(crn_model *model, crn_state *state, const uint8_t *bytes)
 /* --- hashes --------------------------------------------------------------------------------------------- */
 
 /* Names the ranges of the state's words over which a hash is computed. Strut rings that do not exist are left
- * out of the hash, and their words are 0 (`used` gives the number of rings). The numbers of the tools on the
- * line are part of the hash only after the first exchange of tools. */
+ * out of the hash, and their words are 0 (`used` gives the number of rings). The numbers of the nested tools
+ * are part of the hash only after the first exchange of tools. */
 typedef struct hashed_range {
     size_t first, end;
 } hashed_range;

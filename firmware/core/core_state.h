@@ -71,8 +71,8 @@ typedef struct crn_strut_state {
     crn_strut_ring rings[CRN_STRUT_RING_MAX]; /* rings from `used` on do not enter a hash */
 } crn_strut_state;
 
-/* Says which tools are on the line. The words of crn_exchange_state are part of the hashes only after the
- * first exchange of tools. */
+/* Says which tools of the table are nested at present. The words of crn_exchange_state are part of the hashes
+ * only after the first exchange of tools. */
 typedef struct crn_exchange_state {
     uint32_t count;              /* exchanges so far */
     uint32_t line[CRN_TOOL_MAX]; /* number of the tool in the table, from 1; 0: free */

@@ -3,8 +3,8 @@
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"
 
-/* Returns, in Q33 m, the largest component of any node's deviation from the position that the node would have
- * if the tools only slid along their centreline. */
+/* Returns, in Q33 m, the largest component of any node's deviation. A node's deviation is measured from the
+ * position that the node would have if the tools only slid along their centreline. */
 static int32_t largest_deviation(const crn_state *state)
 {
     int32_t largest = 0;
@@ -28,13 +28,13 @@ static void scale_step(crn_state *state, int32_t share_q30)
     }
 }
 
-/* Scales down the deviation of all nodes in two cases: a node would deviate from its slide along the tool by
- * more than 0.5 mm and by more than 1.5 times the tick's feed, or a node would end inside a wall at rest
- * where no contact was found. One scale factor for all nodes keeps the shape; a separate limit for each node
- * would add energy (docs/rod.md, "contact"). When consecutive ticks miss a contact, the deviation is scaled
- * down only in the first of these ticks. If the deviation were scaled down in every tick that misses a
- * contact, the tools would be held back tick after tick. The function returns whether the solve missed a
- * contact. */
+/* Scales down the deviation of all nodes when one of two limits is exceeded. The first limit is exceeded if a
+ * node would deviate from its slide along the tool by more than 0.5 mm and by more than 1.5 times the tick's
+ * feed. The second limit is exceeded if a node would end inside a wall at rest where no contact was found.
+ * One scale factor for all nodes keeps the shape; a separate limit for each node would add energy
+ * (docs/rod.md, "contact"). When consecutive ticks miss a contact, the deviation is scaled down only in the
+ * first of these ticks. If the deviation were scaled down in every tick that misses a contact, the tools
+ * would be held back tick after tick. The function returns whether the solve missed a contact. */
 static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =
@@ -77,9 +77,8 @@ static int32_t solve(const crn_model *model, crn_state *state, crn_output *outpu
 }
 
 /* The force on the hand that holds the leading tool is the force of all tools together on the introducer
- * sheath, less the forces on the hands that hold the other tools. The forces on the hands that hold the other
- * tools are filtered with a time constant of 8 ms, because the bending moment at a tool's tip is not steady
- * while the tip slides. */
+ * sheath, less the forces on the other hands. The forces on the hands that do not hold the leading tool are
+ * filtered with a time constant of 8 ms, because the bending moment at a sliding tool's tip is not steady. */
 static void share_handles(const crn_model *model, crn_state *state, int32_t line_axial_N_q22)
 {
     enum { FOLLOW = 8 };

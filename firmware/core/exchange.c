@@ -1,7 +1,7 @@
-/* This file takes tools off the line and puts tools of the table on it, between two ticks. All tools of the
- * table share one mesh, and a tool is exchanged only while its tip is inside the introducer sheath. A tool
- * whose tip is inside the sheath adds nothing to any free node, so an exchange moves no node and changes
- * nothing of the other tools. */
+/* Between two ticks, this file takes tools out of the set of nested tools (the line) and puts tools of the
+ * table into it. All tools of the table share one mesh, and a tool is exchanged only while its tip is inside
+ * the introducer sheath. A tool whose tip is inside the sheath adds nothing to any free node, so an exchange
+ * moves no node and does not change the other tools. */
 #include "firmware/core/rod.h"
 
 /* --- the model's line ----------------------------------------------------------------------------------- */
@@ -42,7 +42,7 @@ static bool is_first_line(const crn_model *model, const crn_exchange_state *exch
     return true;
 }
 
-/* The tools of a restored line must fit into each other, because the core computes nested tools only. */
+/* The tools of a restored state must fit into each other, because the core computes nested tools only. */
 bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words)
 {
     const crn_exchange_state *exchange = &words->exchange;
@@ -51,8 +51,8 @@ bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words)
     if (!crn_line_numbers_are_valid(model->table_count, exchange->line, model->tool_count)) {
         return false;
     }
-    /* Before the first exchange, the hash does not contain the tools on the line, so the line must still be
-     * the one of the model. */
+    /* Before the first exchange, the hash does not say which tools are nested, so a restored state must have
+     * the model's own tools. */
     if (exchange->count == 0 && !is_first_line(model, exchange)) {
         return false;
     }
@@ -95,7 +95,8 @@ uint32_t crn_exchange_balls(const crn_model *model, const crn_state_words *words
 
 /* --- what is possible ----------------------------------------------------------------------------------- */
 
-/* Returns the tool at a position of the line, or NULL if the position is free. */
+/* Returns the tool at a position of the line (the set of nested tools), or NULL if no tool is at this
+ * position. */
 static const crn_table_tool *tool_at(const crn_model *model, const crn_state_words *words, uint32_t position)
 {
     const uint32_t number = words->exchange.line[position];
@@ -123,8 +124,8 @@ static crn_exchange_status check_numbers(const crn_model *model, const crn_state
 }
 
 /* Checks that the tool may be taken out of the set of nested tools (the line). The leading tool can only be
- * replaced, and only at the shortest length that the line can have; the other tools are then inside the
- * introducer sheath. */
+ * replaced, and only at the shortest inserted length that the simulation allows; the other tools are then
+ * inside the introducer sheath. */
 static crn_exchange_status check_leaving(const crn_model *model, const crn_state_words *words,
                                          const crn_exchange_order *order)
 {
@@ -145,7 +146,7 @@ static crn_exchange_status check_leaving(const crn_model *model, const crn_state
     return is_inflated ? CRN_EXCHANGE_INFLATED : CRN_EXCHANGE_DONE;
 }
 
-/* Checks that the new tool fits between its neighbours. */
+/* Checks that the new tool fits between the tools inside and around it. */
 static crn_exchange_status check_nesting(const crn_model *model, const crn_state_words *words,
                                          const crn_exchange_order *order)
 {
@@ -185,7 +186,7 @@ static crn_exchange_status check_passing(const crn_table_tool *inner, int32_t in
     return is_short ? CRN_EXCHANGE_SHORT : CRN_EXCHANGE_DONE;
 }
 
-/* Checks whether the tool that leaves the line, and the tool that is put on the line, can pass over all tools
+/* Checks whether the tool that is removed, and the tool that is put in its place, can pass over all tools
  * inside them. */
 static crn_exchange_status check_inner(const crn_model *model, const crn_state_words *words,
                                        const crn_exchange_order *order)
@@ -242,8 +243,9 @@ crn_exchange_status crn_exchange_check(const crn_model *model, const crn_state *
 /* --- an exchange ---------------------------------------------------------------------------------------- */
 
 /* Clears everything that the state contains about the tool at a position, except the angle at which the hand
- * holds the tool. The elastic friction displacement against the inner tool is not cleared if the inner tool
- * still reaches beyond the sheath: the displacement is bounded, and the new tool's first slip replaces it. */
+ * holds the tool. The elastic friction displacement against the inner tool is not cleared while the inner
+ * tool still reaches beyond the sheath. The friction displacement is bounded, and the new tool's first slip
+ * replaces it. */
 static void forget_tool(const crn_model *model, crn_state_words *words, uint32_t position)
 {
     crn_tool_state *tool = &words->tools[position];

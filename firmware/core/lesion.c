@@ -98,8 +98,8 @@ static station_map map_of(const crn_lesion_station *station, int32_t open_q30)
 }
 
 /* Returns how steeply the opening changes along the lesion: the change of the scale factor k between two
- * points of the lesion, times the distance from the lesion's centreline, divided by the spacing of the
- * points. Format: Q30, Q30 m -> Q26. */
+ * points, times the distance from the lesion's centreline, divided by the spacing of the points. Format: Q30,
+ * Q30 m -> Q26. */
 static int32_t steepness(int32_t change_q30, int32_t across_m_q30, uint32_t spacing_log2)
 {
     int64_t product = crn_asr64((int64_t)change_q30 * across_m_q30, spacing_log2 + 4);

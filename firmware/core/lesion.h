@@ -43,7 +43,7 @@ bool crn_lesion_section_at(const crn_lumen *lumen, const crn_lesion_state *lesio
 int32_t crn_lesion_section_distance(const crn_lumen *lumen, const crn_lesion_section *section,
                                     const crn_vec3 *place_m_q30);
 
-/* Samples the wall of an open lesion as crn_lesion_contact does, but at a point in world coordinates, where
+/* Samples the wall of an open lesion as crn_lesion_contact does, but at a point in patient coordinates, where
  * the vessel may have moved. */
 bool crn_lesion_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
                      const crn_vec3 *world_m_q30, crn_lumen_sample *sample);

@@ -2,8 +2,8 @@
  * their errors.
  *
  * The functions crn_lumen_distance and crn_lumen_contact find a sample by the same steps. The code first
- * finds the coarse brick that contains a world point, then a finer brick where the lattice is refined, and
- * then the point's position in this brick in voxels (Q20). Last, the code reads the 27 int8 coefficients
+ * finds the coarse brick that contains a point, then the finer brick if the lattice is refined there, and
+ * then the point's position in this brick, in voxels (Q20). Finally, the code reads the 27 int8 coefficients
  * around the point. Every sample takes the same amount of work, whatever the data are: the code makes two
  * refinement steps and reads 27 coefficients (taps). */
 #include "firmware/core/lumen.h"
@@ -37,8 +37,9 @@ static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint3
 
 /* Finds the brick. Returns false if the point lies in no brick; in this case `far_m_q30` is the distance to
  * the wall. Overflow: the lattice, which was checked before, lies within the Q30 range. For a point inside
- * the lattice, a coordinate difference modulo 2^32 is correct; for a point outside, the difference exceeds
- * the lattice's size, so the comparison with that size detects the point. */
+ * the lattice, a coordinate difference modulo 2^32 is correct. For a point outside the lattice, the
+ * difference exceeds the lattice's size, and the comparison with this size shows that the point is
+ * outside. */
 static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
 {
     place->level = 0;
@@ -98,9 +99,9 @@ static inline lumen_weights weights_at(uint32_t x_q20)
 }
 
 /* These functions return the high words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32).
- * Error: 1 LSB (floor). Overflow is impossible. The three spline weights that give a value sum to one. The
- * three weights that give a slope have one fraction bit less than those that give a value, and their
- * magnitudes sum to two. The sums of three products of a coefficient and a weight stay below 2^31 * 2^30. */
+ * Error: 1 LSB (floor). Overflow is impossible. For a value, the three spline weights sum to one. For a
+ * slope, the three weights have one fraction bit less than for a value, and their magnitudes sum to two. The
+ * sums of three products of a coefficient and a weight stay below 2^31 * 2^30. */
 static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
     return crn_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);

@@ -6,7 +6,7 @@
  * -grad(phi)/|grad(phi)|.
  *
  * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. The voxel edge of level L is 2^(20-L)
- * Q30 units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm). A shift and a mask split a world
+ * Q30 units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm). A shift and a mask split a patient
  * coordinate into voxel number and fraction. An entry of the coarse index has one of the following values.
  *     0                     far outside the lumen
  *     1                     deep inside the lumen, farther than the field's band from any wall

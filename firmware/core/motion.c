@@ -1,16 +1,16 @@
 /* This file looks up the displacements of a moving vessel in its two lattices, one for the heartbeat and one
  * for breath (motion.h, docs/heart.md). Every look-up of a displacement takes the same amount of work. For
- * the heartbeat, a look-up blends three coefficients for each of three components at the 8 corners of a cell.
- * The blending for the heartbeat runs once for the present displacement and once for the change in the tick.
- * For breath, a look-up reads the displacements at 8 corners. The blended displacements of a cell are kept
- * for the next point in the same cell; keeping them does not change any result. The file motion_wall.c
- * computes the displacement of the wall in a tick. */
+ * the heartbeat, a look-up blends three coefficients for each of three components at the 8 corners of a
+ * lattice cell. The blending for the heartbeat runs once for the present displacement and once for the change
+ * in the tick. For breath, a look-up reads the displacements at 8 corners. The blended displacements of a
+ * lattice cell are kept for the next point in the same cell; keeping them does not change any result. The
+ * file motion_wall.c computes the displacement of the wall in a tick. */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
-/* Returns the three weights of the quadratic B-spline at the fraction f of an interval that reaches from
- * half-way before a keyframe to half-way after it: the first weight is (1-f)^2/2, the last is f^2/2, and the
- * middle one is the remainder to one. */
+/* Returns the three weights of the quadratic B-spline at the fraction f of the interval around a keyframe,
+ * which reaches half-way to the keyframes before and after. The first weight of the quadratic B-spline is
+ * (1-f)^2/2, the last is f^2/2, and the middle one is the remainder to one. */
 crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
 {
     uint64_t place_q32 = (uint64_t)heart_phase32 * CRN_MOTION_KEYFRAMES + ((uint64_t)1 << 31);
@@ -66,7 +66,7 @@ void crn_motion_pose_begin(const crn_motion *motion, crn_motion_pose *pose, cons
     pose->before = crn_motion_moment_at(before->heart_phase32, before->breath_phase32);
 }
 
-/* Blends the displacements at a cell's corners for the present phase of the heartbeat. */
+/* Blends the displacements at the corners of a lattice cell for the present phase of the heartbeat. */
 static void enter_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->beat.ways);
@@ -137,9 +137,10 @@ static inline found find(const crn_lattice *lattice, crn_motion_field *field, co
     return find_other(lattice, field, p, node);
 }
 
-/* Finds the tetrahedron of a lattice cell that contains the point. A path along edges of the cell defines the
- * tetrahedron; the path starts at the corner of the cell with the smallest coordinates. This path leads first
- * along the axis with the point's largest fraction, then along the axis with the next largest fraction. */
+/* Finds the tetrahedron of a lattice cell that contains the point. A path along edges of the lattice cell
+ * defines the tetrahedron; the path starts at the corner of the cell with the smallest coordinates. The path
+ * leads first along the axis with the point's largest fraction, then along the axis with the next largest
+ * fraction. */
 static inline uint32_t tetrahedron_at(const int32_t *p_q31)
 {
     return (p_q31[1] >= p_q31[2] ? 4u : 0u) | (p_q31[2] >= p_q31[4] ? 2u : 0u) |
@@ -221,11 +222,11 @@ crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const 
     return stands_still(pose, world_m_q30) ? *world_m_q30 : pull_inside(motion, pose, world_m_q30);
 }
 
-/* Every lattice node has `row` numbers for each of its three components. For each of the `row` numbers, the
- * function finds the largest |difference|^2 between neighbouring nodes along one axis and adds it to
- * `squares`. Format: coefficients. Overflow is impossible: the displacements of neighbouring nodes differ by
- * at most 2^13 (checked when a scene is loaded). One axis adds at most 3 x 2^26 to each sum of squares, and
- * three axes add less than 2^30. */
+/* Every lattice node has `row` values for each of its three components. For each of the `row` values, the
+ * function adds to `squares` the largest |difference|^2 between neighbouring nodes along one axis. Format:
+ * coefficients. Overflow is impossible: the displacements of neighbouring nodes differ by at most 2^13
+ * (checked when a scene is loaded). One axis adds at most 3 x 2^26 to each sum of squares, and three axes add
+ * less than 2^30. */
 static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint32_t row, uint32_t axis,
                         uint32_t *squares)
 {
@@ -250,8 +251,8 @@ static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint
     }
 }
 
-/* Computes an upper bound of the steepness |J| of one lattice, for each of the numbers in a row of
- * coefficients. Format: Q28. Overflow: 5/8 sqrt(3). */
+/* Computes an upper bound of the steepness |J| of one lattice, for each value in a row of coefficients.
+ * Format: Q28. Overflow: 5/8 sqrt(3). */
 static void steepness_of(const crn_lattice *lattice, const int16_t *numbers, uint32_t row,
                          int32_t *steepness_q28)
 {
@@ -297,9 +298,9 @@ static inline int32_t slope_here(int32_t axis, int32_t with_b, int32_t b_q31, in
     return axis + from_q31((int64_t)with_b * b_q31 + (int64_t)with_c * c_q31 + (int64_t)with_both * both_q31);
 }
 
-/* Computes the gradient I + dw_i/dx_j of the map in the cell of the point that was looked up last; outside
- * the lattice the gradient is the identity. Format: Q34 m per spacing -> Q28. Overflow is impossible, because
- * entries of the gradient are at most 1 5/8 (checked when a scene is loaded). */
+/* Computes the gradient I + dw_i/dx_j of the map in the lattice cell of the point that was looked up last;
+ * outside the lattice the gradient is the identity. Format: Q34 m per spacing -> Q28. Overflow is impossible,
+ * because entries of the gradient are at most 1 5/8 (checked when a scene is loaded). */
 static void gradient_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t *p = pose->beat.powers_q31;
@@ -367,8 +368,8 @@ static int32_t shrink_of_breath(const crn_motion *motion, crn_motion_pose *pose)
     return field->shrink_q30;
 }
 
-/* Returns a lower bound of 1 / |I + J| at the point that was looked up last, as the product of a factor for
- * the heartbeat and a factor for breath. Format: Q30. */
+/* Returns a lower bound of 1 / |I + J| at the point that was looked up last: the product of a factor for the
+ * heartbeat and a factor for breath. Format: Q30. */
 static int32_t shrink_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t beat_q30 = shrink_of_gradient((const int32_t(*)[3])pose->gradient_q28);

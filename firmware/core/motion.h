@@ -7,13 +7,14 @@
  *
  *     X1 = x + depth b(x),  X = X1 + w(X1)
  *
- * A world point is mapped to its point X of the reference pose by two look-ups without iteration, and the
- * vessel wall is where phi(X) = 0. In a lattice cell, the heartbeat's displacement w is trilinear. The
- * displacement b by breath changes smoothly from place to place. In each of a cell's six tetrahedra (Kuhn)
- * the displacement b is interpolated linearly, which takes a third of the work of a trilinear look-up. As a
- * function of time, the heartbeat's displacement w is a periodic quadratic B-spline with 24 coefficients
- * (C1). The program that bakes a scene filters the coefficients beforehand, so that the spline passes through
- * the keyframes. Outside a lattice, and on its boundary, the displacements w and b are 0.
+ * A point in patient coordinates is mapped to its point X of the reference pose by two look-ups without
+ * iteration, and the vessel wall is where phi(X) = 0. In a lattice cell, the heartbeat's displacement w is
+ * trilinear. The displacement b by breath changes smoothly from place to place. In each of the six tetrahedra
+ * of a lattice cell (Kuhn), the displacement b is interpolated linearly, which takes a third of the work of a
+ * trilinear look-up. As a function of time, the heartbeat's displacement w is a periodic quadratic B-spline
+ * with 24 coefficients (C1). The program that bakes a scene filters the coefficients beforehand, so that the
+ * spline passes through the keyframes. Outside a lattice, and on its boundary, the displacements w and b are
+ * 0.
  *
  *     gradient of the depth used    g = (I + depth db/dx)^T (I + dw/dx)^T grad phi
  *     step of the wall in a tick    -(I + depth db/dx)^-1 ((I + dw/dx)^-1 (w now - w before)
@@ -64,8 +65,8 @@ typedef struct crn_motion_moment {
     int32_t breath_q15;
 } crn_motion_moment;
 
-/* Keeps the blended displacements of a cell's corners for the next point in the cell or in a neighbouring
- * cell. */
+/* Keeps the blended displacements of a lattice cell's corners for the next point in the cell or in a
+ * neighbouring cell. */
 typedef struct crn_motion_cell {
     uint32_t node; /* its low node; UINT32_MAX: none */
     crn_vec3 corners_m_q34[8];
@@ -76,10 +77,10 @@ typedef struct crn_motion_field {
     uint32_t corner_rows[8]; /* numbers from a cell's low node to its corners */
     crn_motion_cell ways; /* displacements from the corners back to the reference pose; for breath: those of a
                              full breath */
-    /* The same displacements as polynomials. For the heartbeat, the eight coefficients of a cell's polynomial
-     * belong to the terms 1, x, y, xy, z, xz, yz and xyz. For breath, the polynomial's coefficients 0, 1, 2
-     * and 4 belong to the terms 1, x, y and z in the tetrahedron of the point looked up last, and the other
-     * coefficients are not used. */
+    /* The same displacements as polynomials. For the heartbeat, the eight coefficients of a lattice cell's
+     * polynomial belong to the terms 1, x, y, xy, z, xz, yz and xyz. For breath, the polynomial's
+     * coefficients 0, 1, 2 and 4 belong to the terms 1, x, y and z in the tetrahedron of the point looked up
+     * last, and the other coefficients are not used. */
     int32_t terms_m_q34[3][8];
     int32_t low_m_q30[3];  /* position of the cell's low node */
     int32_t powers_q31[8]; /* x, y, xy, z, xz, yz, xyz of the last point pulled back, from [1] on */
@@ -89,8 +90,8 @@ typedef struct crn_motion_field {
 } crn_motion_field;
 
 /* Holds the phases of heart and breath at the beginning and the end of a tick, and the values that were last
- * derived from the lattices for these two moments. Successive nodes of a wire usually lie in the same cell,
- * so the derived values are used again for the next node. */
+ * derived from the lattices for these two moments. Successive nodes of a wire usually lie in the same lattice
+ * cell, so the derived values are used again for the next node. */
 typedef struct crn_motion_pose {
     crn_motion_moment now, before;
     crn_motion_field beat, breath;
@@ -134,10 +135,10 @@ int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_m
 
 /* Returns a lower bound of the distance that crn_motion_contact gives at the same point; at the wall or
  * beyond the wall, this bound is at least 0. Inside the lumen, the bound is the distance in the reference
- * pose divided by a limit on the factor by which the motion increases a gradient. The caller gives in
- * `shrink_q30` the reciprocal of a limit on the factor by which the motion increases a gradient; this limit
- * holds at every point. If the general limit from `shrink_q30` gives a distance of `far_m_q30` or more, the
- * function uses the more exact limit at the given point instead. */
+ * pose, divided by the largest factor by which the motion can increase a gradient. The argument `shrink_q30`
+ * is the reciprocal of a limit, valid at every point, on the factor by which the motion increases a gradient.
+ * If the general limit from `shrink_q30` gives a distance of `far_m_q30` or more, the function uses the more
+ * exact limit at the given point instead. */
 int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                             const crn_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30);
 
@@ -148,8 +149,8 @@ crn_lumen_sample crn_motion_contact(const crn_lumen *lumen, const crn_motion *mo
 crn_lumen_sample crn_motion_contact_here(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose);
 
-/* Converts a sample of the vessel wall from the reference pose to the world, at the point of the last call of
- * crn_motion_pull. */
+/* Converts a sample of the vessel wall from the reference pose to patient coordinates, at the point of the
+ * last call of crn_motion_pull. */
 crn_lumen_sample crn_motion_carry(const crn_motion *motion, crn_motion_pose *pose, crn_lumen_sample sample);
 
 /* Returns the displacement of the vessel wall in this tick at the point of the last contact. Format: Q33 m,

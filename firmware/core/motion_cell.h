@@ -24,7 +24,7 @@ typedef struct corner_list {
 } corner_list;
 
 /* Moves on to another cell. If the new cell is next to the previous cell along one axis, the function moves
- * the values of the four corners that the two cells share to their new indices. Returns the other corners. */
+ * the values of the four shared corners to their new indices. Returns the other corners. */
 static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_motion_cell *cell)
 {
     /* corners on the low and the high side along x, y, z */
@@ -48,9 +48,10 @@ static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_m
     return (corner_list){all, 8};
 }
 
-/* Converts the values at a cell's corners to polynomial terms, by taking differences along one axis after the
- * other. Overflow is impossible: the values of neighbouring nodes differ by at most 5/8 of a spacing (checked
- * when a scene is loaded), so the last term is at most 5/2 of a spacing, which is below 2^30. */
+/* Converts the values at the corners of a lattice cell to polynomial terms, by taking differences along one
+ * axis after the other. Overflow is impossible: the values of neighbouring nodes differ by at most 5/8 of a
+ * spacing (checked when a scene is loaded), so the last term is at most 5/2 of a spacing, which is below
+ * 2^30. */
 static inline void make_terms(crn_motion_field *field)
 {
     const crn_vec3 *c = field->ways.corners_m_q34;
@@ -109,7 +110,7 @@ static inline int32_t from_q31(int64_t sum)
 /* Evaluates a lattice cell's polynomial at the point that was looked up last. Format: that of the terms.
  * Overflow is impossible: the polynomial's terms are at most 3 x 5/8, 3 x 5/4 and 5/2 of a spacing of at most
  * 2^28, and powers are below 2^31, so sums stay below 8.2 x 2^59. The polynomial's value lies between the
- * values at the cell's corners.
+ * values at the corners of the lattice cell.
  */
 static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31)
 {
@@ -119,9 +120,9 @@ static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31
                            (int64_t)t[7] * p[7]);
 }
 
-/* Computes the linear function in a tetrahedron of a cell, from one difference along each axis. Overflow is
- * impossible, because the values of neighbouring nodes differ by at most 3/8 of a spacing (checked when a
- * scene is loaded). */
+/* Computes the linear function in a tetrahedron of a lattice cell, from one difference along each axis.
+ * Overflow is impossible, because the values of neighbouring nodes differ by at most 3/8 of a spacing
+ * (checked when a scene is loaded). */
 static inline void make_plane(crn_motion_field *field, uint32_t tetrahedron)
 {
     /* corners on the path from 0 to 7; two of the eight orders are impossible */

@@ -21,10 +21,10 @@ static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
     return crn_clamp(change, -MOST_M_Q34, MOST_M_Q34);
 }
 
-/* Computes the changes of the displacements at a cell's corners in this tick. Usually the tick begins and
- * ends between the same two keyframes. If the tick begins and ends between the same two keyframes, the result
- * is the sum of the coefficients times the changes of their weights; the changes sum to zero. Overflow is
- * impossible, because the sum has two products of a number up to 2^15 and a number up to 2^13. */
+/* Computes the changes of the displacements at the corners of a lattice cell in this tick. Usually the tick
+ * begins and ends between the same two keyframes. If the tick begins and ends between the same two keyframes,
+ * the result is the sum of the coefficients times the changes of their weights; the changes sum to zero.
+ * Overflow is impossible, because the sum has two products of a number up to 2^15 and a number up to 2^13. */
 static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->changes);
@@ -46,7 +46,8 @@ static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose,
     }
 }
 
-/* Interpolates between the values of two corners or of two edges of a cell. Overflow: they are below 2^29. */
+/* Interpolates between the values of two corners or of two edges of a lattice cell. Overflow: they are below
+ * 2^29. */
 static inline int32_t between(int32_t a, int32_t b, int32_t share_q31)
 {
     return a + from_q31((int64_t)(b - a) * share_q31);
@@ -106,11 +107,12 @@ static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
     return step;
 }
 
-/* Computes the displacement of the wall by heartbeat and breath together, (I + J)^-1 u, by the series
- * u - J (u - J u), where u is the heartbeat's step less the change of breath. The relative error of the
- * result is |J|^3, which is 1/20 for the steepest breath motion that a scene may have, and 0.3 % in the
- * shipped heart. Overflow is impossible: u is at most 4 mm, and the sum of the series is below 6 mm, which is
- * below 2^26 in Q33 m. */
+/* Computes the displacement of the wall by heartbeat and breath together, (I + J)^-1 u, by the series u - J
+ * (u - J u). The vector u is the heartbeat's step less the change of breath. The relative error of the result
+ * is
+ * |J|^3, which is 1/20 for the steepest breath motion that a scene may have, and 0.3 % in the shipped heart.
+ * Overflow is impossible: u is at most 4 mm, and the sum of the series is below 6 mm, which is below 2^26 in
+ * Q33 m. */
 static void step_with_breath(const crn_motion *motion, crn_motion_pose *pose, crn_vec3 *step_m_q33)
 {
     enum {

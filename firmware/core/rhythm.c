@@ -66,8 +66,8 @@ static void place_premature(crn_rhythm *rhythm)
     rhythm->bits |= CRN_RHYTHM_NEXT_PREMATURE;
 }
 
-/* The interval before a premature beat is short, and the pause after the premature beat brings the rhythm
- * back into step: the two intervals together are as long as two mean intervals. */
+/* The interval before a premature beat is short, and the pause after it brings the rhythm back into step: the
+ * two intervals together are as long as two mean intervals. */
 static void begin_premature(crn_rhythm *rhythm)
 {
     uint32_t before = rhythm->interval_ms;
@@ -212,8 +212,8 @@ void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order)
     }
 }
 
-/* Checks that the phase belongs to the part of the heart's cycle in which the heart must be beat_ms after the
- * beginning of the beat. */
+/* Checks that the phase lies in the part of the heart's cycle (systole or diastole) that belongs to the time
+ * beat_ms after the beginning of the beat. */
 static bool phase_is_valid(const crn_rhythm *rhythm)
 {
     if ((rhythm->bits & CRN_RHYTHM_IS_RESTING) != 0) {

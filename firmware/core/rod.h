@@ -53,9 +53,9 @@ static inline int64_t crn_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q
 }
 
 /* Returns the axial spring stiffness EA / length of an edge. W is the bending stiffness of the softer of the
- * edge's two joints. The result is limited to the largest axial stiffness of the model, and to 512 W a^2,
- * because with a much larger stiffness the determinant of a block would lose its significant bits. The result
- * has the unit N/m with 8 fractional bits. */
+ * edge's two joints. The result is limited to the largest axial stiffness of the model and to 512 W a^2. With
+ * a much larger axial stiffness, the determinant of a block would lose its significant bits. The result has
+ * the unit N/m with 8 fractional bits. */
 static inline int64_t crn_axial_spring_q8(const crn_model *model, uint32_t edge, int32_t bend_N_m_q26)
 {
     int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;
@@ -87,13 +87,13 @@ static inline int32_t crn_least_inserted(const crn_model *model)
     return model->mesh[3].arc_m_q30 + 1024;
 }
 
-/* Returns true if a tool is at the position of the line, and false if the position is free. */
+/* Returns true if a tool is at the given position of the line (the set of nested tools). */
 static inline bool crn_has_tool(const crn_state_words *words, uint32_t position)
 {
     return words->exchange.line[position] != 0;
 }
 
-/* Returns the position of the tool around tool k, which is k + 1 unless the position k + 1 is free. The
+/* Returns the position of the tool around tool k, which is k + 1 unless no tool is at the position k + 1. The
  * caller ensures that k is not the outermost position. */
 static inline uint32_t crn_tool_around(const crn_model *model, const crn_state_words *words, uint32_t k)
 {
@@ -121,8 +121,8 @@ static inline uint32_t crn_lead_tool(const crn_model *model, const crn_state_wor
     return lead;
 }
 
-/* Returns a set of bits: bit k is 1 when tool k has a stress-free shape that is not straight at one of the
- * joints of edge j, so that the tool's material frame must be known there. */
+/* Returns a set of bits. Bit k is 1 when the stress-free shape of tool k is curved at one of the joints of
+ * edge j, so that the tool's material frame must be known there. */
 static inline uint32_t crn_edge_curved(const crn_state *state, uint32_t j)
 {
     return state->line.nodes[j].joint.curved | state->line.nodes[j + 1].joint.curved;
@@ -131,18 +131,19 @@ static inline uint32_t crn_edge_curved(const crn_state *state, uint32_t j)
 /* --- the tools on the line (exchange.c) ------------------------------------------------------------------
  */
 
-/* Copies the tool with the given number in the table to a position of the model's line; the number 0 makes
- * the position free. */
+/* Copies the tool with the given number in the table to a position of the model's line (the set of nested
+ * tools); the number 0 empties the position. */
 void crn_exchange_put(crn_model *model, uint32_t position, uint32_t number);
 
-/* Puts the tools that a valid state names on the model's line. */
+/* Puts the tools that a valid state names into the model, as its nested tools. */
 void crn_exchange_take_line(crn_model *model, const crn_state_words *words);
 
-/* Checks the numbers of the tools that a restored state has on the line. */
+/* Checks the numbers of the nested tools in a restored state. */
 bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words);
 
-/* These functions return two values of a restored state whose tools are valid but not yet in the model: how
- * far the tool at a position may be inserted (Q30 m), and the number of balls of the line's balloon. */
+/* These functions return two values of a restored state whose tools are valid but not yet in the model. The
+ * two values are how far the tool at a position may be inserted (Q30 m), and the number of balls of the
+ * balloon. */
 int32_t crn_exchange_inserted_max(const crn_model *model, const crn_state_words *words, uint32_t position);
 uint32_t crn_exchange_balls(const crn_model *model, const crn_state_words *words);
 
@@ -163,8 +164,9 @@ static inline int32_t crn_line_compliance(const crn_line *line, uint32_t i)
                      (int64_t)(i - line->steady) * line->edge_compliance_m_N_q40);
 }
 
-/* Converts the motion of the user's hands to feeds and base angles of the tools, frees or captures nodes at
- * the introducer sheath, and computes the predicted configuration and the inertia (rod_feed.c). */
+/* Converts the motion of the user's hands to feeds and base angles of the tools (rod_feed.c). This function
+ * of rod_feed.c also frees or captures nodes at the introducer sheath, and computes the predicted
+ * configuration and the inertia. */
 void crn_rod_feed(const crn_model *model, crn_state *state, const crn_input *input);
 
 /* The function crn_rod_stretch computes tangents, strains and axial forces of the edges at the predicted
@@ -184,8 +186,8 @@ uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free
 void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint32_t i,
                            const crn_vec3 *slide_m_q33, crn_vec3 *shift_m_q33);
 
-/* Corrects the deviation that the solve found so that turning edges keep their length, edge by edge from the
- * hand to the tip (rod_length.c). The caller passes the largest component of the deviation. */
+/* From the hand to the tip, corrects the deviation that the solve found, edge by edge, so that turning edges
+ * keep their length (rod_length.c). The caller passes the largest component of the deviation. */
 void crn_rod_keep_lengths(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 
 /* Returns the joint at node i for this tick. The introducer sheath's distal end cuts off a part of the joints
@@ -196,8 +198,8 @@ static inline const crn_joint *crn_rod_joint(const crn_state *state, uint32_t i)
     return i + 1 < na ? &state->line.nodes[i].joint : &state->scratch.mouth[i + 1 - na];
 }
 
-/* Computes that half of tool k's rest rotation at a joint which belongs to one of the joint's two edges, and
- * multiplies this half by the fraction `release_q30` that is applied now. The rest rotation is the angle
+/* The rest rotation of tool k at a joint is divided between the joint's two edges. Returns one half of the
+ * rest rotation, multiplied by the fraction `release_q30` that is applied now. The rest rotation is the angle
  * between the two edges of the joint in the tool's stress-free shape. Format: Q30 rad. */
 void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q30, const crn_vec3 *axis1,
                        const crn_vec3 *tangent, crn_vec3 *half);
@@ -210,14 +212,15 @@ static inline int32_t crn_surface_way(int32_t radius_m_q30, int32_t turn_q30)
     return (int32_t)(((int64_t)radius_m_q30 * turn_q30 + (1 << 26)) >> 27);
 }
 
-/* These two functions return the rest rotation of joint i in the frames of this tick: the first function for
- * one tool, the second function for all tools that have a curved rest shape at the joint. Format: Q30 rad. */
+/* These two functions return the rest rotation of joint i in the frames of this tick. The first function
+ * returns the rest rotation for one tool, and the second for all tools whose rest shape is curved at the
+ * joint. Format: Q30 rad. */
 crn_vec3 crn_rod_tool_turn(const crn_state *state, const crn_joint *joint, uint32_t tool, uint32_t i);
 crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const crn_joint *joint,
                            uint32_t i);
 
-/* Computes the reference axes of all edges, from the introducer sheath to the tip, and the material axes of
- * the tools at edges where a curved rest shape needs them (rod_frames.c). */
+/* Computes the reference axes of all edges, from the introducer sheath to the tip, and the tools' material
+ * axes where a curved rest shape needs them (rod_frames.c). */
 void crn_frames_carry(const crn_model *model, crn_state *state);
 /* Makes the axis orthogonal to the tangent t and of unit length, to first order. The remaining error of the
  * axis is the square of its initial error. */
@@ -227,9 +230,10 @@ void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent);
  * friction of the wall (rod_twist.c). */
 void crn_rod_twist(const crn_model *model, crn_state *state);
 
-/* These functions compute the forces between tools, and on the hands of tools that do not lead (rod_tools.c).
- * The functions run in this order: crn_tools_grip (how hard tools press on each other) before the twist,
- * crn_tools_turned after the twist, crn_tools_handles before the solve, and crn_tools_slide after the solve.
+/* These functions compute the forces between tools, and the forces on the hands, except the hand that holds
+ * the leading tool (rod_tools.c). The functions run in this order: crn_tools_grip (how hard tools press on
+ * each other) before the twist, crn_tools_turned after the twist, crn_tools_handles before the solve, and
+ * crn_tools_slide after the solve.
  */
 void crn_tools_grip(const crn_model *model, crn_state *state);
 void crn_tools_turned(const crn_model *model, crn_state *state);

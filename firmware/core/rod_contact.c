@@ -9,10 +9,10 @@
  *   stick, no chatter). While it does not stick, mu N is limited to some times its value after the last
  *   solve.
  *
- * The displacement of a tool's surface is the displacement of the node, plus the slide of the outer tool
- * along the common centreline, plus r theta along n x t for the tool's rotation theta. One friction limit mu
- * N bounds sliding and turning together, so a wire that slides turns freely. After the solve, the surface's
- * displacement is added to the friction displacement z (bristle), which is limited to mu N / k_t.
+ * The displacement of a tool's surface has three terms: the displacement of the node, the slide of the outer
+ * tool along the common centreline, and r theta along n x t for the tool's rotation theta. One friction limit
+ * mu N bounds sliding and turning together, so a wire that slides turns freely. After the solve, the
+ * surface's displacement is added to the friction displacement z (bristle), which is limited to mu N / k_t.
  *
  * Stent struts (strut.h) are treated like the vessel wall. A node that touches both stent struts and vessel
  * wall has two contacts. The matrix contains the normals of a node's two contacts. The friction displacement
@@ -126,8 +126,8 @@ CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work
 }
 
 /* Sets the stiffnesses of node i's contact for the motion expected in this tick. The vector `expected` is the
- * node's expected deviation from its slide (it may share memory with `around`, which is written later), and
- * `inwards` is its component along the normal. `predicted_m_q30` is the contact depth of the node after the
+ * node's expected deviation from its slide, and `inwards` is its component along the normal. The vectors
+ * `expected` and `around` may share memory. `predicted_m_q30` is the contact depth of the node after the
  * deviation. Overflow is impossible: the friction displacement is below 2^29.2, deviations are below 2^29 and
  * the displacement by rolling is below 2^23, so every component of their sum is below 2^30.5. */
 static inline void touch(const crn_model *model, crn_state *state, const crn_node_state *node, crn_work *work,
@@ -271,7 +271,7 @@ static inline bool may_touch(const crn_model *model, crn_state *state, const crn
     return sample(model, state, work, line, placed);
 }
 
-/* Returns the greater of a node's contact depths at the predicted configuration x* and after its drift. */
+/* Returns the greater of a node's contact depths at the position x* and after the motion `drift_m_q33`. */
 static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, const crn_vec3 *drift_m_q33)
 {
     const int32_t predicted = crn_sub_sat(depth_m_q30, along(drift_m_q33, normal_q30) >> 3);

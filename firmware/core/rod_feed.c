@@ -31,11 +31,10 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 
 /* Returns the compliance that the hand feels, that is, the hand's displacement per newton, in Q40 m/N. The
  * returned value is the compliance of the wall and of the tool's free part, or a smaller compliance that was
- * observed in the last ticks. The observed compliance is smaller than that of the whole wire if the wall's
- * friction holds the front of the wire, because the hand then moves only the rear part of the wire. The
- * observed compliance may grow by only 1/128 per tick. Because the observed compliance grows slowly, a single
- * tick in which the tool moves easily (after a snap or a pause) does not make a stiff tool seem soft
- * (docs/rod.md, "stall"). */
+ * observed in the last ticks. If the wall's friction holds the front of the wire, the hand moves only the
+ * rear part, and the observed compliance is smaller than that of the whole wire. The observed compliance may
+ * grow by only 1/128 per tick. Because the observed compliance grows slowly, a single tick in which the tool
+ * moves easily (after a snap or a pause) does not make a stiff tool seem soft (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
@@ -58,8 +57,8 @@ static uint32_t line_compliance(const crn_state *state)
 
 /* Limits the feed of a tool so that the force on the user's hand stays within its limit. The function also
  * limits the feed of the leading tip, so that the sum of the forces on all hands stays within its limit.
- * Without the limit of the leading tip's feed, the forces of two tools whose tips touch the same wall would
- * rise from tick to tick, because each tool would increase the force on the other. */
+ * Without the limit of the leading tip's feed, two tools whose tips touch the same wall would increase each
+ * other's force from tick to tick. */
 static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32_t k, int32_t feed_m_q30)
 {
     const crn_state_words *words = &state->words;
@@ -74,9 +73,9 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
 }
 
 /* Returns the feed of one tool in this tick, in Q30 m. The hand may move ahead of its tool by four times the
- * largest feed of a tick. A hand that moves farther ahead of its tool than four times the largest feed slips,
- * as a hand slips on a wire or a wire slips in the rig's rollers. A tool stalls (is not fed further) when it
- * pushes or pulls as hard as a hand can. */
+ * largest feed of a tick. If the hand is ahead of its tool by more than four times the largest feed, the hand
+ * slips along the tool, as a hand slips on a wire or a wire slips in the rig's rollers. A tool stalls (is not
+ * fed further) when it pushes or pulls as hard as a hand can. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
@@ -102,7 +101,7 @@ static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k,
     return allowed - tool->inserted_m_q30;
 }
 
-/* Feeds every tool. The inserted length of the line never gets shorter than a few elements, so the last tool
+/* Feeds every tool. The inserted length of the tools never gets shorter than a few elements, so the last tool
  * to be withdrawn stops at this length. */
 static void feed_tools(const crn_model *model, crn_state *state, const crn_input *input)
 {
@@ -313,9 +312,10 @@ static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count
     }
 }
 
-/* Returns the factor by which a joint's stiffness may grow when the introducer sheath's end clips the joint's
- * cell. The joint's entries in the matrix must stay below 2^26, because a diagonal entry below 2^29 contains
- * the sum of four such entries (core_build.c). The bending stiffness W must stay below 16 N m. */
+/* Returns the factor by which a joint's stiffness may grow when the end of the introducer sheath covers a
+ * part of the joint's cell (clips it). The joint's entries in the matrix must stay below 2^26, because a
+ * diagonal entry below 2^29 contains the sum of four such entries (core_build.c). The bending stiffness W
+ * must stay below 16 N m. */
 static int32_t clip_room(const crn_joint *joint)
 {
     int32_t entry = joint->p > joint->r ? joint->p : joint->r;
@@ -330,9 +330,9 @@ static int32_t clip_room(const crn_joint *joint)
 /* Each of the two joints at the introducer sheath's distal end represents only the part of its cell that lies
  * outside the sheath (the joint is "clipped"). The stiffness W of a clipped joint grows by the factor cell /
  * part, and the joint's rest rotation shrinks by the factor part / cell. The number format of the matrix
- * limits how small the part of a cell outside the sheath may be. If the part of a cell outside the sheath is
- * smaller than the number format allows, the joint bends as if the tool outside the sheath were longer by the
- * difference. */
+ * limits how small the part of a cell outside the sheath may be. If the part of a joint's cell outside the
+ * sheath is smaller than the number format allows, the joint bends as if the tool outside the sheath were
+ * longer by the difference. */
 static void clip_joint(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     crn_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];

@@ -6,8 +6,8 @@
  *     joint   b = w[i] - w[i-1],  v = W (b - g),  f[i-1] -= a v,  f[i] += (a + c) v,  f[i+1] -= c v
  *
  * The vector g is the sum of the tools' rest rotations, that is, of the angles of their stress-free shapes.
- * The twisting moment tau of the tools bends their common centreline by F = tau kb / 2 with kb = 2 t x t' /
- * (1 + t.t'). */
+ * The twisting moment tau of the tools bends their common centreline with the force F = tau kb / 2, where kb
+ * = 2 t x t' / (1 + t.t'). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -168,17 +168,17 @@ static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, cons
     return across;
 }
 
-/* Tilting the two edges of a bent joint by d and d', out of the plane of the joint, twists the joint by |kb|
- * / 2 times the length of d + d'. Where a tool's curved rest shape fixes its material frames, the twist
+/* If the two edges of a bent joint tilt by d and d' out of the plane of the joint, the joint twists by |kb| /
+ * 2 times the length of d + d'. Where a tool's curved rest shape fixes its material frames, the twist
  * stiffness GJ resists the twist of a bent joint. The resistance to twist at a joint adds its force to the
  * right side of the linear system, and k |kb|^2 / 4 (|d|^2 + |d'|^2) to the matrix. The matrix term of the
- * resistance to twist is at least half of the resistance, so that an oscillation does not grow and the other
- * terms in the matrix damp it. Without the matrix term of the resistance to twist, a J-shaped wire tip of 1.5
- * mm oscillated by 11 um for ever (docs/rod.md, "rows"). Tools that are straight at the joint when free of
- * stress turn freely and add nothing to the twist resistance. Overflow is impossible: the sum of the tools'
- * twisting moments is limited to 32 bits, and the product of this sum and a factor of at most 7/8 fits. The
- * sum of the matrix term for twist and the geometric stiffness k_g is limited to the edge's axial
- * stiffness. */
+ * resistance to twist is at least half of the resistance. With this matrix term an oscillation does not grow,
+ * and the other terms of the matrix damp it. Without the matrix term of the resistance to twist, a J-shaped
+ * wire tip of 1.5 mm radius oscillated by 11 um for ever (docs/rod.md, "rows"). Tools that are straight at
+ * the joint when free of stress turn freely and add nothing to the twist resistance. Overflow is impossible:
+ * the sum of the tools' twisting moments is limited to 32 bits, and the product of this sum and a factor of
+ * at most 7/8 fits. The sum of the matrix term for twist and the geometric stiffness k_g is limited to the
+ * edge's axial stiffness. */
 static void resist_twist(const crn_model *model, crn_state *state, const crn_joint *joint, uint32_t i)
 {
     const crn_node_state *node = &state->words.nodes[i];

@@ -1,8 +1,8 @@
-/* This file makes edges of the mesh keep their length while they turn fast (docs/rod.md, "Turning edges").
- * When both ends of an edge move along straight lines while the edge turns by a small angle, the edge gets
- * longer by the fraction angle^2 / 2 of its length. In a tool with an axial stiffness of some kN, the
- * elongation of a turning edge would cause a tension of many newtons. To take back the excess length, the
- * code moves the nodes between the edge and the tip along the turned edge towards the hand. */
+/* This file makes edges of the mesh keep their length while they turn fast (docs/rod.md, "Turning edges"). If
+ * both ends of an edge move along straight lines while the edge turns by a small angle, the edge gets longer
+ * by the fraction angle^2 / 2. In a tool with an axial stiffness of some kN, the elongation of a turning edge
+ * would cause a tension of many newtons. To take back the excess length, the code moves the nodes between the
+ * edge and the tip along the turned edge towards the hand. */
 #include "firmware/core/rod.h"
 
 enum {

@@ -2,11 +2,12 @@
  * (docs/rod.md, "tools").
  *
  * Node i lies at arc length S behind the leading tip, where tool k is at its own arc length S - offset(k).
- * Within a node's cell, the code averages the compliance, not the stiffness ("series"). Arithmetic averages
- * of the stiffness across a tool's tip or a step in stiffness give force spikes at the handle.
+ * Within a node's cell (half an edge to either side of the node), the code averages the compliance, not the
+ * stiffness ("series"). Arithmetic averages of the stiffness across a tool's tip or a step in stiffness give
+ * force spikes at the handle.
  *   1/W = integral ds / EI,  EI = sum EI_k;   turn_k = integral (EI_k / EI) kappa_k ds
- * A cell that contains a tool's tip is summed piece by piece, so all values change smoothly as the tools
- * slide. */
+ * A node's cell that contains a tool's tip is summed piece by piece, so all values change smoothly as the
+ * tools slide. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -64,9 +65,9 @@ static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
     return shift <= 0 ? INT32_MAX : crn_sat32(crn_rshift_round64(length_m_q30 * inverse, (unsigned)shift));
 }
 
-/* Limits the rest rotation of a cell to 1.2 rad, which the number format and the limit of the joint's force
- * permit. The file core_build.c refuses a tool whose stress-free shape turns by more than 1.2 rad in one of
- * the tool's own cells. A hook-shaped tip reaches the limit of 1.2 rad only inside a stiffer tool that
+/* Limits the rest rotation of a node's cell to 1.2 rad, which the number format and the limit of the joint's
+ * force permit. The file core_build.c refuses a tool whose stress-free shape turns by more than 1.2 rad in
+ * one of the tool's own cells. A hook-shaped tip reaches the limit of 1.2 rad only inside a stiffer tool that
  * extends farther, because there the mesh has the long cells of that tool's shaft. */
 static int32_t limit_turn(int32_t turn_q30)
 {
@@ -79,10 +80,10 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
 }
 
 /* Returns the rest rotation g of a joint. In the stress-free shape, the direction of the tool changes by the
- * angle `turn` at the joint. At the angle `turn` the unit vectors along the two edges differ by 2 sin(turn /
- * 2), and g is applied along the mean of the two edges' axes, whose length is cos(turn / 2). The rest
- * rotation g is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). The error of the series for the rest
- * rotation g is 0.1 % at 1 rad. */
+ * angle `turn` at the joint. At the angle `turn`, the unit vectors along the two edges differ by 2 sin(turn /
+ * 2). The rotation g is applied along the mean of the two edges' axes, whose length is cos(turn / 2). The
+ * rest rotation g is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). The error of the series for the
+ * rest rotation g is 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);
@@ -138,8 +139,8 @@ static void share_stiffness(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], 
 
 /* --- cells that no tip divides -------------------------------------------------------------------------- */
 
-/* Evaluates tool k over a whole cell: its own bending stiffness W, its twist stiffness and its rest
- * rotations. */
+/* Evaluates tool k over the whole cell of a node: its own bending stiffness W, its twist stiffness and its
+ * rest rotations. */
 static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c, crn_joint *joint)
 {
     const crn_tool *tool = &w->model->tools[k];
@@ -164,7 +165,7 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
 
 /* --- cells that one or more tips divide ----------------------------------------------------------------- */
 
-/* Adds the integrals over the piece [from, to] of a cell; no tool begins or ends within the piece. */
+/* Adds the integrals over the piece [from, to] of a node's cell; no tool begins or ends within the piece. */
 static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_MAX], int64_t *compliance)
 {
     stretch part[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
@@ -193,8 +194,8 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_M
     }
 }
 
-/* Integrates the tools' properties over a cell, piece by piece from one tool's tip to the next. At most
- * CRN_TOOL_MAX tips lie in a cell. */
+/* Integrates the tools' properties over a node's cell, piece by piece from one tool's tip to the next. At
+ * most CRN_TOOL_MAX tips lie in the cell of a node. */
 static void divided_cell(walk *w, cell c, crn_joint *joint)
 {
     stretch sums[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
@@ -300,7 +301,7 @@ static void build_joint(walk *w, uint32_t i, cell c)
     }
 }
 
-/* Returns the fraction of the cell's length that tool k covers, in Q30. */
+/* Returns the fraction of the length of a node's cell that tool k covers, in Q30. */
 static int32_t cover_of(const walk *w, uint32_t k, cell c)
 {
     int32_t offset = w->line->offset_m_q30[k];
@@ -375,9 +376,9 @@ static bool is_straight(const crn_span *s)
             s->delta[CRN_CURVE2_PER_M_Q20]) == 0;
 }
 
-/* Returns whether the cell is plain, that is, whether each tool is absent from the cell, or is straight
- * there, does not end there, and stays in one span between two knots. As a side effect, the pass along the
- * mesh advances to the span in which each tool is at this cell. */
+/* Returns whether the cell is plain. In a plain cell, each tool is either absent, or straight, present
+ * throughout, and within one span between two knots. As a side effect, the pass along the mesh advances to
+ * the span in which each tool is at this cell. */
 static bool is_plain(walk *w, cell c)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -494,7 +495,7 @@ static uint32_t steady_node(const crn_model *model, const crn_line *line, uint32
     return i < count ? i : count;
 }
 
-/* Returns the first node whose two edges in front are as long as all edges behind the node. */
+/* Returns the first node for which the two edges in front of it and all edges behind it are equally long. */
 static uint32_t uniform_node(const crn_model *model)
 {
     uint32_t i = model->node_count + 2;

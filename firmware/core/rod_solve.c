@@ -372,8 +372,8 @@ void crn_rod_solve(const crn_model *model, crn_state *state)
 }
 
 /* Returns the axial force of the tools on the two nodes that the introducer sheath holds, computed from f - A
- * delta. The force includes bending, because the force of the edge alone jumps when a node is freed, and is
- * too low when the tools are bent at the sheath's distal end (docs/rod.md). */
+ * delta. The force includes bending. The force of the edge alone jumps when a node is freed, and is too low
+ * when the tools are bent at the sheath's distal end (docs/rod.md). */
 int32_t crn_rod_handle_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;

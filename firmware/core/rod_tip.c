@@ -6,7 +6,7 @@
  * matrix keeps the directions of rest rotations fixed in space. For a tip of length s and curvature kappa on
  * a wire of length L, the solve recovers only about 1 / (kappa^2 s L) of the missing rotation in each tick
  * (docs/rod.md, "feed"). For a tip that touches the wall, the code predicts no rotation. At the wall the
- * solve stops the tip's rotation, and a tip for which further rotation is predicted trembles. */
+ * solve stops the tip's rotation; if further rotation were predicted, the tip would tremble. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -18,13 +18,14 @@ enum {
     AXIS_LEAST_M_Q24 = 64, /* 4 um: smallest sum of distances that determines a plane */
 };
 
-/* Returns the number of nodes from the tip that move as one rigid body. The rigid part reaches to the last
- * joint within 40 mm of the tip whose rest shape is curved more tightly than 110 / m (a J, a pigtail, the
- * first bend of a guiding catheter). If the rigid part of the tip slid by ds along its own curve of radius R,
- * it would turn by ds / R in each tick. The solve needs EI kappa^2 s / (EI / L) ticks to undo a rotation by
- * ds / R, because the matrix of the solve keeps rest rotations fixed in space. Before the tip was treated as
- * a rigid body, a J-shaped tip of 1.5 mm radius on 50 mm of soft wire lagged by 20 mm at a feed of 30 mm/s.
- * Overflow is impossible: rotations are below 1.3 rad, and the length of a cell is below 2^24 in Q30 m. */
+/* Returns the number of nodes from the tip that move as one rigid body. Within 40 mm of the tip, the rigid
+ * part reaches to the last joint at which the rest shape is curved more tightly than 110 / m (a J, a pigtail,
+ * the first bend of a guiding catheter). If the rigid part of the tip slid by ds along its own curve of
+ * radius R, it would turn by ds / R in each tick. To undo a rotation of the tip by ds / R, the solve needs EI
+ * kappa^2 s / (EI / L) ticks, because its matrix keeps rest rotations fixed in space. Before the tip was
+ * treated as a rigid body, a J-shaped tip of 1.5 mm radius on 50 mm of soft wire lagged by 20 mm at a feed of
+ * 30 mm/s. Overflow is impossible: rotations are below 1.3 rad, and the length of a cell is below 2^24 in Q30
+ * m. */
 static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint32_t free_count)
 {
     uint32_t rigid = 0;
@@ -107,8 +108,9 @@ uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free
     if (touching != CRN_CONTACT_NONE || model->hold.pinned || model->hold.turn) {
         return rigid;
     }
-    /* The tip's rotation is predicted first about the direction of the wire behind the tip, then about two
-     * axes across that direction: one in the tip's plane, and one perpendicular to this plane. */
+    /* The tip's rotation is predicted first about the direction in which the wire leaves the tip. After that,
+     * the tip's rotation is predicted about two axes across the wire: one in the tip's plane, and one
+     * perpendicular to this plane. */
     crn_vec3 out = turn_about(state, rigid, &root->tangent_q30);
     int32_t size = 0;
     out = crn_vec3_normalise(out, root->tangent_q30, &size);

@@ -4,13 +4,13 @@
  * The tools share one centreline, so the code does not compute a contact between the inner tool and the outer
  * tool's bore. A tool presses on the tool around it with the force that its bending puts on the nodes that
  * the two tools share. Friction mu N between the two tools then resists sliding and turning, in both
- * directions. The friction against sliding has one displacement along the centreline for each pair of tools;
- * the friction against turning has one for each edge (rod_twist.c).
+ * directions. For each pair of tools, one friction displacement along the centreline represents sliding, and
+ * one friction displacement per edge represents turning (rod_twist.c).
  *
- * If a tool does not lead, the force on its hand is the change of the elastic energy of all tools as this
- * tool slides while the shape of the centreline stays fixed. Where the tool's properties change, the force on
- * the hand is the jump of psi = |M + P|^2 / (2 EI) - S / 2. In psi, M is the bending moment, and P = sum EI_m
- * kappa_m and S = sum EI_m kappa_m^2 are sums over all tools at this point. The jump of psi is the
+ * If a tool does not lead, the force on the hand that holds it is the change of the elastic energy of all
+ * tools as this tool slides along a centreline of fixed shape. Where the tool's properties change, the force
+ * on the hand is the jump of psi = |M + P|^2 / (2 EI) - S / 2. In psi, M is the bending moment, and P = sum
+ * EI_m kappa_m and S = sum EI_m kappa_m^2 are sums over all tools at this point. The jump of psi is the
  * configurational force of a rod whose cross-section changes abruptly. */
 #include "firmware/core/rod.h"
 
@@ -140,8 +140,8 @@ static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *her
     return length_of(&force);
 }
 
-/* The length over which a tool bears on the tool around it depends on clearance and stiffness. For a wire in
- * a catheter the bearing length is about 3 mm (sqrt(2 EI delta / M) with a clearance delta of 0.05 mm,
+/* The length over which a tool presses on the tool around it depends on clearance and stiffness. For a wire
+ * in a catheter the bearing length is about 3 mm (sqrt(2 EI delta / M) with a clearance delta of 0.05 mm,
  * docs/rod.md). If the pressing force were not spread over the bearing length, a finer mesh would give a
  * larger force where the moment has a step. */
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
@@ -312,8 +312,8 @@ static crn_vec3 moment_around(const crn_model *model, const crn_state *state, ui
     return moment;
 }
 
-/* Returns joint i's contribution to the force on tool k's hand: psi (defined at the top of this file) at the
- * beginning of the cell minus psi at its end. */
+/* Returns joint i's contribution to the force on the hand that holds tool k: psi (defined at the top of this
+ * file) at the beginning of the cell minus psi at its end. */
 static int32_t joint_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                             int32_t from, int32_t to)
 {
@@ -337,9 +337,9 @@ static int32_t joint_handle(const crn_model *model, const crn_state *state, uint
     return crn_sub_sat(potential(&before, &moment), potential(&after, &moment));
 }
 
-/* A curved tool that lies in the straight introducer sheath stores elastic energy. Returns the force on a
- * curved tool's hand that results at the sheath's distal end from the elastic energy per length of the tool
- * in the straight sheath. */
+/* A curved tool that lies in the straight introducer sheath stores elastic energy. Returns the force on the
+ * hand that holds a curved tool; the force results, at the sheath's distal end, from the elastic energy per
+ * length of the tool in the straight sheath. */
 static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30)
 {
     section own = {0, {{0, 0, 0}}, 0};
@@ -347,7 +347,7 @@ static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint
     return -(own.stored_N_q22 / 2);
 }
 
-/* Returns whether a tip lies inside the cell of joint i. */
+/* Returns whether a tip lies inside the cell of joint i (half an edge to either side of the joint). */
 static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i)
 {
     for (uint32_t m = 0; m < model->tool_count; m++) {
@@ -359,9 +359,9 @@ static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i
     return false;
 }
 
-/* Returns joint i's contribution to the force on tool k's hand, like joint_handle(), for a cell within one
- * span of tool k. The joint gives the bending stiffness EI, and the span between two knots gives the change
- * of EI along the tool. */
+/* Returns joint i's contribution to the force on the hand that holds tool k, as joint_handle() does, for a
+ * cell within one span of tool k (a part between two knots). The joint gives the bending stiffness EI, and
+ * the span between two knots gives the change of EI along the tool. */
 static int32_t smooth_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                              const crn_span *span, int32_t from, int32_t to)
 {
@@ -393,7 +393,8 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
     const crn_span *span = tool->spans;
     int32_t sum = 0;
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
-        /* The half cell at the tip has no joint of its own, so the first joint represents this half cell. */
+        /* The half cell between the tip and the middle of the first edge has no joint of its own, so the
+         * first joint represents this half cell. */
         int32_t from = (i > 1 ? model->mesh[i - 1].cell_end_m_q30 : 0) - offset;
         int32_t to = model->mesh[i].cell_end_m_q30;
         to = (to < inserted ? to : inserted) - offset;
@@ -414,12 +415,12 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
     return inserted > offset ? crn_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
 }
 
-/* Tools that are bent push on the introducer sheath along the sheath's axis with EI kappa^2 / 2 at the distal
- * end, because the part that is fed in has to be straight. The push of bent tools on the sheath is the
- * configurational force of a sliding sleeve (Bigoni et al. 2014, Mechanics Research Communications). For the
- * joint whose cell the sheath's distal end cuts, `part` is the length of the cell outside the sheath. The
- * joint whose cell the sheath's end cuts has W = EI / part, and the angle between its edges is kappa times
- * part. Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
+/* Bent tools push on the introducer sheath along its axis with EI kappa^2 / 2 at the distal end, because the
+ * part that is fed in has to be straight. The push of bent tools on the sheath is the configurational force
+ * of a sliding sleeve (Bigoni et al. 2014, Mechanics Research Communications). For the joint whose cell the
+ * sheath's distal end cuts, `part` is the length of the cell outside the sheath. The joint whose cell the
+ * sheath's end cuts has W = EI / part, and the angle between its edges is kappa times part. Format: Q26 N m x
+ * Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
 static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;

@@ -217,8 +217,8 @@ static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_
     return j;
 }
 
-/* Adds a spring of 16 N m/rad that holds the first edge of tool 0 in validation cases; the spring enters the
- * equations in the same form as a rest shape. */
+/* In validation cases, adds a spring of 16 N m/rad that holds the first edge of tool 0. The spring that holds
+ * the edge enters the equations in the same form as a rest shape. */
 static void hold_turn(const crn_model *model, const crn_state *state, twist_carry *carry)
 {
     int32_t miss = (int32_t)(model->hold.turn32 - state->words.nodes[0].angle_turn32[0]);
@@ -244,7 +244,7 @@ static inline __attribute__((always_inline)) void twist_tool(const crn_model *mo
     substitute(state, k, first);
 }
 
-/* Computes the twist of a tool on a line whose middle position is free. */
+/* Computes the twist of a tool if the middle one of three positions has no tool. */
 CRN_RARE static void twist_apart(const crn_model *model, crn_state *state, uint32_t k, uint32_t inner,
                                  uint32_t around)
 {

@@ -34,7 +34,7 @@ void crn_struts_step(crn_state *state);
 bool crn_struts_contact(const crn_strut_state *struts, const crn_vec3 *place_m_q30, int32_t radius_m_q30,
                         crn_lumen_sample *sample);
 
-/* Samples the struts as crn_struts_contact does, but takes a point in world coordinates, and allows for the
+/* Samples the struts as crn_struts_contact does, but takes a point in patient coordinates, and allows for the
  * motion of the vessel. */
 bool crn_struts_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
                      const crn_vec3 *world_m_q30, int32_t radius_m_q30, crn_lumen_sample *sample);

@@ -21,8 +21,8 @@
  * A fuzz input has at most 48 operations, so that a run with one input is short. The program builds devices
  * once and copies them, because building a set of tools for every input took a hundred times as long as the
  * fuzzed operations. After every write of the outputs, the guarantees of docs/faults.md must hold. The motors
- * have no power except in FREE_RUN and RUNNING, no force exceeds its limit and slew limit, and without power
- * the drive line (the square wave that keeps the power stage on) does not change. */
+ * have power only in FREE_RUN and RUNNING, and no force exceeds its limit and slew limit. Without motor
+ * power, the drive line (the square wave that keeps the power stage on) does not change. */
 #include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 
@@ -203,7 +203,7 @@ static void short_tools(crn_wire_tools *tools, uint16_t count)
     }
 }
 
-/* Makes a table of eight tools; a wire and a guide are on the line, and its middle position is free. */
+/* Makes a table of eight tools; a wire lies in a guide, and the middle position between them has no tool. */
 static void table_of_tools(crn_wire_tools *tools)
 {
     short_tools(tools, 3);
@@ -359,8 +359,8 @@ static void step(input *in, uint8_t count, const crn_wire_exchange *exchange)
     send(CRN_WIRE_TYPE_step, payload, writer.length);
 }
 
-/* Restores a damaged snapshot as if all its chunks had arrived with the right CRC, so that only the checks of
- * the snapshot's header and of the core can refuse it. */
+/* Restores a damaged snapshot as if all its chunks had arrived with the right CRC. Only the checks of the
+ * snapshot's header and of the core can then refuse it. */
 static void restore_damaged(input *in, uint8_t count)
 {
     command(CRN_WIRE_ACTION_STOP, 0);

@@ -1,4 +1,4 @@
-/* These tests check the app through the bytes of the simulated port: states and modes follow the diagram of
+/* These tests check the app through the bytes of the simulated port. States and modes follow the diagram of
  * app.h, refusals have an error code and change nothing, and encoder jumps stop the session. The tests also
  * check that forces stay within their limits, and that a session restored from a snapshot continues with
  * exactly the same results. */
@@ -319,8 +319,8 @@ static void force_limits_can_be_lowered_but_not_raised(void **state)
     assert_int_equal(reject.detail2, 2);
 }
 
-/* When the hand moves with a sudden jerk at a force gain of 4, the motor command stays within its limit and
- * grows by at most its slew limit in every tick. */
+/* When the hand jerks suddenly at a force gain of 4, the motor command stays within its limit and grows by at
+ * most its slew limit per tick. */
 static void motor_commands_stay_within_limit_and_slew(void **state)
 {
     (void)state;

@@ -1,9 +1,9 @@
 /* These tests check the exchange of tools through bytes on the simulated port. The host sets up a table of
  * tools and a line (the tools inserted one inside another). An order `exchange` is carried out before its
  * tick, and the state that the tick reports contains the answer. A refused exchange changes nothing except
- * the answer in the tick's state. A FREE_RUN session with exchanges replays in LOCKSTEP bit for bit, a
- * snapshot contains the tools on the line, and after an exchange the force on the hand goes to zero as when
- * the hand lets go. */
+ * the answer in the tick's state. A FREE_RUN session with exchanges replays in LOCKSTEP bit for bit, and a
+ * snapshot says which tools are nested. After an exchange the force on the hand goes to zero, as when the
+ * hand lets go. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -47,7 +47,7 @@ static void set_up_line(const uint8_t *line, const uint32_t *inserted_um)
     tick_now = 0;
 }
 
-/* Begins a session with a wire inside a guide; the middle position of the line is free, and the wire is
+/* Begins a session with a wire inside a guide; the position between them has no tool, and the wire is
  * inserted by `wire_um`. */
 static void begin(uint32_t wire_um)
 {
@@ -253,9 +253,9 @@ static void start_coupled(void)
     start_lockstep();
 }
 
-/* A hand pulls with some newtons at a tool that has already been withdrawn completely. When the tool is taken
- * off the line, the force on the hand goes to zero in 32 ticks, in steps of at most a tenth, and stays zero
- * while the hand moves on. */
+/* A hand pulls with some newtons at a tool that has already been withdrawn completely. When the tool is
+ * removed, the force on the hand goes to zero in 32 ticks. The force falls by at most a tenth of its first
+ * value per tick, and stays zero while the hand moves on. */
 static void the_force_on_the_hand_ramps_to_zero(void **state)
 {
     (void)state;
@@ -274,9 +274,9 @@ static void the_force_on_the_hand_ramps_to_zero(void **state)
     assert_int_equal(last()->tools[MIDDLE].motor_axial_mN, 0);
 }
 
-/* The hand moves while its position on the line has no tool. The tool that is then put on the line begins
- * where the hand is: it does not move, and gives no force, until the hand moves again; then the tool follows
- * the hand. */
+/* The hand moves while it holds no tool, because the position of its tool is empty. A new tool that is put on
+ * an empty position begins where the hand is. The new tool does not move and gives no force until the hand
+ * moves again; then it follows the hand. */
 static void a_new_tool_begins_at_the_present_counts(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* These tests check what happens when a second program connects to a rig that has power, and which events
- * reset a port's watchdog. If a second program connects while another program is in control, the program in
- * control loses nothing. If the program in control has gone, the next program can take over. Only timer edges
- * that the app has completed count as signs of life for the watchdog. */
+ * reset a port's watchdog. A second program that connects does not disturb the program that is in control. If
+ * the program in control has gone, the next program can take over. Only timer edges that the app has
+ * completed reset the watchdog. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,8 +42,8 @@ static void a_second_program_is_refused_while_the_first_leads_with_power(void **
     assert_int_equal(bench_status(&b).state, CRN_WIRE_STATE_RUNNING);
 }
 
-/* A refused HELLO does not count as a sign of life of the program in control; when that program is silent,
- * the forces end in the usual time. */
+/* A refused HELLO does not count as a message of the program in control; when that program is silent, the
+ * forces end in the usual time. */
 static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state)
 {
     (void)state;
@@ -62,7 +62,7 @@ static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state
 }
 
 /* When a crashed program has been silent so long that the forces have ended, this program is no longer in
- * control; the next program sends HELLO and RESET, and begins. */
+ * control; the next program sends HELLO and RESET, and begins its session. */
 static void after_a_host_that_is_gone_hello_works(void **state)
 {
     (void)state;

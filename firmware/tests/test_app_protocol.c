@@ -303,8 +303,8 @@ static void the_rig_is_read_back_as_it_is_in_force(void **state)
     assert_int_equal(rig.tracks[2].force_limit_mN, CRN_APP_FORCE_LIMIT_mN);
 }
 
-/* The test sets each field alone out of its range: the device refuses the message with the field's number,
- * and nothing changes. */
+/* The test puts one field of the message at a time out of its range. The device must refuse a message with a
+ * field out of range, name the field's number, and change nothing. */
 static void a_rig_that_cannot_be_is_refused_by_field(void **state)
 {
     (void)state;

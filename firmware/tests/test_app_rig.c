@@ -1,7 +1,7 @@
-/* These tests check the configuration of the tracks. The tests show which couplings a rig can render at a
- * given force gain, and which data about a rig a host may change without a person at the rig. The tests
- * exchange bytes with the simulated port. According to its builder's data, the rig of this port has 1 um per
- * count, its own damping of 1 N s/m and 2 uN m s/rad, and no lag. */
+/* These tests check the configuration of the rig's tracks (one per tool). The tests show which couplings a
+ * rig can render at a given force gain, and which data about a rig a host may change without a person at the
+ * rig. The tests exchange bytes with the simulated port. According to its builder's data, the rig of this
+ * port has 1 um per count, its own damping of 1 N s/m and 2 uN m s/rad, and no lag. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -76,9 +76,9 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
 
 /* --- couplings that a rig can render --- */
 
-/* By the condition b > G (K (T / 2 + t) + B), a rig with a damping of 1 N s/m and a lag of 0.5 ms just
- * supports a coupling of 800 N/m and 0.2 N s/m. With a force gain of 2, the hand feels 1,600 N/m instead of
- * 800 N/m, so only half of this stiffness and half of the damping are allowed. */
+/* By the condition b > G (K (T / 2 + t) + B), a rig with a damping of 1 N s/m and a lag of 0.5 ms has just
+ * enough damping for a coupling of 800 N/m and 0.2 N s/m. With a force gain of 2, the hand feels 1,600 N/m
+ * instead of 800 N/m, so only half of this stiffness and half of the damping are allowed. */
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;
@@ -218,8 +218,8 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
 }
 
 /* The rule for the encoder's scale is the same as for the force sensor's scale. A host may change the
- * encoder's scale by up to a quarter of the built value, and with the local unlock to any value. Before the
- * device limited the encoder's scale, a host could change this scale by a factor of 5 x 10^5. */
+ * encoder's scale by up to a quarter of the value that the rig's builder gave, and with the local unlock to
+ * any value. In an earlier version, a host could change the encoder's scale by a factor of 5 x 10^5. */
 static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -273,7 +273,7 @@ static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **st
 
 /* In LOCKSTEP the host provides the positions of the user's hands, in its own counts, and no motor is driven.
  * If a person at the rig has confirmed values, they stay valid when the host sends the rig's settings again.
- * The device does not judge a coupling by values of the host that no person at the rig has confirmed. */
+ * To judge a coupling, the device does not use a host's values that no person at the rig has confirmed. */
 static void a_track_without_a_coupling_may_have_any_scale(void **state)
 {
     (void)state;

@@ -201,11 +201,11 @@ static double aside_mm(const rig *r)
 
 /* In free space no vessel presses on the balloon, so the hand feels only the weight. The balloon is modelled
  * as a row of balls (spheres). If a ball leaves the sheath or another tool, its centre begins on the tools'
- * centreline at the point where the ball leaves. In an earlier version, the centre of a ball that left the
- * sheath began at the origin of the patient frame, some 300 mm away from the tool, and a spring of 2 N/mm
- * tied the ball to the tool. The earlier version gave 512 N at the hand, a length error of 9.5 %, and a depth
- * of 3.5 mm in the wall of the shipped scene. The limits in this test are a few times larger than the values
- * that the test prints. */
+ * centreline at the point where the ball leaves. In an earlier version, a ball that left the sheath had its
+ * centre at the origin of the patient frame, some 300 mm away from the tool. In the earlier version, a spring
+ * of 2 N/mm tied this ball to the tool. The earlier version gave 512 N at the hand, a length error of 9.5 %,
+ * and a depth of 3.5 mm in the wall of the shipped scene. The limits in this test are a few times larger than
+ * the values that the test prints. */
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;
@@ -268,9 +268,9 @@ static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **st
     rig_free(r);
 }
 
-/* In an elastic vessel, every inflation and deflation must return the words of the balloon's state to exactly
- * the same values, and the nodes to the same positions within 1 um. The test does not count the first five
- * inflations, because they leave some friction displacements, which later inflations do not change. */
+/* In an elastic vessel, every inflation and deflation must restore the balloon's state exactly, and the
+ * positions of the nodes within 1 um. The test does not count the first five inflations, because they leave
+ * some friction displacements, which later inflations do not change. */
 static void two_hundred_inflations_leave_nothing_behind(void **state)
 {
     (void)state;

@@ -1,8 +1,7 @@
-/* These tests check the exchange of tools on the line (docs/rod.md, "exchange"). An exchange moves no node
- * and changes nothing of the other tools; a refused exchange changes nothing at all. A tool that was put on
- * the line by an exchange behaves bit for bit like the same tool on a line that had the tool from the
- * beginning. Each impossible exchange is refused with the code of its own reason, and random orders never
- * make the state invalid. */
+/* These tests check the exchange of nested tools (docs/rod.md, "exchange"). An exchange moves no node and
+ * does not change the other tools; a refused exchange changes nothing at all. A tool that was inserted by an
+ * exchange behaves bit for bit as if the session had begun with this tool. Each impossible exchange is
+ * refused with the code of its own reason, and random orders never make the state invalid. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -89,7 +88,8 @@ static void rest(rig *r, int ticks)
     for (int t = 0; t < ticks; t++) rig_step(r);
 }
 
-/* Moves the hand at one position of the line by `way_m` at 0.4 m/s, and waits until its tool has followed. */
+/* Moves the hand that holds the tool at one position by `way_m` at 0.4 m/s, and waits until the tool has
+ * followed. */
 static void move(rig *r, uint32_t position, double way_m)
 {
     const int ticks = (int)ceil(fabs(way_m) / 0.4e-3);
@@ -112,7 +112,7 @@ static reference_tube *straight_tube(void)
     return reference_tube_make(pieces, 1, 3.6e-3, 1);
 }
 
-/* Makes a guide inserted by 200 mm with a wire inside; the middle position of the line is free. */
+/* Makes a guide inserted by 200 mm with a wire inside; the position between them has no tool. */
 static rig *wire_in_guide(reference_tube *tube)
 {
     static const uint32_t line[] = {STIFF_WIRE, 0, GUIDE}, inserted_um[] = {260000, 0, 200000};
@@ -138,8 +138,8 @@ static void table_that_is_the_line_gives_todays_model(void **context)
     free(b);
 }
 
-/* Compares two states, before and after an exchange: all values of the nodes, and of every position of the
- * line except one, must be equal. */
+/* Compares two states, before and after an exchange: all values of the nodes, and of every tool position
+ * except one, must be equal. */
 static void assert_others_kept(const crn_state_words *before, const crn_state_words *after, uint32_t except)
 {
     assert_int_equal(before->free_count, after->free_count);
@@ -181,9 +181,10 @@ static void exchange_keeps_the_other_tools_bit_for_bit(void **context)
     reference_tube_free(tube);
 }
 
-/* Two lines differ by a catheter that an exchange has put on one of them. The catheter's tip is still inside
- * the sheath, but the guide now rubs on the catheter instead of on the wire, which does not move. The largest
- * measured difference of a node's position was 27 nm after 50 ticks; the test allows 100 nm. */
+/* Two sets of nested tools differ by a catheter that an exchange has put into one of them. The catheter's tip
+ * is still inside the sheath, but the guide now rubs on the catheter instead of on the wire. None of the
+ * hands moves. The largest measured difference of a node's position was 27 nm after 50 ticks; the test allows
+ * 100 nm. */
 static void exchange_moves_no_node_in_the_next_ticks(void **context)
 {
     (void)context;
@@ -216,9 +217,8 @@ static void withdraw_exactly(rig *r)
     rest(r, 50);
 }
 
-/* A wire is withdrawn and taken off the line, another wire is put on and taken off, and the first wire is put
- * on again. From then on, the state is bit for bit that of a line on which the first wire stayed all the
- * time. */
+/* A wire is withdrawn and removed, another wire is put in its place and removed, and the first wire is put in
+ * again. From then on, the state is bit for bit as if the first wire had stayed all the time. */
 static void tool_that_came_by_exchange_is_the_tool_that_stayed(void **context)
 {
     (void)context;
@@ -297,9 +297,9 @@ static void nothing_passes_over_a_hub(void **context)
     free(r);
 }
 
-/* The only tool on the line is replaced when the line is as short as it can be. The new tool can then be
- * inserted as far as the same tool on a line that began with it; the test allows 2 mm, by which the hand
- * slips at the end of the line. */
+/* The only tool is replaced when its inserted length is as short as it can be. After the exchange, the new
+ * tool can be inserted as far as if the session had begun with it. The test allows a difference of 2 mm, by
+ * which the hand slips at the end of the insertion. */
 static void last_tool_can_be_replaced_but_not_taken_off(void **context)
 {
     (void)context;
@@ -381,8 +381,8 @@ static void second_balloon_is_refused(void **context)
     free(r);
 }
 
-/* Friction acts between a wire and the guide around it even if the position between them is free: the results
- * are equal bit for bit, whichever position the guide has. */
+/* Friction acts between a wire and the guide around it even if the position between them has no tool: the
+ * results are equal bit for bit, whichever position the guide has. */
 static void free_position_between_two_tools_changes_nothing(void **context)
 {
     (void)context;
@@ -409,8 +409,8 @@ static void free_position_between_two_tools_changes_nothing(void **context)
     reference_tube_free(tube);
 }
 
-/* A saved state contains the numbers of the tools on the line, so the state can be restored into a model with
- * other tools on its line. */
+/* A saved state contains the numbers of the nested tools, so the state can be restored into a model with
+ * other nested tools. */
 static void saved_line_is_restored_bit_for_bit(void **context)
 {
     (void)context;
@@ -465,8 +465,8 @@ static void lines_that_cannot_be_are_not_restored(void **context)
     reference_tube_free(tube);
 }
 
-/* Before the first exchange, the hash does not contain the tools on the line, so a wrong line in a restored
- * state would not change the hash. */
+/* Before the first exchange, the hash does not contain the numbers of the nested tools, so wrong numbers in a
+ * restored state would not change the hash. */
 static void another_line_needs_an_exchange(void **context)
 {
     (void)context;
@@ -501,9 +501,9 @@ static void exchange_enters_the_hash(void **context)
     reference_tube_free(tube);
 }
 
-/* Hands move at random, and random orders arrive, most of which are refused. After every order a restore,
- * which checks the whole state, accepts the state, and every tool stays in the vessel. The allowed depth in
- * the wall is 0.2 mm, the depth at which the wall is stiffest. */
+/* Hands move at random, and random orders arrive, most of which are refused. After every order, the state
+ * passes all checks of a restore, and every tool stays in the vessel. The allowed depth in the wall is 0.2
+ * mm, the depth beyond which the wall is stiffer. */
 static void random_orders_never_break_the_line(void **context)
 {
     (void)context;

@@ -68,7 +68,7 @@ static crn_wire_instrument wire_of(double bend_N_m2)
     return wire;
 }
 
-/* Returns the settings of the stiffest track that the device accepts for this rig. */
+/* Returns the settings of a track with the stiffest coupling that the device accepts for this rig. */
 static crn_wire_track track_of(uint32_t seal_mN)
 {
     return (crn_wire_track){.translation_pm_per_count = 1000000,
@@ -172,8 +172,8 @@ static void a_buckled_wire_in_the_aorta_is_quiet(void **state)
 
 /* The control case is a coupling of twice the allowed stiffness, which the device accepts because the host
  * claims more damping than the rig has. A coupling of twice the allowed stiffness oscillates at the end wall
- * if the hand grips the handle loosely. The device detects the oscillation, by the sustained cycle in the
- * hand or by the measured force, and removes the power. */
+ * if the hand grips the handle loosely. The device detects the oscillation, by its check for sustained
+ * oscillations or by the measured force, and removes the power. */
 static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
 {
     (void)state;

@@ -80,9 +80,9 @@ static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
 }
 
 /* If the wire is fed by 10 um a tick, the node at a right-angled corner moves along each of its two edges as
- * far as the node at the other end of that edge. The tolerance of the position is 0.1 um, the
- * square of the feed of 10 um divided by the edge length of 1 mm. If the corner node
- * slid along the mean of its two tangents, it would move only half as far along each edge. */
+ * far as the other end of this edge moves. The tolerance of the position is 0.1 um, the square of the feed of
+ * 10 um divided by the edge length of 1 mm. If the corner node slid along the mean of its two tangents, it
+ * would move only half as far along each edge. */
 static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
 {
     (void)context;

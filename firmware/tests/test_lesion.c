@@ -207,7 +207,7 @@ static void normals_are_those_of_the_distance(void **state)
 }
 
 /* In a beating vessel, a point on the opened wall in the reference pose, moved by the vessel's motion, also
- * lies on the wall in world coordinates. */
+ * lies on the wall in patient coordinates. */
 static void an_open_lesion_goes_with_a_beating_vessel(void **state)
 {
     (void)state;
@@ -311,8 +311,8 @@ static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
     free(r);
 }
 
-/* After every inflation of the balloon and its deflation, the words of an elastic lesion's state must have
- * exactly their former values, and the nodes their former positions within 1 um. A plastic lesion keeps its
+/* After every inflation and deflation of the balloon, the state of an elastic lesion must be exactly what it
+ * was before, and the nodes must be at their former positions within 1 um. A plastic lesion keeps its
  * permanent opening from the first inflation on. */
 static void inflations(int count, double recoil, bool is_elastic)
 {

@@ -1,7 +1,7 @@
 /* These tests check the combined properties of nested tools. The compliance of a node's cell is the sum of
  * the compliances of its parts with and without the outer tool, wherever the outer tool's tip lies in the
  * cell. A tool's twist stiffness at a point does not depend on which other tool's tip is near. The core
- * refuses tools whose shape, twist stiffness or mass does not fit the cells of the mesh, and names the tool.
+ * refuses tools whose shape, twist stiffness or mass does not fit the mesh, and names the tool.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -83,9 +83,9 @@ static void a_tip_anywhere_in_a_cell_gives_the_series_average(void **context)
     check_divided_cell(5e-6, 5e-4, 1000);
 }
 
-/* The twist stiffness of a wire grows by a factor of 500 over 300 mm, and keeps its value GJ(arc) / cell at
- * the tip of the catheter around the wire. The tolerance of 2 % allows for the change of stiffness that the
- * taper causes over one cell. */
+/* The twist stiffness of a wire grows by a factor of 500 over 300 mm. At the tip of the catheter around the
+ * wire, the twist stiffness keeps its value GJ(arc) / cell. The tolerance of 2 % allows for the change of
+ * stiffness that the taper causes over one cell. */
 static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
 {
     (void)context;

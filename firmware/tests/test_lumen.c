@@ -139,8 +139,8 @@ static void contact_is_the_quadratic_b_spline(void **state)
             worst_normal = fmax(worst_normal, fabs(ldexp(got.normal_q30.v[k], -30) + g[k] / length));
         }
     }
-    /* The weights of the spline along x have a step of 2^-16. The test uses random neighbouring values that
-     * differ by up to 8 voxels, whereas neighbours at a wall differ by one voxel. */
+    /* The weights of the spline along x have a resolution of 2^-16. The test uses random neighbouring values
+     * that differ by up to 8 voxels, whereas neighbours at a wall differ by one voxel. */
     if (worst_m > 2e-7) fail_msg("worst distance error %.3g m, allowed 2e-7", worst_m);
     if (worst_normal > 2e-3) fail_msg("worst normal error %.3g, allowed 2e-3", worst_normal);
 }

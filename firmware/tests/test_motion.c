@@ -130,8 +130,8 @@ static void the_lattice_represents_the_map(void **state)
     assert_true(worst < 0.3e-3 && deepest < 0.3e-3);
 }
 
-/* The cycle closes. Between neighbouring cells and between keyframes, no value changes by more than the
- * distance between the points explains. */
+/* The cycle closes. Between neighbouring lattice cells and between keyframes, no value changes by more than
+ * the distance between the points explains. */
 static void the_map_is_continuous_in_place_and_time(void **state)
 {
     (void)state;
@@ -174,8 +174,8 @@ static double depth_at(crn_motion_pose *pose, const double *x)
 
 /* The normal that the core computes must agree, within 1 degree, with the central differences of the distance
  * in the reference pose, which the test computes over 20 um. The expected distance is phi divided by the
- * length of its gradient, where phi is the distance in the reference pose. Near the border of two cells, a
- * central difference uses points in both cells, so up to 2 % of the tested points may fail. */
+ * length of its gradient, where phi is the distance in the reference pose. Near the border of two lattice
+ * cells, a central difference uses points in both cells, so up to 2 % of the tested points may fail. */
 static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
 {
     (void)state;
@@ -266,8 +266,8 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
     }
 }
 
-/* The test compares the wall's displacement in a tick, as computed by the core, with the displacement of the
- * same wall point by the exact map, at 120 beats a minute. The two displacements must differ by less than 2
+/* At 120 beats a minute, the test compares the wall's displacement in a tick, as the core computes it, with
+ * the displacement of the same wall point by the exact map. The two displacements must differ by less than 2
  * um plus 5 % of the largest wall displacement in a tick (0.13 mm). In every second case the chest also
  * moves, with 20 breaths a minute. */
 static void the_wall_step_is_that_of_the_map(void **state)
@@ -393,8 +393,8 @@ static void a_wire_in_a_beating_vessel_is_carried(void **state)
     assert_int_equal(f.faults & ~(uint32_t)CRN_FAULT_STEP_CAPPED, 0);
 }
 
-/* A session that continues from a snapshot taken in the middle of a heartbeat has the same hashes as the
- * uninterrupted session, so the state contains all data about the motion. */
+/* A session that continues from a snapshot in the middle of a heartbeat has the same hashes as the
+ * uninterrupted session. The equal hashes show that the state contains all data about the motion. */
 static void a_beating_state_can_be_saved_and_goes_on_the_same(void **state)
 {
     (void)state;
@@ -434,7 +434,7 @@ static double normal_sum_N(void)
     return sum;
 }
 
-/* A soft wire of 5 g/m lies on the floor of a narrow straight tube, and its hand holds it while the floor
+/* A soft wire of 5 g/m lies on the floor of a narrow straight tube, and a hand holds the wire while the floor
  * slides. The hand feels a force of mu times the weight on the floor, within 2 %, in one direction in systole
  * and in the other in diastole. The floor supports the wire's weight, except for the span that hangs from the
  * introducer sheath's distal end. */

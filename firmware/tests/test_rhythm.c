@@ -41,7 +41,7 @@ static uint32_t to_next_beat(crn_rhythm *rhythm)
 /* The interval between heartbeats is 60 000 ms divided by the heart rate in beats a minute, within 1 ms. The
  * aortic valve closes (540 - 2.1 rate) ms after the QRS complex, where `rate` is in beats a minute. The time
  * from the QRS complex to the valve's closure is 456 ms at 40 beats a minute and 204 ms at 160 beats a
- * minute. Systole at 70 beats a minute lasts 393 ms. If systole were scaled linearly with the interval, it
+ * minute. Systole at 70 beats a minute lasts 393 ms. If systole were always the same part of the interval, it
  * would last 624 ms at 40 beats a minute. */
 static void systole_follows_its_formula_and_not_the_interval(void **state)
 {

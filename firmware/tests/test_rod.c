@@ -74,7 +74,7 @@ typedef struct insertion {
     double depth_mm, strain_pct, force_N, resting_um;
 } insertion;
 
-/* Holds the largest errors during a whole insertion at 0.1 m/s and during the second of rest after it. */
+/* Holds the largest errors during a whole insertion at 0.1 m/s and during the following second of rest. */
 static insertion insert(const reference_tube *tube, double bend_N_m2, double to_m)
 {
     crn_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
@@ -219,9 +219,9 @@ static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 
 /* --- hostile hand --------------------------------------------------------------------------------------- */
 
-/* A hand jumps at random for 20 s and turns at up to 12 rad/s. The rod stays stable, and its nodes are more
- * than 1 mm outside the lumen in at most 1 of 1000 ticks. The length error stays within 0.6 %, as in the fuzz
- * test of the project's prototype. */
+/* A hand moves in random jumps for 20 s and turns at up to 12 rad/s. The rod stays stable, and its nodes are
+ * more than 1 mm outside the lumen in at most 1 of 1000 ticks. The length error stays within 0.6 %, as in the
+ * fuzz test of the project's prototype. */
 static void random_hand_does_not_blow_the_rod_up(void **context)
 {
     (void)context;
@@ -251,12 +251,12 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     reference_tube_free(tube);
 }
 
-/* If the prediction misses a contact in several successive ticks, the node must be hardly deeper than 0.1 mm
- * in the wall at the end of the first of these ticks. To limit the node's depth to 0.1 mm, the core scales
- * down the deviation of all nodes in the first tick that misses the contact; the core need not solve the
- * equations a second time. The test measures the depth along the wall's normal at the predicted
- * configuration. A displacement of 0.75 mm (the largest in a tick) along the tangent of a wall of 4 mm radius
- * moves the node deeper by another 0.07 mm, which is the test's bound. The largest measured excess over the
+/* If the prediction misses a contact in several successive ticks, a node may be only slightly deeper than 0.1
+ * mm in the wall at the end of the first of these ticks. To limit the node's depth to 0.1 mm, the core scales
+ * down the deviation of all nodes in the first tick that misses the contact. For a missed contact, the core
+ * need not solve the equations a second time. The test measures the depth along the wall's normal at the
+ * predicted configuration. A displacement of 0.75 mm (the largest in a tick) along the tangent of a wall of 4
+ * mm radius adds 0.07 mm to the node's depth; this is the test's bound. The largest measured excess over the
  * depth of 0.1 mm was 0.0135 mm. */
 static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 {

@@ -160,8 +160,8 @@ static void a_force_that_a_hand_holds_stays(void **state)
 /* --- what stops --- */
 
 /* During the first `edges` edges of the timer, the motor gives 40 mN to a carriage at rest that nobody
- * touches. Then the carriage moves by `counts` encoder counts at every edge, and the force sensor shows
- * `felt_mN` millinewtons. */
+ * touches. After these edges, the carriage moves by `counts` encoder counts at every edge, and the force
+ * sensor shows `felt_mN` millinewtons. */
 static int run_away(int edges, int32_t counts, int32_t felt_mN)
 {
     safety_bench_drive(&bench);
@@ -176,8 +176,8 @@ static int run_away(int edges, int32_t counts, int32_t felt_mN)
 }
 
 /* One count of the encoder is subtracted before the speed is computed, because a reading may be one count too
- * large: 252 um in 1 ms means a speed of at least 251 mm/s. If the encoder moves by 250 um in each of eight
- * milliseconds, the computed speed is just less than 250 mm/s. */
+ * large. After this subtraction, a travel of 252 um in 1 ms means a speed of at least 251 mm/s. If the
+ * encoder moves by 250 um in each of eight milliseconds, the computed speed is just less than 250 mm/s. */
 static void a_carriage_that_its_motor_made_fast_stops(void **state)
 {
     (void)state;

@@ -121,8 +121,8 @@ static felt feel(const crn_strut_state *struts, double x, double y, double z)
     return f;
 }
 
-/* In a straight stent of 1.5 mm inner radius, the distances to the struts, inside, outside and round the
- * edge, agree with the closed form to a hundredth of a micrometre. */
+/* For a straight stent of 1.5 mm inner radius, the distances to the struts agree with the closed form to a
+ * hundredth of a micrometre: inside, outside and round the edge. */
 static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
 {
     (void)state;
@@ -201,7 +201,7 @@ static void a_bent_shell_follows_its_rings(void **state)
 }
 
 /* In a beating vessel, a point on the struts in the reference pose, moved by the vessel's motion, also lies
- * on the struts in world coordinates. */
+ * on the struts in patient coordinates. */
 static void struts_go_with_a_beating_vessel(void **state)
 {
     (void)state;
@@ -313,8 +313,8 @@ static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
     }
 }
 
-/* The wire's tip touches the stent's end, head on and off centre, with a friction coefficient of 0.3; the tip
- * moves on along one side, inside or outside. */
+/* With a friction coefficient of 0.3, the tip of the wire touches the end of the stent, head on or off
+ * centre; the tip then moves on along one side, inside or outside. */
 static void an_end_sends_a_tip_to_one_side(void **state)
 {
     (void)state;

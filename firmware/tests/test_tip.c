@@ -21,8 +21,8 @@ static rig *rig_in_air(const crn_instrument *wire, uint32_t inserted_um)
     return r;
 }
 
-/* Makes a wire with the softest tip and a half circle of the given radius at its end; between 80 and 200 mm
- * from the tip, the bending stiffness EI rises to that of the shaft. */
+/* Makes a wire with the softest tip and a half circle of the given radius at its end. From 80 to 200 mm
+ * behind the tip, the wire's bending stiffness EI rises to that of the shaft. */
 static crn_instrument make_j(double radius_m, double shaft_N_m2)
 {
     crn_instrument wire = reference_wire(2e-6, 600000, 500, 0.1);
@@ -121,10 +121,11 @@ static void curved_wire_without_load_takes_its_circle(void **context)
     free(r);
 }
 
-/* The hand feeds a half circle of 1.5 mm radius (a Rosen wire's J) on soft wire at 30 mm/s through free space
- * and draws it back. The tip of the half circle stays at a distance of 2 R from the axis of the wire. The
- * tolerance of the tip's position is 0.1 mm. The tip has an error of 0.05 mm, because it is still settling
- * when the hand starts to move. A tip that slid along its own curve would swing aside by 50 mm. */
+/* The wire of this test is soft, and its tip is a half circle of 1.5 mm radius (the J of a Rosen wire). The
+ * hand pushes the wire with the J-shaped tip at 30 mm/s through free space and draws it back. The tip of the
+ * half circle stays at a distance of 2 R from the axis of the wire. The tolerance of the tip's position is
+ * 0.1 mm. The tip has an error of 0.05 mm, because it is still settling when the hand starts to move. A tip
+ * that slid along its own curve would swing aside by 50 mm. */
 static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
 {
     (void)context;
@@ -143,9 +144,9 @@ static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
 }
 
 /* A J-shaped tip of 1.5 mm radius lies on the wall of a tube; the hand stopped three seconds ago. No node of
- * the wire may move by more than a micrometre a tick, which is also the limit for a wire without a curved
- * tip; the measured motion is 0.1 um. In an earlier version, whose matrix did not contain the wire's
- * resistance to twist, the J-shaped tip oscillated by 11 um. */
+ * the wire may move by more than a micrometre a tick, the same limit as for a wire without a curved tip; the
+ * measured motion is 0.1 um. In an earlier version, whose matrix did not contain the wire's resistance to
+ * twist, the J-shaped tip oscillated by 11 um. */
 static void a_tight_j_rests_on_the_wall(void **context)
 {
     (void)context;

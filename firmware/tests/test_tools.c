@@ -54,8 +54,8 @@ static crn_instrument make_tool(const tool_plan *plan)
     return tool;
 }
 
-/* From the tip on, the tool's shape is 6 mm straight, then 90 degrees of R = 7 mm, 23 mm of straight arm, and
- * 180 degrees of R = 10 mm in the opposite direction. */
+/* From the tip on, the tool is straight for 6 mm, bends by 90 degrees at R = 7 mm, is straight for 23 mm, and
+ * bends by 180 degrees at R = 10 mm in the opposite direction. */
 static void judkins(crn_instrument *tool)
 {
     static const uint32_t arc_um[] = {0, 6000, 6000, 17000, 17000, 40000, 40000, 71400, 71400};
@@ -384,8 +384,8 @@ static double resting_torque(double friction, double sliding_m_s)
 }
 
 /* A wire that lies on the floor of a tube resists turning with the torque mu N r. The force N is the wire's
- * weight minus the weight that the sheath supports. The sheath supports two thirds of the span (72 EI h /
- * w)^(1/4) = 123 mm from a height of 2 mm. The tolerance is 8 %. */
+ * weight minus the weight that the sheath supports. The sheath supports two thirds of the span over which the
+ * wire hangs, (72 EI h / w)^(1/4) = 123 mm at a height h of 2 mm. The tolerance is 8 %. */
 static void the_wall_resists_turning_with_mu_n_r(void **context)
 {
     (void)context;
@@ -515,9 +515,9 @@ static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
 }
 
 /* A 6F Judkins left guiding catheter with a 0.014 in wire and a balloon catheter inside leaves the sheath and
- * enters an artery of 3.6 mm radius. The artery keeps the guiding catheter's primary curve open (R = 7 mm,
- * 0.052 N m when straight), and the sheath's distal end bends this curve in the opposite direction. In
- * elements of 1 mm, the forces at a joint of this guiding catheter exceed 60 N. */
+ * enters an artery of 3.6 mm radius. The artery keeps the guiding catheter's primary curve open (R = 7 mm;
+ * straightening it takes 0.052 N m), and the sheath's distal end bends this curve in the opposite direction.
+ * In elements of 1 mm, the forces at a joint of this guiding catheter exceed 60 N. */
 static void a_tight_guide_comes_out_of_the_sheath_without_saturating(void **context)
 {
     (void)context;

@@ -183,7 +183,8 @@ void FaultyPipe::write(std::span<const std::uint8_t> bytes)
     if (!late.empty()) inner_.write(late);
 }
 
-// Splits the device's bytes into frames, and applies the fault to the one frame that the fault's line names.
+// Splits the device's bytes into frames, and applies the fault to the one frame that the fault's line of text
+// names.
 void FaultyPipe::take_from_device()
 {
     std::uint8_t bytes[4096];

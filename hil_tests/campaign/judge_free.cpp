@@ -141,8 +141,8 @@ void Loop::talk()
     is_cut_ = fault_ != nullptr && is("link.cut") && pipe_.has_struck();
 }
 
-// Records the present moment as the onset of the fault; within the time limit of its class, the motor's force
-// must end.
+// Records the present moment as the onset of the fault; the motor's force must end within the time limit of
+// the fault's class.
 void Loop::expect_off(SafeClass which)
 {
     if (onset_ms_ >= 0) return;
@@ -353,9 +353,9 @@ void Loop::judge()
           "the actuator gave %.3f N and %.2f mN m, limits %.3f and %.2f", outcome_.peak_N,
           outcome_.peak_N_m * 1e3, force_limit_N, torque_limit_N_m * 1e3);
     if (is("rig.encoder_reversed") && fault_->value == 0) {
-        // No hand holds the carriage. The allowed force is the larger of two forces (the motor force before
-        // the fault, and the force that moves the carriage), plus the increase that the slew limit permits in
-        // the 12 ms until the device detects the fault.
+        // No hand holds the carriage. The allowed force is the larger of two forces: the motor force before
+        // the fault, and the force that moves the carriage. The allowed force may also grow at the slew limit
+        // during the 12 ms until the device detects the fault.
         const double there_N = std::max(harm_N, std::abs(undisturbed_.motor_N[fault_->at - 1]));
         check(outcome_.peak_N <= there_N + reversed_growth_N, "the reversed track rose to %.3f N from %.3f N",
               outcome_.peak_N, there_N);

@@ -32,8 +32,8 @@ struct AortaRun {
 void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
                   const crn_wire_rig &rig);
 
-// Returns the vessels by whose names the session script steers. The vessels are read from the file of bodies
-// that lies beside the scene file.
+// Returns the vessels whose names the session script uses for steering. The vessels are read from the file of
+// bodies that lies beside the scene file.
 std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
 // Reads the wire's shape from the device if the session script needs it at this tick, and passes it to the
 // script's player.
@@ -49,8 +49,7 @@ AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t 
 // Returns an element length for the wire's shaft, in um, at which the wire has at most `elements` elements.
 std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements);
 
-// Returns the quantile of `values`, which is a number that the fraction `quantile` (0 to 1) of the values do
-// not exceed.
+// Returns the number that the fraction `quantile` (0 to 1) of `values` does not exceed.
 double quantile_of(std::vector<double> values, double quantile);
 
 } // namespace hil

@@ -28,7 +28,7 @@ class Bench
     Plant &plant() { return plant_; }
     const crn_port_outputs &outputs() const { return outputs_; }
 
-    // Runs the device together with its rig for this many milliseconds of the rig's time.
+    // Runs the device together with its rig for the given number of milliseconds of the rig's time.
     void advance(std::uint32_t milliseconds)
     {
         for (std::uint32_t i = 0; i < milliseconds; i++) {

@@ -1,5 +1,5 @@
-// Tests random exchanges of tools, legal and illegal: they must give the same answers and state hashes at
-// this test level as on the host alone, and no order may cause a fault or put a tool into the wall.
+// Tests random exchanges of tools, legal and illegal. Random exchanges must give the same answers and state
+// hashes at this test level as on the host alone, and no order may cause a fault or put a tool into the wall.
 #include "firmware/tests/reference/random.h"
 #include "hil_tests/cases/conversation.hpp"
 #include "host/link/sim_transport.hpp"

@@ -41,7 +41,7 @@ void a_pause_in_lockstep_changes_nothing(Level &level, const CaseOptions &option
     report.add(text("%d pauses of 10 s of the rig, the first %.1f s of ours", pauses, options.pause_s));
 }
 
-// Runs a FREE_RUN session with hand, rig, device and motors twice: on this test level and on level 0.
+// Runs a FREE_RUN session with hand, rig, device and motors twice: at this test level and at level 0.
 // Compares the motor forces, the motion of the tool and the state hashes.
 void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &options, Report &report)
 {

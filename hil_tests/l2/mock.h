@@ -2,10 +2,11 @@
  * in /dev) through which programs access it. Every device has a lock, because umockdev's thread answers the
  * programs' calls while another thread advances the bus.
  *
- * Programs poll their nodes. A plain file is always ready. If a device node were a plain file, libusb would
- * poll the node in an endless loop. Every node is therefore a FIFO. The FIFO /dev/bus/usb/... is ready for
- * writing while a transfer is complete and the program has not fetched it (as with the real usbfs); otherwise
- * this FIFO is full. The FIFO /dev/hidraw0 contains one byte for each report that no program has read yet. */
+ * Programs poll their nodes. A plain file is always ready for reading and writing. If a device node were a
+ * plain file, libusb would poll the node in an endless loop. Every node is therefore a FIFO. The FIFO
+ * /dev/bus/usb/... is ready for writing while a transfer is complete and the program has not fetched it (as
+ * with the real usbfs); otherwise this FIFO is full. The FIFO /dev/hidraw0 contains one byte for each report
+ * that no program has read yet. */
 #ifndef CRN_MOCK_H
 #define CRN_MOCK_H
 

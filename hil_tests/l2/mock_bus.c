@@ -325,10 +325,10 @@ int main(int argc, char **argv)
                 wrong);
         return 2;
     }
-    /* The threads of this program, and the tested program that it starts, inherit this timer slack.
-     * After every ioctl call, umockdev calls a sleep of zero length, which takes 50 us with Linux's usual
-     * timer slack. With 50 us for each of these sleeps, the six ioctl calls for one interrupt transfer in
-     * each direction would last longer than a USB frame of 1 ms. */
+    /* The threads of this program, and the tested program that it starts, inherit the timer slack that is set
+     * here. After every ioctl call, umockdev calls a sleep of zero length, which takes 50 us with Linux's
+     * usual timer slack. With 50 us for each of these sleeps, the six ioctl calls for one interrupt transfer
+     * in each direction would last longer than a USB frame of 1 ms. */
     prctl(PR_SET_TIMERSLACK, SLACK_ns);
     if (mocks[0].peer.kind == USB_PEER_RIG) stay_on_one_processor();
     UMockdevTestbed *testbed = umockdev_testbed_new();

@@ -7,8 +7,8 @@
 // sources. With --live, a simulated rig in this process makes clock and sensor values in real time, and its
 // hand pushes, turns and pulls back against the motors. Without --live, the client of the bench socket sends
 // the clock and the sensor values. In COMMAND, {mailbox} is replaced by the location of the device's USB
-// tokens (a memory file and an offset), as bridge and mock_bus expect it, and {bench} by the path of the
-// socket. The exit code is that of COMMAND, or 1 if COMMAND, the rig or the device did not start.
+// tokens (a memory file and an offset), as bridge and mock_bus expect it. {bench} is replaced by the path of
+// the socket. The exit code is that of COMMAND, or 1 if COMMAND, the rig or the device did not start.
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"

@@ -1,7 +1,7 @@
 // Runs many random sessions of one seed in separate processes, `jobs` of them at a time. Every session is
 // made at random and judged by limits, which docs/soak.md calls bars. The result of every session becomes one
-// row of a file. If a session exceeds a limit, the campaign also shortens the session to its cause. Ctrl-C
-// ends the campaign; a later call continues it.
+// row of a file. If a session exceeds a limit, the campaign also shortens the session to the part that causes
+// this. Ctrl-C ends the campaign; a later call continues it.
 #pragma once
 #include "hil_tests/soak/draw.hpp"
 #include "hil_tests/soak/rows.hpp"
@@ -12,7 +12,7 @@ namespace soak
 
 struct CampaignSettings {
     std::uint64_t seed = 1;
-    // The campaign ends when the file of results has at least this many sessions and this many ticks,
+    // The campaign ends when the file of results has at least `sessions` sessions and `ticks` ticks,
     // including those of earlier calls. If `sessions` or `ticks` is 0, only the other of these two numbers
     // ends the campaign.
     std::uint64_t sessions = 500, ticks = 20'000'000;

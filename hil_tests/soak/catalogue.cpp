@@ -25,8 +25,9 @@ double length_mm(const crn::VesselBranch &branch, std::size_t last_point)
     return sum_m * 1e3;
 }
 
-// Returns how deep tools may go, measured from the introducer sheath against the blood flow: the distance to
-// the point at which blood enters the tree of vessels, plus an allowance beyond that point.
+// Returns how deep tools may go, measured from the introducer sheath against the blood flow. The allowed
+// depth is the distance to the point at which blood enters the tree of vessels, plus an allowance beyond that
+// point.
 int depth_of(const SoakScene &scene)
 {
     const crn::VesselTree &tree = scene.vessels;

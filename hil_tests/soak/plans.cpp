@@ -10,8 +10,8 @@ namespace
 
 constexpr int bar_kPa = 100;
 
-// Holds one step of a route (plan): at the same time, wire, catheter and guiding catheter move to the stated
-// depths; a depth of -1 means that this tool does not move.
+// Holds one step of a route (plan), in which wire, catheter and guiding catheter move at the same time to the
+// stated depths. A depth of -1 means that the tool does not move in this step.
 struct Step {
     int wire_mm, catheter_mm, guide_mm;
     int mm_s;

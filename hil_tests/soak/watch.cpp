@@ -10,8 +10,9 @@ namespace soak
 namespace
 {
 
-// Three fault codes of the core do not mean that its physics is wrong: a step was scaled down in a snap (a
-// sudden motion), a tool slips because it is completely out or in, or a hand is too fast.
+// Three fault codes of the core do not mean that its physics is wrong. The three harmless fault codes report
+// a step that was scaled down in a snap (a sudden motion), a tool that slips because it is completely out or
+// in, and a hand that is too fast.
 bool is_allowed(std::uint16_t code)
 {
     return code == CRN_FAULT_CODE_CORE_STEP_CAPPED || code == CRN_FAULT_CODE_CORE_INSERT_END ||
@@ -60,7 +61,7 @@ void Watch::tick(const crn_wire_tick_input &, const crn_wire_tick_state &state)
     fault_bits_ = state.core_fault_bits;
 }
 
-// If the core sets a new fault bit, the watch reads the device's fault log at the end of the next batch of
+// If the core sets a new fault bit, this class reads the device's fault log at the end of the next batch of
 // ticks. If a session reaches its maximum length, it ends at the end of a batch of ticks, because device and
 // recording have then reached the same tick. The value that next_tick() returns must not change while a batch
 // of ticks is processed.

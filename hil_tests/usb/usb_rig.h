@@ -1,5 +1,6 @@
-/* Simulates a rig that consists only of its USB side, in this process: the USB stack, a controller in memory,
- * and an application that sends back every frame it receives and records the requests. */
+/* Simulates a rig that consists only of its USB side, in this process. The rig has the USB stack, a
+ * controller in memory, and an application that sends back every frame it receives and records the
+ * requests. */
 #ifndef CRN_USB_RIG_H
 #define CRN_USB_RIG_H
 

@@ -119,9 +119,9 @@ crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index)
     return span;
 }
 
-/* The last contents of a body file are its bodies, or a vessel tree that follows the bodies, or the lesions
- * that follow this tree. After the bodies, the tree and the lesions, one more section may follow, which names
- * the scene to which the body file belongs. */
+/* A body file ends with its bodies, or with a vessel tree after the bodies, or with the lesions of this tree.
+ * After the bodies, the tree and the lesions, one more section may follow, which names the scene to which the
+ * body file belongs. */
 static bool section_type_fits(const crn_scene_check *check, uint32_t index, uint32_t type)
 {
     static const uint32_t scene_types[5] = {CRN_SCENE_META, CRN_SCENE_ENTRY, CRN_SCENE_LUMEN,

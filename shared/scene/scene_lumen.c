@@ -70,8 +70,8 @@ crn_scene_status crn_scene_check_lumen(crn_scene_check *check, crn_scene_span sp
     status = check_entries(check, children_at + 16 * (size_t)row_first_rank,
                            8 * (size_t)(rows - row_first_rank), lumen->brick_count, 0, 0);
     if (status != CRN_SCENE_OK) return status;
-    /* The core reads the section directly from the file: the section begins at an offset that is a multiple
-     * of 16, and the file lies at an address that is a multiple of 4. */
+    /* The core reads the LUMEN section directly from the file. The LUMEN section begins in the file at an
+     * offset that is a multiple of 16, and the file lies in memory at an address that is a multiple of 4. */
     lumen->index = (const uint16_t *)(const void *)(check->bytes + index_at);
     lumen->children = (const uint16_t *)(const void *)(check->bytes + children_at);
     lumen->samples = (const int8_t *)(check->bytes + span.offset + samples);

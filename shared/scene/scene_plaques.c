@@ -3,7 +3,7 @@
 #include "shared/scene/scene_check.h"
 
 /* These constants give the fields as byte offsets from the beginning of a plaque's record and from the
- * beginning of one of its points (stations). */
+ * beginning of one of its points. */
 enum {
     BOX_AT = 0,
     CHORD_AT = 24,

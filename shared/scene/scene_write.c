@@ -30,7 +30,7 @@ size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count)
     return (size_t)padded(total);
 }
 
-/* Returns the minor number of the oldest version of the scene format that has parts like the given one. */
+/* Returns the first minor version of the scene format that can contain the given section. */
 static uint16_t minor_of_part(const crn_scene_part *part)
 {
     if (part->type == CRN_SCENE_ENTRY && part->size == CRN_SCENE_ENTRY_START_BYTES) return 6;
@@ -44,7 +44,7 @@ static uint16_t minor_of_part(const crn_scene_part *part)
     return moves ? 1 : 0;
 }
 
-/* Files without start length, lesions, motion and tree keep the version that they had before these sections
+/* A file without start length, lesions, motion and tree keeps the version number from before these parts
  * existed. */
 static uint16_t minor_of(const crn_scene_part *parts, uint32_t part_count)
 {

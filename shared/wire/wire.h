@@ -114,7 +114,7 @@ typedef enum crn_reject_code {
 #include "shared/wire/wire_faults.def"
 } crn_reject_code;
 
-/* Lists the answers to an order `exchange`. */
+/* Lists the answers to an order to exchange a tool. */
 #define EXCHANGE(NAME, number, text, remedy) CRN_WIRE_EXCHANGE_##NAME = number,
 enum {
     CRN_WIRE_EXCHANGE_NONE = 0,

@@ -117,8 +117,7 @@ static void append(crn_wire_decoder *decoder, uint8_t byte)
     decoder->body[decoder->body_bytes++] = byte;
 }
 
-/* After the zero byte that ends a frame has come, decides whether the bytes received before form a valid
- * frame. */
+/* When the zero byte that ends a frame arrives, decides whether the bytes before it form a valid frame. */
 static crn_wire_event judge(crn_wire_decoder *decoder)
 {
     size_t bytes = decoder->body_bytes;

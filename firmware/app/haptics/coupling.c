@@ -1,5 +1,6 @@
-/* This file implements the virtual coupling between hands and tools: a spring and a damper along and about
- * the insertion axis, with the friction of sheath and valve on the tool's side. */
+/* This file implements the virtual coupling between hands and tools: a spring and a damper along the
+ * insertion axis, and a spring and a damper about this axis. The friction of sheath and valve acts on the
+ * tool's side of the coupling. */
 #include "firmware/app/haptics/haptics.h"
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/core/fixed.h"
@@ -63,7 +64,7 @@ static int64_t limited(int64_t value, int64_t limit)
 /* Format: force / travel x 2^shift times travel. Overflow is impossible: the distance `lead` by which the
  * hand is ahead of its tool is limited to lead_max, so stiffness x lead is at most the shifted force limit.
  * The damper's force is at most the shifted force limit times the ratio damping / stiffness, and the sum of
- * spring and damper is limited to two force limits. */
+ * spring and damper is limited to twice the force limit. */
 static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t lead_before)
 {
     int64_t elastic = crn_rshift_round64(axis->stiffness * lead, axis->shift);
@@ -72,10 +73,10 @@ static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t 
     return (int32_t)limited(elastic + viscous, 2 * (int64_t)axis->force_max);
 }
 
-/* Returns the travel of the tool in this tick, as the coupling predicts it. The tool moves to the position
- * where spring, rod and friction balance again, if the rod is as stiff as in the last ticks (implicit Euler
- * of a tool without mass). While the forces of spring and rod differ by less than the friction, the tool does
- * not move at all. */
+/* Returns the travel of the tool in this tick, as the coupling predicts it. The tool moves to the position at
+ * which spring, rod and friction balance again, if the rod is as stiff as in the last ticks. The predicted
+ * travel is an implicit Euler step of a tool without mass. While the forces of spring and rod differ by less
+ * than the friction, the tool does not move at all. */
 static int32_t step_of(const crn_haptics_axis *axis, const crn_haptics_spring *spring, int32_t force)
 {
     int64_t rest = (int64_t)force - spring->force;
@@ -104,7 +105,7 @@ static int32_t step_spring(const crn_haptics_axis *axis, crn_haptics_spring *spr
     return step_of(axis, spring, spring_force(axis, kept, spring->lead_before));
 }
 
-/* Lets the tool of a track rest where it is, without a force on the hand. */
+/* Lets a tool rest where it is, without a force on the hand. */
 static void rest(crn_haptics *haptics, uint32_t k, const crn_haptics_tool *tool, crn_hand_position *followed)
 {
     const crn_haptics_axis *axes = haptics->tracks[k].axes;
@@ -115,7 +116,7 @@ static void rest(crn_haptics *haptics, uint32_t k, const crn_haptics_tool *tool,
     if (axes[CRN_APP_ABOUT].stiffness > 0) followed->turn32 = tool->base_turn32;
 }
 
-/* In each tick the core feeds the tool by a quarter of the distance by which the tool lags behind its
+/* In each tick the core moves the tool by a quarter of the distance by which the tool lags behind its
  * commanded position. To move the tool by one step in this tick, the code gives the core a position four
  * steps ahead of the tool. */
 void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,

@@ -1,7 +1,7 @@
 /* This file computes the forces that the haptics request from the motors. The code first computes the forces
- * of the virtual coupling, or takes the forces of the rod itself where a track has no coupling. Then the code
- * applies to these forces, in this order, the gain, the passivity limit, the slew limit, the force limit and
- * the fade. */
+ * of the virtual coupling, or takes the forces of the rod itself where a track has no coupling. To the forces
+ * of coupling or rod, the code applies, in this order, the gain, the passivity limit, the slew limit, the
+ * force limit and the fade (the fall to zero when the host is silent). */
 #include "firmware/app/haptics/haptics.h"
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/core/fixed.h"
@@ -31,9 +31,10 @@ static int64_t work_pJ(const crn_port_motor *motor, int32_t travel_m_q30, int32_
 
 /* Updates the fraction of the requested force that a motor may give so that the track stays passive. The
  * stored credit for energy that the hand has put in is limited, and an excess of energy that the hand has
- * received decays slowly, so that a track never stays without force. The permitted fraction of the force
- * falls once the hand has received more energy than it put in, plus a margin. If the hand on a powered track
- * keeps receiving too much energy, the app stops the device (safety/carriage.c). */
+ * received decays slowly. Because an excess of energy decays, a track never stays without force. The
+ * permitted fraction of the force falls once the hand has received more energy than it put in, plus a margin.
+ * If the hand on a powered track keeps receiving too much energy, the app stops the device
+ * (safety/carriage.c). */
 static void observe_energy(crn_haptics *haptics, uint32_t k, const crn_hand_position *hand,
                            crn_findings *findings)
 {

@@ -1,7 +1,7 @@
 /* The haptics consist of a virtual coupling between hands and tools, and of the forces requested from the
  * motors (docs/haptics.md). The files of the haptics use only positions, forces and their own memory. The
  * haptics use neither the app, nor the wire protocol, nor the rod. All results of the haptics depend only on
- * encoder counts and the core's results, so a replay computes exactly the same forces; the memory of the
+ * encoder counts and the core's results, so a replay computes exactly the same forces. The memory of the
  * haptics is part of the snapshot.
  *
  *   hands, tools before the tick -> crn_haptics_before -> what the core takes for the hands
@@ -103,8 +103,7 @@ typedef struct crn_haptics {
 /* The constants of one axis; `which` is CRN_APP_ALONG or CRN_APP_ABOUT. */
 void crn_haptics_axis_set(crn_haptics_axis *axis, int which, const crn_haptics_coupling *coupling);
 
-/* Resets the virtual coupling: the next tick takes the positions of hands and tools as they are, with no
- * distance between hand and tool and no force. */
+/* Resets the virtual coupling, so that it gives no force at the present positions of hands and tools. */
 void crn_haptics_reset(crn_haptics *haptics);
 
 /* Sets the forces requested from the motors to zero. */

@@ -1,8 +1,8 @@
 /* This file protects the user from a carriage (the moving handle) that nobody holds. The code ends the force
  * of the carriage's motor before the carriage becomes faster than a hand would move it (docs/haptics.md, "A
- * carriage that nobody holds"). The carriage checks run once per edge of the timer on this edge's sensor
- * readings, after all code that decides the requested force. The requested force depends on encoder counts
- * and the core alone, so a session can be replayed. */
+ * carriage that nobody holds"). The carriage checks run once per edge of the timer, with this edge's sensor
+ * readings. The carriage checks run after all code that decides the requested force. The requested force
+ * depends on encoder counts and the core alone, so a session can be replayed. */
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/arithmetic.h"
 
@@ -11,13 +11,13 @@ enum {
     LOOSE_GRACE_ticks = 12, /* a hand meets a wall with as much: the force that brakes it is not held yet */
     LOOSE_FADE_ticks = 20,
     /* When a carriage moves in the direction of its motor's force, the motor gives the full requested force
-       up to the speed DRIVEN_FULL_um_s. From the speed DRIVEN_NONE_um_s on, the motor gives only as much
-       force as the hand holds. In the tick and the motor lag that pass before the force ends, the carriage
-       may still accelerate to 0.25 m/s. */
+     * up to the speed DRIVEN_FULL_um_s. From the speed DRIVEN_NONE_um_s on, the motor gives only as much
+     * force as the hand holds. During the tick and the motor lag that pass before the force ends, the
+     * carriage may still accelerate to 0.25 m/s. */
     DRIVEN_FULL_um_s = 30000,
     DRIVEN_NONE_um_s = 100000,
-    /* When a carriage moves against its motor's force, the limits are BRAKED_FULL_um_s and BRAKED_NONE_um_s
-     * instead of DRIVEN_FULL_um_s and DRIVEN_NONE_um_s, provided that the encoder works correctly. */
+    /* If a carriage moves against its motor's force and the encoder works correctly, the limits
+     * BRAKED_FULL_um_s and BRAKED_NONE_um_s replace DRIVEN_FULL_um_s and DRIVEN_NONE_um_s. */
     BRAKED_FULL_um_s = 80000,
     BRAKED_NONE_um_s = 180000,
     SPEED_MAX_um_s = 250000,
@@ -38,10 +38,10 @@ int32_t crn_carriage_moved(const crn_safety *safety, const crn_port_inputs *rig,
     return crn_i32_from_u32(safety->tracks[k].is_reversed ? last - now : now - last);
 }
 
-/* Returns the smallest speed of the carriage that explains its encoder counts, whatever the position between
- * two counts is. The speed is computed over one tick, or over eight ticks where counts are coarse. Format:
- * counts x pm / 1000 per ms = um/s. Overflow is impossible: 8 times twice 5 mm, in pm, is below 2^37, and the
- * speed is limited to 10 m/s. */
+/* Returns the smallest speed of the carriage that agrees with its encoder counts, wherever the carriage
+ * stands between two counts. The speed is computed over one tick, or over eight ticks where counts are
+ * coarse. Format: counts x pm / 1000 per ms = um/s. Overflow is impossible: 8 times twice 5 mm, in pm, is
+ * below 2^37, and the speed is limited to 10 m/s. */
 static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 {
     const crn_safety_watch *watch = &safety->watches[k];
@@ -63,17 +63,17 @@ static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 enum { SHARE_ONE = 4096 };
 
 /* If no hand balances a force, only a fraction of the force may remain. The function computes the permitted
- * fraction of the force from `value`, which is a speed or a time. The function returns one (the whole force)
- * up to the value `full`, and zero from the value `none` on. */
+ * fraction of the force from `value`, which is a speed or a time. The permitted fraction is one (the whole
+ * force) up to the value `full`, and zero from the value `none` on. */
 static int32_t share_of(int32_t value, int32_t full, int32_t none)
 {
     if (value <= full) return SHARE_ONE;
     return value >= none ? 0 : (none - value) / 16 * SHARE_ONE / ((none - full) / 16);
 }
 
-/* Returns the fraction of the force that the carriage's speed permits. The code estimates the speed that the
- * carriage will have when the force acts, by assuming that the carriage gains as much speed in this tick as
- * in the last tick. */
+/* Returns the fraction of the force that the carriage's speed permits. To estimate the speed that the
+ * carriage will have when the force acts, the code assumes that the carriage gains as much speed in this tick
+ * as in the last tick. */
 static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_mN)
 {
     const crn_safety_watch *watch = &safety->watches[k];
@@ -156,8 +156,8 @@ crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *in
                                   int32_t *value)
 {
     crn_safety_watch *watch = &safety->watches[k];
-    /* The code limits a change of the counts to twice the largest believable jump, because a larger change is
-     * not a motion; with this limit the sums cannot overflow. */
+    /* A change of the counts that is larger than twice the largest plausible jump is not a motion, so the
+     * code limits it, and the sums cannot overflow. */
     const int32_t most = 2 * (int32_t)safety->tracks[k].jump_counts;
     const int32_t moved = crn_limited(crn_carriage_moved(safety, input->rig, k), -most, most);
     watch->moved[safety->asked_at] = moved;

@@ -1,5 +1,5 @@
-/* This header declares the checks for two harmful effects of a motor on its carriage: the motor moves a
- * carriage that no hand holds, or the motor sustains an oscillation of the carriage. */
+/* This header declares the checks for two harmful effects of a motor: the motor moves a carriage that no hand
+ * holds, or the motor sustains an oscillation of the carriage. */
 #ifndef CRN_CARRIAGE_H
 #define CRN_CARRIAGE_H
 

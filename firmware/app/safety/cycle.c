@@ -14,9 +14,9 @@ enum {
     LASTS_ticks = 25,      /* beyond the first cycle, which shows that the carriage does not slow down */
 };
 
-/* Limits a sum that was formed over one oscillation. Overflow is impossible, because one tick adds at most
- * 10^7 nm times 2^31 mN, and sums are limited to 2^44 (17 km, 17 J). The mean force that a sensor may measure
- * is below 2^17 mN. */
+/* Limits a sum that was formed over one oscillation. Overflow is impossible: one tick adds at most 10^7 nm
+ * times 2^31 mN, and each sum is limited to 2^44, that is, 17 km of travel or 17 J of work. The mean force
+ * that a sensor may measure is below 2^17 mN. */
 static int64_t limited(int64_t value)
 {
     const int64_t most = (int64_t)1 << 44;
@@ -29,9 +29,10 @@ static int64_t width_nm(const crn_safety_swing *swing)
 }
 
 /* Returns the hand's work in two swings of the carriage, computed from the hand's force less the mean force.
- * The mean force must be subtracted, because growing swings do not end where they began, and the steady force
- * with which the hand presses against a wall would then count as work. Overflow is impossible, because
- * travels are below 2^41 nm and the mean is below 2^31 mN / CYCLE_ticks. */
+ * The mean force must be subtracted because growing swings do not end where they began. Without the
+ * subtraction of the mean force, the steady force with which the hand presses against a wall would count as
+ * work. Overflow is impossible, because travels are below 2^41 nm and the mean is below 2^31 mN /
+ * CYCLE_ticks. */
 static int64_t hand_pJ(const crn_safety_swing *now, const crn_safety_swing *last)
 {
     const int64_t mean_mN = crn_quotient(now->hand_mN_ms + last->hand_mN_ms, now->ticks + last->ticks);
@@ -41,8 +42,8 @@ static int64_t hand_pJ(const crn_safety_swing *now, const crn_safety_swing *last
 /* Returns whether two successive swings of the carriage are one oscillation that the motor sustains. The two
  * swings must be fast, strong enough to be felt, and equally wide within a factor of 7/8. When the softest
  * hand holds the handle, the damping of a rig whose settings are correct reduces each swing to 0.81 of the
- * previous swing. The hand must also have absorbed more work than 1/64 of the product of the oscillation's
- * ranges of force and travel; the sensor's noise gives a fifth of this work. */
+ * previous swing. The hand must also have absorbed more work than 1/64 of the oscillation's force range times
+ * its travel range; the noise of the sensor alone reaches a fifth of this limit. */
 static bool is_sustained(const crn_safety_swing *now, const crn_safety_swing *last, bool is_felt)
 {
     const int32_t low = now->low_mN < last->low_mN ? now->low_mN : last->low_mN,

@@ -23,9 +23,9 @@ void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs)
     *outputs = (crn_port_outputs){.drive = safety->drive_level};
 }
 
-/* A motor drives a track along or about the insertion axis only through a coupling, because the rod itself is
- * stiffer than any rig can render. Along the insertion axis, a motor exerts no more force than the hand on
- * the track resists. */
+/* A motor drives an axis of a track only through a virtual coupling, because the rod itself is stiffer than
+ * any rig can render. Along the insertion axis, a motor exerts no more force than the hand that holds the
+ * carriage resists. */
 static crn_port_motor driven(crn_safety *safety, const crn_safety_input *input, uint32_t k,
                              const crn_port_motor *asked)
 {

@@ -2,7 +2,8 @@
 #include "firmware/app/safety/permission.h"
 #include "firmware/app/safety/limits.h"
 
-/* Mixes clock and counter by a permutation of 32 bits. */
+/* Scrambles a 32-bit number that was made from the clock and a counter; different inputs give different
+ * results. */
 static uint32_t mixed(uint32_t code)
 {
     code = (code ^ (code >> 16)) * 0x7feb352du;

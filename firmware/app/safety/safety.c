@@ -88,9 +88,9 @@ static void restart_watch(crn_safety_watch *watch, int32_t speed_counts)
     watch->speed_counts = speed_counts;
 }
 
-/* Before check_balance decides, an unbalanced force must have moved the heaviest carriage by
+/* The function check_balance waits until the unbalanced force must have moved even the heaviest carriage by
  * CARRIAGE_TRAVEL_nm against its friction. After a travel of CARRIAGE_TRAVEL_nm, the check reports a fault if
- * the encoder has not moved, or if the encoder shows a speed against the force. Format: mN / kg = nm / ms^2;
+ * the encoder has not moved, or if the encoder shows a motion against the force. Format: mN / kg = nm / ms^2;
  * travel in nm. */
 static crn_fault_code check_balance(crn_safety *safety, const crn_port_inputs *rig, uint32_t k,
                                     int32_t measured)

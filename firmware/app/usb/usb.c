@@ -96,8 +96,8 @@ void crn_usb_configure(crn_usb *usb, uint8_t configuration)
     crn_usb_tell_link(usb);
 }
 
-/* After a reset, after an unplug and before a connect, the USB address is 0, nothing is configured, and no
- * transfer runs. */
+/* After a bus reset, after the cable is unplugged, and before the device connects, the USB address is 0,
+ * nothing is configured, and no transfer runs. */
 static void to_default(crn_usb *usb)
 {
     usb->address = 0;

@@ -9,10 +9,10 @@
  *
  * The stream (bulk pair) carries frames as bytes, and the borders of packets have no meaning:
  *
- * - In the direction to the host, the queue takes a frame whole or refuses it. When the queue to the host
- * runs empty after a full packet, the device sends an empty packet, so that a host's longer read ends.
+ * - Towards the host, the queue takes a whole frame or refuses it. When the queue to the host runs empty
+ *   after a full packet, the device sends an empty packet, so that a host's longer read ends.
  *
- * - In the direction to the device, an empty packet has no meaning. The app receives bytes frame by frame,
+ * - Towards the device, an empty packet has no meaning. The app receives bytes frame by frame,
  *   and only while the queue has space for the longest answer (`reply_bytes`). Otherwise the packet is held
  *   and the host sees NAK.
  *

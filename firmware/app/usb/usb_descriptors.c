@@ -175,8 +175,8 @@ static void put_bos(crn_wire_writer *reply)
     crn_wire_write(reply, 0, 1); /* no alternate enumeration */
 }
 
-/* Writes the descriptor set of Microsoft OS 2.0: a header of 10 bytes, a configuration subset of 8, a
- * function subset of 8, a compatible id of 20, and a registry property of 132. */
+/* Writes the Microsoft OS 2.0 descriptor set: a header (10 bytes), a configuration subset (8), a function
+ * subset (8), a compatible id (20), and a registry property (132). */
 bool crn_usb_ms_os_set(crn_wire_writer *reply)
 {
     static const uint8_t compatible[16] = {'W', 'I', 'N', 'U', 'S', 'B'};

@@ -106,7 +106,8 @@ static bool set_configuration(crn_usb *usb, const crn_usb_setup *setup)
     return true;
 }
 
-/* There is one setting, 0. When the host chooses an alternate setting, the interface's endpoints start anew.
+/* There is one setting, 0. When the host chooses an alternate setting, the interface's endpoints return to
+ * their initial state.
  */
 static bool set_interface(crn_usb *usb, const crn_usb_setup *setup)
 {

@@ -45,7 +45,7 @@ bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes)
 }
 
 /* Sends as many bytes as lie in one contiguous piece of the ring buffer. A piece that ends at the end of the
- * ring buffer may end with a short packet, which has no meaning in the stream. */
+ * ring buffer may end with a short packet; the length of a packet has no meaning in the stream. */
 void crn_usb_stream_send(crn_usb *usb)
 {
     if (!crn_usb_pipe_is_free(usb, CRN_USB_STREAM_IN)) return;

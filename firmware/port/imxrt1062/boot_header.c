@@ -1,7 +1,7 @@
-/* This port has never run on hardware. The code in the processor's ROM reads the data in this file from the
- * flash before it starts the image. The data in this file say how to read the flash (FlexSPI configuration
- * block, at 0), where the image is (image vector table, at 0x1000), and how long the image is (structure
- * "boot data").
+/* This port has never run on hardware. Before the code in the processor's ROM starts the firmware image, it
+ * reads the data of this file from the flash. The data in this file say how to read the flash (FlexSPI
+ * configuration block, at 0), where the image is (image vector table, at 0x1000), and how long the image is
+ * (structure "boot data").
  *
  * The layout of these data is that of the i.MX RT1060 reference manual, chapter 9 (system boot), tables
  * "FlexSPI NOR configuration block" and "image vector table". The read command and its dummy cycles are those

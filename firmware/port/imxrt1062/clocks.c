@@ -1,4 +1,4 @@
-/* This port has never run on hardware. This file controls the processor's clock, the edge of every
+/* This port has never run on hardware. This file controls the processor's clock, the timer edge of every
  * millisecond, the time and the watchdog, and reads the chip's serial number.
  *
  *   crystal 24 MHz -> ARM PLL 1,200 MHz / 2 -> processor 600 MHz / 4 -> peripherals 150 MHz

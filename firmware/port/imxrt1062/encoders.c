@@ -3,8 +3,8 @@
  *   decoders ENC1 to ENC4 (32 bits, detect an illegal step) by the crossbar: translation 1, 2, 3, rotation 1
  *   timers TMR3 and TMR1 (16 bits, widened here, detect none): rotation 2 and 3, syringe
  *
- * Between two ticks a timer must not count more than 32,767 steps. The limit of 32,767 steps per tick is 32
- * million steps a second, more than any encoder gives. */
+ * Between two ticks a timer must not count more than 32,767 steps. The limit of 32,767 steps per tick
+ * corresponds to 32 million steps a second, more than any encoder gives. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 

@@ -1,5 +1,5 @@
 /* This port has never run on hardware. This program is the device on an i.MX RT1062 (Teensy 4.1). The file
- * contains the memory, the port's table of functions, and the loop that passes bytes and milliseconds to the
+ * contains the memory, the port's table of functions, and the loop that passes bytes and timer edges to the
  * app. The code of this file allocates no memory, and its only interrupt handler increments a counter.
  *
  *   loop:  USB -> crn_app_receive
@@ -72,8 +72,8 @@ static void tick(void)
     clocks_edge_done();
 }
 
-/* Only timer edges that the app has completed reset the watchdog. A main loop that runs while the
- * milliseconds have stopped cannot reset the watchdog, and neither can a host that keeps sending bytes. */
+/* Only timer edges that the app has completed reset the watchdog. If the timer has stopped, neither a running
+ * main loop nor a host that keeps sending bytes can reset the watchdog. */
 static void feed_watchdog(void)
 {
     static uint32_t fed;

@@ -1,7 +1,7 @@
-/* This port has never run on hardware. Each of the six motors has a pulse width (20 kHz) from FlexPWM2 or 3,
- * and a direction line. The fault line (pin 5) is low at over-current, or when the line's cable is broken. A
- * low level of the fault line turns all outputs off in the PWM unit's own logic, which needs neither a clock
- * nor the processor. */
+/* This port has never run on hardware. Each of the six motors has a pulse-width signal (20 kHz) from FlexPWM2
+ * or FlexPWM3, and a direction line. The fault line (pin 5) is low at over-current, or when the line's cable
+ * is broken. A low level of the fault line turns all outputs off in the PWM unit's own logic, which needs
+ * neither a clock nor the processor. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
@@ -52,8 +52,8 @@ static void start_module(uint32_t base, uint32_t submodules)
     R16(base, PWM_OUTEN) = 0;
     R16(base, PWM_FFILT0) = (uint16_t)(BITS(PWM_FFILT0_FILT_CNT, FAULT_FILTER_SAMPLES) |
                                        BITS(PWM_FFILT0_FILT_PER, FAULT_FILTER_CLOCKS));
-    /* A low level of the fault line is a fault. The PWM unit keeps a fault until software clears it, which is
-     * impossible while the fault line is low. */
+    /* A low level of the fault line counts as a fault. The PWM unit keeps a fault until software clears it,
+     * which is impossible while the fault line is low. */
     R16(base, PWM_FCTRL0) = (uint16_t)(BITS(PWM_FCTRL0_FLVL, 0) | BITS(PWM_FCTRL0_FAUTO, 0) |
                                        BITS(PWM_FCTRL0_FSAFE, FAULT_INPUT));
     for (uint32_t i = 0; i < 4; i++) {

@@ -99,7 +99,8 @@ __attribute__((section(".start_vectors"), used)) const struct start_entry {
 #define UNEXPECTED_32                                                                                        \
     UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4,        \
         UNEXPECTED_4
-/* The vector table has 15 exceptions and 122 interrupts before the tick's interrupt, and 37 behind it. */
+/* The vector table has 15 exceptions and 122 interrupts before the tick's interrupt, and 37 interrupts after
+ * it. */
 __attribute__((section(".vectors"), used)) static const struct {
     const uint32_t *stack;
     vector *handlers[EXCEPTIONS - 1 + INTERRUPTS];

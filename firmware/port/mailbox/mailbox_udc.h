@@ -33,8 +33,9 @@ typedef struct crn_mailbox_udc {
 void crn_mailbox_udc_init(crn_mailbox_udc *controller, crn_mailbox *mailbox, bool can_high_speed);
 
 /* Lists the results of crn_mailbox_udc_demand(), which an idle loop can call instead of polling the
- * controller: the host has no request, the host only requests data, or the host's request may cause work in
- * the device. A host that only requests data causes no work in the device. */
+ * controller. The results are that the host has no request, that the host only requests data, or that the
+ * host's request may cause work in the device. A host that only requests data causes no work in the
+ * device. */
 typedef enum crn_mailbox_demand {
     CRN_MAILBOX_IDLE,
     CRN_MAILBOX_ASKS_DATA,

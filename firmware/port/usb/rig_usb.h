@@ -5,8 +5,8 @@
  *   always          crn_rig_usb_poll        from the main loop: bytes, commands and settings of the host
  *   1 ms passed     crn_app_timer, then crn_rig_usb_timer
  *
- * The stream carries the wire. The HID interface transfers the state, STOP and RESET, and reads and writes
- * calibration and force limits, like the messages `command` and `rig` of the wire protocol. The app applies
+ * The stream carries the wire. By HID, a host can read the state, send STOP and RESET, and read and write
+ * calibration and force limits, as by the messages `command` and `rig` of the wire protocol. The app applies
  * the same checks to HID reports as to the wire protocol, so a HID report cannot do anything that the wire
  * protocol would refuse. The app answers a HID report by a message in the stream of bytes, marked as a
  * message that answers no request of the stream. */

@@ -13,8 +13,8 @@ typedef struct bench {
     bool host_speaks;    /* the host sends a frame per edge, so that it is not silent */
 } bench;
 
-/* Opens a simulated device with a healthy rig. After bench_open, HELLO is done, one coupled tool is inserted
- * by 50 mm, and the motors are not armed. */
+/* Opens a simulated device with a healthy rig. After bench_open, the device has answered HELLO, one coupled
+ * tool is inserted by 50 mm, and the motors are not armed. */
 bool bench_open(bench *b);
 void bench_close(bench *b);
 

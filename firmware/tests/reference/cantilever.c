@@ -26,8 +26,8 @@ typedef struct cantilever {
 } cantilever;
 
 /* The length of the elements is L / n, rounded up to whole micrometres. Because the elements' length is
- * rounded up, the introducer sheath's distal end lies inside the last element, and the sheath clips this
- * element's cell. */
+ * rounded up, the introducer sheath's distal end lies inside the last element, and the sheath covers a part
+ * of this element. */
 static cantilever *make(double bend_N_m2, uint32_t elements)
 {
     cantilever *c = malloc(sizeof *c);

@@ -83,8 +83,8 @@ bool client_expect_live(client *c, crn_wire_live *live);    /* skips hash64 */
  * catheter around both. */
 void client_plain_tools(crn_wire_tools *tools, uint16_t count);
 
-/* Sends HELLO, the tools, an entry with 50 mm of each tool inserted, ARM and START, in free space. Returns
- * false if the device refused one of the messages. */
+/* Begins a session in free space: sends HELLO, the tools, an entry that inserts 50 mm of each tool, ARM and
+ * START. Returns false if the device refused one of the messages. */
 bool client_start_tools(client *c, uint16_t count);
 bool client_start_session(client *c); /* with one tool */
 

@@ -11,9 +11,8 @@ typedef struct damaged_word {
     uint32_t value;
 } damaged_word;
 
-/* Checks that the unchanged state can be restored. Then writes each of the damaged `words`, one at a time,
- * into the part of the saved state that begins at `part`, and checks that the core refuses the damaged
- * state. */
+/* Checks that the unchanged state can be restored. Writes each of the damaged `words`, one at a time, into
+ * the part of the saved state that begins at `part`. The core must refuse every damaged state. */
 static inline void refuses_each(crn_model *model, crn_state *state, size_t part, const damaged_word *words,
                                 size_t count)
 {

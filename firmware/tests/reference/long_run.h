@@ -1,6 +1,6 @@
 /* This header sets the length of long runs in tests. Builds with sanitizers compute only a tenth of a long
- * run, because sanitizers make a run five times as long, and a tenth of the run is enough for them to find
- * errors. The build without sanitizers proves the test's claims for the whole run. C11 and C++. */
+ * run. Sanitizers make a run five times as long, and a tenth of the run is enough for them to find errors.
+ * Only the build without sanitizers checks the whole run. C11 and C++. */
 #ifndef CRN_REFERENCE_LONG_RUN_H
 #define CRN_REFERENCE_LONG_RUN_H
 

@@ -38,14 +38,14 @@ double reference_contraction(double phase);
  * its motion by breath fade out at 90 mm from its middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 
-/* The following constants describe a vessel that begins at the origin and runs round the beating sphere, 40
- * mm from the sphere's middle: the pieces of the vessel, and the box in which the vessel moves. */
+/* The following constants give the pieces of a vessel and the box in which the vessel moves. The vessel
+ * begins at the origin and runs round the beating sphere, 40 mm from the sphere's middle. */
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 
 /* Makes displacement lattices as steep as those of the shipped heart, without a closed form. In the lattices
  * of reference_waves_make, every point moves by up to 5 mm along each axis in a heartbeat, with waves of 250
- * mm, and by 3.2 mm in a breath. The motion fades to 0 over the four outer cells of the box. */
+ * mm, and by 3.2 mm in a breath. The motion fades to 0 over the four outer lattice cells of the box. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30);
 
 /* Makes a 0.014 in wire of 400 mm with a soft tip. */

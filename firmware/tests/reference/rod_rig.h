@@ -1,5 +1,6 @@
-/* This header provides a set of nested tools with all data that its ticks need, and a function that checks a
- * value against a bound and prints the value's name, for tests of the rod. Include it after cmocka.h. */
+/* For tests of the rod, this header provides a set of nested tools with all data that its ticks need. The
+ * header also provides a function that checks a value against a bound and prints the value's name. Include it
+ * after cmocka.h. */
 #ifndef CRN_REFERENCE_ROD_RIG_H
 #define CRN_REFERENCE_ROD_RIG_H
 

@@ -84,9 +84,9 @@ static double bound_m(const reference_tube *tube, const double *p, uint32_t from
     return sqrt(best) + 1e-12; /* so much for rounding */
 }
 
-/* Returns the distance to the path between two of its points. The function skips every stretch of the path,
- * and every segment, whose first point is farther away than the bound plus the length of the stretch or
- * segment. */
+/* Returns the distance to the part of the path between two of its points. The function skips every stretch of
+ * the path, and every segment, whose first point is farther away than the bound plus the length of the
+ * stretch or segment. */
 static double nearest(const reference_tube *tube, const double *p, uint32_t from, uint32_t to)
 {
     double best = 1e18; /* squared */

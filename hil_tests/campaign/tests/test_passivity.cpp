@@ -31,8 +31,8 @@ void a_gain_of_two_on_honest_damping_is_refused(void **)
     assert_false(hil::run_passivity(level, {2000, 800, 1000, 500, false}).is_accepted);
 }
 
-// CycleMeter must count a sine of 20 Hz for 250 ms as an oscillation if its amplitude is 60 mN but not if it
-// is 40 mN, and must not count a step of the force.
+// CycleMeter must count a sine of 20 Hz that lasts 250 ms as an oscillation if its amplitude is 60 mN, but
+// not if its amplitude is 40 mN. It must not count a step of the force.
 void the_meter_measures_cycles(void **)
 {
     hil::CycleMeter felt(0.1), unfelt(0.1), step(0.1);

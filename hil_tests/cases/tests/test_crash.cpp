@@ -137,11 +137,11 @@ class Patient
         debugger.set_program_counter(address);
         debugger.go_on();
     }
-    // Turns the processor's interrupts off and runs an endless loop, so that the device hangs. With its
-    // interrupts off, the processor cannot be in the handler that runs every millisecond when the watchdog
-    // acts. The watchdog acts one minute after the last sign of life, and a minute is a whole number of
-    // milliseconds. The watchdog may therefore act just after a millisecond has begun, while the processor
-    // runs that millisecond's handler.
+    // Turns the processor's interrupts off and runs an endless loop, so that the device hangs. While its
+    // interrupts are off, the processor cannot be in the handler of a millisecond when the watchdog acts. The
+    // watchdog acts one minute after the last sign of life, and a minute is a whole number of milliseconds.
+    // The watchdog may therefore act just after a millisecond has begun, while the processor runs that
+    // millisecond's handler.
     void hang()
     {
         debugger.stop();

@@ -108,7 +108,8 @@ class Session
                "a frame to the device");
     }
 
-    // Sends the frame through the ring buffers in the rig page, and waits until the device has read it.
+    // Sends the frame through the ring buffers in the memory page of the emulated rig, and waits until the
+    // device has read it.
     void write_page(const std::vector<std::uint8_t> &frame)
     {
         rig_page &page = emulator.page();

@@ -55,8 +55,8 @@ void a_free_tool_accelerates_by_newton(void **)
     near("tool in m", axis.tool(), expected, 1e-9);
 }
 
-// A tool is released at the speed v0, and the friction F stops it after the distance v0^2 m / 2 F. After
-// that, its position stays equal to the last bit.
+// A tool is released at the speed v0, and the friction F stops it after the distance m v0^2 / (2 F). After
+// the stop, the tool's position stays equal to the last bit.
 void friction_stops_a_free_tool_and_holds_it(void **)
 {
     AxisSettings s = ideal();

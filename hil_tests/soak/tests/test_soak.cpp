@@ -1,9 +1,9 @@
 // These tests check the program soak itself with sessions in free space (without vessels), so that every
-// session takes only moments. A random session depends only on its seed and number, and a device accepts
-// every random session. If a session exceeds a limit, soak finds the tick at which this happens, and shortens
-// the session to the cause. Soak reports a differing replay, a crash and an endless session as verdicts. The
-// rows of the result file are kept if soak is interrupted, if the last line is incomplete, and if the program
-// has changed. The script hil_tests/soak/test_soak.sh tests the program on vessels.
+// session ends quickly. A random session depends only on its seed and number, and a device accepts every
+// random session. If a session exceeds a limit, soak finds the tick at which this happens, and shortens the
+// session to the part that causes it. Soak reports a differing replay, a crash and an endless session as
+// verdicts. The rows of the result file are kept if soak is interrupted, if the last line is incomplete, and
+// if the program has changed. The script hil_tests/soak/test_soak.sh tests the program on vessels.
 #include "hil_tests/soak/campaign.hpp"
 #include <algorithm>
 #include <csetjmp>

@@ -1,6 +1,6 @@
 /* This fuzz target opens arbitrary bytes as a scene. The fuzz target reads an accepted scene in the same way
- * as the core and the host do, and a broken guarantee ends the program. The fuzz target tries each input
- * unchanged and with corrected CRCs, so that the input reaches the checks behind the CRCs. */
+ * as the core and the host do; if a guarantee is broken, the program ends. The fuzz target tries each input
+ * unchanged and with corrected CRCs, so that the input also reaches the checks that follow the CRC checks. */
 #include "shared/scene/tests/scene_sample.h"
 
 #include <stdlib.h>

@@ -35,8 +35,8 @@ static inline void sample_entry(uint8_t *entry)
     crn_scene_put_u32(entry + 16, 1u << 30); /* +y */
 }
 
-/* In the sample's index, coarse brick 0 has brick 0; coarse brick 1 has row 0, whose first octant has row 1;
- * all other octants have bricks 1 and 2. */
+/* In the sample's index, the entry of coarse brick 0 refers to brick 0, and the entry of coarse brick 1 to
+ * child row 0. The first octant of row 0 refers to row 1, and all other octants refer to bricks 1 and 2. */
 static inline void sample_lumen(uint8_t *lumen)
 {
     memset(lumen, 0, SAMPLE_LUMEN_BYTES);
@@ -128,8 +128,8 @@ static inline size_t sample_moving_scene(uint8_t *file, size_t capacity)
 
 enum { SAMPLE_STATIONS = 3, SAMPLE_PLAQUES_BYTES = 16 + 80 + SAMPLE_STATIONS * 48 };
 
-/* Writes one plaque along +y, whose points (stations) are 0.98 mm apart. The plaque leaves a radius of 1 mm
- * open of the healthy radius of 2 mm. */
+/* Writes one plaque along +y, whose points (stations) are 0.98 mm apart. The plaque narrows the vessel from
+ * its healthy radius of 2 mm to a radius of 1 mm. */
 static inline void sample_plaques(uint8_t *plaques)
 {
     const uint32_t one_q30 = 1u << 30, mm_q30 = 1073742, spacing = 1u << 20;

@@ -11,13 +11,13 @@
 
 #include "shared/scene/tests/scene_sample.h"
 
-/* The sample scene has META at byte 32 + 48 = 80, ENTRY at 336, LUMEN at 368; its bodies at 336, 496. */
+/* Scene sections begin at bytes 80 (META), 336 (ENTRY) and 368 (LUMEN), and bodies at bytes 336 and 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
-/* A vessel tree adds a table row. The section TREE has branches at bytes 16 and 80, points at byte 144. */
+/* A vessel tree adds a table row. In TREE, branches begin at bytes 16 and 80, and points at byte 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
 /* Lesions add another table row, and the section LESIONS begins after the section TREE of 224 bytes. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
-/* The moving scene has META at byte 112 = 32 + 80, LUMEN at 400 .. 3468, and MOTION at 3472 .. 7716. */
+/* In the moving scene, LUMEN lies at bytes 400 .. 3468, and MOTION lies at bytes 3472 .. 7716. */
 enum { MOTION_AT = 3472, BREATH_AT = 7728 };
 
 static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
@@ -448,7 +448,7 @@ static void a_motion_of_an_older_format_is_refused_by_name(void **state)
     refuses_word(10, 2, 3, CRN_SCENE_MOTION_OLDER, 10);
 }
 
-/* The scene with plaques has LUMEN at bytes 384 .. 3452, after a table of 64 bytes; PLAQUES follows. */
+/* In the scene with plaques, LUMEN lies at bytes 384 .. 3452, after a section table of 64 bytes. */
 enum { PLAQUES_AT = 3456, PLAQUE_AT = PLAQUES_AT + 16, STATIONS_AT = PLAQUE_AT + 80 };
 
 static int make_diseased_scene(void **state)

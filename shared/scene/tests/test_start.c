@@ -1,5 +1,5 @@
-/* These tests check that a scene may state a start length, that older readers refuse such a scene, and that
- * scenes without a start length keep the version that they had before. */
+/* These tests check that a scene may state a start length, and that older readers refuse such a scene. Scenes
+ * without a start length must keep the version that they had before. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -6,10 +6,10 @@
 enum {
     COUNTS_PER_us = BOARD_CLOCK_HZ / 1000000,
     COUNTS_PER_ms = BOARD_CLOCK_HZ / 1000,
-    /* The watchdog's time of 60 s is longer than the longest request, the validation of a scene. At 1,000
-     * instructions per us, a validation takes 0.2 s; when instructions are counted, each as 128 ns, it takes
-     * 26 s. The power stage does not depend on the watchdog, because the stage removes the power by itself
-     * after 5 ms. */
+    /* The watchdog's limit of 60 s is longer than the longest request takes, which is the validation of a
+     * scene. The validation of a scene takes 0.2 s at 1,000 instructions per us, and 26 s if the emulator
+     * counts 128 ns for each instruction. The power stage does not depend on the watchdog, because the stage
+     * removes the power by itself after 5 ms. */
     WATCHDOG_s = 60,
 };
 
@@ -59,10 +59,10 @@ static bool is_plants(void)
     return rig_is_there() && rig_read(&rig->host.tick_source) == RIG_TICK_PLANT;
 }
 
-/* While the rig's model (the plant) sets the milliseconds, this clock stops whenever the device waits for the
- * plant. The clock counts only the device's work, so the time that it shows does not depend on how long the
- * device waited. Returns the value of the counter, from which the caller later computes how long the work
- * took. */
+/* While the rig's model (the plant) provides the clock, the device's clock stops whenever the device waits
+ * for the plant. The clock counts only the device's work, so the time that it shows does not depend on how
+ * long the device waited. Returns the value of the counter, from which the caller later computes how long the
+ * work took. */
 uint32_t clock_work_begin(void)
 {
     const uint32_t now = clock_counts();
@@ -70,8 +70,8 @@ uint32_t clock_work_begin(void)
     return now;
 }
 
-/* Sets the clock to the beginning of the plant's millisecond, if the rig's model (the plant) provides the
- * milliseconds. The clock is never set back, so a device that is late with its work stays late. */
+/* If the rig's model (the plant) provides the clock, sets the device's clock to the beginning of the plant's
+ * present millisecond. The clock is never set back, so a device that is late with its work stays late. */
 void clock_edge_begin(void)
 {
     clock_work_begin();

@@ -1,5 +1,5 @@
 /* This program is the device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig. The file contains
- * the memory, the port's table of functions, and the loop that passes bytes and milliseconds to the app. The
+ * the memory, the port's table of functions, and the loop that passes bytes and timer edges to the app. The
  * code of this file allocates no memory, and its interrupt handlers only increment counters.
  *
  *   loop:  bytes came -> crn_app_receive     USB tokens -> crn_rig_usb_poll     an edge is due -> crn_app_timer
@@ -30,8 +30,8 @@ static uint32_t now_us(void *context)
 }
 
 /* A host that has configured the device by USB controls the device, even while the USB bus sleeps. Without a
- * host on the USB, the device sends and receives through the ring buffers of the rig page; a program that
- * uses this path can count the instructions of the device. */
+ * host on the USB, the device sends and receives through the ring buffers in the memory page of the emulated
+ * rig. A program that uses the ring buffers instead of the USB can count the instructions of the device. */
 static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
     return crn_rig_usb_is_configured(&usb) ? crn_rig_usb_transmit(context, frame, frame_bytes)
@@ -115,8 +115,8 @@ static void receive(void)
 }
 
 /* Only bytes that reached the app count as work, because a host's polls for data that are not ready do not
- * concern the rig's model (the plant). The loop reads the clock only if there may be work for the device,
- * because in an emulator one reading of the clock takes longer than everything else in a round of the loop.
+ * concern the rig's model (the plant). The loop reads the clock only if there may be work for the device. In
+ * an emulator, one reading of the clock takes longer than everything else in a round of the loop.
  */
 static void poll_usb(void)
 {
@@ -144,10 +144,9 @@ static void tick(void)
     clock_edge_done();
 }
 
-/* Only timer edges that the app has completed reset the watchdog. A main loop that runs while the
- * milliseconds have stopped cannot reset the watchdog, and neither can a host that keeps sending bytes. As an
- * exception, the watchdog is also reset while the rig's model (the plant) sets the milliseconds and has not
- * yet begun the next one. */
+/* Only timer edges that the app has completed reset the watchdog. If the timer has stopped, neither a running
+ * main loop nor a host that keeps sending bytes can reset the watchdog. The watchdog is also reset while the
+ * device waits for the next millisecond of the rig's model (the plant). */
 static void feed_watchdog(uint32_t round)
 {
     static uint32_t fed;

@@ -1,6 +1,7 @@
-/* This file moves bytes between device and host through the two ring buffers of the rig page. The heads and
- * tails of the ring buffers are byte counts, which wrap at 2^32. If a ring's head is ahead of its tail by
- * more than the ring's length, the other side has made an error; the device then empties this ring. */
+/* This file moves bytes between device and host through the two ring buffers in the memory page of the
+ * emulated rig. The heads and tails of the ring buffers are byte counts, which wrap at 2^32. If a ring's head
+ * is ahead of its tail by more than the ring's length, the other side has made an error; the device then
+ * empties this ring. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 enum {
