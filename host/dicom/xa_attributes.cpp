@@ -189,7 +189,7 @@ std::string mask_in_words(const RunMask &mask)
                      mask.shift_y_px < 0.0 ? "up" : "down");
 }
 
-// By C.7.6.10 the mean of the mask frames is subtracted from every other frame.
+// According to DICOM C.7.6.10, the mean of the mask frames is subtracted from every other frame.
 void put_mask(XaItem &item, const XrayRun &run)
 {
     if (!run.mask) return;

@@ -31,8 +31,8 @@ class RigPedals
     std::uint32_t buttons_ = 0;
 };
 
-// Converts the motion of the syringe's plunger to injections: the volume that the plunger displaces in 20 ms
-// is injected during the next 20 ms. A count is 1 ul. Drawing back fills the syringe.
+// Converts the motion of the syringe's plunger to injections: the volume displaced in 20 ms is injected
+// during the next 20 ms. A count is 1 ul. Drawing back fills the syringe.
 class RigSyringe
 {
   public:

@@ -27,9 +27,9 @@ constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
 // that docs/haptics.md describes.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
-// Returns the wanted coupling stiffness, or four fifths of the largest stiffness that the device accepts,
-// whichever is less. The device accepts a coupling stiffness if (gain, if above one) x stiffness x (half a
-// tick + lag of the actuator) <= damping of the track itself.
+// Returns the wanted coupling stiffness, but at most four fifths of the largest stiffness that the device
+// accepts. The device accepts a coupling stiffness if (gain, if above one) x stiffness x (half a tick + lag
+// of the actuator) <= damping of the track itself.
 std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::uint32_t wanted)
 {
     const std::uint64_t gain_milli = std::max<std::uint32_t>(track.force_gain_milli, 1000);

@@ -94,7 +94,7 @@ std::vector<std::string> DeviceCabinet::paths() const
     return paths;
 }
 
-// Tries every choice of positions of the line that stay free. The best choice has the most devices at the
+// Tries every choice of positions that stay without a device. The best choice has the most devices at the
 // positions that the case states; among equal choices, a device without a lumen should be innermost, and the
 // outermost device as far outside as possible.
 std::vector<std::optional<std::size_t>> DeviceCabinet::positions() const

@@ -99,7 +99,7 @@ void a_moment_has_the_tools_of_that_moment(void **)
     assert_true(room.picture(moment(room.ticks() + 5000)).frame.wire.tick == room.ticks()); // held at the end
 }
 
-// If the recording or the track has a snapshot at a moment, the readings must nevertheless be those of this
+// Even at a moment for which the recording or the track has a snapshot, the readings must be those of that
 // moment's own tick.
 void a_moment_has_the_readings_of_its_own_tick(void **)
 {

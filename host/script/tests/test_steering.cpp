@@ -51,8 +51,8 @@ crn::VesselTree tree()
 }
 
 // The tip is `pushed_m` beyond the end of the introducer sheath, which is at y = 290 mm. At the left
-// subclavian artery the tip stays in the aorta only if the angle of the hand is within `window_deg` of
-// `open_deg`. After the tip has passed the branching, it stays in its vessel until it is pulled back.
+// subclavian artery the tip stays in the aorta only if the hand's angle differs from `open_deg` by at most
+// `window_deg`. After the tip has passed the branching, it stays in its vessel until it is pulled back.
 struct World {
     double open_deg, window_deg;
     bool is_astray = false, was_beyond = false;

@@ -93,8 +93,8 @@ inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double len
 }
 
 // Returns the largest depth to which any strut reaches into any triangle. For every pair of strut and
-// triangle this function calls libccd; it uses neither the grid, nor the list of near triangles, nor the test
-// of planes of the program.
+// triangle this function calls libccd. It uses none of the program's shortcuts: the grid, the list of near
+// triangles, and the test of planes.
 inline double deepest_strut_mm(const Stent &stent, const StentWall &wall)
 {
     double deepest = 0.0;

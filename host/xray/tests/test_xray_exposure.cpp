@@ -1,5 +1,5 @@
 // Tests the effects of one picture on the next: exposure control against its curve and limits, and lag
-// against its decay law; a sequence of pictures must also be repeatable.
+// against its decay law. A sequence of pictures must also be repeatable.
 #include "host/xray/lag.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <cmath>
@@ -9,7 +9,7 @@
 using namespace crn;
 
 // For a single picture the exposure control has settled, so the signal over the measuring field must be that
-// of the demanded dose, for thin and thick patients.
+// of the demanded dose for thin and thick patients.
 static void exposure_holds_the_dose_behind_thin_and_thick(void **)
 {
     for (double thickness_m : {0.08, 0.15, 0.20, 0.25}) {
