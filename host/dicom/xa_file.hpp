@@ -46,7 +46,7 @@ class XaInterrupted : public std::runtime_error
 };
 
 // The spool is a temporary file that holds the pixels of a whole export until the DICOM files are written.
-// Pixels in the spool need no memory. One spool serves many runs.
+// Pixels in the spool take up no main memory. One spool serves many runs.
 class XaSpool
 {
   public:

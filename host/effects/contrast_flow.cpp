@@ -157,8 +157,7 @@ double ContrastFlow::parts_of_step()
 
 // The iodine of each layer is transported separately by the upwind rule: a flow has the concentration of the
 // cell that it leaves. Each of the two layers of blood has half of the cell's volume and a fixed fraction of
-// every flow, including injected fluid. The flow into a layer of blood therefore equals the flow out of the
-// layer.
+// every flow, including injected fluid. The flow into a layer of blood equals the flow out of it.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;

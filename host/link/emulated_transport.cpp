@@ -18,7 +18,7 @@ EmulatedTransport::EmulatedTransport(Emulator &emulator, std::function<void(std:
 }
 
 // A device that has restarted has no memory of the earlier conversation. After a restart of the device, the
-// next call therefore throws an error once, and later calls communicate with the restarted device.
+// next call throws an error once, and later calls communicate with the restarted device.
 void EmulatedTransport::check_life()
 {
     const std::uint32_t boots = emulator_.boot_count();
@@ -34,7 +34,7 @@ void EmulatedTransport::write(std::span<const std::uint8_t> bytes)
     std::uint32_t head = page.host.to_device_head;
     const auto room = [&] { return RIG_RING_BYTES - (head - rig_read(&page.device.to_device_tail)); };
     // If a frame fits into the ring buffer, the host announces all its bytes at once. The device therefore
-    // never begins to process an incomplete frame.
+    // never begins to process an incomplete frame of data.
     while (!bytes.empty()) {
         const std::size_t wanted = std::min<std::size_t>(bytes.size(), RIG_RING_BYTES / 2);
         emulator_.wait([&] { return room() >= wanted; }, "room in the device's ring");

@@ -1,5 +1,5 @@
 // Finds the frames in the bytes from the device, stores the frames by their type, and throws an exception for
-// each refusal. The host never waits here for ever, because three quantities have limits: the bytes without a
+// each refusal. The host cannot wait here for ever, because three quantities have limits: the bytes without a
 // frame, the frames without an answer, and the time.
 #include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"

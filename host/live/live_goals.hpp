@@ -21,8 +21,8 @@ class LiveGoals
     void look(const SessionFrame &frame); // in the session's thread
     // Returns one result for each goal, or null before the first check.
     std::shared_ptr<const std::vector<GoalResult>> latest() const { return results_.latest(); }
-    // Returns the place of each tool's tip, such as "34 mm inside LAD", for each position of the line; a text
-    // is empty if the place is not known. Null before the first look.
+    // Returns, for each position (0: innermost), the place of the tool's tip, such as "34 mm inside LAD"; a
+    // text is empty if the place is not known. Null before the first look.
     std::shared_ptr<const std::vector<std::string>> tips() const { return tip_texts_.latest(); }
 
   private:

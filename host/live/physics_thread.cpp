@@ -38,8 +38,8 @@ class Pace
         ticks_ += count;
     }
     std::int64_t next() const { return ticks_ + 1; }
-    // Punctual threads are urgent. If a session cannot keep up with real time, it computes without a pause.
-    // The session's thread then has ordinary priority until it has kept up for a second, so that it does not
+    // Punctual threads are urgent. If a session cannot keep up with real time, it computes without a pause. A
+    // session's thread then has ordinary priority until it has kept up for a second, so that it does not
     // block the GUI window.
     void choose_urgency()
     {

@@ -106,7 +106,7 @@ TomlRange read_twist(const Values &values, const Section &section)
     const TomlRange ratio = values.read(key, twist_ratio_bounds);
     const TomlRange twist = {ratio.from * section.bend_N_m2.from, ratio.to * section.bend_N_m2.to};
     // The softest tips would be softer in torsion than the core allows. The function therefore raises the
-    // torsional stiffness of such tips to the core's lower limit.
+    // torsional stiffness of the softest tips to the core's lower limit.
     return {std::max(twist.from, stiffness_bounds.low), std::max(twist.to, stiffness_bounds.low)};
 }
 

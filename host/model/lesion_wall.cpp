@@ -163,7 +163,7 @@ LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) c
 }
 
 // If a point of the healthy wall was farther from the centreline, it moved by a smaller fraction s of the
-// displacement. Therefore exactly one fraction s is consistent with each narrowed position.
+// displacement. Exactly one fraction s is therefore consistent with each narrowed position.
 bool LesionWall::healthy_of(const Vector3d &narrowed_m, Healthy &healthy) const
 {
     if (!reach_m_.contains(narrowed_m)) return false;

@@ -83,8 +83,8 @@ class Motion
 };
 
 // Reads the MOTION section of a scene file, which describes how vessels move. Returns no motion when the file
-// has no MOTION section. If the section cannot be read, the function also returns no motion, and `error` has
-// a message.
+// has no MOTION section. If the MOTION section cannot be read, the function returns no motion, and `error`
+// has a message.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
 // Holds points that move with the lattice of heart and breath. The lattice is evaluated at each point only

@@ -22,7 +22,7 @@ class CatheterAir
     // the session.
     explicit CatheterAir(const std::vector<Instrument> &tools);
 
-    // Call this function after tools in use were replaced. An exchanged catheter has been flushed; a tool
+    // Call this function after tools in use were replaced. A newly inserted catheter has been flushed; a tool
     // that was removed from the catheter's lumen may have let air in.
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
 

@@ -55,7 +55,7 @@ void CatheterPressure::leave()
 }
 
 // The caller asks for next_tick() before each tick, when it cannot know yet that the tip will enter the
-// vessels. The tools' shape is therefore first read after the tick in which the tip entered.
+// vessels. The tools' shape is therefore first read after the tick in which the tip entered the vessels.
 std::uint32_t CatheterPressure::next_tick() const
 {
     if (!is_inserted_ || cells_.size() == 0) return std::numeric_limits<std::uint32_t>::max();

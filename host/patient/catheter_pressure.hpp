@@ -57,8 +57,8 @@ class CatheterPressure
     // Returns true if a catheter lies in the vessels and its tip has been located.
     bool is_measuring() const { return has_place_; }
     double pressure_mmHg() const { return pressure_mmHg_; }
-    // Returns the pressure at the tip, above the veins, as a share of the aortic pressure: 1 if the blood
-    // flows freely, collateral_share if the tip blocks the vessel.
+    // Returns the pressure at the tip above that in the veins, as a share of the aortic pressure: 1 if the
+    // blood flows freely, collateral_share if the tip blocks the vessel.
     double share() const { return share_; }
     // Returns true if the tip narrows the vessel so much that less than a tenth of the blood pressure passes
     // it.

@@ -61,8 +61,8 @@ class Patient
     // Returns the next tick at which look() must be called, or UINT32_MAX if no call is needed.
     std::uint32_t next_look() const;
     // Advances to the frame's tick. In the mode FREE_RUN a rig itself chooses the moments at which it sends
-    // the shape of the tools. The picture of an X-ray pulse between two such shapes of the tools uses the
-    // later shape.
+    // the shape of the tools. The picture of an X-ray pulse between two messages with the tools' shape uses
+    // the later shape.
     void look(const WireFrame &wire);
     // Updates only the vessels for this frame; a replay that starts later than tick 0 calls this function for
     // every frame before its start.

@@ -180,7 +180,7 @@ class Display
         draw_force_bar(y + scale_, tool.axial_N);
     }
 
-    // Draws one row of text with the values of one of several tools; its force has the colour of the force
+    // Draws one row of text with the values of one of several tools; the force has the colour of the force
     // bar in the display of a single tool.
     void draw_line(int y, const OverlayTool &tool)
     {

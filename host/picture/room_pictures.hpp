@@ -54,8 +54,8 @@ inline PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t
 class RoomPictures
 {
   public:
-    // `tools` is the table of the session's tools; each PulseShot says which of them are on the line. `scene`
-    // and `room` must live longer than this object. Throws std::runtime_error.
+    // `tools` is the table of the session's tools; each PulseShot says which of them are in use. `scene` and
+    // `room` must live longer than this object. Throws std::runtime_error.
     RoomPictures(const PictureSettings &settings, const std::vector<Instrument> &tools,
                  const XrayScene &scene, const SceneAnatomy &anatomy, const Room &room);
     ~RoomPictures();

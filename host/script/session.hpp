@@ -91,10 +91,10 @@ struct Session {
 Session parse_session(std::string_view text, const std::string &file); // throws FileError
 Session read_session(const std::string &path);                         // throws FileError
 
-// Finds the number, in this list of names, of the new tool of every exchange in a script. Returns the numbers
-// of the tools in use at the start (tool_line.hpp). If a script has no statement `begin with`, the returned
-// list of numbers is empty, and at most three tools are allowed. Throws FileError if a name is unknown, or
-// names several tools.
+// Finds the new tool of every replacement of tools in a script, as its number in this list of names. Returns
+// the numbers of the tools in use at the start (tool_line.hpp). If a script has no statement `begin with`,
+// the returned list of numbers is empty, and at most three tools are allowed. Throws FileError if a name is
+// unknown, or names several tools.
 LineNumbers resolve_tools(Session &session, std::span<const std::string> names);
 inline constexpr std::string_view free_position = "nothing"; // a free position in `begin with`
 
@@ -117,8 +117,8 @@ class SessionPlayer
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
     // Returns true if the present statement needs the positions of the tips, or is an expectation.
     bool wants_tips() const;
-    // Receives the answer to an exchange of tools from the state of a tick. A refused exchange ends the
-    // script.
+    // Receives from the state of a tick the answer to an exchange (replacement) of tools. A refused exchange
+    // ends the script.
     void answer_exchange(std::uint8_t answer);
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
     // Returns the commands for the X-ray room that the script has given since the previous call of this

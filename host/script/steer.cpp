@@ -138,8 +138,8 @@ void Steerer::stop_for(Stage next)
 }
 
 // A bent tip that catches at an ostium at every angle can pass it if the fingers spin the guidewire while
-// they push it. The attempts spin in both directions, because the vessel is curved and the two directions
-// have different effects.
+// they push it. The attempts spin the tool in both directions, because the vessel is curved and the two
+// directions have different effects.
 std::int64_t Steerer::spin_of(int attempt) const
 {
     if (what_.engages || attempt % 3 == 1) return 0;

@@ -3,11 +3,10 @@
 // replayed in LOCKSTEP bit for bit.
 //
 // During a disconnection the device continues without the host, and some of its ticks are lost. After a
-// disconnection the session therefore returns to the last tick that the host received. The host sets up the
-// device again, restores a snapshot, and repeats the inputs since that snapshot in LOCKSTEP, while it
-// compares every hash. After the inputs are repeated, FREE_RUN continues, with the present positions of the
-// hands as the new reference. The recording contains the state from which FREE_RUN continues after a
-// disconnection.
+// disconnection the session returns to the last tick that the host received. The host sets up the device
+// again, restores a snapshot, and repeats the inputs since that snapshot in LOCKSTEP, while it compares every
+// hash. After the inputs are repeated, FREE_RUN continues, with the present positions of the hands as the new
+// reference. The recording contains the state from which FREE_RUN continues after a disconnection.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"

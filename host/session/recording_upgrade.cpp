@@ -168,7 +168,7 @@ class Upgrade
         add(kind, chunks_.payload_bytes());
     }
 
-    // The upgraded snapshot states that no tool was released by an exchange, and which tools are in use. A
+    // The upgraded snapshot states that no tool was released by a replacement, and which tools are in use. A
     // snapshot of an unknown form stays unchanged: a device refuses it, as before the conversion.
     void take_snapshot()
     {

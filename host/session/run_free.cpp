@@ -106,7 +106,7 @@ class FreeRunner final : private FreeRunSink
         if (recorder_) recorder_->resumed(tick, bytes);
     }
 
-    // A hash may arrive before the ticks to which it belongs, and those ticks may never arrive. The hash is
+    // A hash may arrive before the ticks to which it belongs, and those ticks may never arrive. A hash is
     // therefore recorded only after the ticks to which it belongs.
     void record_hash()
     {

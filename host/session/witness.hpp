@@ -1,7 +1,7 @@
 // Repeats the computation of a rig's session on this machine's core at the same time, and accepts the rig's
 // results only if both results agree. The recording therefore cannot contain a hash, snapshot or picture from
 // a device that is broken, sends false data, or computes with faulty memory. The command `replay --verify`
-// would find such differences later, whereas the class Witness finds them before they are recorded.
+// would find wrong results of the rig later, whereas the class Witness finds them before they are recorded.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/link/sim_transport.hpp"

@@ -69,7 +69,7 @@ double Stent::radius_on(const BalloonAxis &axis, double arc_mm, int ring, int si
 }
 
 // The radii of the rings determine their heights, the heights determine the positions of the crowns along the
-// balloon, and these determine the radii. A few iterations converge.
+// balloon, and these positions determine the radii. A few iterations converge.
 Stent::Layout Stent::lay_out(const BalloonAxis &axis) const
 {
     constexpr int rounds = 3;

@@ -6,8 +6,8 @@
 //   WallFoot foot = wall.walk(place, foot);        nearest place of the wall, searched from the previous one
 //   place = wall.place(foot);                      where the wall has carried it
 //
-// A foot is a point that moves with the wall. It is described by a triangle, a point in the triangle's plane,
-// and a height above the plane towards the blood. Lengths in mm.
+// A foot is a point that moves with the wall. A foot is described by a triangle, a point in the triangle's
+// plane, and a height above the plane towards the blood. Lengths in mm.
 #pragma once
 #include <Eigen/Core>
 #include <array>

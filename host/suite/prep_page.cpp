@@ -43,8 +43,8 @@ std::string mm_text(double mm)
 DeviceCabinet::DeviceCabinet(const Case &lesson) : lesson_(lesson)
 {
     for (const std::string &path : lesson.offered) devices_.push_back({path, read_instrument(path), false});
-    // The same kind of device may be offered twice; the line begins with as many of these devices as the case
-    // names.
+    // The same kind of device may be offered twice; the session begins with as many of these devices as the
+    // case names.
     for (const std::string &path : lesson.start.tools) {
         const auto found = std::find_if(devices_.begin(), devices_.end(), [&](const CabinetDevice &device) {
             return device.path == path && !device.is_on_line;

@@ -25,8 +25,8 @@ struct CabinetDevice {
 };
 
 // Holds the devices that a case offers, and those of them that the trainee has chosen for the start. There
-// are as many positions as the case states for its start. A device with which the case begins keeps its
-// position, if the other devices permit it.
+// are as many positions as the case has at its start. A device with which the case begins keeps its position,
+// if the other devices permit it.
 class DeviceCabinet
 {
   public:
@@ -63,8 +63,8 @@ class DeviceCabinet
     const Case &lesson_;
     std::vector<CabinetDevice> devices_;
     std::vector<StentDesign> stents_;
-    // The devices on the line and the findings about them are computed when the line changes, because the
-    // window shows them sixty times a second.
+    // The devices in use and the findings about them are computed when the choice changes, because the window
+    // shows them sixty times a second.
     std::vector<std::size_t> line_;
     std::vector<Finding> findings_;
 };

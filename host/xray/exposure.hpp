@@ -3,7 +3,7 @@
 //
 // The exposure control works as in angiography systems (AAPM Report 125; Rauch, Lin et al., Med Phys 39
 // (2012) 2826). The exposure control estimates the patient's thickness as centimetres of water from the
-// signal of the last pulse. A fixed curve then gives the technique for this thickness.
+// signal of the last pulse. A fixed curve then gives the technique for the estimated thickness.
 //
 // On this fixed curve (an "anti-isowatt" curve) voltage, current and pulse width increase together. At the
 // limit of the current, or at the power limit of the tube ("isowatt"), only the voltage increases further, to

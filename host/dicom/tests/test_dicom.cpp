@@ -251,7 +251,7 @@ static void a_moving_arm_and_table_have_an_offset_per_frame(void **)
     assert_text(reader, DCM_PositionerSecondaryAngleIncrement, "0\\-1.25\\-2.5\\-3.75");
     // In each frame the isocentre moves in the patient by 1 mm to the right, 2 mm to the head and 3 mm to the
     // front. The table therefore moves 1 mm left, 2 mm to the feet and 3 mm down. In DICOM, longitudinal
-    // table motion is positive towards LAO, and lateral motion is positive towards cranial (C.8.7.4.1).
+    // table motion is positive towards LAO, and lateral motion towards cranial (C.8.7.4.1).
     assert_text(reader, DCM_TableMotion, "DYNAMIC");
     assert_text(reader, DCM_TableLongitudinalIncrement, "0\\1\\2\\3");
     assert_text(reader, DCM_TableLateralIncrement, "0\\-2\\-4\\-6");

@@ -250,7 +250,7 @@ void more_than_flows_away_goes_back_upstream(void **)
 }
 
 // A catheter as wide as the vessel blocks the flow: no blood flows past the catheter. The injected fluid
-// therefore flows downstream undiluted, and no fluid flows back.
+// flows downstream undiluted, and no fluid flows back.
 void a_wedged_catheter_lets_nothing_past(void **)
 {
     ContrastFlow contrast(aorta());

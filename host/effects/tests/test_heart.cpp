@@ -225,8 +225,8 @@ void vertices_move_as_single_points(void **)
 }
 
 // Places move with the lattice. The spline passes through the keyframes, where positions are exact to 1 um.
-// Between keyframes and in a deep breath they are exact to 50 um. Points outside the lattice do not move;
-// their positions are equal bit for bit.
+// Between keyframes and in a deep breath, positions are exact to 50 um. Points outside the lattice do not
+// move; their positions are equal bit for bit.
 void points_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;

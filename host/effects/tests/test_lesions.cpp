@@ -90,7 +90,7 @@ LesionFigures figures_of(const VesselTree &tree)
 }
 
 // The pressures are those of the cells next to the lesion. The pressure drop therefore includes up to 4 mm of
-// healthy vessel, which cause less than 1 % of it.
+// healthy vessel, which cause less than 1 % of the drop.
 void a_lesion_costs_what_wall_and_jet_take(void **)
 {
     for (double throat_mm : {0.375, 0.6, 0.9}) {
@@ -228,7 +228,7 @@ void opened_wholly_it_costs_what_the_healthy_vessel_does(void **)
 }
 
 // The radius of the opened lesion is 0.375 + 0.6 (1.5 - 0.375) mm. The pressure drop must be that of a vessel
-// baked with this radius.
+// that was baked with the radius of the opened lesion.
 void opened_partly_it_costs_what_is_left(void **)
 {
     const VesselTree tree = vessel(0.375), now = opened(tree, 0.6);

@@ -44,8 +44,8 @@ void check_psi(double kPa, double expected_psi, double tolerance_psi)
         fail_msg("%.2f psi, expected %.2f (allowed %.2f)", psi, expected_psi, tolerance_psi);
 }
 
-// At the strengths on the label the viscosity must be that of the label. Half-way between two strengths it
-// must be the geometric mean of their viscosities.
+// At the strengths on the label the viscosity must be that of the label. Half-way between two strengths on
+// the label, the viscosity must be the geometric mean of their viscosities.
 void viscosity_is_the_labels(void **)
 {
     for (const auto &[strength, mPa_s] : {std::pair{140.0, 1.5}, {240.0, 3.4}, {300.0, 6.3}, {350.0, 10.4}})

@@ -1,8 +1,8 @@
-// These tests check the following. A catheter measures the aortic pressure where blood flows past its tip.
-// The catheter's pressure falls, and its pulse gets narrower, as the tip blocks the vessel. The pressure that
-// remains behind a partial block agrees with Poiseuille's law for an annulus. The catheter's pressure does
-// not depend on which pictures are made. After a tool was taken out of the catheter's lumen, the lumen may
-// hold air until blood is aspirated.
+// These tests check the following. If blood flows freely past its tip, a catheter measures the aortic
+// pressure. The catheter's pressure falls, and its pulse gets narrower, as the tip blocks the vessel. The
+// pressure that remains behind a partial block agrees with Poiseuille's law for an annulus. The catheter's
+// pressure does not depend on which pictures are made. After a tool was taken out of the catheter's lumen,
+// the lumen may hold air until blood is aspirated.
 #include "host/effects/flow_network.hpp"
 #include "host/patient/patient.hpp"
 #include <cmath>
@@ -199,8 +199,8 @@ void the_pressure_returns_when_the_catheter_is_withdrawn(void **)
     assert_true(!pressure.is_damped());
 }
 
-// The program learns that the tools' shape must be read only after it has computed the tick in which the tip
-// enters the vessels.
+// The program must first compute the tick in which the tip enters the vessels; only then does it learn that
+// the tools' shape must be read.
 void the_first_look_comes_after_the_tick_in_which_the_tip_enters(void **)
 {
     for (const std::uint32_t entered : {79u, 80u, 81u}) {

@@ -259,9 +259,9 @@ void a_fault_in_the_trial_is_told_and_logged(void **)
 
 // --- calibration ---
 
-// In the simulated calibration, moving the tool by 100 mm gives 4 000 counts in the opposite direction. Each
-// of the tool's 2 turns gives 1 024 counts. The force sensor reads -120 counts without force, and 1 000
-// counts more with a weight of 100 g.
+// In the simulated calibration, 100 mm of motion give 4 000 counts in the opposite direction, and each of the
+// tool's 2 turns gives 1 024 counts. The force sensor reads -120 counts without force, and 1 000 counts more
+// with a weight of 100 g.
 void script_motion(Bench &b)
 {
     b.options.turns = 2.0;

@@ -1,6 +1,7 @@
-// Tests sessions that exchange tools (docs/session.md, "Exchange"). The commands of the script reach the
-// core, and patient and pictures use the tools that are in use in the core. A recording replays bit for bit
-// from its start and from a snapshot, and a refused exchange ends the script with its reason.
+// Tests sessions in which tools are exchanged, that is, replaced by others (docs/session.md, "Exchange"). The
+// commands of the script reach the core, and patient and pictures use the tools that are in use in the core.
+// A recording replays bit for bit from its start and from a snapshot, and a refused exchange ends the script
+// with its reason.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>

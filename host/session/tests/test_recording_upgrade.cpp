@@ -178,9 +178,9 @@ void a_scaffold_becomes_an_order(void **)
     assert_true(hold.lesion == 2 && hold.first == 4 && hold.last == 12 && hold.open_q15 == 0x7ffe);
 }
 
-// The test replaces each command to the X-ray room by a chunk of the kind VIEW, as in version 2. Such a chunk
-// contains the tick, the state of fluoroscopy, whether the table follows the tip, both angles, table and
-// field.
+// The test replaces each command to the X-ray room by a chunk of the kind VIEW, as in version 2. A chunk of
+// the kind VIEW contains the tick, the state of fluoroscopy, whether the table follows the tip, both angles,
+// table and field.
 Bytes with_views()
 {
     Bytes bytes(old_bytes().begin(), old_bytes().begin() + 8);

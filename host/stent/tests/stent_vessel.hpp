@@ -93,8 +93,8 @@ inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double len
 }
 
 // Returns the largest depth to which any strut reaches into any triangle. For every pair of strut and
-// triangle this function calls libccd. It uses none of the program's shortcuts: the grid, the list of near
-// triangles, and the test of planes.
+// triangle this function calls libccd. The function uses none of the program's shortcuts: the grid, the list
+// of near triangles, and the test of planes.
 inline double deepest_strut_mm(const Stent &stent, const StentWall &wall)
 {
     double deepest = 0.0;

@@ -259,9 +259,9 @@ static void contact_of_a_strut_is_that_of_its_plane(void **)
     }
 }
 
-// The test walks over the tube's triangles from one that is two millimetres away to the nearest point. It
-// compares this point with the result of a search over all triangles. The points from the walk and from the
-// full search agree only to a micrometre, because beyond an edge between two faces either face may be
+// The test walks over the tube's triangles from one that is two millimetres away to the nearest point. The
+// test compares this point with the result of a search over all triangles. The points from the walk and from
+// the full search agree only to a micrometre, because beyond an edge between two faces either face may be
 // nearest.
 static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 {

@@ -10,9 +10,9 @@
 // BodyPaths::draw), in units of 1/1024 mm. The number for a pixel belongs to the ray through its middle: the
 // sum, over all faces of the selected bodies, of (depth where the ray leaves a body) - (depth where it enters
 // the body). The sum of a body is added to the path length in the body's own material, and subtracted from
-// that in the parent's (surrounding) material. Bodies may therefore be nested to any depth and need no
-// sorting. RasterPaths is the reference. The results of another back end may differ from those of RasterPaths
-// by rounding, and a test limits this difference.
+// that in the parent's (surrounding) material. Bodies may be nested to any depth and need no sorting.
+// RasterPaths is the reference. The results of another back end may differ from those of RasterPaths by
+// rounding, and a test limits this difference.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include "host/xray/paths/materials.hpp"

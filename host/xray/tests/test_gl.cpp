@@ -5,12 +5,12 @@
 // Tolerances. The tolerances of the comparison between OpenGL and the rasteriser have the following reasons.
 // Both OpenGL and the rasteriser move the corners of a triangle to a grid, and then cover each pixel whose
 // centre lies in the triangle. In the rasteriser the grid of corners has a spacing of 1/256 pixel; in OpenGL
-// the driver chooses the spacing (llvmpipe uses 1/256 too, with its own rounding). OpenGL may therefore cover
-// a pixel at an edge that the rasteriser does not cover, or the reverse. Away from edges, the path length
-// changes by less than 2 mm between neighbouring pixels, so a shift by 1/128 pixel changes it by 0.016 mm.
-// The sums of OpenGL are floating-point numbers around 100 mm, each exact to 0.00001 mm, and the rasteriser
-// rounds each face to 1/1024 mm. The tolerance for path lengths inside bodies is therefore 0.05 mm, and 0.002
-// mm on average; some of the pixels at edges may differ by more.
+// the driver chooses the spacing (llvmpipe uses 1/256 too, with its own rounding). OpenGL may cover a pixel
+// at an edge that the rasteriser does not cover, or the reverse. Away from edges, the path length changes by
+// less than 2 mm between neighbouring pixels, so a shift by 1/128 pixel changes it by 0.016 mm. The sums of
+// OpenGL are floating-point numbers around 100 mm, each exact to 0.00001 mm, and the rasteriser rounds each
+// face to 1/1024 mm. The tolerance for path lengths inside bodies is therefore 0.05 mm, and 0.002 mm on
+// average; some of the pixels at edges may differ by more.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"

@@ -1,5 +1,5 @@
 // Tests the effects of one picture on the next: exposure control against its curve and limits, and lag
-// against its decay law. A sequence of pictures must also be repeatable.
+// against its decay law. A sequence of pictures must be repeatable.
 #include "host/xray/lag.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <cmath>
