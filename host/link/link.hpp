@@ -92,8 +92,8 @@ class Link
     // other commands. In the mode LOCKSTEP, commands to the core are part of a tick's input. `orders` must
     // contain at least one command. Throws LinkError.
     void give_orders(const crn_wire_order_list &orders);
-    // The next functions return the ticks of the last call with their inputs, sensors and flags, also after
-    // an exception, and the events since that call.
+    // The next functions return the ticks of the last call (with inputs, sensors and flags) and the events
+    // since that call, also after an exception.
     const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const

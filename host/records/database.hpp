@@ -106,8 +106,7 @@ std::unique_ptr<Database> open_postgres(const std::string &url);
 // Brings the database to the newest version of the schema, with one transaction per migration, after it has
 // copied the database. Throws RecordsError (newer) if the database is from a newer program.
 void migrate(Database &database);
-// For tests, migrates with the given migrations and not with the program's; the entry i leads from version i
-// to i + 1.
+// For tests, applies the given migrations instead of the program's; entry i leads from version i to i + 1.
 void migrate(Database &database, const std::vector<std::string> &migrations);
 
 } // namespace crn

@@ -1,6 +1,6 @@
 // Computes learning curves: how a trainee's sessions in one case compare with those of experts and of the
-//   cohort. docs/records.md has the formulas, their sources, and how well the band covers the truth. const
-//   LearningCurve curve = learning_curve(sessions_of_case, "otter", "fluoroscopy_min", everybody);
+// cohort. docs/records.md has the formulas, their sources, and how well the band covers the truth.
+//   const LearningCurve curve = learning_curve(sessions_of_case, "otter", "fluoroscopy_min", everybody);
 #pragma once
 #include "host/records/record.hpp"
 #include <optional>

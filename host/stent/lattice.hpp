@@ -2,10 +2,11 @@
 // (docs/stent.md, "Springs").
 //
 // The k-th point of ring j (k = 0 .. 2N-1 around the axis) lies at the angle k pi / N from the ring's first
-//   point. In an even ring, the points with even k are the crowns towards the tip. The springs are struts
-//   k to k+1 of a ring                              keep their length hinges    k to k+2, k+4, k+N of a ring,
-//   of one side       bending of a crown; yield links     a crown to a crown of the next ring
-//   keep their length braces    both ends of a link to the other's neighbours   bending of a link; yield
+// point. In an even ring, the points with even k are the crowns towards the tip. The springs are
+//   struts    k to k+1 of a ring                              keep their length
+//   hinges    k to k+2, k+4, k+N of a ring, of one side       bending of a crown; yield
+//   links     a crown to a crown of the next ring             keep their length
+//   braces    both ends of a link to the other's neighbours   bending of a link; yield
 #pragma once
 #include "host/stent/design.hpp"
 #include <array>

@@ -5,9 +5,9 @@
 // the next read-out, the traps release the fraction b(T) = 1 - 2^(-T/h) of the trapped signal q, with h = 140
 // ms.
 //     out = (1 - a) s + b q,   q <- (1 - b) q + a s
-// No signal is lost. After a long exposure, the first picture without X-rays has a signal of 3 % of the last
-// picture's, at any picture rate. The signal of each later picture without X-rays is 1 - b times the signal
-// of the previous picture: 0.72 times at 15 pictures/s.
+// No signal is lost. After a long exposure, the first picture without X-rays has 3 % of the last picture's
+// signal, at any picture rate. The signal of each later picture without X-rays is 1 - b times the signal of
+// the previous picture: 0.72 times at 15 pictures/s.
 #pragma once
 #include <cstdint>
 

@@ -334,8 +334,8 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(reader, DCM_ContrastBolusVolume, "12");
     assert_text(reader, DCM_ContrastFlowRate, "6");
     assert_text(reader, DCM_ContrastBolusIngredientConcentration, "350");
-    // If the only mask frame is in the middle of the run, for example because the user chose another mask, it
-    // is subtracted from every frame.
+    // If the only mask frame is in the middle of the run (for example, because the user chose another mask),
+    // the mask is subtracted from every frame.
     XrayRun late = sample_run(RunKind::dsa, 6);
     late.mask->frames = {4};
     write_xa(folder.file("b.dcm"), late, study_of("a"));
@@ -530,8 +530,7 @@ static void an_interrupted_export_leaves_nothing_and_keeps_what_was_there(void *
     assert_int_equal(folder.count(), 1);
 }
 
-// A limit on the size of the files that the process writes simulates a full disk: a write fails in the middle
-// of the file.
+// A limit on the size of written files simulates a full disk: a write fails in the middle of the file.
 static void a_full_disk_is_told_and_leaves_nothing(void **)
 {
     Folder folder;

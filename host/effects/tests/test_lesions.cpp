@@ -34,7 +34,7 @@ double out_of_the_last(const FlowNetwork &network)
     return network.outflow_ml_s(network.runs().size() - 1);
 }
 
-// Makes a vessel of 70 mm along x with a radius of 1.5 mm, narrowed to the radius `throat_mm` from 22 to 40
+// Makes a vessel of 70 mm along x with a radius of 1.5 mm, which narrows to `throat_mm` between x = 22 and 40
 // mm. The lesion has a taper of 1 mm at either end.
 VesselTree vessel(double throat_mm)
 {

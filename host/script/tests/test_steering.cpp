@@ -4,7 +4,7 @@
 // range of angles that lead into it. If a script fails to reach the vessel, the message must state where the
 // tip was. Each expectation must be reported with its result and the number of its line in the script. The
 // simulated anatomy of these tests is only a tube with one wrong branch. Only the angle of the hand decides
-// which of the two vessels the tip enters, which is the hardest case for a bent tip.
+// which of the two vessels the tip enters; this is the hardest case for a bent tip.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>

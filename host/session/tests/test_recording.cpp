@@ -275,8 +275,8 @@ void other_files_and_newer_versions_are_refused_by_name(void **)
     }
 }
 
-// In this test the ticks of the second chunk come first: the chunk's CRC is correct, but it is in the wrong
-// position.
+// In this test the ticks of the second chunk come first: the CRC of this chunk is correct, but its position
+// is wrong.
 void ticks_out_of_order_are_refused(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;

@@ -1,5 +1,5 @@
-// Makes vessels for tests and benchmarks of stents: tubes of any cross-section around a curve, which beat,
-// and balloons that fill these tubes. Another function of this file measures how deep struts lie in the wall,
+// Makes vessels for tests and benchmarks of stents: beating tubes of any cross-section around a curve, and
+// balloons that fill these tubes. Another function of this file measures how deep struts lie in the wall,
 // without the shortcuts of the program's own computation. Lengths in mm.
 #pragma once
 #include "host/model/motion.hpp"

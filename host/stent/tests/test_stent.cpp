@@ -400,8 +400,8 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
         Stent stent(read_stent(coronary_file), mount_mm);
         for (double at = 20; at <= to_mm; at += 0.25) {
             BalloonPose pose = balloon_in(straight, at, 20, 0.4);
-            // While the tool is pulled along the vessel, the arc length along the tool of each ball of the
-            // balloon does not change. The narrow part of the vessel is 30 mm from the vessel's beginning.
+            // While the tool is pulled along the vessel, each ball of the balloon keeps its arc length along
+            // the tool. The narrow part of the vessel is 30 mm from the vessel's beginning.
             for (BalloonPoint &ball : pose.points) {
                 if (std::abs(ball.arc_mm - 30) < 1.0) ball.room_mm = room_mm;
                 ball.arc_mm += mount_mm - at;

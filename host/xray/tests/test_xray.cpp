@@ -223,8 +223,8 @@ static void kept_view_gives_the_same_picture_as_a_new_one(void **)
     assert_false(first->xray->last_render_used_cache());
 }
 
-// The sum over all pixels of path length x cross-section of the beam must be the volume of the guidewire's
-// tube, including its bends.
+// The path length times the cross-section of the beam, summed over all pixels, must be the volume of the
+// guidewire's tube, including its bends.
 static void tube_has_the_volume_of_its_wire(void **)
 {
     XraySettings settings;
