@@ -143,7 +143,7 @@ void put_relation(XaItem &item, const XrayRun &run)
 }
 
 // Returns true if the frames are equally spaced in time, apart from rounding to whole ticks (milliseconds).
-// For such equally spaced frames one number describes all frame times (C.7.6.5).
+// For frames equally spaced in time, one number describes all frame times (C.7.6.5).
 bool is_even(const XrayRun &run, double period_ms)
 {
     for (std::size_t i = 0; i < run.frames.size(); i++) {
@@ -189,7 +189,7 @@ std::string mask_in_words(const RunMask &mask)
                      mask.shift_y_px < 0.0 ? "up" : "down");
 }
 
-// By C.7.6.10 the mean of the mask frames is subtracted from every other frame.
+// According to DICOM C.7.6.10, the mean of the mask frames is subtracted from every other frame.
 void put_mask(XaItem &item, const XrayRun &run)
 {
     if (!run.mask) return;

@@ -164,11 +164,11 @@ void put_collimator(XaItem &item, const XrayRun &run)
     item.whole(DCM_CollimatorLowerHorizontalEdge, shape.bottom + 1);
 }
 
-// Puts the table's motion (C.8.7.4). The patient lies on the back with the head at the table's head end.
-// Longitudinal is therefore towards LAO (the patient's left), and lateral is towards cranial. When the table
-// moves in one direction, the patient's point at the isocentre moves in the opposite direction. Down is
-// positive for the table's vertical position, as in C.8.19.6.11, because the classic DICOM module does not
-// define the sign.
+// Puts the table's motion (C.8.7.4). The patient lies on the back with the head at the table's head end. The
+// table's longitudinal position is therefore positive towards LAO (the patient's left), and its lateral
+// position towards cranial. When the table moves in one direction, the patient's point at the isocentre moves
+// in the opposite direction. Down is positive for the table's vertical position, as in C.8.19.6.11, because
+// the classic DICOM module does not define the sign.
 void put_table(XaItem &item, const XrayRun &run)
 {
     const std::vector<double> left_mm = offsets(run, [](const CArm &c) { return -c.isocentre_m.x() * 1e3; });

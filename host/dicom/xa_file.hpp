@@ -27,9 +27,9 @@ struct XaStudy {
     std::string description;  // description of the study
 };
 
-// A DICOM file has at most this number of frames and of bytes; a longer run is continued in the next file.
-// The limits for a DICOM file have two reasons: an attribute with one number per frame has at most 65,534
-// characters, and viewers load a whole file into memory.
+// One DICOM file has at most these numbers of frames and of bytes; a longer run is continued in the next
+// file. The limits for a DICOM file have two reasons: an attribute with one number per frame has at most
+// 65,534 characters, and viewers load a whole file into memory.
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 
@@ -45,8 +45,8 @@ class XaInterrupted : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// The spool is a temporary file that holds the pixels of a whole export until the DICOM files are written, so
-// that the pixels need no memory. One spool serves many runs.
+// The spool is a temporary file that holds the pixels of a whole export until the DICOM files are written.
+// Pixels in the spool take up no main memory. One spool serves many runs.
 class XaSpool
 {
   public:
@@ -68,8 +68,8 @@ class XaSpool
     std::size_t size_bytes_ = 0;
 };
 
-// Describes the frames of one DICOM file in the spool (a temporary file): where the first frame begins, how
-// many frames follow each other, and how many pixels each frame has.
+// Describes the frames of one DICOM file in the spool (a temporary file): the position of the first frame,
+// the number of frames, and the number of pixels per frame.
 struct XaPixels {
     std::size_t offset_bytes = 0;
     std::size_t frame_count = 0, pixels_per_frame = 0;

@@ -13,7 +13,7 @@ constexpr double systemic_even = 0.6;        // the hump fills systole
 constexpr double left_coronary_even = 0.25;  // the hump fills diastole
 constexpr double right_coronary_even = 0.75; // the hump fills diastole
 
-// Returns a curve over 0 .. 1 that is 0 at both ends and 15/8 in the middle; the mean of the curve is 1.
+// The curve over `place`, 0 .. 1, is 0 at both ends and 15/8 in the middle; its mean is 1.
 double hump(double place)
 {
     const double rise = place * (1.0 - place);

@@ -1,5 +1,5 @@
-// Computes the driving forces of blood flow at a moment of the heartbeat: the pressure at the inlet, and how
-// open the vascular beds behind the outlets are. The part of the program that controls the heart rhythm
+// Computes what drives the blood flow at a moment of the heartbeat: the pressure at the inlet, and the
+// openness of the vascular beds behind the outlets. The part of the program that controls the heart rhythm
 // supplies the phase of the beat; steady_beat() supplies the phase of a heart that beats regularly. The
 // computation uses no libm, so that every machine gives results that are equal bit for bit. See
 // docs/contrast.md.
@@ -34,13 +34,13 @@ struct FlowDrive {
 FlowDrive flow_drive(const BeatPhase &phase);
 
 // Returns the phase of the core's own heartbeat (docs/heart.md) from the state of a tick. Systole begins with
-// the QRS and lasts 540 ms minus 2.1 ms per beat per minute. The aortic valve opens after 24 % of systole and
-// closes at its end. During asystole (`is_resting`) there is no flow.
+// the QRS and lasts 540 ms - 2.1 ms x heart rate (in beats per minute). The aortic valve opens after 24 % of
+// systole and closes at its end. During asystole (`is_resting`) there is no flow.
 BeatPhase core_beat(double beat_ms, double interval_ms, bool is_resting);
 
 // Returns the phase of a regular heartbeat that starts at tick 0 and has 20 .. 250 beats per minute. In this
-// model, ejection lasts 413 ms minus 1.7 ms per beat per minute (Weissler et al., Circulation 37 (1968) 149,
-// men).
+// model, ejection lasts 413 ms - 1.7 ms x heart rate (in beats per minute), as in men (Weissler et al.,
+// Circulation 37 (1968) 149).
 BeatPhase steady_beat(std::uint32_t tick, double beats_per_min);
 
 } // namespace crn

@@ -36,8 +36,8 @@ void ContrastFlow::take_volumes()
     for (std::size_t i = 0; i < cells_.size(); ++i) {
         const double radius_mm = cells_[i].radius_mm;
         per_volume_[i] = 2.0 / volume_ml_[i];
-        // The two layers of blood mix at this rate: the mean speed Q / (pi r^2) of the blood divided by the
-        // mixing length, which is mixing_radii times the radius r.
+        // The mixing rate of the two layers of blood is the mean speed Q / (pi r^2) of the blood divided by
+        // the mixing length. The mixing length is mixing_radii times the radius r.
         mixing_[i] = 1e3 / (pi * radius_mm * radius_mm * radius_mm * settings_.mixing_radii);
     }
     network_.set_volumes(volume_ml_);
@@ -94,9 +94,9 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     mix(step_s);
 }
 
-// A cell of blood that widens takes blood from its neighbours, and a cell that narrows gives blood to them.
-// The program computes this exchange as an added flow of volume that carries no iodine of its own, spread
-// evenly over the remaining time steps.
+// A cell (short segment of a vessel) that widens takes blood from its neighbours, and a cell that narrows
+// gives blood to them. This exchange of blood is an added flow that carries no iodine of its own; the flow is
+// spread evenly over the remaining time steps.
 void ContrastFlow::find_widening()
 {
     if (widening_steps_ == 0) return;
@@ -119,9 +119,8 @@ void ContrastFlow::end_widening()
     network_.set_volumes(volume_ml_);
 }
 
-// Each layer of blood has received its fraction of the flows, but must grow by half of the volume by which
-// its cell grows. Because this fraction of the flows is not one half, one layer passes its excess volume to
-// the other layer.
+// Each layer of blood has received its fraction of the flows, but must grow by half of the cell's growth.
+// Because this fraction of the flows is not one half, one layer passes its excess volume to the other layer.
 void ContrastFlow::widen(double dt_s)
 {
     const double core_share = settings_.core_flow_share;
@@ -139,7 +138,7 @@ void ContrastFlow::widen(double dt_s)
     }
 }
 
-// In one time step the faster layer must not lose more fluid than it holds; otherwise the time step is
+// In one time step the faster layer must not lose more fluid than it holds; if it would, the time step is
 // divided.
 double ContrastFlow::parts_of_step()
 {
@@ -159,8 +158,7 @@ double ContrastFlow::parts_of_step()
 
 // The iodine of each layer is transported separately by the upwind rule: a flow has the concentration of the
 // cell that it leaves. Each of the two layers of blood has half of the cell's volume and a fixed fraction of
-// every flow, including injected fluid. The flow into a layer of blood therefore equals the flow out of the
-// layer.
+// every flow, including injected fluid. The flow into a layer of blood equals the flow out of it.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
@@ -242,8 +240,8 @@ double ContrastFlow::held_mg() const
     return sum;
 }
 
-// Sums, for each branch, the contrast medium that entered at its beginning and the medium that was injected
-// in it or downstream of it. Branches come after their parents.
+// Sums two amounts of contrast medium for each branch: what entered at the branch's beginning, and what was
+// injected in the branch or downstream of it. Branches come after their parents.
 std::vector<double> ContrastFlow::received_mg() const
 {
     const std::size_t count = cells_.branch_count();

@@ -7,8 +7,8 @@
 //   contrast.step(flow_drive(phase), {4.0, 350.0});
 //   contrast.iodine_mg_per_ml(cell);
 //
-// Iodine is conserved: the injected amount equals the amount in the vessels plus the amounts that left
-// through the vascular beds and by reflux out of the inlet. The result depends only on the inputs of the
+// Iodine is conserved: the injected amount equals the amount in the vessels plus the amount that has left
+// through the vascular beds or back out of the inlet. The result depends only on the inputs of the
 // simulation. The computation has a fixed order and uses no libm, so that every machine gives results that
 // are equal bit for bit.
 #pragma once
@@ -78,8 +78,8 @@ class ContrastFlow
     // openings.
     void step(const FlowDrive &drive, const InjectedFluid &fluid);
 
-    // The next three functions return concentrations in a cell in mg/ml: the mean of both layers, the
-    // concentration in the layer around the axis, and the concentration in the layer along the wall.
+    // The next three functions return concentrations in a cell in mg/ml: the mean, that in the layer around
+    // the axis, and that in the layer along the wall.
     double iodine_mg_per_ml(std::size_t cell) const;
     double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / volume_ml_[cell]; }
     double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / volume_ml_[cell]; }

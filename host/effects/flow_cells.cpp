@@ -44,9 +44,9 @@ Vector3d between(const std::vector<Vector3d> &points_m, const FlowCell::Place &p
     return points_m[place.point] + place.share * (points_m[place.point + 1] - points_m[place.point]);
 }
 
-// Integrates along the part of a branch that a cell of blood covers; the radius changes linearly from one
-// point of the branch to the next. The function computes three quantities of that part: its length, the
-// integral of pi r^2 ds, and the integral of ds / r^4.
+// Integrates along the part of a branch that a cell covers; the radius changes linearly from one point of the
+// branch to the next. The function computes three quantities of that part: its length, the integral of pi r^2
+// ds, and the integral of ds / r^4.
 void measure(FlowCell &cell, const VesselBranch &branch)
 {
     double volume_mm3 = 0.0;
@@ -96,8 +96,8 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
     const VesselBranch &branch = tree.branches[index];
     const Line line(branch);
     const double begin_m = vessel_start_m(tree, index), length_m = line.length_m() - begin_m;
-    // The faces between cells are first placed at the wanted distances from each other; then all these
-    // distances are stretched so that the last face is at the end of the branch.
+    // The faces between cells are first placed at the wanted distances. The distances between faces are then
+    // stretched so that the last face is at the end of the branch.
     std::vector<double> faces_m = {0.0};
     while (faces_m.back() < length_m)
         faces_m.push_back(faces_m.back() + wanted_length_m(line.radius_m(

@@ -1,5 +1,5 @@
-// Divides the tree of vessels into cells of blood. Each cell has a position, radius, length and volume, and
-// the index of the upstream cell from which its blood comes.
+// Divides the tree of vessels into cells, which are short segments with the blood in them. Each cell has a
+// position, radius, length and volume, and the index of the upstream cell from which its blood comes.
 //
 //   FlowCells cells(tree);        // cells of a branch are consecutive; a cell comes after the one that feeds it
 //   cells.reshape(opened);        // the same vessels after lesions have yielded: other radii, volumes and places
@@ -67,8 +67,8 @@ class FlowCells
     Eigen::Vector3d last_face_m(std::size_t i) const { return at(i, cells_[i].last); }
 
     // Finds the cell with the smallest power distance |p - m|^2 - r^2 from a point p, where m is the middle
-    // and r the radius of the cell. Where vessels overlap, the cell found is in the vessel in which p lies
-    // deeper.
+    // and r the radius of the cell. Where vessels overlap, the found cell belongs to the vessel in which p
+    // lies deeper.
     std::size_t nearest(const Eigen::Vector3d &place_m) const;
 
   private:

@@ -14,10 +14,10 @@
 namespace crn
 {
 
-// Returns the fraction of its conductance that a round tube keeps with a concentric round rod in it; k is the
-// rod's radius divided by the tube's radius. The fraction of the conductance that remains is 1 - k^4 - (1 -
-// k^2)^2 / ln(1/k), and 0 from k = 0.98 on (Bird, Stewart, Lightfoot, Transport Phenomena, flow through an
-// annulus).
+// Returns the conductance of a round tube with a concentric round rod in it, divided by that of the empty
+// tube; k is the rod's radius divided by the tube's radius. The remaining fraction of the conductance is 1 -
+// k^4 - (1 - k^2)^2 / ln(1/k), and 0 from k = 0.98 on (Bird, Stewart, Lightfoot, Transport Phenomena, flow
+// through an annulus).
 double annulus_share(double share);
 
 struct CellSource {
@@ -52,11 +52,11 @@ class FlowNetwork
 
     // Returns the runs (rows of consecutive cells) of the last solution. Every cell is in one run of cells.
     // In the list, a run of cells comes after the run from which it receives its blood. The last cell of a
-    // run has an outlet, receives fluid, or feeds a cell other than the next one in the list.
+    // run has an outlet, receives injected fluid, or supplies a cell other than the next one in the list.
     const std::vector<FlowRun> &runs() const { return runs_; }
     std::size_t run_of(std::size_t cell) const { return run_of_[cell]; }
-    // The next functions return flows in ml/s: the flow into the run from upstream (negative: out of the
-    // run), and the flow out of its last cell into the vascular bed behind it.
+    // The next functions return flows in ml/s: the flow from upstream into the run (negative: out of the
+    // run), and the flow from its last cell into the vascular bed.
     double inflow_ml_s(std::size_t run) const { return flows_[run].in_ml_s; }
     double outflow_ml_s(std::size_t run) const { return flows_[run].out_ml_s; }
 

@@ -1,5 +1,5 @@
-// Supplies the fluid of all commanded injections tick by tick, in whole nanolitres, so that the fluid is the
-// same on every machine and in every replay.
+// Supplies the injected fluid tick by tick, in whole nanolitres, so that it is the same on every machine and
+// in every replay.
 #pragma once
 #include "host/effects/contrast_flow.hpp"
 #include <cstdint>

@@ -2,9 +2,9 @@
 // reports tick by tick.
 //
 // The electrocardiogram is a sum of bell curves at given phases of the beat: the P wave before the QRS, the T
-// wave at the end of systole. In the electrocardiogram, a premature beat is wide, without P, and has an
-// inverted T. The pressure comes from a two-element windkessel with a characteristic impedance, into which
-// each systole ejects. A ventricle that is less filled ejects less blood (docs/heart.md, "traces").
+// wave at the end of systole. In the electrocardiogram, a premature beat is wide, has no P wave, and has an
+// inverted T wave. A two-element windkessel with a characteristic impedance, into which each systole ejects,
+// gives the pressure. A ventricle that is less filled ejects less blood (docs/heart.md, "traces").
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>
@@ -41,7 +41,7 @@ class PulseMonitor
     // Receives every tick. After this call the curve shows the aortic pressure.
     void tick(const crn_wire_tick_state &state);
     // The next two functions together do the same as tick(), for a curve that shows the pressure of another
-    // transducer. advance() computes the aortic pressure, and show() receives the measured pressure of the
+    // transducer: advance() computes the aortic pressure, and show() receives the measured pressure of the
     // same tick.
     void advance(const crn_wire_tick_state &state);
     void show(double measured_mmHg);
@@ -59,7 +59,7 @@ class PulseMonitor
     bool holds_breath() const { return (bits_ & CRN_WIRE_RHYTHM_HOLDS_BREATH) != 0; }
 
     // Returns the last 4 s of both curves as a monitor draws them: new samples overwrite old ones from left
-    // to right, and `newest` is the index of the sample written last.
+    // to right. `newest` is the index of the newest sample.
     const std::array<Sample, sample_count> &samples() const { return samples_; }
     std::size_t newest() const { return newest_; }
     bool has_samples() const { return ticks_ > 0; }

@@ -361,7 +361,7 @@ COURNAND_API cournand_status cournand_world_faults(cournand_world *world, courna
 COURNAND_API cournand_status cournand_world_inject(cournand_world *world, double volume_ml,
                                                    double flow_ml_per_s, int32_t position,
                                                    double iodine_mg_per_ml);
-/* Takes the next stent of the list in the world's options, and mounts it on the balloon that is on the line.
+/* Takes the next stent of the list in the world's options, and mounts it on the balloon that is in use.
  */
 COURNAND_API cournand_status cournand_world_load_stent(cournand_world *world);
 
@@ -532,7 +532,7 @@ COURNAND_API cournand_status cournand_recording_world(const cournand_recording *
 /* Replays the recording up to `tick` in a world from cournand_recording_world(), and compares every tick with
  * the recording. `tick` must not be before the world's own tick. If the world has no patient, the replay
  * starts from the last recorded snapshot between the world's own tick and `tick`. If a tick differs, the
- * status is DIFFERENT, and the world stands at the first tick that differs. */
+ * status is DIFFERENT, and the world stays at the first tick that differs. */
 COURNAND_API cournand_status cournand_world_replay(cournand_world *world, const cournand_recording *recording,
                                                    uint32_t tick);
 

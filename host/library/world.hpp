@@ -87,7 +87,7 @@ class World
     const Scene &scene() const { return *settings_.scene; }
     std::size_t positions() const { return settings_.line.size(); }
     const std::vector<Instrument> &tools_on_line();
-    // Returns how the tools on the line look in X-ray pictures. Throws std::runtime_error if a material is
+    // Returns how the tools in use look in X-ray pictures. Throws std::runtime_error if a material is
     // unknown.
     const std::vector<RadiopaqueInstrument> &looks_on_line();
 

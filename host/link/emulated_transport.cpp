@@ -17,8 +17,8 @@ EmulatedTransport::EmulatedTransport(Emulator &emulator, std::function<void(std:
 {
 }
 
-// A device that has restarted does not know the earlier conversation. After a restart of the device, the next
-// call therefore throws an error once, and later calls communicate with the restarted device.
+// A device that has restarted has no memory of the earlier conversation. After a restart of the device, the
+// next call throws an error once, and later calls communicate with the restarted device.
 void EmulatedTransport::check_life()
 {
     const std::uint32_t boots = emulator_.boot_count();
@@ -33,8 +33,8 @@ void EmulatedTransport::write(std::span<const std::uint8_t> bytes)
     rig_page &page = emulator_.page();
     std::uint32_t head = page.host.to_device_head;
     const auto room = [&] { return RIG_RING_BYTES - (head - rig_read(&page.device.to_device_tail)); };
-    // If a frame fits into the ring buffer, the host announces all its bytes at once, so that the device does
-    // not begin to process an incomplete frame.
+    // If a frame fits into the ring buffer, the host announces all its bytes at once. The device therefore
+    // never begins to process an incomplete frame of data.
     while (!bytes.empty()) {
         const std::size_t wanted = std::min<std::size_t>(bytes.size(), RIG_RING_BYTES / 2);
         emulator_.wait([&] { return room() >= wanted; }, "room in the device's ring");

@@ -29,9 +29,9 @@ class EmulatedTransport final : public Transport
     std::uint32_t boot_count_;
 };
 
-// Starts the device's firmware image in an emulator of its own, with a rig whose sensors are healthy and
-// whose user's hands are at rest. pass_time_ms() advances the emulated time by milliseconds. Throws
-// EmulatorError with the remedy when the firmware image or the emulator is missing.
+// Starts the device's firmware image in an emulator of its own, with healthy sensors and the user's hands at
+// rest. pass_time_ms() advances the emulated time by milliseconds. Throws EmulatorError with the remedy when
+// the firmware image or the emulator is missing.
 class EmulatedDevice final : public Transport
 {
   public:

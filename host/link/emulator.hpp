@@ -37,8 +37,8 @@ struct EmulatorOptions {
 class Emulator
 {
   public:
-    // Starts the emulator and waits until the device is ready. After the start, the shared page describes a
-    // rig, and the host advances the rig's clock by milliseconds.
+    // Starts the emulator and waits until the device is ready. After the start, the shared memory page
+    // describes a rig, and the host advances the rig's clock by milliseconds.
     explicit Emulator(const EmulatorOptions &options);
     ~Emulator();
     Emulator(const Emulator &) = delete;

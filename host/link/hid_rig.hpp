@@ -40,7 +40,7 @@ struct HidApi {
     const wchar_t *(*error)(hid_device_ *device) = nullptr;
 };
 
-// Throws LinkError that names the missing hidapi library and its package. A loaded library stays in memory
+// Throws a LinkError that names the missing hidapi library and its package. A loaded library stays in memory
 // until the program ends.
 const HidApi &hid_api(HidBackEnd back_end);
 

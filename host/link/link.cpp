@@ -24,8 +24,8 @@ Link::Link(Transport &transport, Patience::Span patience)
 
 // --- frames out (link_receive.cpp: frames in) ---
 
-// The time that a device takes to accept the host's bytes counts towards the host's patience, as does the
-// time that the device takes to answer.
+// The time that a device takes to accept the host's bytes counts towards the time limit, as does the time
+// that it takes to answer.
 void Link::write(std::span<const std::uint8_t> bytes)
 {
     patience_.begin();
@@ -83,7 +83,7 @@ bool Link::ask_hello(const crn_wire_hello &hello)
 
 // The message HELLO starts the conversation of host and device anew, whatever bytes were lost or cut before.
 // If the device restarted in the middle of a frame, its reply to HELLO follows an incomplete frame and is
-// lost; the host then sends HELLO once more.
+// lost. The host then sends HELLO once more.
 crn_wire_hello_reply Link::hello_once()
 {
     const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
@@ -105,8 +105,8 @@ crn_wire_hello_reply Link::hello_once()
     return hello_reply_;
 }
 
-// If an upload of the same scene was interrupted, the upload continues where it stopped. A scene that the
-// device already has is not sent again.
+// An interrupted upload of the same scene continues where it stopped. A scene that the device already has is
+// not sent again.
 void Link::load_scene(std::span<const std::uint8_t> scene)
 {
     if (scene.size() > UINT32_MAX) throw LinkError("the scene is larger than 4 GiB");

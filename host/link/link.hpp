@@ -45,8 +45,8 @@ class Link
 {
   public:
     static constexpr std::size_t steps_max = CRN_WIRE_MAX_step_inputs;
-    // The following limits state how many frames a device sends before an answer, how many bytes a snapshot
-    // has, and how many notices wait until the host fetches them; no correct device exceeds them.
+    // The following limits hold for the frames that a device sends before an answer, for the bytes of a
+    // snapshot, and for the notices that wait for the host. No correct device exceeds them.
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
 
@@ -59,8 +59,9 @@ class Link
     // A program that has disconnected loses this control after at most 50 ms.
     crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
-    // `line` holds the number (from 1) of the tool at each position in the table, and 0 for a free position.
-    // If `line` is empty, all tools of the table are on the line.
+    // `line` holds one number for each position of the line (the nested tools): the number of its tool in the
+    // session's table, from 1, or 0 if the position has no tool. If `line` is empty, all tools of the
+    // session's table are in use.
     void load_tools(std::span<const crn_wire_instrument> tools, std::span<const std::uint8_t> line = {});
     void set_entry(const crn_wire_entry &entry);
     void set_rig(const crn_wire_rig &rig);
@@ -81,8 +82,8 @@ class Link
     std::uint32_t tick() const { return tick_; }
 
     // In the mode FREE_RUN, free_run() sends the newest input, waits for the given time and receives what the
-    // device sends meanwhile. During the wait the host sends a heartbeat with the last input at least every
-    // heartbeat_ms, because after 30 ms of silence the device reduces the forces to zero.
+    // device sends meanwhile. During the wait the host repeats the last input at least every heartbeat_ms,
+    // because the device reduces the forces to zero after 30 ms of silence.
     static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const crn_wire_tick_input &input); // without orders
     void say_present();                                // one heartbeat; nothing is received
@@ -91,8 +92,8 @@ class Link
     // other commands. In the mode LOCKSTEP, commands to the core are part of a tick's input. `orders` must
     // contain at least one command. Throws LinkError.
     void give_orders(const crn_wire_order_list &orders);
-    // The next functions return the ticks of the last call with their inputs, sensors and flags, also after
-    // an exception, and the events since that call.
+    // The next functions return the ticks of the last call (with inputs, sensors and flags) and the events
+    // since that call, also after an exception.
     const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const

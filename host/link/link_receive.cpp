@@ -1,6 +1,6 @@
 // Finds the frames in the bytes from the device, stores the frames by their type, and throws an exception for
-// each refusal. No device can keep the host in this code for ever, because three quantities have limits: the
-// bytes without a frame, the frames without an answer, and the time.
+// each refusal. The host cannot wait here for ever, because three quantities have limits: the bytes without a
+// frame, the frames without an answer, and the time.
 #include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/link/link.hpp"
@@ -196,7 +196,7 @@ void Link::file_stream()
 }
 
 // Returns true if a refusal belongs to an earlier request whose time limit had expired, or to a command that
-// did not reach the device as a complete frame.
+// the device did not receive completely.
 bool Link::is_late_refusal() const
 {
     if (decoder_.header.type != CRN_WIRE_TYPE_reject) return false;

@@ -1,7 +1,7 @@
 // Limits how long a device may keep the host waiting in total, over a whole conversation. A correct device
 // answers each request within milliseconds. If a wait exceeds the time `free`, the excess is subtracted from
-// the time budget; every quick answer returns a little time to the budget. Therefore the host gives up after
-// the same bounded time whether a device is silent, sends without answering, or answers each request just
+// the time budget; every quick answer returns a little time to the budget. The host therefore gives up after
+// the same bounded time, whether a device is silent, sends without answering, or answers each request just
 // before a time limit. After Ctrl-C the host waits only as long as a healthy device needs to end a session
 // cleanly.
 #pragma once

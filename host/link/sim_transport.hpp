@@ -1,5 +1,5 @@
-// Makes the sim port, which is the firmware compiled for the host, available as a Transport: the firmware
-// runs in this process, and the host reaches it only through bytes.
+// Makes the sim port (the firmware compiled for the host) available as a Transport. The firmware runs in this
+// process, and the host reaches it only through bytes.
 #pragma once
 #include "host/link/transport.hpp"
 #include <memory>

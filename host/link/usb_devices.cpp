@@ -53,8 +53,8 @@ std::string place_of(libusb_device *device)
     return text;
 }
 
-// libusb's own function waits 1 s for each text string that it requests, although USB 2.0 allows a device
-// only half a second (9.2.6.4).
+// libusb's own function waits 1 s for each text string, although USB 2.0 allows a device only half a second
+// (9.2.6.4).
 int string_descriptor(libusb_device_handle *handle, std::uint8_t index, std::uint16_t language,
                       std::span<unsigned char> bytes)
 {
@@ -206,7 +206,7 @@ UsbHandle usb_open(libusb_context *context, const std::string &serial)
         Opened opened = open_one(device);
         rigs.push_back(opened.rig);
         // A rig that this user may not open has no known serial number. If no other rig has the wanted serial
-        // number, this rig could be the wanted one.
+        // number, this rig could have it.
         if (serial.empty() || opened.rig.serial == serial) found.push_back(std::move(opened));
     }
     if (found.size() == 1 && found[0].error == 0) return std::move(found[0].handle);

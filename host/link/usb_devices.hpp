@@ -52,8 +52,8 @@ using UsbHandle = std::unique_ptr<libusb_device_handle, UsbHandleEnd>;
 UsbContext usb_context();
 std::vector<UsbRig> usb_rigs(libusb_context *context);
 
-// An empty `serial` selects the only rig that is plugged in. Throws LinkError that lists the present rigs or
-// gives the remedy for a refusal, and DeviceLost when no rig is plugged in.
+// An empty `serial` selects the only rig that is plugged in. Throws a LinkError that lists the present rigs
+// or gives the remedy for a refusal; throws DeviceLost when no rig is plugged in.
 UsbHandle usb_open(libusb_context *context, const std::string &serial);
 
 // Returns one of the text strings that a USB device reports about itself. Only printable ASCII characters of
@@ -65,8 +65,8 @@ std::string usb_text(libusb_device_handle *handle, std::uint8_t index, int &erro
 // ...".
 std::string usb_trouble(int error, const std::string &what);
 
-// Detects when a rig is plugged in or unplugged. Where the operating system can report that a rig was plugged
-// in or unplugged, this class uses these reports; elsewhere it looks for changes 5 times a second.
+// Detects when a rig is plugged in or unplugged. If the operating system reports that rigs were plugged in or
+// unplugged, this class uses the reports; otherwise it looks for changes 5 times a second.
 class UsbWatch
 {
   public:

@@ -1,10 +1,10 @@
-// UsbTransport is a Transport to a rig on USB. The transport uses the pair of bulk endpoints of docs/usb.md
-// through libusb, with several pending transfers in each direction.
+// UsbTransport is a Transport to a rig on USB. It uses the pair of bulk endpoints of docs/usb.md through
+// libusb, with several transfers pending in each direction.
 //
 // A separate thread of the transport serves libusb. A read or write blocks its caller only for a limited
-// time. Every wait ends in one of four cases: bytes arrive, the time limit is reached, the device disappears
-// (DeviceLost), or after_interrupt_ms have passed since Ctrl-C. The destructor cancels all transfers and ends
-// the thread. Only one thread at a time may call the functions of a transport.
+// time. Every wait ends when bytes arrive, the time limit is reached, the device disappears (DeviceLost), or
+// after_interrupt_ms have passed since Ctrl-C. The destructor cancels all transfers and ends the thread. Only
+// one thread at a time may call the functions of a transport.
 #pragma once
 #include "host/link/transport.hpp"
 #include "host/link/usb_devices.hpp"
@@ -30,7 +30,7 @@ struct UsbLimits {
 class UsbTransport final : public Transport
 {
   public:
-    // An empty `serial` selects the only rig that is plugged in. Throws LinkError with the remedy, and
+    // An empty `serial` selects the only rig that is plugged in. Throws a LinkError with the remedy, and
     // DeviceLost when the rig is not plugged in.
     explicit UsbTransport(const std::string &serial = "", const UsbLimits &limits = {});
     ~UsbTransport() override;

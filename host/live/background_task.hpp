@@ -1,4 +1,4 @@
-// Runs a long piece of work in a separate thread, so that the window never waits for it.
+// Runs a long piece of work in a separate thread, so that the GUI window never waits for it.
 //
 //   BackgroundTask<Scene> task([](TaskProgress &progress) { return make_scene(progress); });
 //   if (const Scene *made = task.result()) ...      in every frame of the window
@@ -16,7 +16,7 @@
 namespace crn
 {
 
-// Passes the progress of the work to the window, and tells the work whether it may continue.
+// Passes the progress of the work to the GUI window, and tells the work whether it may continue.
 class TaskProgress
 {
   public:

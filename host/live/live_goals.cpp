@@ -6,8 +6,8 @@ namespace crn
 namespace
 {
 
-// The live session checks its goals less often than the marks do, because computing the residual stenosis
-// takes milliseconds, in which the physics waits.
+// The live session checks its goals less often than the final marking does, because computing the residual
+// stenosis takes milliseconds, during which the physics waits.
 constexpr std::uint32_t look_ticks = 4 * GoalWatch::look_every_ticks;
 
 } // namespace

@@ -58,7 +58,7 @@ void LiveSession::drag(std::size_t tool, std::int32_t translation_counts, std::i
         std::clamp(waiting.rotation_counts + rotation_counts, -drag_max_counts, drag_max_counts);
 }
 
-// Returns the part of a drag (a motion by the mouse) that one tick carries out.
+// Returns the part of a drag with the mouse that one tick carries out.
 crn_wire_hand LiveSession::step_of_drag(crn_wire_hand &waiting)
 {
     const crn_wire_hand step = {std::clamp(waiting.translation_counts, -drag_um_per_tick, drag_um_per_tick),
@@ -99,8 +99,8 @@ void LiveSession::exchange(std::uint8_t position, std::uint8_t tool)
 void LiveSession::order(const crn_wire_order &order)
 {
     if (!choice_.free_run) return orders_.add(order);
-    // If a rig has disappeared, or already has too many waiting orders, this order is not sent; the user may
-    // repeat it.
+    // If a rig has disappeared, or already has too many waiting commands, this command is not sent; the user
+    // may repeat it.
     try {
         if (fault_.empty()) device_.link().give_orders({1, {order}});
     } catch (const DeviceLost &) {
@@ -226,8 +226,8 @@ void LiveSession::stop_out_of_range()
         has_stopped_ = true;
         figures_.range.find_place(device_.link());
     } catch (const LinkError &) {
-        // If the device has disappeared in the meantime, the program cannot read at which place the physics
-        // left its valid range, and the recording ends at that tick.
+        // If the device has disappeared in the meantime, the program cannot read where the physics left its
+        // valid range; the recording ends at that tick.
     }
 }
 

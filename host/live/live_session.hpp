@@ -1,6 +1,6 @@
 // Runs a session that a person controls; it has one device, one recording, one patient and the thread of its
-// pictures. An object of this class serves one session; after a reset the window makes a new object. In the
-// mode FREE_RUN, a device computes ticks by its own clock, and its encoders measure the motion of the user's
+// pictures. An object of this class serves one session; after a reset the GUI makes a new object. In the mode
+// FREE_RUN, a device computes ticks by its own clock, and its encoders measure the motion of the user's
 // hands. The pedals of a rig work in addition to the pedal keys of the keyboard. Only one thread at a time
 // may use an object of this class.
 #pragma once
@@ -27,10 +27,10 @@ namespace crn
 class LiveSession final : private FreeRunSink
 {
   public:
-    // `tools` is the table of the session's tools, and pictures.line states which of these tools are on the
-    // line at the start (tool_line.hpp). `begin` holds the commands that the X-ray room receives at the
-    // start. If `record` is empty, the session is not recorded. Throws the exceptions that Device, Recorder
-    // and PictureThread throw.
+    // `tools` lists all tools of the session, and pictures.line states which of them are in use at the start
+    // (tool_line.hpp). `begin` holds the commands that the X-ray room receives at the start. If `record` is
+    // empty, the session is not recorded. Throws the exceptions that Device, Recorder and PictureThread
+    // throw.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {},
@@ -43,13 +43,13 @@ class LiveSession final : private FreeRunSink
     // Moves one hand by a distance and an angle in encoder counts, at most as fast as a real hand can move.
     void drag(std::size_t tool, std::int32_t translation_counts, std::int32_t rotation_counts);
     // Sets the rate at which the inflator's pressure changes from now on; a rate of 0 keeps the pressure. If
-    // no tool on the line has a balloon, the screen shows a notice about this instead.
+    // no tool in use has a balloon, the screen shows a notice about this instead.
     void inflate(std::int32_t kPa_per_s);
     void command(const RoomCommand &command);
     void order(const crn_wire_order &order);
-    // Exchanges the tool at a position (0: innermost) for a tool of the table, whose numbers count from 1;
-    // number 0 takes the tool off the line. If an exchange was refused, the patient's notice() returns the
-    // reason.
+    // Replaces the tool at a position (0: innermost) by the tool with this number in the session's table,
+    // from 1; the number 0 only removes the tool. If the replacement of a tool was refused, the patient's
+    // notice() returns the reason.
     void exchange(std::uint8_t position, std::uint8_t tool);
     void note_input(SuiteClock::time_point when) { asked_ = when; } // for the delay from hand to picture
 
@@ -64,7 +64,7 @@ class LiveSession final : private FreeRunSink
     bool has_own_clock() const { return choice_.free_run && choice_.is_usb; }
     const std::string &fault() const { return fault_; }
     // The session stops when the physics leaves its valid range: fault() then returns the notice, and range()
-    // returns the details.
+    // the details.
     const RangeWatch &range() const { return figures_.range; }
     SuiteState state() const; // a copy of what the window shows
     PictureThread &pictures() { return pictures_; }

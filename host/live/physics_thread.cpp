@@ -38,9 +38,9 @@ class Pace
         ticks_ += count;
     }
     std::int64_t next() const { return ticks_ + 1; }
-    // Punctual threads are urgent. If a session cannot keep up with real time, it computes without a pause.
-    // The session's thread then has ordinary priority until the session has kept up for a second, so that the
-    // thread does not block the window.
+    // Punctual threads are urgent. If a session cannot keep up with real time, it computes without a pause. A
+    // session's thread then has ordinary priority until it has kept up for a second, so that it does not
+    // block the GUI window.
     void choose_urgency()
     {
         const bool should_be_urgent = SuiteClock::now() - lost_at_ > urgent_again_after;
@@ -127,7 +127,7 @@ void PhysicsThread::publish(const PaceFigures &pace)
     state_.put(std::move(state));
 }
 
-// Carries out the actions that the window has requested. Returns false if the thread must end.
+// Carries out the actions that the GUI window has requested. Returns false if the thread must end.
 bool PhysicsThread::take_actions()
 {
     std::vector<Action> actions;

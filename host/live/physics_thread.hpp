@@ -1,4 +1,4 @@
-// Advances a live session in a separate thread, 1000 ticks per second. The window requests actions, which
+// Advances a live session in a separate thread, 1000 ticks per second. The GUI window requests actions, which
 // this thread carries out before its next tick, and takes copies of the state from a mailbox.
 //
 //   PhysicsThread physics(std::move(session), PhysicsPace::real_time);

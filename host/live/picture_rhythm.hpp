@@ -1,6 +1,6 @@
-// Predicts when the live monitor gets its next picture, from the times of the last two pictures. If the
+// Predicts when the live monitor gets its next picture from the times of the last two pictures. If the GUI
 // window began to draw a screen shortly before a picture arrives, only the following screen would show this
-// picture. The window therefore waits for the picture.
+// picture. The GUI window therefore waits for a picture that is due.
 #pragma once
 #include <chrono>
 

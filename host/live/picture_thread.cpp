@@ -174,7 +174,8 @@ void PictureThread::give(RoomPackage package)
     if (!keeps_all_ && pulses_in(package) > 0) leave_out_fluoroscopy();
     changed_.wait(lock, [this] { return waiting_pulses() < pulses_waiting_max || failure_; });
     throw_failure();
-    // A package without events contains only the state of the room, so the next package can replace it.
+    // A package from the physics without events contains only the state of the room, so the next package can
+    // replace it.
     if (!waiting_.empty() && waiting_.back().items.empty()) waiting_.pop_back();
     waiting_.push_back(std::move(package));
     lock.unlock();

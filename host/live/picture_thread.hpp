@@ -1,7 +1,7 @@
-// Computes the pictures of a live session in a separate thread. The physics passes packages to this thread:
-// the events of the X-ray room, a copy of the data for each pulse's picture, and a copy of the room. The
-// window takes the finished pictures from mailboxes. The pictures' thread shares nothing else with the
-// physics, so the pictures cannot influence the physics.
+// Computes the pictures of a live session in a separate thread. The physics passes packages of data to the
+// pictures' thread. A package has the events of the X-ray room, a copy of the data for each pulse's picture,
+// and a copy of the room's state. The GUI window takes the finished pictures from mailboxes. The pictures'
+// thread shares nothing else with the physics, so the pictures cannot influence the physics.
 //
 // If the machine is too slow, fluoroscopy pulses that wait for their pictures are left out, and only the
 // newest pulse is drawn. All frames of cine and DSA runs are drawn. While many frames of such runs wait,

@@ -136,9 +136,9 @@ bool ReplayRoom::prepare(std::uint32_t count)
     return device.link().tick() < ticks();
 }
 
-// Advances the device for the pictures to a tick, either from its present tick or from the nearest snapshot
-// before the wanted tick. The last tick is always computed, because a snapshot does not contain the readings
-// of the tick at which it was taken.
+// Advances the device to the wanted tick for the pictures, either from its present tick or from the nearest
+// earlier snapshot. The last tick is always computed, because a snapshot does not contain the readings of the
+// tick at which it was taken.
 void ReplayRoom::go_to(std::uint32_t tick)
 {
     const std::uint32_t now = device_->link().tick();

@@ -1,7 +1,7 @@
 // Shows any moment of a recording from any angle of the C-arm. Each moment is computed from the last snapshot
 // before it, so a late moment takes no longer than an early one. Contrast medium, stents and the position of
 // the C-arm depend on the whole session before the moment. The replay takes medium, stents and the C-arm's
-// position from a track (a list of these states), which another thread prepares once.
+// position from a track (a list of these states over time), which another thread prepares once.
 //
 //   ReplayRoom room("live.rec", "", settings);
 //   while (room.prepare(1000)) ...                        in one thread, until the track is complete

@@ -45,7 +45,8 @@ void ReplayThread::prepare()
             goes_on = room_->prepare(track_ticks);
         }
     } catch (const std::exception &) {
-        // From here on, the pictures continue without medium and stents, and are marked as not prepared.
+        // After this failure, the pictures continue without medium and stents, and are marked as not
+        // prepared.
     }
 }
 

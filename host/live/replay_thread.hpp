@@ -1,5 +1,5 @@
 // Runs a ReplayRoom in two threads: one prepares the track (the states over the session), and the other
-// computes the picture that the window requested last.
+// computes the picture that the GUI window requested last.
 #pragma once
 #include "host/live/mailbox.hpp"
 #include "host/live/replay_room.hpp"

@@ -1,4 +1,4 @@
-// Holds a copy of everything about a session that the window shows besides pictures. The physics' thread
+// Holds a copy of everything about a session that the GUI window shows besides pictures. The physics' thread
 // publishes a new copy about 50 times a second, and never changes a published copy.
 #pragma once
 #include "host/base/thread_urgency.hpp"

@@ -10,7 +10,8 @@ namespace crn
 
 inline void yield_to_physics(int nice = 5)
 {
-    // If the call fails, the physics is only less punctual, and the window shows the real-time factor anyway.
+    // If the call fails, the physics is only less punctual, and the GUI window shows the real-time factor
+    // anyway.
     setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), nice);
 }
 

@@ -1,5 +1,5 @@
 // Stores the sessions of cases in the records of trainees (docs/records.md), and reads best scores and
-// learning curves for the screens of the window.
+// learning curves for the GUI window.
 #pragma once
 #include "host/cases/case.hpp"
 #include "host/command/recorded_score.hpp"
@@ -34,8 +34,8 @@ struct StoredSession {
     std::string trouble; // why the session is not stored, with the remedy; empty: it is
     LearningCurve curve; // of the score, over the trainee's sessions in this case
 };
-// Returns the record of a scored session. The score is the marks of the case, the metrics are those of the
-// assessment and of the motion, and the events are the errors and the beginnings of phases.
+// Returns the record of a scored session. The score is the mark of the case, the metrics are those of the
+// assessment and of the motion, and the events are errors and beginnings of phases.
 SessionRecord record_of(const PlayedCase &played, const RecordedScore &score);
 // Stores the session and sends it to the server that COURNAND_RECORDS names, if it names one. The recording
 // gets a second name in the user's data folder, so that it is not deleted with the oldest kept recordings.

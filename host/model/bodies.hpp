@@ -41,14 +41,14 @@ struct Bodies {
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error);
 
 // Reads bodies that are shown together with a scene; the bodies must have been baked (computed) together with
-// this scene. The program `bake` writes the scene and the bodies at once. A tree of vessels from another
-// scene would be wrong, and no user could see this error. Without a scene (an empty path) the function
+// this scene. The program `bake` writes the scene and the bodies together. A tree of vessels from another
+// scene would be wrong, and no user could notice the error. Without a scene (an empty path) the function
 // accepts any bodies.
 bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodies &bodies,
                     std::string &error);
 
 // Checks what reading alone cannot guarantee: parents exist and form no cycle, vertex indices are in range,
-// there are at most 8 million triangles in all, and coordinates are within 2 m.
+// there are at most 8 million triangles, and coordinates are within 2 m.
 bool check_bodies(const Bodies &bodies, std::string &error);
 
 } // namespace crn

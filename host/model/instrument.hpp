@@ -85,8 +85,7 @@ Instrument read_instrument(const std::string &path);
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
 // Returns "'Bentson' (0.889 mm) does not pass the lumen of 'Terumo 4F' (0.8 mm, at 30 mm from its tip)", or
-// an empty text if the inner instrument passes through the outer one. The core uses the same rule when it
-// refuses nested tools.
+// an empty text if the inner instrument fits. The core uses the same rule when it refuses nested tools.
 std::string nesting_refusal(const Instrument &inside, const Instrument &outer);
 
 // Returns the number of nodes of the core's mesh (docs/rod.md), for one instrument or for several nested
@@ -99,9 +98,8 @@ int line_node_count(const crn_wire_instrument &tool);
 
 // Returns points of the instrument's unloaded centreline, tip first, from the tip to `straight_m` behind the
 // last arc. The list contains a point every `step_m` and at every change of curvature. The straight part of
-// the shape lies on the x axis, and the origin is at the end of this part that is nearer to the user's hand.
-// The instrument enters along +x; d1 is +y, and d2 = t x d1 is -z, where t points along the instrument
-// towards the user's hand.
+// the shape lies on the x axis; the origin is at its end nearer to the user's hand. The instrument enters
+// along +x; d1 is +y, and d2 = t x d1 is -z, where t points along the instrument towards the user's hand.
 struct ShapePoint {
     double arc_m = 0.0;
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

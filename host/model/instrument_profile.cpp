@@ -1,5 +1,5 @@
-// Converts an instrument's sections and arcs to three results: the knots of the protocol's `instrument`
-// message (values at arc lengths), the nodes of the mesh, and the unloaded shape.
+// Converts an instrument's sections and arcs to the knots of the protocol's `instrument` message (values at
+// arc lengths), to the nodes of the mesh, and to the unloaded shape.
 #include "host/model/instrument_parts.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -65,8 +65,8 @@ crn_wire_knot knot_at(const Section &section, const InstrumentArc *arc, double a
     return knot;
 }
 
-// Returns, in ascending order, the arc lengths of the section's ends, of the ends of the equal steps into
-// which the section is divided, and of the ends of the arcs inside the section.
+// Returns arc lengths in ascending order: the ends of the section, of the equal steps into which it is
+// divided, and of the arcs inside it.
 std::vector<double> boundaries_mm(const Section &section, const std::vector<InstrumentArc> &shape)
 {
     std::vector<double> all;
@@ -142,8 +142,8 @@ void add_profile(const TomlTable &preset, const std::vector<Section> &sections, 
 
 int line_node_count(std::span<const crn_wire_instrument *const> tools)
 {
-    // The number of elements is computed with the core's Q30 metres and the core's rounding, because the
-    // length of an instrument may be an exact multiple of the element length.
+    // The number of elements is computed with the core's Q30 metres and rounding, because the instrument's
+    // length may be an exact multiple of the element length.
     const auto q30 = [](std::uint64_t um) {
         return static_cast<std::int64_t>(((um << 30) + 500000) / 1000000);
     };

@@ -45,20 +45,20 @@ class LesionOpening
         return lesions_.size();
     } // number of lesions that yield: the tree's first ones
 
-    // Describes a position between two stations (points) of a lesion: the index of the first station in
-    // WireFrame::lesions_open, and the fraction of the distance to the next station.
+    // Describes a position between two stations (points) of a lesion by the index of the first station in
+    // WireFrame::lesions_open and the fraction of the distance to the next station.
     struct Place {
         std::size_t station = 0;
         double share = 0.0; // share of the next one
     };
     // Returns the position at this distance from the lesion's first point, measured along the healthy vessel.
     Place place(std::size_t lesion, double arc_m) const;
-    // Returns how far the lesion is open at a position: 0 means as narrow as in the scene file, 1 means as
-    // wide as the healthy vessel. Returns 0 if the list `lesions_open` has no value for this position.
+    // Returns the opening of a lesion at a position: 0 is as narrow as in the scene file, 1 as wide as the
+    // healthy vessel. Returns 0 if the list `lesions_open` has no value for this position.
     static double at(const Place &place, std::span<const double> lesions_open);
     bool is_open(std::size_t lesion, std::span<const double> lesions_open) const;
     bool is_any_open(std::span<const double> lesions_open) const;
-    // Returns how far a lesion is open at one of its points, from 0 (as narrow as in the scene file) to 1 (as
+    // Returns the opening of a lesion at one of its points, from 0 (as narrow as in the scene file) to 1 (as
     // wide as the healthy vessel).
     double at_point(std::size_t lesion, std::size_t point, std::span<const double> lesions_open) const
     {

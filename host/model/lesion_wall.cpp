@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 constexpr double unmoved_m = 1e-6;
 constexpr int share_rounds = 24;
 
-// Adds those stretches of a branch that may be nearer to some part of the wall inside the box than the lesion
-// is. Distances from a vessel are compared in radii of that vessel.
+// Adds the stretches of a branch that may be nearer than the lesion to some part of the wall inside the box.
+// Distances from a vessel are compared in radii of that vessel.
 void add_near_stretches(const VesselBranch &branch, const Eigen::AlignedBox3d &reach_m,
                         std::vector<VesselBranch> &stretches)
 {
@@ -132,10 +132,10 @@ Vector3d LesionWall::way_m(const Vector3d &healthy_m) const
 
 // Finds the healthy position of a point of the wall that has moved by a known fraction s of the lesion's
 // displacement. Let v be the healthy position of the point. Let h be the point on the healthy centreline that
-// is nearest to v. The lesion moved v to x, which lies near m = h + s (c - h), and x - m has the same
-// direction across the centreline as v - h. Therefore h is either the point of the centreline at which x - m
-// is perpendicular to the centreline, or a corner of the centreline at which x - m is perpendicular to
-// neither side. The healthy position is then v = h + (x - m) / (1 - s (1 - left)).
+// is nearest to v. The lesion moved v to x, which lies near m = h + s (c - h). Across the centreline, x - m
+// has the same direction as v - h. Therefore either h is the point of the centreline at which x - m is
+// perpendicular to it, or h is a corner at which x - m is perpendicular to neither side. The healthy position
+// is then v = h + (x - m) / (1 - s (1 - left)).
 LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) const
 {
     Healthy healthy{narrowed_m, 0};
@@ -163,7 +163,7 @@ LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) c
 }
 
 // If a point of the healthy wall was farther from the centreline, it moved by a smaller fraction s of the
-// displacement. Therefore exactly one fraction s is consistent with each narrowed position.
+// displacement. Exactly one fraction s is therefore consistent with each narrowed position.
 bool LesionWall::healthy_of(const Vector3d &narrowed_m, Healthy &healthy) const
 {
     if (!reach_m_.contains(narrowed_m)) return false;

@@ -19,8 +19,8 @@ constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 // Returns the tree of vessels as it was before disease narrowed it.
 VesselTree healthy_tree(const VesselTree &tree);
 
-// Holds the point on a lesion's healthy centreline that is nearest to a given point, and the position to
-// which the lesion moved this nearest point.
+// Holds the point of a lesion's healthy centreline that is nearest to a given point, and the position to
+// which the lesion moved it.
 struct LesionFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the healthy radius
     Eigen::Vector3d healthy_m = Eigen::Vector3d::Zero(), channel_m = Eigen::Vector3d::Zero();

@@ -42,8 +42,8 @@ MotionWeights motion_weights(const MotionMoment &moment)
 double motion_plane_weight(int corner, const Eigen::Vector3d &place)
 {
     // In Kuhn's division of a cell, each tetrahedron follows a path of edges from corner 0 of the cell. The
-    // path reaches a corner if the position in the cell has larger coordinates along the axes that lead to
-    // this corner than along the other axes. The weight of the corner is the smallest coordinate along the
+    // path passes through a corner if the position in the cell has larger coordinates along the axes leading
+    // to this corner than along the other axes. The weight of the corner is the smallest coordinate along the
     // axes that lead to it, minus the largest coordinate along the other axes.
     double least = 1, most = 0;
     for (int k = 0; k < 3; ++k) {

@@ -39,15 +39,14 @@ struct MotionWeights {
 };
 MotionWeights motion_weights(const MotionMoment &moment);
 
-// Computes coefficients c, one per keyframe, of the periodic spline that passes through w: (c[k-1] + 6 c[k] +
-// c[k+1]) / 8 = w[k]. The method is Gauss-Seidel with 20 rounds, each of which reduces the error by a factor
-// of 9.
+// Computes coefficients c, one per keyframe, of the periodic spline through w: (c[k-1] + 6 c[k] + c[k+1]) / 8
+// = w[k]. Each of the 20 Gauss-Seidel rounds reduces the error by a factor of 9.
 void motion_prefilter(const double *w, double *c);
 
 // Returns the weight of one corner of a lattice cell (bits x, y, z of `corner`) for a position in the cell (0
 // .. 1 along each axis). The lattice's displacement is linear in each of the six tetrahedra into which a cell
-// is divided. In each tetrahedron, a path of cell edges leads from corner 0 along the axes, and first along
-// the axis with the largest coordinate (Kuhn's division, which is used for the breath's lattice).
+// is divided. In each tetrahedron, a path of cell edges leads from corner 0 along the axes, beginning with
+// the axis of the largest coordinate (Kuhn's division, which is used for the breath's lattice).
 double motion_plane_weight(int corner, const Eigen::Vector3d &place);
 
 class Motion
@@ -84,8 +83,8 @@ class Motion
 };
 
 // Reads the MOTION section of a scene file, which describes how vessels move. Returns no motion when the file
-// has no MOTION section. If the section cannot be read, the function also returns no motion, and `error` has
-// a message.
+// has no MOTION section. If the MOTION section cannot be read, the function returns no motion, and `error`
+// has a message.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
 // Holds points that move with the lattice of heart and breath. The lattice is evaluated at each point only
@@ -118,9 +117,9 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // Holds the displacements at the keyframes 23, 0 .. 23, 0. The displacements of all points without breath
-    // come first, and then the difference that a full breath makes. The points of one keyframe are adjacent
-    // in memory, because each moment needs three keyframes of all points.
+    // Holds the displacements at the keyframes 23, 0 .. 23, 0. The list begins with the displacements of all
+    // points without breath, followed by the difference that a full breath makes. The points of one keyframe
+    // are adjacent in memory, because each moment needs three keyframes of all points.
     std::vector<float> ways_um_;
 };
 

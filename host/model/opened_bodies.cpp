@@ -16,8 +16,9 @@ Vector3d vertex_m(const Body &body, std::uint32_t index)
     return body.vertices_um[index].cast<double>() * 1e-6;
 }
 
-// Returns true if a point is inside a closed surface. The function sums the solid angle of the surface seen
-// from the point, as a fraction of the sphere: 1 inside, 0 outside (Van Oosterom and Strackee 1983).
+// Returns true if a point is inside a closed surface. The function sums the solid angle of the surface as
+// seen from the point, as a fraction of the sphere: 1 means inside, 0 outside (Van Oosterom and Strackee
+// 1983).
 bool is_inside(const Body &body, const Vector3d &place_m)
 {
     double sum = 0.0;
@@ -30,8 +31,8 @@ bool is_inside(const Body &body, const Vector3d &place_m)
     return std::fabs(sum) > std::numbers::pi; // half of the sum over the whole sphere
 }
 
-// Returns true if part of the lesion's healthy centreline lies in the body (closed mesh); `bake` narrowed
-// each body of blood for which this is true.
+// Returns true if part of the lesion's healthy centreline lies in the body (closed mesh); `bake` has narrowed
+// each such body of blood.
 bool runs_through(const Body &body, const VesselLesion &lesion)
 {
     Eigen::AlignedBox3d box;
@@ -82,8 +83,8 @@ void OpenedBodies::find_wall(const Body &body, std::size_t lesion, const LesionW
     }
 }
 
-// Plaque keeps its volume. When a lumen widens from radius r to R, material at the distance d from its middle
-// moves to sqrt(d^2 + R^2 - r^2), so that a ring of material keeps its area.
+// Plaque keeps its volume. When a lumen widens from radius r to R, material at the distance d from the
+// lumen's middle moves to sqrt(d^2 + R^2 - r^2), so that a ring of material keeps its area.
 void OpenedBodies::find_calcium(const Body &body, std::size_t lesion, const LesionWall &wall,
                                 Opened &opened) const
 {

@@ -1,5 +1,5 @@
-// Changes the meshes around lesions that a balloon has opened: the surface of the blood moves back towards
-// the healthy vessel wall, and pushes calcium outwards.
+// Changes the meshes around lesions that a balloon has opened: the surface of the blood moves back to the
+// healthy wall, and pushes calcium outwards.
 //
 //   OpenedBodies opened(bodies, opening, motion);
 //   for (const auto &body : opened.at(moment, wire.lesions_open, moving.at(moment))) ...
@@ -18,18 +18,17 @@ class LesionWall;
 class OpenedBodies
 {
   public:
-    // Finds the vertices near each lesion, in the body of blood through which the lesion's vessel runs, and
-    // in the calcium that `bake` made for the lesion (the body LESION_calcium). `motion` may be null if no
-    // body moves.
+    // Finds the vertices near each lesion in two bodies: the blood of the lesion's vessel, and the calcium
+    // that `bake` made for the lesion (LESION_calcium). `motion` may be null if no body moves.
     OpenedBodies(const Bodies &bodies, const LesionOpening &opening, const Motion *motion);
 
     bool is_empty() const { return opened_.empty(); }
     std::size_t vertex_count() const; // number of vertices that move with lesions
     std::vector<int> bodies() const;  // bodies that have such vertices
 
-    // Returns the bodies (closed meshes) whose shape at this moment differs from that in the scene file: the
-    // bodies in `moved`, which the heart moves, and the bodies that open lesions change. The list that this
-    // function returns is valid until the next call.
+    // Returns the bodies (closed meshes) whose present shape differs from that in the scene file: those in
+    // `moved`, which the heart moves, and those that open lesions change. The list that this function returns
+    // is valid until the next call.
     const std::vector<MovingBodies::Moved> &at(const MotionMoment &moment,
                                                std::span<const double> lesions_open,
                                                std::span<const MovingBodies::Moved> moved = {});

@@ -1,5 +1,5 @@
-// Reads the anatomy of a patient, except the lumen, which the core reads itself: bodies with their tree of
-// vessels, their motion, and the lesions that yield. The code for pictures, contrast medium, stents and
+// Reads the anatomy of a patient: bodies with their tree of vessels, their motion, and the lesions that a
+// balloon can open. The core itself reads the lumen. The code for pictures, contrast medium, stents and
 // surfaces uses this reader.
 #pragma once
 #include "host/model/bodies.hpp"

@@ -1,6 +1,6 @@
-// States which tools of a session's table are on the line (nested in each other). The device's ticks and
-// shapes name the tool at each position by its number in the table, from 1; the number 0 stands for a free
-// position (docs/session.md, "Exchange").
+// States which tools of a session's table are in use, that is, nested in each other. In the device's
+// messages, each position has the number of its tool in the session's table, from 1, or 0 where there is no
+// tool (docs/session.md, "Exchange").
 #pragma once
 #include "host/model/instrument.hpp"
 #include <cstdint>
@@ -12,11 +12,10 @@ namespace crn
 
 using LineNumbers = std::vector<std::uint8_t>;
 
-// Returns the numbers for a line that consists of all tools of the table in their order; these numbers apply
-// if a session names no tools for the line.
+// Returns the numbers of all tools of the table, in order, for a session that does not name the tools in use.
 LineNumbers whole_table(std::size_t tool_count);
 
-// Returns `line`, or the whole table if `line` is empty.
+// Returns `line`, or the numbers of all tools of the table if `line` is empty.
 LineNumbers line_or_table(const LineNumbers &line, std::size_t tool_count);
 
 inline LineNumbers line_of(const crn_wire_tick_state &state)
@@ -24,8 +23,8 @@ inline LineNumbers line_of(const crn_wire_tick_state &state)
     return {state.line, state.line + state.line_count};
 }
 
-// States at which positions of a line the tool has changed: bit k stands for position k. A tool never moves
-// to another position, so a position whose bit is 0 has the same tool as before.
+// States at which positions the tool has changed: bit k stands for position k (0: innermost). A tool never
+// moves to another position, so a position whose bit is 0 has the same tool as before.
 using ChangedPositions = std::uint32_t;
 ChangedPositions changed_positions(std::span<const std::uint8_t> before, std::span<const std::uint8_t> now);
 inline bool has_changed(ChangedPositions changed, std::size_t position)
@@ -33,8 +32,8 @@ inline bool has_changed(ChangedPositions changed, std::size_t position)
     return (changed >> position & 1u) != 0;
 }
 
-// Returns the entry of a table for the tool at each position of the line. A free position, or a number that
-// the table does not have, gets a default entry.
+// Returns an entry of the table for each position of nested tools. A position without a tool, or a number
+// that the table does not have, gets a default entry.
 template <class Entry>
 std::vector<Entry> entries_on(std::span<const Entry> table, std::span<const std::uint8_t> numbers)
 {
@@ -44,8 +43,8 @@ std::vector<Entry> entries_on(std::span<const Entry> table, std::span<const std:
     return entries;
 }
 
-// Returns the tool at each position of the line. At a free position, the function returns a tool without a
-// name, without knots and without a lumen.
+// Returns the tool at each position, from the innermost. At a position without a tool, the function returns
+// an instrument without a name, without knots and without a lumen.
 std::vector<Instrument> tools_on(std::span<const Instrument> table, std::span<const std::uint8_t> line);
 
 } // namespace crn

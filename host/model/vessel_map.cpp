@@ -168,8 +168,8 @@ VesselPlace VesselMap::at(const Eigen::Vector3d &reference_m) const
     return best;
 }
 
-// Returns the vessels from the root of the tree to a position, each with the distance along it at which the
-// next vessel leaves.
+// Returns the vessels from the root of the tree to a position, each with the distance along it to the next
+// vessel's origin.
 std::vector<VesselPlace> VesselMap::from_root(const VesselPlace &place) const
 {
     std::vector<VesselPlace> steps = {place};
@@ -205,8 +205,8 @@ double VesselMap::inside_m(const VesselPlace &place, const VesselPlace &start) c
     return distance_m(mouth(place.vessel, start), place);
 }
 
-// In a tree, a detour from the route to a point and back is twice as long as the distance from the route to
-// that point.
+// In a tree, a detour from the route to a point and back is twice as long as the distance between the route
+// and that point.
 VesselWay VesselMap::way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const
 {
     if (place.vessel == goal) return {0, 0, um(inside_m(place, start))};

@@ -1,7 +1,7 @@
-// Answers three questions about a point in a tree of vessels: in which vessel the point lies, how far along
-// that vessel it lies, and how far it is from another point, measured along the vessels. All positions are in
-// the reference pose; the position of a point that moves with heart and breath must first be converted to
-// that pose (motion.hpp).
+// Answers three questions about a point in a tree of vessels: in which vessel it lies, how far along that
+// vessel, and how far from another point, measured along the vessels. All positions are in the reference
+// pose; the position of a point that moves with heart and breath must first be converted to that pose
+// (motion.hpp).
 //
 //   VesselMap map(bodies.vessels);
 //   const std::optional<std::size_t> goal = map.find("left main");
@@ -59,8 +59,8 @@ class VesselMap
     const std::vector<MappedVessel> &vessels() const { return vessels_; }
     std::vector<std::string> names() const;
 
-    // Finds a vessel by its name. Upper and lower case, spaces, underscores, hyphens, and "artery" at the end
-    // make no difference, and the usual long names of coronary arteries are accepted.
+    // Finds a vessel by its name. The name may be in upper or lower case, with spaces, underscores or
+    // hyphens, with or without "artery" at its end, or the usual long name of a coronary artery.
     std::optional<std::size_t> find(std::string_view name) const;
     // Returns ", did you mean ...?" with the vessel name nearest to the given name, or else the list of all
     // vessel names.
@@ -69,9 +69,9 @@ class VesselMap
     // Returns the vessel in which a point lies, or else the nearest vessel. The map must have at least one
     // vessel.
     VesselPlace at(const Eigen::Vector3d &reference_m) const;
-    // Returns how far inside a vessel a position lies. The distance inside a vessel is measured from the
-    // point where the route from `start` enters the vessel: the vessel's beginning, or the origin of the
-    // branch from which the route comes.
+    // Returns how deep inside a vessel a position lies. The depth in a vessel is measured from the point
+    // where the route from `start` enters it: the vessel's beginning, or the origin of the branch from which
+    // the route comes.
     double inside_m(const VesselPlace &place, const VesselPlace &start) const;
     VesselWay way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const;
     // Returns the radius of the lumen at the ostium of the goal vessel.

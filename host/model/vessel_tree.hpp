@@ -65,12 +65,12 @@ VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_
 // its parent (a division) begins half of the parent's radius along its own centreline. The returned distance
 // is at most 0.8 of the branch's length, wherever the branch begins. At the returned distance from the first
 // point of the branch's centreline, the blood that belongs to the branch begins. Distances from the branch's
-// ostium are measured from this point. For the root branch the result is 0.
+// ostium are measured from the point at the returned distance. For the root branch the result is 0.
 double vessel_start_m(const VesselTree &tree, std::size_t branch);
 
-// Checks what reading alone cannot guarantee: parents come before children, the points to which indices refer
-// exist, points and radii are in range, and lesions lie on vessels. If a check fails, the function returns
-// false, and `error` is a sentence that names the branch.
+// Checks what reading alone cannot guarantee: parents come before children, indices refer to existing points,
+// points and radii are in range, and lesions lie on vessels. If a check fails, the function returns false,
+// and `error` is a sentence that names the branch.
 bool check_vessel_tree(const VesselTree &tree, std::string &error);
 
 } // namespace crn

@@ -22,18 +22,17 @@ struct WireFrame {
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0; // 2^-32 cycle: docs/heart.md
     std::vector<WireNode>
         nodes{}; // node 0 is the leading tip; only nodes beyond the introducer and the first one inside it
-    // Holds the arc length of each tool's own tip, measured from the leading tip, from the innermost tool
-    // outwards. A tool covers the common centreline from the tool's tip to the last node. If the list
+    // Holds, for each tool from the innermost outwards, the arc length of its own tip, measured from the
+    // leading tip. A tool covers the common centreline from the tool's tip to the last node. If the list
     // tip_arc_m is empty, there is one tool, which begins at node 0.
     std::vector<double> tip_arc_m{};
-    // The next members describe the balloon of one of the tools as a row of balls (spheres); the first list
-    // contains the radii of the balls. The first ball of the balloon is at `balloon_arc_m` from the leading
-    // tip, and neighbouring balls are `balloon_spacing_m` apart. The list of radii is empty if no tool has a
-    // balloon.
+    // The next members describe the balloon of one of the tools as a row of balls (spheres), beginning with
+    // the balls' radii. The first ball of the balloon is at `balloon_arc_m` from the leading tip, and
+    // neighbouring balls are `balloon_spacing_m` apart. The list of radii is empty if no tool has a balloon.
     std::vector<double> balloon_radii_m{};
     double balloon_arc_m = 0.0, balloon_spacing_m = 0.0;
-    // Holds how far each station (point) of each lesion that a balloon can open is open, from 0 to 1, lesion
-    // after lesion (docs/lesions.md).
+    // Holds the opening, 0 to 1, of each station (point) of each lesion that a balloon can open, lesion after
+    // lesion (docs/lesions.md).
     std::vector<double> lesions_open{};
 };
 

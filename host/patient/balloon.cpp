@@ -25,8 +25,8 @@ bool has_balls(const WireFrame &wire)
            wire.balloon_arc_m < wire.nodes.back().arc_m + seen_behind_m;
 }
 
-// Returns the balloon's radius at an arc length. The radius changes linearly between the balls that model the
-// balloon, and beyond the first and the last ball the balloon ends in a cone.
+// Returns the balloon's radius at an arc length. Between the balls that model the balloon the radius changes
+// linearly; beyond the first and the last ball the balloon ends in a cone.
 double radius_at(const WireFrame &wire, double from_first_m)
 {
     const std::vector<double> &radii_m = wire.balloon_radii_m;

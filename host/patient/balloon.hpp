@@ -1,5 +1,5 @@
-// Describes the balloon of a session: the tool that carries it, the contrast medium in it, and the places of
-// the balls (spheres) by which the core models the balloon.
+// Describes the balloon of a session: the tool that carries it, the contrast medium in it, and the positions
+// of the balls (spheres) that model it in the core.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/wire_frame.hpp"
@@ -19,7 +19,7 @@ inline constexpr double balloon_iodine_mg_per_ml = 175.0;
 // Returns the index of the tool with a balloon, counted from the innermost, or no value if no tool has a
 // balloon.
 std::optional<std::size_t> balloon_tool(const std::vector<Instrument> &tools);
-// Message for a user who commands the inflation of a balloon although no tool has one.
+// This message is for a user who commands the inflation of a balloon although no tool has one.
 inline constexpr char no_balloon_text[] = "NO BALLOON - none of the tools has one to inflate";
 // Returns the middle of the balloon's working length, in mm from the tool's tip; a stent is mounted there.
 double balloon_middle_mm(const Instrument &tool);

@@ -14,16 +14,16 @@ namespace crn
 class CatheterAir
 {
   public:
-    // Volume that fills the lumen of the longest catheter of the project, taken for all catheters; an
-    // assumption.
+    // This volume fills the lumen of the longest catheter of the project; the program assumes it for all
+    // catheters.
     static constexpr std::int32_t enough_ul = 2000;
 
     // The catheter is the outermost of `tools` that has a lumen. The catheter is flushed with saline before
     // the session.
     explicit CatheterAir(const std::vector<Instrument> &tools);
 
-    // Call this function after tools on the line were exchanged. An exchanged catheter has been flushed; a
-    // tool that was removed from the catheter's lumen may have let air in.
+    // Call this function after tools in use were replaced. A newly inserted catheter has been flushed; a tool
+    // that was removed from the catheter's lumen may have let air in.
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
 
     // Receives every tick.

@@ -54,8 +54,8 @@ void CatheterPressure::leave()
     share_ = 1.0;
 }
 
-// The tools' shape is first read after the tick in which the tip entered the vessels: the caller asks for
-// next_tick() before each tick, when it cannot know yet that the tip will enter.
+// The caller asks for next_tick() before each tick, when it cannot know yet that the tip will enter the
+// vessels. The tools' shape is therefore first read after the tick in which the tip entered the vessels.
 std::uint32_t CatheterPressure::next_tick() const
 {
     if (!is_inserted_ || cells_.size() == 0) return std::numeric_limits<std::uint32_t>::max();
@@ -73,7 +73,7 @@ void CatheterPressure::open_vessels(const WireFrame &wire)
 }
 
 // Solves for the mean blood flow with the tools in the vessels. The catheter measures the pressure at the
-// inlet, multiplied by the ratio of the pressure in the cell at the tip to that at the inlet.
+// inlet times the ratio of the pressure in the tip's cell to the inlet's pressure.
 void CatheterPressure::advance(const WireFrame &wire)
 {
     if (wire.tick < next_tick() || wire.nodes.empty() ||

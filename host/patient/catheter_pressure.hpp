@@ -32,12 +32,12 @@ class CatheterPressure
 {
   public:
     static constexpr std::uint32_t look_every_ticks = 80;
-    // While a balloon blocks a coronary artery, collateral vessels maintain this share of the aortic pressure
-    // behind the balloon (mean of 100 patients without coronary disease: Wustmann et al., Circulation
-    // 2003;107:2213).
+    // While a balloon blocks a coronary artery, collateral vessels keep the pressure behind the balloon at
+    // this share of the aortic pressure (mean of 100 patients without coronary disease: Wustmann et al.,
+    // Circulation 2003;107:2213).
     static constexpr double collateral_share = 0.18;
     static constexpr double venous_mmHg = 6.0;
-    // Time constant with which the pressure behind a complete block falls; an assumption.
+    // The pressure behind a complete block falls with this time constant, which is an assumption.
     static constexpr double bed_time_s = 0.3;
     // The pressure counts as damped when its pulse pressure is below this share of the aortic pulse pressure;
     // an assumption.
@@ -48,7 +48,7 @@ class CatheterPressure
     CatheterPressure(const VesselTree &vessels, const std::vector<Instrument> &tools, const Motion *motion,
                      LesionOpening opening);
 
-    // Call this function after the tools at the changed positions of the line were exchanged.
+    // Call this function after the tools at the changed positions were replaced.
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
     std::uint32_t next_tick() const; // UINT32_MAX: no catheter lies in the vessels
     void advance(const WireFrame &wire);
@@ -57,8 +57,8 @@ class CatheterPressure
     // Returns true if a catheter lies in the vessels and its tip has been located.
     bool is_measuring() const { return has_place_; }
     double pressure_mmHg() const { return pressure_mmHg_; }
-    // Returns the pressure at the tip, above the veins, as a share of the aortic pressure: 1 where the blood
-    // flows freely, collateral_share where the tip blocks the vessel.
+    // Returns the pressure at the tip above that in the veins, as a share of the aortic pressure: 1 if the
+    // blood flows freely, collateral_share if the tip blocks the vessel.
     double share() const { return share_; }
     // Returns true if the tip narrows the vessel so much that less than a tenth of the blood pressure passes
     // it.

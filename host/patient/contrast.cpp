@@ -121,7 +121,7 @@ PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<In
 {
 }
 
-// The syringe was connected to the tool that was taken out: the rest of its injection is lost, and the medium
+// The syringe was connected to the tool that was taken out, so the rest of its injection is lost; the medium
 // in the vessels stays.
 void PatientContrast::set_tools(const std::vector<Instrument> &tools, ChangedPositions changed,
                                 std::uint32_t tick)
@@ -343,8 +343,8 @@ void PatientContrast::look(const WireFrame &wire)
     stream_.share = mouths[0].share;
 }
 
-// Returns how narrow the jet of medium from the tip is in a cell of the vessel: 1 at the tip, 0 where the jet
-// fills the vessel.
+// Returns how narrow the jet of medium from the tip is in a cell of the vessel: 1 at the tip, and 0 where the
+// jet fills the vessel.
 double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
 {
     const FlowCells &cells = flow_.cells();
@@ -372,8 +372,8 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
             contrast_share(mean / (width * width))};
 }
 
-// Makes two columns per vessel. The first of a vessel's two columns has the vessel's width, and the
-// concentration that the inner and the outer layer of blood have in common. The second column of a vessel is
+// Makes two columns per vessel. The first of a vessel's two columns has the vessel's width; its concentration
+// is the one that the inner and the outer layer of blood have in common. The second column of a vessel is
 // narrower and lies on the vessel's axis. The second column of a vessel has the concentration in the inner
 // layer of blood minus that in the outer layer. If the layer of blood along the wall has the higher
 // concentration, both layers are drawn as if they were mixed. Near the tip, where the medium forms a jet, a

@@ -1,7 +1,7 @@
-// Simulates the contrast medium in a session, which depends on the ordered injections and the positions of
-// the tools, and passes the medium to the X-ray. The medium depends only on the commands and on the shape of
-// the tools at fixed ticks (next_tick). A replay therefore shows the same medium as the session, whatever
-// pictures were requested. While the vessels contain no medium, nothing is computed.
+// Simulates the contrast medium in a session from the ordered injections and the positions of the tools, and
+// passes the medium to the X-ray. The medium depends only on the commands and on the shape of the tools at
+// fixed ticks (next_tick). A replay therefore shows the same medium as the session, whatever pictures were
+// requested. While the vessels contain no medium, nothing is computed.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/effects/lumen_pressure.hpp"
@@ -58,8 +58,8 @@ class PatientContrast
     PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
-    // Call this function after the tools at the changed positions of the line were exchanged in this tick. An
-    // injection through a tool that is taken out ends.
+    // Call this function after the tools at the changed positions were replaced in this tick. An injection
+    // through a tool that is taken out ends.
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed, std::uint32_t tick);
 
     // Returns the reason why a command cannot be carried out with medium of this strength, or an empty string
@@ -80,19 +80,19 @@ class PatientContrast
     void advance(const WireFrame &wire);
 
     // curves() returns the columns of medium for the X-ray. colour() stores in each node of the tools the
-    // concentration of iodine in the blood around the node.
+    // iodine concentration in the blood around the node.
     const std::vector<SweptCurve> &curves() const { return curves_; }
     void colour(WireFrame &wire) const;
 
     bool was_used() const { return injector_.injected_ml() > 0.0; }
     double injected_ml() const { return injector_.injected_ml(); }
     double flow_ml_s() const { return fluid_.flow_ml_s; } // present flow of the injection
-    // Returns the pressure in kPa that a flow of 1 ml/s through the outermost tool with a lumen needs, with
-    // the tools where they are in `state`. The pressure for the flow is infinite if the lumen is closed, and
-    // has no value if no tool has a lumen.
+    // Returns the pressure in kPa for a flow of 1 ml/s through the outermost tool with a lumen, with the
+    // tools where they are in `state`. The pressure for the flow is infinite if the lumen is closed, and has
+    // no value if no tool has a lumen.
     std::optional<double> injection_kPa_per_ml_s(const crn_wire_tick_state &state) const;
-    // Returns the medium that was injected after tick `from` up to tick `to`, as DICOM files state it: total
-    // volume and time, mean flow and strength.
+    // Returns the medium that was injected after tick `from` up to tick `to` as DICOM files state it: total
+    // volume, total time, mean flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
     double received_mg(std::size_t branch) const { return flow_.received_mg()[branch]; } // iodine

@@ -88,7 +88,7 @@ void Patient::note_injection(std::uint32_t tick)
     catheter_air_.inject(tick);
 }
 
-// Contrast medium, pressure, air and stents use the tools that are on the core's line.
+// Contrast medium, pressure, air and stents use the tools that are in use in the core.
 void Patient::follow_line(const crn_wire_tick_state &state)
 {
     if (state.line_count == 0) return;

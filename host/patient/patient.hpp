@@ -1,6 +1,6 @@
 // Simulates the patient of a session: vessels with blood and contrast medium, stents, lesions that balloons
-// can open, heart and breath, and the applied X-ray with its dose. The program that runs the session (for a
-// script, a window, a rig or a replay) advances the patient tick by tick. The program passes the patient's
+// can open, heart and breath, and the applied X-rays with their dose. The program that runs the session (for
+// a script, a window, a rig or a replay) advances the patient tick by tick. The program passes the patient's
 // commands for the next tick to the core. Pictures, reports and scores read the state and change nothing, so
 // a session does not depend on which of them are requested.
 //
@@ -9,8 +9,8 @@
 //   patient.tick(input, state);                               for every tick that was done
 //   patient.look(shape of the line at that tick);             no later than patient.next_look()
 //
-// The patient's state depends only on the commands, on the core's inputs and results, and on the shape of the
-// tools at ticks that the patient chooses.
+// The patient's state depends only on the commands, on the core's inputs and results, and on the tools' shape
+// at ticks that the patient chooses.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/model/instrument.hpp"
@@ -42,9 +42,9 @@ struct PatientSettings {
 class Patient
 {
   public:
-    // `tools` is the table of the session's tools; settings.line says which are on the line at the start. If
-    // the anatomy is empty, the patient has no vessels and consists of air. Throws std::runtime_error if a
-    // body has an unknown material.
+    // `tools` is the table of the session's tools; settings.line says which are in use at the start. If the
+    // anatomy is empty, the patient has no vessels and consists of air. Throws std::runtime_error if a body
+    // has an unknown material.
     Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
             const PatientSettings &settings = {});
     ~Patient();
@@ -61,8 +61,8 @@ class Patient
     // Returns the next tick at which look() must be called, or UINT32_MAX if no call is needed.
     std::uint32_t next_look() const;
     // Advances to the frame's tick. In the mode FREE_RUN a rig itself chooses the moments at which it sends
-    // the shape of the tools. The picture of an X-ray pulse between two such shapes of the tools uses the
-    // later shape.
+    // the shape of the tools. The picture of an X-ray pulse between two messages with the tools' shape uses
+    // the later shape.
     void look(const WireFrame &wire);
     // Updates only the vessels for this frame; a replay that starts later than tick 0 calls this function for
     // every frame before its start.
@@ -90,8 +90,8 @@ class Patient
     const std::vector<std::uint32_t> &damped_injections() const { return damped_injections_; }
     const crn_wire_tick_state &state() const { return state_; }     // of the last tick
     const std::vector<Instrument> &table() const { return table_; } // all tools of the session
-    // Returns the tools on the line after the last tick, one for each position; a free position has a tool
-    // without a name.
+    // Returns the tools in use after the last tick, one for each position; a position without a tool has an
+    // entry without a name.
     const std::vector<Instrument> &tools() const { return tools_; }
     const LineNumbers &line() const { return line_; }
     // Returns the requests for X-ray runs and for injections that the patient refused, in order of their

@@ -14,8 +14,8 @@ namespace crn
 // Throws std::runtime_error if a material is unknown; the message names the section and the known materials.
 RadiopaqueInstrument instrument_look(const Instrument &instrument);
 
-// Returns what X-rays see of the tools on the line: one entry for each position (tool_line.hpp). A free
-// position of the line is invisible to X-rays.
+// Returns what X-rays see of the tools in use: one entry for each position (tool_line.hpp). A position
+// without a tool is invisible to X-rays.
 std::vector<RadiopaqueInstrument> looks_on(std::span<const RadiopaqueInstrument> table,
                                            std::span<const std::uint8_t> line);
 

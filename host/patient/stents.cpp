@@ -271,9 +271,9 @@ std::size_t PatientStents::vessel_of(std::size_t branch)
     return walls_.size() - 1;
 }
 
-// Returns the branch around the middle of the balloon: the branch with the least ratio of the distance from
-// its centreline to its radius. The function returns no value if no branch at the balloon could hold a stent
-// of this size.
+// Returns the branch around the middle of the balloon: the one for which the distance of this middle from the
+// centreline, divided by the radius, is least. The function returns no value if no branch at the balloon
+// could hold a stent of this size.
 std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
 {
     if (pose.points.empty()) return {};

@@ -1,8 +1,8 @@
 // Simulates the stents in a session: a stent is mounted on the balloon, expanded by the balloon, deployed,
 // and held by the vessel wall. This class sends the core its commands about stents, and passes the struts to
-// the X-ray. The state of the stents depends only on the commands and on the shape of the tools at multiples
-// of look_every_ticks, whatever pictures were requested. The function give_orders() returns the commands for
-// the core. The commands about stents become part of a tick's input, and are recorded. A replay sends the
+// the X-ray. The state of the stents depends only on the commands and on the tools' shape at multiples of
+// look_every_ticks, whatever pictures were requested. The function give_orders() returns the commands for the
+// core. The commands about stents become part of a tick's input, and are recorded. A replay sends the
 // recorded commands to the core, and computes the stents again for pictures and reports.
 //
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
@@ -64,13 +64,13 @@ class PatientStents
     static constexpr std::uint32_t look_every_ticks = 40;
 
     // `stations` gives, in the order of the tree's lesions, the points at which the core computes the opening
-    // of each lesion that a balloon can open. If `motion` is null, the vessels do not move. `tools` are those
-    // at the positions of the line; if `has_table` is true, an exchange may bring other tools onto the line.
+    // of each lesion that a balloon can open. If `motion` is null, the vessels do not move. `tools` are the
+    // tools in use, by position; if `has_table` is true, tools of the session's table may replace them.
     PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
                   std::vector<LesionStations> stations, const std::vector<Instrument> &tools,
                   bool has_table = false);
-    // Call this function after the tools at the changed positions of the line were exchanged. A stent that is
-    // still on the balloon leaves with its balloon.
+    // Call this function after the tools at the changed positions were replaced. A stent that is still on the
+    // balloon leaves with its balloon.
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
 
     // Carries out the command load_stent and ignores all other commands. If a command cannot be carried out,

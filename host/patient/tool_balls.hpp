@@ -10,8 +10,8 @@ namespace crn
 
 bool has_lumen(const Instrument &tool);
 
-// Returns the point of the nested tools at an arc length from the leading tip; for an arc length beyond an
-// end, the function returns that end. `wire` has at least one node.
+// Returns the point of the nested tools at an arc length from the leading tip, or the nearer end if the arc
+// length is beyond it. `wire` has at least one node.
 Eigen::Vector3d place_at(const WireFrame &wire, double arc_m);
 
 // Returns balls along the tools, at most 2 mm apart, and the balls that model a balloon. The balls of a

@@ -106,7 +106,7 @@ double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count
 }
 
 // Sets the display window to the range of pixel values of the run, without the darkest and the brightest
-// hundredth of them. If the largest value occurs in at least one pixel of 200, it is the value of saturated
+// hundredth of them. If at least one pixel in 200 has the largest value, this is the value of saturated
 // pixels beside the patient. The function does not count the pixels of saturated detector elements beside the
 // patient.
 void set_window(XrayRun &run, std::vector<std::uint32_t> histogram)

@@ -35,7 +35,7 @@ constexpr int cb_green = -cb_red - cb_blue;
 constexpr int cr_red = fixed((1 - red_share) * cr_scale), cr_blue = fixed(-blue_share * cr_scale);
 constexpr int cr_green = -cr_red - cr_blue;
 
-// Largest bit rate of each H.264 level in the profile High (tables ), in kbit/s.
+// Lists the largest bit rate of each H.264 level in the profile High (tables ), in kbit/s.
 struct Level {
     std::uint8_t number; // ten times the level's name
     long long kbit_per_s;
@@ -54,8 +54,8 @@ void convert_brightness(const Image &image, std::uint8_t *out)
 }
 
 // Computes one colour value for a block of 2 x 2 pixels. H.264 places the colour value of a block at its left
-// pair of pixels, between the two rows, so neighbouring pixels in a row have the weights 1 : 2 : 1. The sums
-// that this function computes have 3 more binary places than a pixel value.
+// pair of pixels, between the two rows; neighbouring pixels in a row therefore have the weights 1 : 2 : 1.
+// The sums that this function computes have 3 more binary places than a pixel value.
 void convert_colour(const Image &image, std::uint8_t *out_blue, std::uint8_t *out_red)
 {
     const std::size_t row_bytes = 3 * static_cast<std::size_t>(image.width);

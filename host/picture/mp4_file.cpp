@@ -40,9 +40,9 @@ class Mp4Bytes
     }
 };
 
-// Writes an MP4 box, a block of the file that begins with its length and its type; the box ends with the C++
-// scope of this object. The boxes of the MP4 file's index are shorter than 4 GiB: the largest table has 4
-// bytes for each of at most 2^28 pictures.
+// Writes an MP4 box, which is a block of the file that begins with its length and its type; the box ends when
+// this C++ object is destroyed. The boxes of the MP4 file's index are shorter than 4 GiB, because the largest
+// table has 4 bytes for each of at most 2^28 pictures.
 class Mp4Box
 {
   public:
@@ -135,8 +135,8 @@ void put_decoder(Mp4Bytes &bytes, const Mp4Track &track)
     bytes.u8(1);
     bytes.u16(static_cast<std::uint16_t>(track.picture_parameters.size()));
     bytes.all(track.picture_parameters);
-    // For the profile High and those above it, the file also states the format of the samples: 4:2:0, 8 bits
-    // for brightness and for colour.
+    // From the profile High upwards, the file also states the format of the samples: 4:2:0, with 8 bits each
+    // for brightness and colour.
     if (track.sequence_parameters[1] < 100) return;
     for (const int value : {0xfc | 1, 0xf8 | 0, 0xf8 | 0, 0}) bytes.u8(static_cast<std::uint8_t>(value));
 }
@@ -167,7 +167,7 @@ void put_description(Mp4Bytes &bytes, const Mp4Track &track)
 
 // In this MP4 file, a chunk (a contiguous block of samples) is one second of pictures. Returns the entries of
 // the MP4 table "stsc" (sample to chunk). Each entry of the table "stsc" describes consecutive chunks of
-// equal length: the number of the first of these chunks (from 1), and the number of pictures in each of them.
+// equal length by the number of the first chunk (from 1) and the number of pictures per chunk.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> chunk_runs(std::size_t pictures, std::size_t per_chunk)
 {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> runs;
@@ -264,8 +264,8 @@ Mp4Bytes make_head(const Mp4Track &track, const Mp4Tables &tables, std::uint64_t
         put_track_header(bytes, track, pictures);
         put_media(bytes, track, tables);
     }
-    // In an MP4 box, a length of 1 in the first 32 bits means that the real length follows as a number of 64
-    // bits.
+    // In an MP4 box, a length of 1 in the first 32 bits means that the real length follows as a 64-bit
+    // number.
     const bool is_large = data_bytes + 8 > u32_max;
     bytes.u32(is_large ? 1 : static_cast<std::uint32_t>(data_bytes + 8));
     bytes.text("mdat");
@@ -315,8 +315,8 @@ bool Mp4Index::add(std::uint32_t bytes, bool is_key)
     return true;
 }
 
-// The length of the file's first part (the index) depends only on whether the positions in the index have 32
-// or 64 bits, and not on the values of these positions.
+// The length of the index at the file's beginning depends only on whether its positions have 32 or 64 bits,
+// and not on their values.
 std::vector<std::uint8_t> Mp4Index::head(const Mp4Track &track) const
 {
     Mp4Tables tables{picture_bytes_, keys_, 0, false};

@@ -161,8 +161,8 @@ class Display
             right(margin_ + 7 * line_, formatted("FLUOROSCOPY %u MIN", info_.fluoro_reminder_min), amber);
     }
 
-    // Draws the bottom line of text: the session's time is on the right, and the forces that the user's hands
-    // feel are on the left.
+    // Draws the bottom line of text: on the left the forces that the user's hands feel, on the right the
+    // session's time.
     void draw_tools()
     {
         const int y = rgb_.height - margin_ - 8 * scale_;
@@ -180,8 +180,8 @@ class Display
         draw_force_bar(y + scale_, tool.axial_N);
     }
 
-    // If there are several tools, draws one row of text with the values of one tool; the figure of the force
-    // has the colour that the force bar has in a display of a single tool.
+    // Draws one row of text with the values of one of several tools; the force has the colour of the force
+    // bar in the display of a single tool.
     void draw_line(int y, const OverlayTool &tool)
     {
         const int letter = 6 * scale_;

@@ -52,8 +52,8 @@ struct OverlayInfo {
 // picture.
 Image compose_display(const XrayPicture &picture, const OverlayInfo &info);
 
-// Draws text in the given colour with a dark rim; at scale 1 a letter has 5 x 7 pixels, and the next letter
-// begins 6 pixels further right. Text that does not fit is cut off at the picture's edge.
+// Draws text in the given colour with a dark rim; at scale 1 a letter has 5 x 7 pixels, and letters are 6
+// pixels apart. Text that does not fit is cut off at the picture's edge.
 struct Colour {
     std::uint8_t red, green, blue;
 };

@@ -17,7 +17,7 @@ struct Image {
     std::vector<std::uint8_t> bytes;
 };
 
-// Writes the picture to a temporary file beside the wanted file and renames it at the end, so that the wanted
+// Writes the picture to a temporary file in the same folder and renames it at the end, so that the wanted
 // name never refers to an incomplete file. On failure the function returns false, and `error` names the file
 // and the cause.
 bool write_png(const std::string &path, const Image &image, std::string &error);

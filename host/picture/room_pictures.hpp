@@ -1,6 +1,6 @@
 // Computes the pictures of the X-ray room: one picture for every pulse, the screen that shows them, and the
-// DICOM files of the runs. The pictures are computed from copies of the patient's state at the tick of each
-// pulse, so another thread than the patient's may compute them.
+// DICOM files of the runs. The pictures are computed from copies of the patient's state at each pulse, so a
+// thread other than the patient's may compute them.
 //
 //   RoomPictures pictures(settings, tools, patient.scene(), anatomy, room);
 //   PulseShot shot = shot_of(patient, shape, tick, settings);       in the patient's thread
@@ -54,8 +54,8 @@ inline PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t
 class RoomPictures
 {
   public:
-    // `tools` is the table of the session's tools; each PulseShot says which of them are on the line. `scene`
-    // and `room` must live longer than this object. Throws std::runtime_error.
+    // `tools` is the table of the session's tools; each PulseShot says which of them are in use. `scene` and
+    // `room` must live longer than this object. Throws std::runtime_error.
     RoomPictures(const PictureSettings &settings, const std::vector<Instrument> &tools,
                  const XrayScene &scene, const SceneAnatomy &anatomy, const Room &room);
     ~RoomPictures();
@@ -86,7 +86,7 @@ class RoomPictures
     XrayPicture pulse_;
     bool told_failure_ = false;
     std::unique_ptr<DicomExport> export_;
-    // For each exported run, the index of its pedal press in the dose meter's list.
+    // Holds, for each exported run, the index of its pedal press in the dose meter's list.
     std::vector<std::size_t> exported_presses_;
 };
 

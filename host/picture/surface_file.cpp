@@ -95,7 +95,7 @@ bool SurfaceSink::is_near(const Vector3d &place_m) const
     return here_m >= begin_m - settings_.around_mm * 1e-3 && here_m <= end_m + settings_.around_mm * 1e-3;
 }
 
-// Keeps the triangles whose three corners are near the lesion in the scene file, where the vessels are at
+// Keeps the triangles whose three corners are near the lesion in the scene file, in which the vessels are at
 // rest and the lesion is closed. All panels of the picture show the same triangles.
 SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vertices_um) const
 {
@@ -185,8 +185,8 @@ void SurfaceSink::frame(const SessionFrame &frame)
     while (at_ < ticks_.size() && ticks_[at_] <= frame.wire.tick) ++at_;
 }
 
-// Returns the direction of view, from the side of the lesion; the beginning of the lesion is at the top, and
-// its end is at the bottom. Seen from the side of the lesion, the plaque and the open lumen lie side by side.
+// Returns the direction of view from the side of the lesion, with the lesion's beginning at the top and its
+// end at the bottom. Seen from the side of the lesion, the plaque and the open lumen lie side by side.
 SurfaceView SurfaceSink::side_view() const
 {
     const VesselLesion &lesion = bodies_.vessels.lesions[lesion_];

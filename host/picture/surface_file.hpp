@@ -1,5 +1,5 @@
-// Writes the walls around a lesion at several moments of a session as an OBJ file, which shows how the
-// polygons change when the lesion is treated.
+// Writes the walls around a lesion at several moments of a session as an OBJ file, which shows how the mesh
+// changes during the treatment.
 //
 //   SurfaceSink sink(settings, ticks);
 //   replay_recording(device, recording, &sink, {});         // writes the file at its end

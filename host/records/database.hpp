@@ -56,14 +56,14 @@ class Database
     virtual void commit() = 0;
     virtual void roll_back() noexcept = 0;
 
-    // The version of the database's schema; 0 means that the database has no records yet.
+    // Returns the version of the database's schema; 0 means that the database has no records yet.
     virtual int version() = 0;
     virtual void set_version(int version) = 0;
     // Within a transaction, this function waits until no other program holds the lock of this name, and then
-    // holds the lock until the transaction ends. The names of locks are "schema" and the ids of trainees.
+    // holds it until the transaction ends. The names of locks are "schema" and the ids of trainees.
     virtual void lock(const std::string &name) = 0;
-    // Copies the database before a migration; returns the name of the copy, or an empty text if the database
-    // is on a server, which makes its own backups.
+    // Copies the database before a migration and returns the name of the copy; for a server, which makes its
+    // own backups, it returns an empty text.
     virtual std::string back_up(const std::string &reason) = 0;
     // Overwrites the bytes of deleted rows, after a person's data was erased.
     virtual void forget_deleted() = 0;
@@ -75,7 +75,7 @@ class Database
     virtual bool is_server() const = 0;
 };
 
-// A database transaction that is rolled back unless it is committed.
+// Holds a database transaction, which is rolled back unless it is committed.
 class Transaction
 {
   public:
@@ -103,11 +103,10 @@ std::unique_ptr<Database> open_sqlite(const std::string &path);
 // `url` is a URL of libpq, postgresql://USER@HOST:PORT/DATABASE?OPTION=VALUE. Throws RecordsError.
 std::unique_ptr<Database> open_postgres(const std::string &url);
 
-// Brings the database to the newest version of the schema, with one transaction per migration, and copies the
-// database before that. Throws RecordsError (newer) if the database is from a newer program.
+// Brings the database to the newest version of the schema, with one transaction per migration, after it has
+// copied the database. Throws RecordsError (newer) if the database is from a newer program.
 void migrate(Database &database);
-// For tests, migrates with the given migrations and not with the program's; the entry i leads from version i
-// to i + 1.
+// For tests, applies the given migrations instead of the program's; entry i leads from version i to i + 1.
 void migrate(Database &database, const std::vector<std::string> &migrations);
 
 } // namespace crn

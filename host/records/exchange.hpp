@@ -22,10 +22,10 @@ std::vector<SessionRecord> records_of_json(const std::string &text, const std::s
 // that a spreadsheet would take for a formula gets an apostrophe at its beginning.
 std::string csv_of(const std::vector<SessionRecord> &records);
 
-// Returns one xAPI 1.0.3 statement per session: actor (account of the pseudonym at `home_page`), verb
-// (passed, failed or completed), object (the case), result (score, success, completion, duration, metrics as
-// extensions). The ids of the xAPI statements follow from the session's id, so that a record store recognises
-// a statement that is sent again.
+// Returns one xAPI 1.0.3 statement per session. The parts of a statement are actor (account of the pseudonym
+// at `home_page`), verb (passed, failed or completed), object (the case) and result (score, success,
+// completion, duration, metrics as extensions). The ids of the xAPI statements follow from the session's id,
+// so that a record store recognises a statement that is sent again.
 nlohmann::ordered_json xapi_of(const std::vector<SessionRecord> &records, const std::string &home_page);
 
 inline constexpr const char *records_home_page = "https://cournand.invalid";

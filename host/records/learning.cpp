@@ -11,8 +11,8 @@ namespace
 
 constexpr int scales = 60; // of the exponential, from half a session to four times their number
 
-// A deterministic generator of random numbers with a full period (Steele, Lea and Flood 2014, SplitMix64);
-// the distributions in the C++ standard library may differ between implementations.
+// This is a deterministic generator of random numbers with a full period (Steele, Lea and Flood 2014,
+// SplitMix64). Distributions of the C++ standard library may differ between implementations.
 class Random
 {
   public:
@@ -31,7 +31,7 @@ class Random
     std::uint64_t state_;
 };
 
-// The exponentials exp(-n / scale) for one scale, and their sums that a least-squares fit needs.
+// Holds the exponentials exp(-n / scale) for one scale, and the sums of them that a least-squares fit needs.
 struct Basis {
     double scale = 0.0, sum = 0.0, sum_of_squares = 0.0;
     std::vector<double> decay;

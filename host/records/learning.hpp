@@ -1,5 +1,5 @@
-// Computes learning curves: what a trainee's sessions in one case show, in comparison with experts and the
-// cohort (docs/records.md has the formulas, their sources and how well the band covers the truth).
+// Computes learning curves: how a trainee's sessions in one case compare with those of experts and of the
+// cohort. docs/records.md has the formulas, their sources, and how well the band covers the truth.
 //   const LearningCurve curve = learning_curve(sessions_of_case, "otter", "fluoroscopy_min", everybody);
 #pragma once
 #include "host/records/record.hpp"
@@ -15,10 +15,10 @@ inline constexpr std::size_t cohort_people_min = 5; // fewer people could be rec
 inline constexpr std::size_t fit_sessions_min = 6;  // three parameters, and three sessions to judge them by
 inline constexpr int fit_resamples = 2000;
 
-// The exponential curve value(n) = plateau + gain exp(-(n - 1) / scale) of session n = 1, 2, ... fitted by
-// least squares. The learning of a single person follows an exponential, not a power law (Heathcote, Brown
-// and Mewhort 2000). The pointwise 95 % band of the curve comes from a bootstrap of the residuals (Efron and
-// Tibshirani 1993, 9.4).
+// Holds the exponential curve value(n) = plateau + gain exp(-(n - 1) / scale) of session n = 1, 2, ...,
+// fitted by least squares. The learning of a single person follows an exponential, not a power law
+// (Heathcote, Brown and Mewhort 2000). The pointwise 95 % band of the curve comes from a bootstrap of the
+// residuals (Efron and Tibshirani 1993, 9.4).
 struct LearningFit {
     double plateau = 0.0, gain = 0.0, scale_sessions = 0.0;
     std::vector<double> value, low, high; // one per session
@@ -33,7 +33,7 @@ struct LearningPoint {
     double value = 0.0;
 };
 
-// Quartiles of the metric over all people who played the case at least `attempt` times.
+// Holds the quartiles of the metric over all people who played the case at least `attempt` times.
 struct CohortStep {
     std::size_t attempt = 0, people = 0;
     double low = 0.0, median = 0.0, high = 0.0; // quartiles
@@ -52,7 +52,7 @@ struct LearningCurve {
     std::vector<CohortStep> cohort;    // without experts; only steps of at least cohort_people_min people
 };
 
-// `sessions` are the sessions of one case, with their details, in the order of their begin. `members` are the
+// `sessions` are the sessions of one case with their details, ordered by starting time. `members` are the
 // pseudonyms of the trainees in the cohort.
 LearningCurve learning_curve(const std::vector<SessionRecord> &sessions, const std::string &trainee,
                              const std::string &metric, const std::set<std::string> &members);
@@ -71,8 +71,8 @@ struct CusumSettings {
 };
 
 // Computes a learning-curve CUSUM (cumulative sum; Biau and others 2008): S = max(0, S + W), where W is ln((1
-// - good)/(1 - bad)) for a success and ln(good/bad) for a failure. The trainee counts as competent when the
-// cumulative sum S reaches its limit. After a trainee has become competent, a second CUSUM watches for a
+// - good)/(1 - bad)) after a success and ln(good/bad) after a failure. The trainee counts as competent when
+// the cumulative sum S reaches its limit. After a trainee has become competent, a second CUSUM detects a
 // relapse: a failure adds ln(bad/good), and a success adds ln((1 - bad)/(1 - good)). When the sum of the
 // second CUSUM reaches its limit, a relapse is signalled and the sum begins again at 0. The limit of each
 // CUSUM was computed from 20,000 simulated trainees.
@@ -85,12 +85,12 @@ struct Cusum {
     std::vector<std::size_t> relapses;       // indices of sessions
 };
 Cusum cusum_of(const std::vector<bool> &passed, const CusumSettings &settings);
-// Returns the smallest limit that the sum reaches within the horizon with a chance of at most `error`, if
-// each session adds `rise` with the chance `rate` and otherwise `fall` (below 0).
+// Returns the smallest limit that the sum reaches within the horizon with a probability of at most `error`.
+// Each session adds `rise` with the probability `rate`, and otherwise `fall` (below 0).
 double cusum_limit(double rise, double fall, double rate, int horizon, double error);
 
-// Returns whether the trainee passed the session: as the case states, or by the score. Empty if neither is
-// known.
+// Returns whether the trainee passed the session: the case's own result if there is one, or else the result
+// by score. Empty if neither is known.
 std::optional<bool> is_passed(const SessionRecord &session, double pass_score_pct);
 
 } // namespace crn

@@ -15,13 +15,13 @@ struct Shipment {
     std::vector<std::string> refused; // one line for each session or trainee that the server refused
 };
 
-// Sends first the erasures, then the changes of trainees, then the waiting sessions; after that, carries out
-// the centre's erasures. Throws RecordsError (unreachable) when the connection breaks; the items sent before
-// that are not sent again.
+// Sends first the station's erasures, then the changes of trainees, then the waiting sessions; finally
+// carries out the centre's erasures. Throws RecordsError (unreachable) when the connection breaks; the items
+// sent before that are not sent again.
 Shipment ship(RecordStore &station, RecordStore &centre);
 
-// Opens the server and ships. If the connection breaks, the function waits 0.1 s, 0.2 s ... 2 s and tries
-// again; it gives up after `attempts` tries without progress.
+// Opens the server and ships. If the connection breaks, the function tries again after 0.1 s, 0.2 s ... 2 s;
+// it gives up after `attempts` tries without progress.
 Shipment ship_to(RecordStore &station, const std::string &url, int attempts = 3);
 
 // Stores the session in the station's own file, and tries once to send it to the server `url`, if `url` is

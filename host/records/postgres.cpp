@@ -1,8 +1,7 @@
-// Stores records on a PostgreSQL server, by the library libpqxx. This file is built as a separate library,
-// because libpqxx loads sixteen more libraries that no other command needs; postgres_module.cpp opens the
-// library when the user names a server. A broken connection becomes RecordsError (unreachable); the caller
-// opens the database again and repeats the request, which is harmless, because every row has a key that the
-// station has chosen.
+// Stores records on a PostgreSQL server, by the library libpqxx. This file is a separate library, because
+// libpqxx loads sixteen more libraries that no other command needs; postgres_module.cpp opens it when the
+// user names a server. A broken connection becomes RecordsError (unreachable). The caller may then open the
+// database again and repeat the request safely, because the station has chosen the key of every row.
 #include "host/base/number_text.hpp"
 #include "host/base/terminal.hpp"
 #include "host/records/database.hpp"
@@ -162,7 +161,7 @@ class PostgresDatabase : public Database
         result.changed = static_cast<std::int64_t>(rows.affected_rows());
     }
 
-    // A server that is shutting down or starting reports errors of the SQLSTATE classes 57P and 08; if no
+    // A server that is starting or shutting down reports errors of the SQLSTATE classes 57P and 08. If no
     // answer to a commit arrives, the result of the commit is unknown. The same request may be repeated after
     // errors of the SQLSTATE classes 57P and 08, and after a commit without an answer.
     template <typename Action> void guarded(Action action)

@@ -37,7 +37,7 @@ struct SessionMetric {
     std::string unit; // may be empty
 };
 
-// An event of severity 0 is a note, such as the begin of a phase. Events of severity 1 to 5 are errors;
+// An event of severity 0 is a note, such as the beginning of a phase. Events of severity 1 to 5 are errors;
 // severity 5 is life-threatening.
 inline constexpr int severity_max = 5;
 struct SessionEvent {
@@ -85,8 +85,8 @@ struct Trainee {
     std::string changed_at; // UTC; empty: cohort, is_expert, keep_until and pseudonym were never changed
 };
 
-// Throws RecordsError (refused) if a value is outside its range: texts must be UTF-8 without control
-// characters, numbers must be finite, and each name of a metric or part must occur only once.
+// Throws RecordsError (refused) if a value is invalid: texts must be UTF-8 without control characters,
+// numbers must be finite, and the names of metrics and parts must be unique.
 void check_record(const SessionRecord &record);
 // Throws RecordsError (refused) if `pseudonym` is not a permitted pseudonym.
 void check_pseudonym(const std::string &pseudonym);

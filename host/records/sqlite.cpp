@@ -76,8 +76,8 @@ class Statement
     Statement(const Statement &) = delete;
     Statement &operator=(const Statement &) = delete;
 
-    // SQLite numbers the parameters "$1", "$2" by their first occurrence in the statement, so the index of
-    // each parameter is looked up by its name.
+    // SQLite numbers the parameters "$1", "$2" by their first occurrence in the statement, so each
+    // parameter's index is looked up by its name.
     void bind(const std::vector<SqlValue> &values)
     {
         for (std::size_t i = 0; i < values.size(); i++) {

@@ -24,7 +24,7 @@ struct RecordingFile {
     std::string path, sha256;
 };
 
-// A trainee, with the other columns that the list of trainees shows.
+// Holds a trainee, with the other columns that the list of trainees shows.
 struct TraineeLine {
     Trainee trainee;
     std::string name; // empty: none
@@ -46,8 +46,8 @@ class RecordStore
     // the server). If the session's trainee is unknown, the trainee is created. Returns the id of the
     // session. If the database already has a session with this id, nothing changes. Throws RecordsError.
     std::string save(SessionRecord record);
-    // Returns the sessions in the order of their begin, oldest first, with scores; `with_details` also reads
-    // parts, metrics and events.
+    // Returns the sessions by starting time, oldest first, with scores; `with_details` also reads parts,
+    // metrics and events.
     std::vector<SessionRecord> sessions(const SessionFilter &filter, bool with_details = true);
     // Returns the session whose id begins with `id`. Throws RecordsError if no session or more than one
     // session has such an id.

@@ -14,8 +14,8 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-// The IRIs (identifiers) of xAPI need only be unique; nothing is read from this address, because names that
-// end with .invalid never resolve (RFC 2606).
+// The IRIs (identifiers) of xAPI need only be unique; nothing is read from this address, because a name that
+// ends with .invalid never resolves (RFC 2606).
 const std::string space = std::string(records_home_page) + "/xapi/";
 
 // These characters may be in an IRI without an escape (RFC 3986, 2.3).

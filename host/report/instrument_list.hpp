@@ -37,8 +37,8 @@ inline const std::string table_end = "<!-- end of the table -->\n";
 // document cannot be written.
 void write_instruments_table(const std::string &path, const std::vector<ListedInstrument> &list);
 
-// Draws one row per instrument: its properties, the stiffnesses EI (bending) and GJ (torsion) along the
-// instrument, and the unloaded shape of the tip and of the whole instrument.
+// Draws one row per instrument: its properties, the stiffnesses EI (bending) and GJ (torsion) along it, and
+// the unloaded shape of the tip and of the whole instrument.
 Image instruments_picture(const std::vector<ListedInstrument> &list);
 
 // Returns the bending stiffness EI or torsional stiffness GJ in N m^2 at an arc length from the tip,

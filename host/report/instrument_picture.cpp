@@ -157,8 +157,8 @@ Bounds bounds_of(const std::vector<ShapePoint> &shape, double from_tip_mm, doubl
     return bounds;
 }
 
-// Returns the bounding box of the part of the shape that one drawing shows: the whole shape if it fits,
-// otherwise the longest distal part that fits.
+// Returns the bounding box of the part of the shape that one drawing shows: the whole shape, or the longest
+// distal part that fits.
 Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high_mm, double radius_mm)
 {
     double length_mm = shape.back().arc_m * 1e3;

@@ -16,8 +16,8 @@ using Json = nlohmann::ordered_json;
 constexpr double plot_width = 640.0, plot_height = 150.0, margin_left = 52.0, margin_bottom = 22.0,
                  margin_top = 8.0;
 
-// The line of a curve is interrupted between two samples that are more than a second apart, if their distance
-// is also more than three times the average distance.
+// The line of a curve is interrupted between two samples that are more than a second apart and farther apart
+// than three times the average distance.
 std::string line_of(const std::vector<double> &time_s, const PageCurve &curve, double begin_s, double end_s,
                     double top)
 {

@@ -82,7 +82,7 @@ struct BalloonPeak {
 };
 
 // Returns the highest pressure of the balloon that came nearest to its rated burst pressure or exceeded it
-// the most; several balloons may be used in a session, one after the other.
+// the most. Several balloons may be used in a session, one after the other.
 std::optional<BalloonPeak> gravest_peak(const BalloonFigures &balloon, const std::vector<Instrument> &table)
 {
     std::optional<BalloonPeak> gravest;

@@ -10,10 +10,9 @@ namespace crn
 
 class PatientStents;
 
-// `table` has all tools of the session. If several balloons were used in the session, the label and the
-// pressure are those of the one that came nearest to its rated burst pressure or exceeded it the most.
-// Returns null without a balloon. The curves in this part of the report leave out the time before and after
-// inflations.
+// `table` has all tools of the session. If several balloons were used, the label and the pressure are those
+// of the balloon that came nearest to its rated burst pressure or exceeded it the most. Returns null without
+// a balloon. The curves in this part of the report leave out the time before and after inflations.
 nlohmann::ordered_json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &table);
 // Returns [] without stents.
 nlohmann::ordered_json stents_report(PatientStents *stents);

@@ -33,8 +33,8 @@ const Json &list(const Json &from, const char *key)
     return from.is_object() && from.contains(key) && from[key].is_array() ? from[key] : none;
 }
 
-// Returns the largest or the smallest value of a quantity over all lesions that were narrow before the
-// treatment; the function `pick` returns the larger or the smaller of two values.
+// Returns an extreme value of a quantity over all lesions that were narrow before the treatment; `pick`
+// returns the larger or the smaller of two values.
 template <typename Pick> Value over_lesions(const Json &report, const char *figure, Pick pick)
 {
     Value found;
@@ -47,7 +47,7 @@ template <typename Pick> Value over_lesions(const Json &report, const char *figu
     return found;
 }
 
-// Returns the largest or the smallest value of a quantity over all stents that were opened in the patient.
+// Returns an extreme value of a quantity over all stents that were opened in the patient.
 template <typename Pick> Value over_stents(const Json &report, const char *figure, Pick pick)
 {
     Value found;
@@ -69,8 +69,7 @@ double smaller(double a, double b)
 }
 
 // Returns the total length of the parts of narrow lesions that no stent covers. If several stents lie in one
-// lesion, each end of the lesion counts as uncovered only over the length that the nearest stent leaves
-// uncovered.
+// lesion, the uncovered length at each end of the lesion is the one that the nearest stent leaves.
 Value geographic_miss_mm(const Json &report)
 {
     Value sum;
@@ -95,8 +94,8 @@ Value geographic_miss_mm(const Json &report)
     return sum;
 }
 
-// Returns the smallest ratio, over all stents that were opened in a lesion, of the stent's least inside area
-// to the area of the healthy vessel there, in percent.
+// Returns, in percent, the smallest ratio of a stent's least inside area to the healthy vessel's area there,
+// over all stents opened in a lesion.
 Value stent_expansion_pct(const Json &report)
 {
     Value least;

@@ -31,8 +31,8 @@ void write_session_files(const SessionFiles &files, const RunResult &result, con
                          const std::vector<Instrument> &tools, const std::string &session, Patient &patient,
                          const RoomScreen *screen);
 
-// Returns a picture that represents a session: the frame of a cine run in which contrast medium is most
-// visible, or `last`, the last picture of a session without a cine run.
+// Returns a picture that represents a session: the cine frame with the most visible contrast medium, or
+// `last` (the last picture) if the session has no cine run.
 Image card_picture(const RoomScreen &screen, const Image &last);
 
 } // namespace crn

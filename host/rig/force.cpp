@@ -118,8 +118,8 @@ MotorTrial::~MotorTrial()
     try {
         end();
     } catch (const std::exception &) {
-        // If the device receives nothing for 50 ms, it removes the motor forces by itself, whatever happens
-        // to the connection.
+        // If the device receives nothing for 50 ms, it removes the motor forces by itself, even if the
+        // connection is broken.
     }
 }
 

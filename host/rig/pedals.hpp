@@ -31,8 +31,8 @@ class RigPedals
     std::uint32_t buttons_ = 0;
 };
 
-// Converts the motion of the syringe's plunger to injections: the volume that the plunger displaces in 20 ms
-// is injected during the next 20 ms. A count is 1 ul. Drawing back fills the syringe.
+// Converts the motion of the syringe's plunger to injections: the volume displaced in 20 ms is injected
+// during the next 20 ms. A count is 1 ul. Drawing back fills the syringe.
 class RigSyringe
 {
   public:
@@ -50,8 +50,8 @@ class RigSyringe
             window_ = tick / window_ticks;
             return {};
         }
-        // This limit is higher than the flow with which a hand can inject. If the plunger seems to move
-        // faster than a hand can, its sensor has jumped, and nothing is injected.
+        // This limit is higher than the flow that a hand can inject with the syringe. If the plunger seems to
+        // move faster than a hand can, its sensor has jumped, and nothing is injected.
         if (moved > 0 && moved <= inject_rate_max_ul_s) volume_ul_ += moved;
         if (tick / window_ticks == window_) return {};
         window_ = tick / window_ticks;

@@ -47,8 +47,8 @@ class RigStopped : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Every function below carries out one command, on a link to a device that has already answered HELLO. These
-// functions return 0 for success, and 1 for a failure.
+// Every function below carries out one command on a link to a device that has already answered HELLO. These
+// functions return 0 for success and 1 for a failure.
 int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk);
 int rig_log(Link &link, const RigTalk &talk);
 int rig_selftest(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options,
@@ -67,9 +67,9 @@ int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptio
 std::string state_name(unsigned state);
 std::string sensor_name(unsigned status);
 std::string serial_of(const crn_wire_hello_reply &hello);
-// Brings the rig to the state READY, in which settings may change; if `may_reset` is true, the function may
-// reset the rig to reach READY. Throws LinkError if the rig does not reach READY; the message names the rig's
-// present activity.
+// Brings the rig to the state READY, in which settings may change; if `may_reset` is true, it may reset the
+// rig for this. Throws LinkError if the rig does not reach READY; the message names the rig's present
+// activity.
 void require_ready(Link &link, bool may_reset);
 
 // A trial on one track. During the trial a spring connects the user's hand with a simulated straight tool in

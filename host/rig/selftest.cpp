@@ -1,5 +1,5 @@
-// Implements the command cournand rig selftest, which checks every sensor, signal line and limit on which the
-// rig can report, and prints one line of text for each of them.
+// Implements the command cournand rig selftest, which checks every sensor, signal line and limit that the rig
+// can report, and prints one line of text for each.
 #include "host/rig/rig.hpp"
 #include <cmath>
 #include <cstdlib>

@@ -31,7 +31,7 @@ enum class RoomAction : std::uint16_t {
     review = 18,   // 0 off, 1 loop, 2 one frame; run number (0: the last); frame from 0
     acknowledge = 19, // the dose alert was acknowledged
     halt = 20,        // every motor stops where it is
-    // The X-ray room passes the commands below, which concern the syringe, on to host/patient/contrast.hpp.
+    // The X-ray room passes the commands below, which are for the syringe, to host/patient/contrast.hpp.
     inject = 21, // ul (0: stop), ul/s, tool from the innermost 1 ... (0: the outermost with a lumen)
     contrast_strength = 22, // mg iodine per ml of the fluid injected from now on
     load_stent = 23,        // loads the next one onto the balloon: host/patient/stents.hpp
@@ -51,14 +51,14 @@ struct Refusal {
     std::string why;
 };
 
-// Returns the reason why a command is impossible in any state of the room (an unknown action, or a value out
-// of range), or an empty string if it is possible. In some states the room may also refuse possible commands,
-// for example a review when there is no run. If a command is possible but the present state of the room
-// forbids it, class Room reports the refusal when it happens.
+// Returns the reason why a command is impossible in every state of the room (an unknown action, or a value
+// out of range), or an empty string if it is possible. In some states the room may also refuse possible
+// commands, for example a review when there is no run. If a command is possible but the present state of the
+// room forbids it, class Room reports the refusal when it happens.
 std::string refusal(const RoomCommand &command);
 
-// The values of commands to the X-ray room must lie within the limits below, whether a command comes from a
-// script, a key or a recording.
+// The values of commands to the X-ray room must lie within the limits below, whether they come from a script,
+// a key or a recording.
 inline constexpr std::int32_t primary_max_mdeg = 120'000, secondary_max_mdeg = 50'000;
 inline constexpr std::int32_t table_max_um = 1'900'000;
 inline constexpr std::int32_t field_min_um = 100'000, field_max_um = 450'000;

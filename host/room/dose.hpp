@@ -30,7 +30,7 @@ struct Irradiation {
 };
 
 // The room raises an alert when the reference air kerma reaches 2 Gy (the skin may redden) and 5 Gy (the
-// patient needs a follow-up); the source of these values is ICRP 120.
+// patient needs a follow-up), as in ICRP 120.
 inline constexpr double dose_alert_levels_Gy[] = {2.0, 5.0};
 inline constexpr std::uint32_t fluoro_reminder_ticks = 300'000; // every five minutes of fluoroscopy
 

@@ -140,7 +140,7 @@ CArm Gantry::carm(double field_m) const
 }
 
 // Returns the smallest gap between C-arm and table during a stop: in this tick the axes still move at
-// `speed`, and then every axis brakes until it rests.
+// `speed`, and then every axis brakes to rest.
 double Gantry::clearance_while_braking_m(const GantryPose &speed) const
 {
     constexpr int looks = 6;
@@ -160,8 +160,8 @@ double Gantry::clearance_while_braking_m(const GantryPose &speed) const
     return gap_m;
 }
 
-// Returns the speed of every axis for the next tick: the axis moves towards its target or, if `brakes` is
-// true, slows down to rest.
+// Returns the speed of every axis for the next tick: towards its target or, if `brakes` is true, slowing down
+// to rest.
 GantryPose Gantry::wanted_speed(bool brakes) const
 {
     GantryPose wanted = speed_;

@@ -1,7 +1,7 @@
 // For coronary views, each angle of the C-arm is the middle of its range in docs/room.md. The field is 20 cm
 // for coronary arteries, 25 cm for renal arteries, and 32 cm for arch and pelvis. The distance from the X-ray
-// source to the detector (SID) is 105 cm; the SID is larger in views where the detector would otherwise come
-// too near the chest.
+// source to the detector (SID) is 105 cm, or more in views where the detector would otherwise come too near
+// the chest.
 #include "host/room/presets.hpp"
 #include <algorithm>
 #include <iterator>

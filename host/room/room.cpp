@@ -14,8 +14,8 @@ constexpr std::uint32_t look_every_ticks = 50; // how often the tip is checked, 
 constexpr double follow_zone =
     0.22; // distance of the tip from the middle that is allowed, share of the field's width
 
-// Returns the dose in nGy that reaches the detector per frame, behind patient and grid; this dose is in the
-// middle of the usual range (host/xray/xray.hpp).
+// Returns the dose per frame in nGy that reaches the detector behind patient and grid; it is in the middle of
+// the usual range (host/xray/xray.hpp).
 double frame_dose_nGy(RunKind kind)
 {
     return kind == RunKind::fluoro ? 40.0 : kind == RunKind::cine ? 170.0 : 1200.0;
@@ -197,8 +197,8 @@ void Room::carry_out_geometry(std::uint32_t tick, const RoomCommand &command)
     }
 }
 
-// At the first tick the room is set up: a pose of C-arm and table that is ordered at that tick applies at
-// once, without motion.
+// At the first tick the room is set up: an order at that tick moves C-arm and table to their pose at once,
+// without motion.
 void Room::move(std::uint32_t tick, const GantryPose &pose)
 {
     if (tick > 0) return gantry_.aim(pose);
@@ -207,7 +207,7 @@ void Room::move(std::uint32_t tick, const GantryPose &pose)
         notify(tick, "THE TABLE IS IN THE WAY HERE - only ways out are free");
 }
 
-// Moves the table so that the X-ray field follows the tip of the tools, as a person would do: the table rests
+// Moves the table as a person would do, so that the X-ray field follows the tip of the tools: the table rests
 // while the tip is well inside the field. When the tip comes near the edge of the field, the table brings the
 // tip back to the middle.
 void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)

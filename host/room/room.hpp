@@ -8,9 +8,9 @@
 //   for (const RoomEvent &event : room.events()) ...      // for whatever makes pictures of it: room_screen.hpp
 //   room.forget_events();
 //
-// The caller must not advance beyond next_tick() in one call, because otherwise X-ray pulses are missed. If
-// the commands to the room and the bodies in the X-ray beam are equal, the X-ray pulses and the dose are
-// equal too, whether or not pictures are made. See docs/room.md.
+// The caller must not advance beyond next_tick() in one call, because otherwise X-ray pulses are missed.
+// Equal commands to the room and equal bodies in the beam give equal X-ray pulses and equal doses, whether or
+// not pictures are made. See docs/room.md.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/room/dose.hpp"

@@ -13,8 +13,8 @@ namespace
 
 // A roadmap keeps for each pixel the largest of many differences, so the noise of the frames makes every
 // pixel brighter. To compensate for the noise, an estimate of it is subtracted from every pixel of the
-// roadmap. This estimate of a roadmap's noise is the median of the pixels, which is the background, plus a
-// fixed multiple of the difference between the median and the 10th percentile.
+// roadmap. The estimated noise of a roadmap is the median of the pixels (the background) plus a fixed
+// multiple of the difference between the median and the 10th percentile.
 constexpr float roadmap_noise_steps = 2.0f;
 
 float background_of(const std::vector<float> &peak)
@@ -52,7 +52,7 @@ RunCollimator collimator_of(const XrayBeam &beam, int size)
     return open;
 }
 
-// Sets the display window in which a DICOM viewer first shows the raw values: it reaches from the darkest to
+// Sets the display window in which a DICOM viewer first shows the raw values: it leaves out the darkest and
 // the brightest hundredth of the exposed values.
 void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
 {

@@ -51,8 +51,8 @@ class RoomScreen
     // If the event is an X-ray pulse, `picture` is the picture of that pulse; for every other event,
     // `picture` is null.
     void take(const RoomEvent &event, const XrayPicture *picture);
-    // describe() returns a description (without frames) of the run to which a pulse's picture belongs, in the
-    // form that files contain. frame_of() returns the picture as a frame of that run.
+    // describe() returns a description (without frames) of the run to which a pulse's picture belongs, as in
+    // files. frame_of() returns the picture as a frame of that run.
     static XrayRun describe(const RoomEvent &pulse, const XrayPicture &picture);
     static RunFrame frame_of(const RoomEvent &pulse, const XrayPicture &picture);
 
@@ -134,8 +134,8 @@ class RoomScreen
 };
 
 // Returns true if two poses of the C-arm agree within half a millimetre and a tenth of a degree. If two poses
-// of the C-arm differ by more than half a millimetre or a tenth of a degree, a roadmap made in one pose would
-// be misleading in the other pose.
+// of the C-arm differ by more than half a millimetre or a tenth of a degree, a roadmap made in one would be
+// misleading in the other.
 bool is_same_geometry(const CArm &a, const CArm &b);
 
 } // namespace crn

@@ -16,8 +16,7 @@ struct Neighbour {
     float share; // of `high`
 };
 
-// Returns the position in the original picture of the pixel that is at index `i` after the picture was moved
-// by `shift`.
+// Returns where the pixel at index `i` of a picture moved by `shift` was in the original picture.
 Neighbour source_of(int i, double shift, int size)
 {
     const double place = std::clamp(i - shift, 0.0, size - 1.0);

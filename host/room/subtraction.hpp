@@ -1,7 +1,7 @@
 // Computes differences of pictures: subtraction of a mask (DSA), the peak of opacification, and the roadmap.
-// All functions use the logarithm of the raw values, in which a vessel with contrast medium is equally dark
-// in front of bone and of lung. Pixels are stored row by row, with row 0 on top. The functions use only sums,
-// products and the polynomials of float_math, so that the results are bit-identical on every machine.
+// All functions use the logarithm of the raw values, because a vessel with contrast medium then looks equally
+// dark in front of bone and of lung. Pixels are stored row by row, with row 0 on top. The functions use only
+// sums, products and the polynomials of float_math, so that the results are bit-identical on every machine.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstdint>
@@ -11,8 +11,8 @@
 namespace crn
 {
 
-// Computes the logarithm log2 of raw values, smoothed by the display's filter [1 2 1]/4 in both directions;
-// the raw value 0 counts as 1/2.
+// Computes log2 of raw values, smoothed by the display's filter [1 2 1]/4 in both directions; the raw value 0
+// counts as 1/2.
 void smooth_log2(std::span<const std::uint16_t> raw, int size, std::vector<float> &log2_values);
 
 // Returns the mean of the raw values of the frames that the mask names; frames that do not exist are left
@@ -28,8 +28,8 @@ void shift_picture(const std::vector<float> &mask, int size, double dx, double d
 void subtract(const std::vector<float> &mask_log2, const std::vector<float> &live_log2,
               std::vector<float> &density);
 
-// Converts density to grey: density 0 gives the grey value `background` (0 .. 255), higher densities are
-// darker, and a density of `window` doublings is black.
+// Converts density to grey: density 0 gives the grey value `background` (0 .. 255), a higher density is
+// darker, and `window` doublings of attenuation are black.
 void grey_of_density(const std::vector<float> &density, std::span<const std::uint8_t> open, float window,
                      std::uint8_t background, std::vector<std::uint8_t> &grey);
 
@@ -38,9 +38,9 @@ void grey_of_density(const std::vector<float> &density, std::span<const std::uin
 void hold_peak(const std::vector<float> &density, std::vector<float> &peak);
 
 // Draws the peak of opacification (the densest state of each pixel) in white over a live picture. Before
-// drawing, the function smooths the peak by the mean over 3 x 3 pixels, and subtracts `floor` doublings of
-// attenuation, which is the noise. Pixels within three pixels of black pixels are left out, because along the
-// collimator blades the peak of opacification contains only noise.
+// drawing, the function smooths the peak by the mean over 3 x 3 pixels and subtracts the noise, which is
+// `floor` doublings of attenuation. Pixels within three pixels of black pixels are left out, because along
+// the collimator blades the peak of opacification contains only noise.
 void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vector<std::uint8_t> &grey);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// Draws a window in a separate thread, so that the thread of the events can read keys while a picture is
-// drawn: without a graphics card, drawing takes tens of milliseconds.
+// Draws a window in a separate thread, so that the event thread can read keys meanwhile: without a graphics
+// card, drawing takes tens of milliseconds.
 //
 //   PaintThread paint(window);
 //   paint.run([] { load textures });              waits for the end

@@ -163,8 +163,8 @@ void Screen::show(const Image &rgb)
     glfwSwapBuffers(window_);
 }
 
-// Every drawing reads the framebuffer's size again, so no other code needs to handle a new size, or a move of
-// the window to a screen with smaller pixels.
+// Every drawing reads the framebuffer's size again, so no other code needs to handle a resized window, or a
+// move to a screen with smaller pixels.
 void Screen::draw()
 {
     int width = 0, height = 0;

@@ -26,7 +26,7 @@ struct Expectation {
     std::size_t tool = 0; // for tip, inserted and turned
     VesselName vessel;    // for tip and iodine
     // The limits of an expected value are in mm, percent or degrees; if `is_below` is true, the value must be
-    // less than `most`, and not equal to it.
+    // less than `most`, not equal to it.
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool is_below = false;
 

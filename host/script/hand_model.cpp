@@ -13,7 +13,7 @@ namespace crn
 namespace
 {
 
-// Random numbers are made by SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators,
+// SplitMix64 makes the random numbers (Steele, Lea, Flood: Fast splittable pseudorandom number generators,
 // OOPSLA 2014), so that every C++ standard library gives the same session.
 class Chance
 {
@@ -146,8 +146,8 @@ class HandModel
         out_->push_back(changed);
     }
 
-    // A pedal or table that the simulated person operates late follows only after the first stroke of the
-    // motion.
+    // If the simulated person operates a pedal or the table late, this happens only after the first stroke of
+    // the motion.
     void motion(const Statement &statement)
     {
         wait(statement.line, chance_.exponential(skill_.pause_s));

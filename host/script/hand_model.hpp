@@ -1,12 +1,12 @@
-// Changes a session script as a person's hands would: slower or faster, with pauses, pushes that go too far,
-// searching motions, a pedal pressed late, and forgotten checks. The same script, skill and seed always give
-// the same session.
+// Changes a session script as a person's hands would: slower or faster, with pauses, overshoots, searching
+// motions, late pedals and forgotten checks. The same script, skill and seed always give the same session.
 //
 //   const Session session = with_hands(read_session(path), read_hands("novice:7"));
 //
-// The model is an assumption with parameters that we chose (docs/assessment.md, "The hand model"): it serves
-// to test whether an assessment separates experts from novices as published studies do. The model also makes
-// clumsy sessions for tests of cases. Statements that steer a tool by its tip stay unchanged.
+// The model is an assumption with parameters that we chose (docs/assessment.md, "The hand model"). The model
+// of the hand serves to test whether an assessment separates experts from novices as published studies do.
+// The model also makes clumsy sessions for tests of cases. Statements that steer a tool by its tip stay
+// unchanged.
 #pragma once
 #include "host/script/session.hpp"
 #include <cstdint>

@@ -50,8 +50,8 @@ std::size_t SessionPlayer::vessel_named(const VesselName &name, int line) const
                     "unknown vessel '" + name.text + "'" + map_.suggestion(name.text));
 }
 
-// Starts the move from the present position of the hand that holds the tool; if the statement demands
-// strokes, the move is divided into strokes.
+// Starts the move from the present position of the hand that holds the tool, and divides it into strokes if
+// the statement demands strokes.
 void SessionPlayer::begin_move(const HandMove &move, std::size_t tool)
 {
     Active active{move, tool, position_counts_[tool][static_cast<int>(move.axis)], {}, {}, 0};
@@ -171,8 +171,8 @@ crn_wire_tick_input SessionPlayer::next()
     return input;
 }
 
-// The statement of an exchange takes more ticks than one batch, so the answer to the exchange arrives while
-// that statement is the present one.
+// An exchange of tools takes more ticks than one batch, so its answer arrives while its statement is still
+// the current one.
 void SessionPlayer::answer_exchange(std::uint8_t answer)
 {
     if (answer <= CRN_WIRE_EXCHANGE_DONE || is_done() || !session_.statements[statement_].exchange) return;

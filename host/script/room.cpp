@@ -23,8 +23,8 @@ std::int32_t nearest(double value)
 
 std::int32_t um_between(LineParser &line, const std::string &what, std::int32_t low_um, std::int32_t high_um)
 {
-    // The limits are divided by 1e6 and not multiplied by 1e-6, because 450000 * 1e-6 is slightly less than
-    // 0.45, so that "45 cm" would be out of range.
+    // The limits are divided by 1e6, not multiplied by 1e-6: 450000 * 1e-6 is slightly less than 0.45, so
+    // that "45 cm" would be out of range.
     return nearest(line.quantity(what, length_units, low_um / 1e6, high_um / 1e6) * 1e6);
 }
 
@@ -136,8 +136,8 @@ void RoomParser::pedal(LineParser &line, const std::string &verb)
         if (what == "on") add(RoomAction::program, verb == "dsa" ? 1 : 0);
         add(RoomAction::acquire_pedal, what == "on" ? 1 : 0);
     } while (!line.is_at_end());
-    // A rate applies to the press of the pedal on the same line of the script, so commands for rates are
-    // returned before commands for pedals.
+    // A rate applies to the pedal press on the same line of the script, so commands for rates are returned
+    // before commands for pedals.
     std::stable_sort(commands_.begin(), commands_.end(), [](const RoomCommand &a, const RoomCommand &b) {
         const auto is_pedal = [](RoomAction action) {
             return action == RoomAction::fluoro_pedal || action == RoomAction::acquire_pedal;

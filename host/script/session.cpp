@@ -206,8 +206,8 @@ class SessionParser
         return line.name();
     }
 
-    // Reads a statement such as "begin with j_wire nothing guide_jl4_6f": the tools on the line at the start,
-    // from the innermost.
+    // Reads a statement such as "begin with j_wire nothing guide_jl4_6f", which names the tools in use at the
+    // start, from the innermost.
     void begin_with(LineParser &line, int number)
     {
         if (!session_.line_names.empty()) line.fail("the tools on the line are stated in a line above");

@@ -42,7 +42,8 @@ struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
 
-// Describes an exchange of the tool at one position of the line (docs/session.md, "Exchange").
+// Describes the replacement of the tool at one position by another tool, or its removal (docs/session.md,
+// "Exchange").
 struct Exchange {
     std::size_t position = 0;
     std::string tool; // name or number in the table; empty: the position becomes free
@@ -65,7 +66,7 @@ struct Statement {
 
 // Names the files for which a script was written, as its `needs` statements state them. The options --scene,
 // --tool and --stent replace these names; --tool lists the tools from the innermost, or in any order if the
-// script says `begin with`.
+// script has `begin with`.
 struct SessionNeeds {
     std::string scene; // empty: free space, or not stated
     std::vector<std::string> tools, stents;
@@ -90,9 +91,10 @@ struct Session {
 Session parse_session(std::string_view text, const std::string &file); // throws FileError
 Session read_session(const std::string &path);                         // throws FileError
 
-// Gives every exchange in a script the number of its tool in a table with these tool names, and returns the
-// line of tools at the start (tool_line.hpp). If a script has no statement `begin with`, the returned line is
-// empty, and at most three tools are allowed. Throws FileError if a name is unknown, or names several tools.
+// Finds the new tool of every replacement of tools in a script, as its number in this list of names. Returns
+// the numbers of the tools in use at the start (tool_line.hpp). If a script has no statement `begin with`,
+// the returned list of numbers is empty, and at most three tools are allowed. Throws FileError if a name is
+// unknown, or names several tools.
 LineNumbers resolve_tools(Session &session, std::span<const std::string> names);
 inline constexpr std::string_view free_position = "nothing"; // a free position in `begin with`
 
@@ -100,7 +102,7 @@ class SessionPlayer
 {
   public:
     // The conditions of a script are checked only at ticks that are multiples of this number, so that the
-    // results depend neither on the size of tick batches nor on pictures.
+    // results do not depend on pictures or on the size of tick batches.
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 
@@ -115,8 +117,8 @@ class SessionPlayer
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
     // Returns true if the present statement needs the positions of the tips, or is an expectation.
     bool wants_tips() const;
-    // Receives the answer to an exchange of tools from the state of a tick. A refused exchange ends the
-    // script.
+    // Receives from the state of a tick the answer to an exchange (replacement) of tools. A refused exchange
+    // ends the script.
     void answer_exchange(std::uint8_t answer);
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
     // Returns the commands for the X-ray room that the script has given since the previous call of this

@@ -12,7 +12,7 @@ namespace
 constexpr std::int64_t mm = 1000; // um
 
 // Holds the parameters of the simulated hand that steers a tool. These parameters were found by trials on the
-// shipped aorta and heart, in which friction, stiffness and the initial angle varied by some per cent
+// shipped aorta and heart, with friction, stiffness and initial angle varied by some per cent
 // (tools/check/tests/test_sessions.py). No parameter is adjusted to a single session.
 struct Habit {
     double speed_m_s, depth_m, limit_s;
@@ -137,9 +137,9 @@ void Steerer::stop_for(Stage next)
     after_ = next;
 }
 
-// If a bent tip catches at an ostium at every angle, the tip can pass the ostium when the fingers spin the
-// guidewire and push it at the same time. The attempts spin in both directions: as the vessel is curved, the
-// two directions have different effects.
+// A bent tip that catches at an ostium at every angle can pass it if the fingers spin the guidewire while
+// they push it. The attempts spin the tool in both directions, because the vessel is curved and the two
+// directions have different effects.
 std::int64_t Steerer::spin_of(int attempt) const
 {
     if (what_.engages || attempt % 3 == 1) return 0;
@@ -211,7 +211,7 @@ void Steerer::look_pushing()
     const bool is_stalled = now_.translation - best_at_ > habit_of(what_.engages).stall_um;
     if (!is_astray && !is_stalled) return;
     // If the tip has passed an ostium in a wide vessel, the hand turns the tool and pulls it back past the
-    // ostium, as another attempt to enter.
+    // ostium, as another attempt to enter it.
     if (what_.engages && is_astray) {
         go_back();
         after_turn_ = Stage::pull;

@@ -15,7 +15,7 @@ struct ContactSample {
     float force_N = 0; // sum of the magnitudes of all nodes' contacts
 };
 
-// Returns the sum of the magnitudes of all contact forces on the line.
+// Returns the sum of the magnitudes of all contact forces on the tools in use.
 inline double contact_sum_N(const crn_wire_contacts &contacts)
 {
     constexpr double N_per_q22 = 1.0 / (1 << 22);

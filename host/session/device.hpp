@@ -31,7 +31,7 @@ class FreeRunSink
     virtual ~FreeRunSink() = default;
     virtual void tick(const crn_wire_live_tick &tick) = 0;
     // snapshot() receives the state after the last tick that tick() received. resumed() is called when the
-    // session continues from this state after the device came back.
+    // device has come back and the session continues from this state.
     virtual void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
     virtual void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
 };
@@ -39,10 +39,10 @@ class FreeRunSink
 class Device
 {
   public:
-    // `tools` is the table of the session's tools, and `line` names the tool at each position from the
-    // innermost (tool_line.hpp); if `line` is empty, all tools are on the line, in the order of the table.
-    // Throws LinkError if the device refuses; the message contains the device's reason, the remedy, and the
-    // name of the tool that caused the refusal.
+    // `tools` is the table of the session's tools, and `line` gives the number of the tool at each position,
+    // from the innermost (tool_line.hpp); if `line` is empty, all tools are in use, in the order of the
+    // table. Throws LinkError if the device refuses; the message contains the device's reason, the remedy,
+    // and the name of the tool that caused the refusal.
     Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
            const crn_wire_rig &rig, const DeviceChoice &choice = {}, const LineNumbers &line = {});
     // The destructor restores the settings that a rig had before.
@@ -73,9 +73,9 @@ class Device
     // Sends any other request to the device, with the same protection against an unplugged cable as step().
     void ask(const std::function<void(Link &)> &request);
     // The next three functions return the data that a recording contains besides the ticks. If the device is
-    // a rig, its ticks, hashes and snapshots are compared with the results of this machine's core
-    // (witness.hpp) before they are returned. The next three functions throw LinkError if the rig's results
-    // differ from those of this machine's core.
+    // a rig, its ticks, hashes and snapshots are first compared with the results of this machine's core
+    // (witness.hpp). The next three functions throw LinkError if the rig's results differ from those of this
+    // machine's core.
     Hash64 read_hash64();                      // hash of the last tick given or stepped
     std::optional<Hash64> last_hash64();       // last one that came without a request
     std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
@@ -150,8 +150,8 @@ crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
                         std::span<const std::uint32_t> inserted_um);
 
 // Returns the shape of the nested tools and the readings of every tool after a batch of steps. The returned
-// frame is made from the nodes that the link received last, the result of the last tick, and the input of
-// that tick. Before the first tick, `state` is empty and no forces are known yet.
+// frame combines the nodes that the link received last with the result and the input of the last tick. Before
+// the first tick, `state` is empty and no forces are known yet.
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state,
                            const crn_wire_tick_input &input);
 

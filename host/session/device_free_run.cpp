@@ -3,11 +3,10 @@
 // replayed in LOCKSTEP bit for bit.
 //
 // During a disconnection the device continues without the host, and some of its ticks are lost. After a
-// disconnection the session therefore returns to the last tick that the host received. The host sets up the
-// device again, restores a snapshot, and repeats the inputs since that snapshot in LOCKSTEP, while it
-// compares every hash. After the inputs are repeated, FREE_RUN continues, with the present positions of the
-// hands as the new reference. The recording contains the state from which FREE_RUN continues after a
-// disconnection.
+// disconnection the session returns to the last tick that the host received. The host sets up the device
+// again, restores a snapshot, and repeats the inputs since that snapshot in LOCKSTEP, while it compares every
+// hash. After the inputs are repeated, FREE_RUN continues, with the present positions of the hands as the new
+// reference. The recording contains the state from which FREE_RUN continues after a disconnection.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -27,9 +26,9 @@ constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
 // that docs/haptics.md describes.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
-// Returns the wanted coupling stiffness, or four fifths of the largest stiffness that the device accepts,
-// whichever is less. The device accepts a coupling stiffness if (gain, if above one) x stiffness x (half a
-// tick + lag of the actuator) <= damping of the track itself.
+// Returns the wanted coupling stiffness, but at most four fifths of the largest stiffness that the device
+// accepts. The device accepts a coupling stiffness if (gain, if above one) x stiffness x (half a tick + lag
+// of the actuator) <= damping of the track itself.
 std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::uint32_t wanted)
 {
     const std::uint64_t gain_milli = std::max<std::uint32_t>(track.force_gain_milli, 1000);

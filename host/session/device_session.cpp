@@ -50,8 +50,8 @@ void Device::open()
     }
 }
 
-// A recording contains the versions of core and protocol schema that the device reports, and only a host of
-// these versions can replay the recording.
+// A recording contains the device's versions of core and protocol schema; only a host of these versions can
+// replay the recording.
 void Device::check_identity(const crn_wire_hello_reply &reply) const
 {
     if (!choice_.may_return()) return;
@@ -90,7 +90,7 @@ Device::~Device()
         link_->set_rig(rig_before_);
     } catch (const std::exception &) {
         // If the device has disappeared or refuses a request, the error is ignored, because the next user of
-        // the device sets the device up anyway.
+        // the device sets it up anyway.
     }
 }
 

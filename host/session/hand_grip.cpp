@@ -9,9 +9,9 @@ namespace
 {
 
 // Describes the force limit of a hand for one axis, and the stiffness that determines how far the tool slips
-// when the force exceeds the limit. The slip is the excess force divided by a stiffness like that of the skin
-// of a finger (10 N/mm, 1 N m/rad). The slip is never faster than a hand can move. If the tool meets a
-// contact that is stiffer than the finger's skin, the force still returns to the limit within some ticks.
+// above this limit. The slip is the excess force divided by a stiffness like that of the skin of a finger (10
+// N/mm, 1 N m/rad). The slip is never faster than a hand can move. If the tool meets a contact that is
+// stiffer than the finger's skin, the force still returns to the limit within some ticks.
 struct Limits {
     std::int64_t force;          // in the format of tick_state
     std::int64_t counts_per_one; // counts of slip for one newton or newton metre of excess

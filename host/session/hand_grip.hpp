@@ -24,15 +24,15 @@ class HandGrip
 {
   public:
     static constexpr std::int64_t force_limit_N = 25, torque_limit_mN_m = 50;
-    // If the force or torque on a hand is above a fifth of its limit, the grip is checked at every tick.
-    // If neither the force nor the torque is above a fifth of its limit, the grip is checked only at ticks
-    // that are multiples of this number.
+    // If the force or torque on a hand is above a fifth of its limit, the grip is checked at every tick. If
+    // both force and torque are at most a fifth of their limits, the grip is checked only at ticks that are
+    // multiples of this number.
     static constexpr std::uint32_t look_every_ticks = 16;
     static constexpr std::size_t tools_max = 3;
 
     // Converts the positions of the hands to the encoder counts for the device, by subtracting the slip.
     crn_wire_tick_input hold(crn_wire_tick_input wanted) const;
-    // If is_tense() returns true, the caller must step single ticks, and must pass the result of each tick to
+    // If is_tense() returns true, the caller must step single ticks, and pass the result of each tick to
     // feel() before it makes the next input.
     bool is_tense() const { return is_tense_; }
     // Returns how many ticks, starting with this tick, may be stepped in one batch.

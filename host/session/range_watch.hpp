@@ -1,6 +1,6 @@
 // Watches whether the simulated physics stays in the range for which it is valid. Every tick of a session is
 // checked. The physics leaves its range when a number in the core reaches the limit of its format, or a tool
-// is too deep in the wall. The physics also leaves its range when the nested tools become too long or too
+// lies too deep in the wall. The physics also leaves its range when the nested tools become too long or too
 // short. After the physics has left its range, the computed shape is no longer that of the tools, and the
 // session must not continue.
 #pragma once

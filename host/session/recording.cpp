@@ -81,7 +81,7 @@ class Reader
             fail(RecordingFault::inconsistent, "is inconsistent: another number of lengths than tools");
     }
 
-    // Every tool is on the line at most once, and at least one tool is on the line.
+    // Each tool is in use at most once, and at least one tool is in use.
     void read_line()
     {
         RecordingHeader &header = recording_.header;

@@ -9,8 +9,9 @@ namespace crn::recording_format
 {
 
 // The digit is the version. In versions 2 and 3 of the format, every tick had fields for all kinds of
-// commands (orders), and version 2 had chunks of the kind VIEW instead of ROOM. In versions 2 to 4, all tools
-// were on the line. The code in recording_upgrade.hpp converts files of these versions.
+// commands (orders), and version 2 had chunks of the kind VIEW instead of ROOM. In versions 2 to 4 of the
+// format, all tools of a session were in use at once. The code in recording_upgrade.hpp converts files of
+// these versions.
 inline constexpr char magic[9] = "CRN-REC5";
 inline constexpr char oldest_version = '2', protocol_5_version = '4';
 
@@ -37,8 +38,8 @@ inline constexpr std::size_t recorded_stents_max = 64;
 inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
 inline constexpr std::size_t head_bytes_max = 1 << 18;
 // The next two functions return the number of bytes of one tick, which consists of the record `tick_input`
-// with this number of hands, and of two hash lanes. tick_bytes_max() assumes all commands (orders) that a
-// tick may have, and tick_bytes_min() assumes that the tick has no command.
+// with this number of hands and of two hash lanes. tick_bytes_max() assumes all commands (orders) that a tick
+// may have, and tick_bytes_min() none.
 constexpr std::size_t tick_bytes_max(std::size_t tool_count)
 {
     return CRN_WIRE_BYTES_tick_input - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;

@@ -33,8 +33,8 @@ bool is_old_size(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
 constexpr ChunkRules old_rules = {is_old_kind, is_old_size};
 constexpr ChunkRules protocol_5_rules = {is_old_kind, is_size_of};
 
-// New data is inserted into a snapshot of protocol 4 or 5 at these places: behind the 108 bytes of each of
-// the three tools, and behind the core's words that precede the 388 nodes of 84 bytes.
+// The upgrade inserts new data into a snapshot of protocol 4 or 5 behind the 108 bytes of each of the three
+// tools, and behind the core's words that precede the 388 nodes of 84 bytes.
 constexpr std::size_t snapshot_head_bytes = 12, snapshot_tool_bytes = 108, snapshot_tools = 3,
                       release_bytes = 12, node_bytes = std::size_t{388} * 84, exchange_words = 5;
 constexpr std::uint32_t old_snapshot_version = 3, snapshot_version = 4;
@@ -90,8 +90,8 @@ class Upgrade
         bytes_.insert(bytes_.end(), chunk.begin(), chunk.end());
     }
 
-    // The header of the recording keeps its contents except for three changes: the schema hash, two unknown
-    // lengths behind each tool's values, and the line, to which all tools belong.
+    // The header of the recording changes in three places: the schema hash, two unknown lengths behind each
+    // tool's values, and the list of tools in use, which has all tools.
     void take_head()
     {
         crn_wire_reader &payload = chunks_.payload();
@@ -168,9 +168,8 @@ class Upgrade
         add(kind, chunks_.payload_bytes());
     }
 
-    // The upgraded snapshot states for every tool that no exchange has released it, and states which tools
-    // are on the line. A snapshot of an unknown form stays unchanged: a device refuses it, as before the
-    // conversion.
+    // The upgraded snapshot states that no tool was released by a replacement, and which tools are in use. A
+    // snapshot of an unknown form stays unchanged: a device refuses it, as before the conversion.
     void take_snapshot()
     {
         const auto old = chunks_.payload_bytes();

@@ -8,8 +8,8 @@ namespace crn
 {
 
 // If the old recording was cut off, the converted recording is cut off too. Throws RecordingError if the
-// recording is damaged, already has this program's version, or has a protocol schema that is not the last
-// schema of protocol 4.
+// recording is damaged, already has this program's version, or has a schema other than the last one of
+// protocol 4.
 std::vector<std::uint8_t> upgraded_recording(std::span<const std::uint8_t> bytes, const std::string &name);
 
 // Converts a file. The new file gets its final name only when it is complete. Throws RecordingError,

@@ -79,8 +79,8 @@ class Replayer
         }
     }
 
-    // Contrast medium that was injected before the start of the replay may still be in the vessels, so the
-    // patient is computed from the first injection on.
+    // Contrast medium injected before the start of the replay may still be in the vessels, so the patient is
+    // computed from the first injection on.
     std::uint32_t first_injection() const
     {
         for (const RecordedCommand &recorded : recording_.commands)

@@ -107,9 +107,8 @@ class Runner
         look_when_due();
     }
 
-    // Reads the state of the session on which the script's decisions depend. If a script has expectations
-    // about contrast medium and stents, they are checked with the values at exactly this tick, whatever
-    // pictures are made.
+    // Reads the state of the session on which the script's decisions depend. Expectations about contrast
+    // medium and stents are checked with the values at exactly this tick, whatever pictures are made.
     void look(bool has_nodes)
     {
         const std::vector<double> lengths_m = inserted();

@@ -1,6 +1,6 @@
 // Runs a session on a device and its patient. Either a script moves the tools in LOCKSTEP, as fast as the
-// machine allows, or the hands at a rig move the tools in FREE_RUN. Meanwhile the session is recorded, and
-// its pictures are made.
+// machine allows, or the hands at a rig move them in FREE_RUN. Meanwhile the session is recorded, and its
+// pictures are made.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/session.hpp"

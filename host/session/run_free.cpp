@@ -19,8 +19,8 @@ void send_orders(Link &link, Patient &patient)
     try {
         link.give_orders(orders);
     } catch (const DeviceLost &) {
-        // The error is ignored, because the next request to the device also finds that the device has
-        // disappeared, and waits until it returns.
+        // The error is ignored, because the next request also finds that the device has disappeared, and
+        // waits for its return.
     }
 }
 
@@ -106,7 +106,7 @@ class FreeRunner final : private FreeRunSink
         if (recorder_) recorder_->resumed(tick, bytes);
     }
 
-    // A hash may arrive before the ticks to which it belongs, and those ticks may never arrive. The hash is
+    // A hash may arrive before the ticks to which it belongs, and those ticks may never arrive. A hash is
     // therefore recorded only after the ticks to which it belongs.
     void record_hash()
     {

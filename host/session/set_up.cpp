@@ -6,8 +6,8 @@ namespace crn
 namespace
 {
 
-// Returns a text with the names of the tools that caused a refusal, as they are in the tools' files; the text
-// is empty if no tool caused the refusal.
+// Returns the names of the tools that caused a refusal, as in the tools' files; the text is empty if no tool
+// caused the refusal.
 std::string tool_at_fault(const std::vector<Instrument> &tools, const LineNumbers &line,
                           const crn_wire_reject &reject)
 {

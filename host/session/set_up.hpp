@@ -1,5 +1,5 @@
 // Sets a device up for a session in LOCKSTEP, up to the message START. Sessions, replays, the class Witness
-// and the worlds of the C library use this code.
+// and the simulated sessions ("worlds") of the C library use this code.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/model/tool_line.hpp"

@@ -1,7 +1,7 @@
 // Repeats the computation of a rig's session on this machine's core at the same time, and accepts the rig's
 // results only if both results agree. The recording therefore cannot contain a hash, snapshot or picture from
 // a device that is broken, sends false data, or computes with faulty memory. The command `replay --verify`
-// would find such differences later, whereas the class Witness finds them before they are recorded.
+// would find wrong results of the rig later, whereas the class Witness finds them before they are recorded.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/link/sim_transport.hpp"
@@ -30,8 +30,8 @@ class Witness
               const crn_wire_nodes *nodes);
     // In FREE_RUN only the hashes are compared, because only the rig computes the forces of its motors.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
-    // Compares the rig's hash of the present tick, or of one of the last ticks that are multiples of 100,
-    // with the hash that this machine's core computed.
+    // Compares the rig's hash of the present tick, or of one of the last multiples of 100, with the hash that
+    // this machine's core computed.
     void hash(const Hash64 &told);
     // Compares the rig's snapshot of the present tick, from which the session may continue later, with the
     // snapshot of this machine's core. In LOCKSTEP every byte of the snapshot is compared; in FREE_RUN only

@@ -1,5 +1,5 @@
-// Describes the balloon at one step, as the core reports it: by balls along the tool that carries the
-// balloon, and by directions that follow the balloon's axis without twist.
+// Describes the balloon at one step, as the core reports it: by balls along the balloon's tool, and by
+// directions that follow the balloon's axis without twist.
 #pragma once
 #include <Eigen/Core>
 #include <limits>
@@ -44,8 +44,8 @@ class BalloonAxis
     }
     double first_arc_mm() const { return points_.front().arc_mm; }
     double last_arc_mm() const { return points_.back().arc_mm; }
-    // Returns the arc length of the point of the axis that is nearest to a given position, and stores their
-    // distance; the point never lies beyond the ends of the axis.
+    // Returns the arc length of the axis point nearest to a given position, and stores the distance; the
+    // point never lies beyond the ends of the axis.
     double nearest_arc_mm(const Eigen::Vector3d &place_mm, double &distance_mm) const;
 
   private:

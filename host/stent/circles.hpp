@@ -1,7 +1,7 @@
-// Describes a deployed stent as the core uses it: by circles along the inner side of the struts, from the
-// stent's end towards the tip to its end towards the hub. No tool can pass between two neighbouring circles
-// of the stent (docs/lesions.md). Each circle lies in the middle of a ring of struts, except that the first
-// and the last circle lie at the ends of the stent.
+// Describes a deployed stent as the core uses it: by circles along the inner side of the struts, from the end
+// towards the tip to the end towards the hub. No tool can pass between two neighbouring circles of the stent
+// (docs/lesions.md). Each circle lies in the middle of a ring of struts, except that the first and the last
+// circle lie at the ends of the stent.
 #pragma once
 #include "host/stent/stent.hpp"
 #include <functional>

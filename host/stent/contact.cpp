@@ -82,9 +82,9 @@ StrutContact strut_contact(const StrutCapsule &strut, const std::array<Vector3d,
     StrutContact contact{0.0, -outward};
     if (ccdGJKPenetration(&capsule, &prism, &ccd, &depth, &direction, &position) != 0) return contact;
     contact.depth_mm = depth;
-    // libccd returns the displacement of the second body, so the strut must move in the opposite direction.
-    // If the contact pushed a strut out through a side of a small triangle, the strut would meet the next
-    // triangle, for which another contact is computed.
+    // libccd returns the displacement of the second body, so the strut (the first body) must move in the
+    // opposite direction. If the contact pushed a strut out through a side of a small triangle, the strut
+    // would meet the next triangle, for which another contact is computed.
     const Vector3d way = -from_ccd(&direction);
     if (-way.dot(outward) > 0.5) {
         contact.direction = way;

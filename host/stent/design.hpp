@@ -41,8 +41,8 @@ struct StentDesign {
     double chord_mm(double radius_mm) const;
     // Returns the height of a ring along the axis, if the struts keep their length: sqrt(strut^2 - chord^2).
     double ring_height_mm(double radius_mm) const;
-    // Returns the distance between two crowns that a link joins; this distance is the length that the rings
-    // of a crimped stent leave for links.
+    // Returns the distance between two crowns that a link joins, which is the length that the rings of a
+    // crimped stent leave for links.
     double link_length_mm() const;
     // Returns the length that a straight stent has when all its rings are opened to this radius.
     double length_at_mm(double radius_mm) const;

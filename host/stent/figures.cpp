@@ -65,7 +65,7 @@ void appose(const Stent &stent, const StentWall *wall, StentFigures &figures)
 }
 
 // Measures a ring of struts as seen along its axis. The inner area of a ring is the area of the polygon
-// through its points, multiplied by the ratio of a circle's area to that of the regular polygon in it.
+// through its points, times the ratio of a circle's area to that of the regular polygon in it.
 StentRing ring_of(const Stent &stent, int index)
 {
     const StentDesign &design = stent.design();

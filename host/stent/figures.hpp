@@ -57,9 +57,8 @@ StentCoverage stent_coverage(const Stent &stent, std::span<const Eigen::Vector3d
 class VesselWall;
 StentCoverage stent_coverage(const Stent &stent, const VesselWall &vessel, std::size_t lesion);
 
-// Returns the largest overstretch of the vessel: the outside diameter that a ring had on a balloon, divided
-// by the healthy vessel's diameter at the ring, minus 1. The overstretch is 0 for a stent that was never
-// opened.
+// Returns the largest overstretch of the vessel: a ring's outside diameter on a balloon, divided by the
+// healthy vessel's diameter at the ring, minus 1. The overstretch is 0 for a stent that was never opened.
 double stent_stretch(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                      std::span<const double> healthy_radius_mm);
 

@@ -14,8 +14,8 @@ namespace
 // and the equilibrium would take more iterations. Links are bent wires, which yield easily along the axis of
 // the stent.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
-// A brace is a spring that resists the bending of a link; its stiffness is this fraction of a hinge's
-// stiffness; the fraction is low because a stent bends easily.
+// A brace is a spring that resists the bending of a link. The stiffness of a brace is this fraction of a
+// hinge's stiffness; the fraction is low because a stent bends easily.
 constexpr double brace_share = 0.5;
 // Hinges to farther neighbours keep a ring round; their stiffness is this fraction of the stiffness of hinges
 // to the nearest neighbours.

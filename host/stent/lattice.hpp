@@ -1,8 +1,8 @@
 // Holds the points of a stent and the springs between them, which are made from the stent's design
 // (docs/stent.md, "Springs").
 //
-// The k-th point of ring j, where k = 0 .. 2N-1 counts around the axis, lies at the angle k pi / N from the
-// ring's first point. In an even ring, the points with even k are the crowns towards the tip. The springs are
+// The k-th point of ring j (k = 0 .. 2N-1 around the axis) lies at the angle k pi / N from the ring's first
+// point. In an even ring, the points with even k are the crowns towards the tip. The springs are
 //   struts    k to k+1 of a ring                              keep their length
 //   hinges    k to k+2, k+4, k+N of a ring, of one side       bending of a crown; yield
 //   links     a crown to a crown of the next ring             keep their length
@@ -37,8 +37,7 @@ struct StentLattice {
     int ring_of(std::size_t point) const { return static_cast<int>(point) / (2 * crowns); }
     int place_of(std::size_t point) const { return static_cast<int>(point) % (2 * crowns); }
     double angle(std::size_t point) const; // rad
-    // Returns -1 for a point on the side of its ring towards the tip, and +1 for a point on the side towards
-    // the hub.
+    // Returns -1 for a point on the side of its ring towards the tip, and +1 for one towards the hub.
     int side_of(std::size_t point) const;
 
     int rings = 0, crowns = 0;
@@ -56,8 +55,8 @@ struct StentLattice {
     std::vector<Bar> bars;
 };
 
-// Returns the stiffness with which the hinges of a ring resist a change of its radius R: the second
-// derivative of the hinges' energy, which is the sum of k (d length / d R)^2 over all hinges.
+// Returns the stiffness with which a ring's hinges resist a change of the radius R: the second derivative of
+// the hinges' energy, which is the sum of k (d length / d R)^2 over all hinges.
 double hinge_ring_stiffness(const StentLattice &lattice);
 
 } // namespace crn

@@ -248,7 +248,7 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
         const double from = plane.out.dot(capsule.from_mm) - plane.offset_mm;
         const double to = plane.out.dot(capsule.to_mm) - plane.offset_mm;
         // Skips a capsule (half a strut) that lies entirely in front of the triangle's plane, or entirely
-        // behind the tissue that lies behind this plane.
+        // behind the tissue there.
         if (std::max(from, to) <= reach || std::min(from, to) > tissue_limit_mm) continue;
         const std::size_t triangle = state_.patch[state_.near[k]];
         const StrutContact contact = strut_contact(
@@ -326,8 +326,8 @@ void StentRelaxation::bed()
             point.offset_mm = off;
             continue;
         }
-        // If a point of the stent slides, is pushed or touches nothing, its foot (the point of the wall that
-        // it follows) moves to the nearest point of the wall. A point that slides stops where the load on the
+        // If a point of the stent slides, is pushed or touches nothing, its foot (the wall point that it
+        // follows) moves to the nearest point of the wall. A point that slides stops where the load on the
         // spring between point and wall no longer exceeds the limit.
         const bool slides = point.is_bedded && !is_pushed;
         const Vector3d place =

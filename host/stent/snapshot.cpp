@@ -1,5 +1,5 @@
-// Stores the state of a stent as bytes in the machine's own byte order, for a replay on the same machine; the
-// snapshot of the contrast medium is stored in the same way.
+// Stores the state of a stent as bytes in the machine's own byte order, for a replay on the same machine, as
+// for the contrast medium.
 #include "host/stent/stent.hpp"
 #include <cmath>
 #include <cstring>

@@ -239,8 +239,8 @@ void Stent::carry(const StentWall &wall)
             is_bedded = is_bedded && point.is_bedded;
             if (point.foot.is_known()) carried.col(k) = wall.place(point.foot) + point.offset_mm;
         }
-        // Points of the stent that the wall does not hold move together as a rigid body, because a vessel
-        // that widens around them does not widen the stent.
+        // Points of the stent that the wall does not hold move together as a rigid body: a vessel that widens
+        // around them does not widen the stent.
         Eigen::Matrix4d way = Eigen::Matrix4d::Identity();
         if (is_known && !is_bedded) way = Eigen::umeyama(before, carried, false);
         for (Eigen::Index k = 0; k < around; ++k) {

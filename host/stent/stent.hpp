@@ -5,9 +5,9 @@
 //   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second
 //   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
 //
-// The state of the stent depends on the sequence of steps (one for each picture) and not on time, because
-// masses of micrograms reach their equilibrium at once. Equal sequences of steps give results that are equal
-// bit for bit. Lengths are in mm and forces in N, in the patient's coordinates: docs/stent.md.
+// The state of the stent depends on the sequence of steps (one per picture) and not on time, because masses
+// of micrograms reach equilibrium at once. Equal sequences of steps give results that are equal bit for bit.
+// Lengths are in mm and forces in N, in the patient's coordinates: docs/stent.md.
 #pragma once
 #include "host/stent/balloon_axis.hpp"
 #include "host/stent/design.hpp"

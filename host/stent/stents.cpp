@@ -23,8 +23,8 @@ void Stents::step(const StentWall *wall, const BalloonPose *balloon)
     step(std::vector<const StentWall *>(stents_.size(), wall), balloon);
 }
 
-// Stents that were deployed earlier are stepped first, because a stent that is deployed in this step lies on
-// the present inner side of those earlier stents.
+// Stents that were deployed earlier are stepped first, because a stent that is deployed now lies on their
+// present inner side.
 void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *balloon)
 {
     std::vector<StentSleeve> sleeves;

@@ -15,10 +15,10 @@
 namespace crn
 {
 
-// A stent holds a lesion open: the points `first` to `last` of the lesion cannot become narrower than
-// open_256 / 256, where 0 is the opening in the scene file and 1 that of the healthy vessel. The points of a
-// lesion ("stations") are evenly spaced from the lesion's beginning to its end. The opening of a station has
-// steps of 1/256, so that every machine sends the core the same command.
+// A stent holds a lesion open: its points `first` to `last` cannot become narrower than open_256 / 256, where
+// 0 is the opening in the scene file and 1 that of the healthy vessel. The points of a lesion ("stations")
+// are evenly spaced from the lesion's beginning to its end. The opening of a station has steps of 1/256, so
+// that every machine sends the core the same command.
 struct StentHold {
     std::uint32_t first = 0, last = 0;
     std::uint32_t open_256 = 0;
@@ -45,8 +45,8 @@ class Stents
     // spaced points). Neighbouring stations (points) of the lesion that are held equally far open are merged
     // into one entry of the returned list. A ring that is still on the balloon counts with its width after
     // deflation, which is its present width minus the recoil. `open` holds the present opening of each
-    // station of the lesion, 0 .. 1. A stent opens no lesion by itself, so it holds each station of a lesion
-    // open only as far as the station is open now. If `open` is empty, each ring holds the lesion open with
+    // station of the lesion, 0 .. 1. A stent opens no lesion by itself, so it holds each station (point) of a
+    // lesion only as far open as the station is now. If `open` is empty, each ring holds the lesion open with
     // the ring's full width.
     std::vector<StentHold> holds(const VesselWall &vessel, std::size_t lesion, std::uint32_t stations,
                                  std::span<const double> open = {}) const;

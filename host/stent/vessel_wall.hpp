@@ -6,11 +6,11 @@
 //   vessel.move(moment, opened);                         every picture
 //   stent.step({&vessel.wall(), ...});
 //
-// The meshes of bodies are too coarse to be walls for stents, because each flat facet of a mesh lies up to a
-// tenth of a millimetre inside the wall of a coronary artery. Gaps between strut and wall of a tenth of a
-// millimetre decide whether a strut counts as apposed. The vessel tree contains the radius of every inscribed
-// sphere to within some micrometres, and also the position of the healthy vessel. The tube has no openings
-// where side branches leave the vessel.
+// The meshes of bodies are too coarse to be walls for stents: each flat facet lies up to a tenth of a
+// millimetre inside the wall of a coronary artery. Gaps between strut and wall of a tenth of a millimetre
+// decide whether a strut counts as apposed. The vessel tree contains the radius of every inscribed sphere to
+// within some micrometres, and also the position of the healthy vessel. The tube has no openings where side
+// branches leave the vessel.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"
@@ -36,9 +36,9 @@ class VesselWall
     // `opened` contains a list of values for each lesion of the tree; the values state how far the lesion is
     // open. The values of `opened` belong to evenly spaced points from the lesion's beginning to its end,
     // such as the core's stations. A list in `opened` with only one value applies to the whole lesion. The
-    // value 0 means as narrow as in the scene file, 1 means as wide as the healthy vessel, and above 1 the
-    // vessel is overstretched. Lesions without a list in `opened`, or with an empty list, are as narrow as in
-    // the scene file.
+    // value 0 means as narrow as in the scene file, 1 as wide as the healthy vessel, and above 1
+    // overstretched. Lesions without a list in `opened`, or with an empty list, are as narrow as in the scene
+    // file.
     void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});
 
     const StentWall &wall() const { return wall_; }
@@ -53,7 +53,7 @@ class VesselWall
     // Sets the distance between the first and the last point for which `opened` has values; the middle
     // between these two points is the middle of the lesion.
     void set_places(std::size_t lesion, double span_mm);
-    // Holds the beginning and end of a lesion on this part of the vessel; this range is empty if the branch
+    // Holds the beginning and end of a lesion on this part of the vessel; the range is empty if the branch
     // has no lesion with that number.
     struct Stretch {
         double from_mm = 0.0, to_mm = 0.0;
@@ -70,7 +70,7 @@ class VesselWall
         return lesion < places_.size() ? places_[lesion] : Stretch{};
     }
     // The next functions return the radius in the scene file and the healthy radius at a position along the
-    // branch; beyond an end of this part of the vessel they return the radius at that end.
+    // branch. Beyond an end of this part of the vessel, the functions return the radius at that end.
     double narrow_radius_mm(double along_mm) const;
     double healthy_radius_mm(double along_mm) const;
     // Holds the position along the branch that is nearest to a point of the patient, and the distance of that

@@ -6,8 +6,8 @@
 //   WallFoot foot = wall.walk(place, foot);        nearest place of the wall, searched from the previous one
 //   place = wall.place(foot);                      where the wall has carried it
 //
-// A foot is a point that moves with the wall: it has a triangle, a point in the plane of that triangle, and a
-// height above the plane towards the blood. Lengths in mm.
+// A foot is a point that moves with the wall. A foot is described by a triangle, a point in the triangle's
+// plane, and a height above the plane towards the blood. Lengths in mm.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -49,12 +49,12 @@ class StentWall
     normal(std::size_t triangle) const; // unit, away from the blood; 0 for a triangle without area
 
     // place() returns the present position of a foot (a point that moves with the wall); on_plane() returns
-    // the foot's position in the plane of its triangle, without the height above this plane.
+    // the position in the plane of the foot's triangle, without the height above it.
     Eigen::Vector3d place(const WallFoot &foot) const;
     Eigen::Vector3d on_plane(const WallFoot &foot) const;
 
-    // Walks from the triangle `from` to neighbouring triangles while each step reduces the distance to
-    // `place_mm`, and returns the nearest point of the wall that is found.
+    // Walks from the triangle `from` to neighbouring triangles as long as each step reduces the distance to
+    // `place_mm`, and returns the nearest point found on the wall.
     WallFoot walk(const Eigen::Vector3d &place_mm, std::int32_t from) const;
     // Returns the point on the triangles `among` that is nearest to `place_mm`; if no such point is within
     // `reach_mm`, the returned foot has no triangle.

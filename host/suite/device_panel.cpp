@@ -1,8 +1,8 @@
-// Draws the panel of devices: one row per position of the line with the travel and the turn of its tool, and
-// the force and torque on the hand. The mouse drags a row to push and turn its tool. Below these rows, the
-// function draws the device table: the devices of the session that are not on the line; the user selects the
-// one that is to be loaded. One button loads the selected device at the chosen position of the line; another
-// button takes the chosen device off the line.
+// Draws the panel of devices: one row per position with the travel and the turn of its tool, and the force
+// and torque on the hand. The mouse drags a row to push and turn its tool. Below these rows, the function
+// draws the device table: the devices of the session that are not in use. The user selects the one that is to
+// be loaded. One button loads the selected device at the chosen position; another button removes the device
+// at this position.
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/script/hand_motion.hpp"
@@ -33,7 +33,7 @@ ImU32 load_colour(double share)
 constexpr float head_units = 17.0f, row_units = 28.0f, buttons_units = 216.0f; // of the layout
 constexpr std::size_t columns = 4;
 
-// Returns the numbers of the tools in the table that are not on the line.
+// Returns the numbers of the tools in the table that are not in use.
 std::vector<std::uint8_t> off_line(const SuiteView &view)
 {
     std::vector<std::uint8_t> numbers;

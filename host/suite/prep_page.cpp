@@ -43,8 +43,8 @@ std::string mm_text(double mm)
 DeviceCabinet::DeviceCabinet(const Case &lesson) : lesson_(lesson)
 {
     for (const std::string &path : lesson.offered) devices_.push_back({path, read_instrument(path), false});
-    // The same kind of device may be offered twice; the line begins with as many of these devices as the case
-    // names.
+    // The same kind of device may be offered twice; the session begins with as many of these devices as the
+    // case names.
     for (const std::string &path : lesson.start.tools) {
         const auto found = std::find_if(devices_.begin(), devices_.end(), [&](const CabinetDevice &device) {
             return device.path == path && !device.is_on_line;
@@ -94,7 +94,7 @@ std::vector<std::string> DeviceCabinet::paths() const
     return paths;
 }
 
-// Tries every choice of positions of the line that stay free. The best choice has the most devices at the
+// Tries every choice of positions that stay without a device. The best choice has the most devices at the
 // positions that the case states; among equal choices, a device without a lumen should be innermost, and the
 // outermost device as far outside as possible.
 std::vector<std::optional<std::size_t>> DeviceCabinet::positions() const

@@ -1,6 +1,7 @@
 // Draws the preparation of a case: the patient, the goals, the devices and whether they fit into each other,
-// a picture, and the progress of making the scene. In the preparation the trainee chooses the devices on the
-// line; the others stay on the device table, and can be exchanged onto the line during the session.
+// a picture, and the progress of making the scene. In the preparation the trainee chooses the devices with
+// which the session begins; the others stay on the device table, and can be brought into use during the
+// session.
 #pragma once
 #include "host/cases/recipe.hpp"
 #include "host/live/background_task.hpp"
@@ -23,9 +24,9 @@ struct CabinetDevice {
     bool is_on_line = false;
 };
 
-// Holds the devices that a case offers, and which of them the trainee has put on the line. The line has as
-// many positions as at the start that the case states. A device that the case puts on the line keeps its
-// position there, if the other devices permit it.
+// Holds the devices that a case offers, and those of them that the trainee has chosen for the start. There
+// are as many positions as the case has at its start. A device with which the case begins keeps its position,
+// if the other devices permit it.
 class DeviceCabinet
 {
   public:
@@ -35,10 +36,10 @@ class DeviceCabinet
     explicit DeviceCabinet(const Case &lesson);
     const std::vector<CabinetDevice> &devices() const { return devices_; }
     void toggle(std::size_t device);
-    // Returns the devices on the line, beginning with the innermost, which is the thinnest.
+    // Returns the devices in use at the start, beginning with the innermost, which is the thinnest.
     const std::vector<std::size_t> &line() const { return line_; }
     std::vector<std::string> paths() const; // of the whole table
-    // Returns the device at each position of the line, from the innermost; a free position has no value.
+    // Returns the device at each position, from the innermost; a position without a device has no value.
     std::vector<std::optional<std::size_t>> positions() const;
     // Returns the words of the option --line: the number in the table of the device at each position.
     std::vector<std::string> line_words() const;
@@ -48,10 +49,10 @@ class DeviceCabinet
         bool is_good = true;
         std::string text;
     };
-    // States for each pair of neighbours on the line whether the inner device passes through the outer one,
-    // and why.
+    // States for each pair of neighbouring devices whether the inner one passes through the outer one, and
+    // why.
     const std::vector<Finding> &findings() const { return findings_; }
-    // Returns the reason why the case cannot begin with this line, or an empty text if it can.
+    // Returns the reason why the case cannot begin with these devices, or an empty text if it can.
     std::string refusal() const;
 
   private:
@@ -62,8 +63,8 @@ class DeviceCabinet
     const Case &lesson_;
     std::vector<CabinetDevice> devices_;
     std::vector<StentDesign> stents_;
-    // The devices on the line and the findings about them are computed when the line changes, because the
-    // window shows them sixty times a second.
+    // The devices in use and the findings about them are computed when the choice changes, because the window
+    // shows them sixty times a second.
     std::vector<std::size_t> line_;
     std::vector<Finding> findings_;
 };

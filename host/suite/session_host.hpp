@@ -47,8 +47,8 @@ class SessionHost
     {
         return goals_ ? goals_->latest() : nullptr;
     }
-    // Returns for each position of the line where the tool's tip is, or null if the session has no case or
-    // the tips have not been located yet.
+    // Returns, for each position, where the tool's tip is, or null if the session has no case or the tips
+    // have not been located yet.
     std::shared_ptr<const std::vector<std::string>> tips() const { return goals_ ? goals_->tips() : nullptr; }
     const std::string &recording() const { return recording_; } // of the last session; empty: none
     bool was_interrupted() const { return was_interrupted_; }

@@ -68,7 +68,7 @@ CardState draw_card(Ui &ui, const CaseCard &card, std::size_t index, float width
     y += wrapped(draw, ui.fonts().small_text, {x, y, right - x, bottom - foot - y}, tint::sky, card.goal);
     if (!card.trouble.empty())
         wrapped(draw, ui.fonts().small_text, {x, y, right - x, bottom - y}, tint::orange, card.trouble);
-    // The story of the case is drawn below the picture, over the whole width of the card.
+    // The case's description ("story") is drawn below the picture, over the whole width of the card.
     const float story_y = std::max(
         y + ui.px(4.0f), at.y + pad + (card.picture.bytes.empty() ? 0.0f : ui.px(picture_units + 6.0f)));
     ImFont *small_font = ui.fonts().small_text;
@@ -103,7 +103,7 @@ CardsState draw_cards(Ui &ui, const std::vector<CaseCard> &cards, std::size_t pa
     const float width =
         (available - ui.px(card_gap) * static_cast<float>(columns - 1)) / static_cast<float>(columns);
     // The rows of a full page of cards share the height of the window, so that in a large window the cards
-    // show more of their stories.
+    // show more of the cases' descriptions.
     const auto rows = static_cast<float>((cards_per_page() + static_cast<std::size_t>(columns) - 1) /
                                          static_cast<std::size_t>(columns));
     const float height =
@@ -178,7 +178,8 @@ void draw_side(Ui &ui, const StartView &view, const CaseCard *hovered, std::stri
     if (ui.screen_button(ScreenControlId::to_rig, "Rig", width)) choice.kind = PageChoice::Kind::rig;
     if (ui.screen_button(ScreenControlId::quit, "End", width)) choice.kind = PageChoice::Kind::quit;
     if (!hovered) return;
-    // The full story of the card under the pointer is drawn here, because a tooltip would cover other cards.
+    // The full description of the card under the pointer is drawn here, because a tooltip would cover other
+    // cards.
     ImGui::Dummy({1.0f, ui.px(8.0f)});
     ui.text(tint::text, "%s", hovered->name.c_str());
     ui.note_last_item("story", hovered->name);

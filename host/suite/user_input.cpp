@@ -132,7 +132,7 @@ bool UserInput::is_on_line(std::size_t number) const
     return std::find(line_.begin(), line_.end(), number) != line_.end();
 }
 
-// Selects the next tool that is not on the line, in steps of `step` numbers through the table.
+// Selects the next tool that is not in use, in steps of `step` numbers through the table.
 void UserInput::step_to_load(std::size_t step)
 {
     for (std::size_t i = 1; i <= table_count_; ++i) {
@@ -147,8 +147,7 @@ void UserInput::step_to_load(std::size_t step)
 void UserInput::see_line(const LineNumbers &line, std::size_t table_count)
 {
     if (line == line_ && table_count == table_count_) return;
-    // The tool that has just left the line is selected, because it is the one that is most often loaded
-    // again.
+    // The tool that has just been removed is selected, because it is the one that is most often loaded again.
     LineNumbers left = line_;
     std::erase_if(left, [&](std::uint8_t number) {
         return number == 0 || std::find(line.begin(), line.end(), number) != line.end();

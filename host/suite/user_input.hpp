@@ -44,7 +44,7 @@ class UserInput
     // Sets the sticks of a gamepad, -1 .. 1: at full deflection a stick moves the tool as fast as a key does.
     void analog(double push, double turn);
     void choose(std::size_t tool);
-    // Receives which tools of the table are on the line now; the other tools of the table can be loaded.
+    // Receives which tools of the table are in use now; the other tools of the table can be loaded.
     void see_line(const LineNumbers &line, std::size_t table_count);
     // Selects the tool that is to be loaded, by its number in the table.
     void select_to_load(std::uint8_t number);

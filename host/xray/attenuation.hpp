@@ -15,12 +15,12 @@ constexpr double energy_keV(int index)
 
 extern const float attenuation_per_cm[material_count][energy_count];
 
-// Gives for each material its highest K edge between 33.2 keV (the K edge of iodine) and the end of the
-// table, in keV; 0 means that the material has no K edge there.
+// Gives each material's highest K edge in keV between 33.2 keV (the K edge of iodine) and the end of the
+// table; 0 means that the material has no K edge there.
 extern const float edge_keV[material_count];
 
 // The next tables hold the attenuation of the filters, of the scintillator (at the density of the crystal)
-// and of the anode; the last table holds the mass energy absorption of air, from which the kerma is computed.
+// and of the anode; the last one holds the mass energy absorption of air, for the kerma.
 extern const float aluminium_per_cm[energy_count];
 extern const float copper_per_cm[energy_count];
 extern const float caesium_iodide_per_cm[energy_count];

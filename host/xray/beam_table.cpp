@@ -94,8 +94,8 @@ class Orthogonal
     std::vector<double> a_, b_, norm_;
 };
 
-// Returns the attenuation of a material in 1/cm at an energy between the table's entries `first` and `last`,
-// by interpolation that is linear in the logarithms of energy and attenuation.
+// Returns a material's attenuation in 1/cm at an energy between the table's entries `first` and `last`, by
+// interpolation that is linear in the logarithms of energy and attenuation.
 double attenuation_at(int material, double energy, int first, int last)
 {
     int i = static_cast<int>(energy - energy_keV(0));
@@ -114,7 +114,7 @@ struct Part {
 
 // The attenuation of a material jumps at a K edge, so a material with a K edge among the beam's energies has
 // no smooth curve. For a material with a K edge, each energy of the table is assigned to the nearest energy
-// of the beam, and the attenuation is averaged over the assigned energies, weighted by the signal.
+// of the beam. The attenuation is then averaged over the assigned energies, weighted by the signal.
 void average_cells(const Part &part, int material, BeamTable &table, const std::vector<double> &weights)
 {
     double sum = 0.0, mass = 0.0, border = 0.0, passed = 0.0;

@@ -1,11 +1,11 @@
-// Describes an X-ray beam by a few photon energies, by the fraction of the detector's signal that each energy
-// contributes, and by the signal of one photon of each energy.
+// Describes an X-ray beam by a few photon energies. Each energy has its fraction of the detector's signal and
+// the signal of one photon.
 //
-// Gauss's quadrature approximates the sum of exp(-mu L) over the spectrum (mu is the attenuation, L the path
-// length) by a sum over two energies below the K edge of iodine and four energies above it. The quadrature is
-// exact for polynomials in 1/sqrt(energy): up to degree 3 below the K edge of iodine, and up to degree 7
-// above this edge. The weight function of the quadrature is the spectrum behind 10 cm of tissue and 1 mm of
-// iohexol-350, so that the relative error is similar for thin and for thick patients.
+// Gauss's quadrature replaces the sum of exp(-mu L) over the spectrum by a sum over two energies below the K
+// edge of iodine and four above it; mu is the attenuation and L the path length. The quadrature is exact for
+// polynomials in 1/sqrt(energy): up to degree 3 below the K edge of iodine, and up to degree 7 above this
+// edge. The weight function of the quadrature is the spectrum behind 10 cm of tissue and 1 mm of iohexol-350,
+// so that the relative error is similar for thin and thick patients.
 #pragma once
 #include "host/xray/spectrum.hpp"
 #include <array>
@@ -18,9 +18,9 @@ inline constexpr int beam_energy_count = 6;
 
 struct BeamTable {
     std::array<double, beam_energy_count> energy_keV{};
-    // Holds the fraction of the open beam's signal that each energy contributes; the fractions add up to 1,
-    // except for the quadrature's error (0.6 %). A photon's signal is the energy that the photon leaves in
-    // the scintillator.
+    // Holds the fraction of the open beam's signal from each energy; the fractions add up to 1, except for
+    // the quadrature's error (0.6 %). A photon's signal is the energy that the photon leaves in the
+    // scintillator.
     std::array<float, beam_energy_count> share{};
     // Holds, for each material and energy, log2(1/transmission) of a layer of 1/1024 mm.
     std::array<std::array<float, beam_energy_count>, material_count> log2_per_q10mm{};

@@ -61,8 +61,8 @@ void solve(Square &rows, int count)
     }
 }
 
-// Fits a kernel with sum 1 to a curve by least squares over the frequencies; the kernel's radius is increased
-// until the fit is near enough to the curve.
+// Fits a kernel with sum 1 to a curve by least squares over the frequencies, and increases the kernel's
+// radius until the fit is close enough.
 template <class Curve> BlurKernel fit_kernel(Curve curve)
 {
     BlurKernel kernel;

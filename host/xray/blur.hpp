@@ -11,7 +11,7 @@
 // are drawn, the light in the scintillator spreads the contribution of each photon, so that the noise has the
 // scintillator's texture. All blurs are symmetric kernels, applied along rows and then along columns. Up to
 // 0.9 of half the sampling frequency, the modulation transfer function (MTF) of each kernel follows the
-// kernel's formula in the list above.
+// formula in the list at the top of this file.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -21,8 +21,8 @@ namespace crn
 
 inline constexpr int blur_radius_max = 12;
 
-// tap[0] is the weight of the middle pixel, and tap[k] is the weight of each of the two pixels at a distance
-// of k; all weights sum to 1.
+// tap[0] is the weight of the middle pixel, and tap[k] that of each of the two pixels at the distance k; all
+// weights sum to 1.
 struct BlurKernel {
     int radius = 0;
     std::array<float, blur_radius_max + 1> tap{1.0f};
@@ -41,7 +41,7 @@ double mtf_before_photons(const BlurGeometry &geometry, double frequency_per_mm)
 double mtf_of_scintillator(double frequency_per_mm);
 double mtf_of_system(const BlurGeometry &geometry, double frequency_per_mm); // the product
 
-// Each of the next functions returns a blur kernel; from frequency 0 to 0.9/(2 pixel), the kernel's MTF is
+// Each of the next functions returns a blur kernel. From frequency 0 to 0.9/(2 pixel), the kernel's MTF is
 // within 0.01 of the formula at the top of this file, or as near to it as blur_radius_max allows.
 BlurKernel kernel_before_photons(const BlurGeometry &geometry);
 BlurKernel

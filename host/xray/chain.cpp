@@ -42,8 +42,8 @@ CoarseSums attenuate(XrayChain &chain)
     return sums;
 }
 
-// Computes scatter from the sums over the cells of the coarse grid before the blur, because the blur of focal
-// spot and pixel does not change these sums.
+// Computes scatter from the sums over the coarse grid's cells before the blur, because the blur of focal spot
+// and pixel does not change these sums.
 void scatter(XrayChain &chain, const CoarseSums &transmitted, bool is_on)
 {
     const int cells = chain.size / coarse_cell;
@@ -152,8 +152,8 @@ CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells
     return samples;
 }
 
-// Estimates from about 32 x 32 pixels the value that blur_add_and_measure computes from all pixels: the mean
-// of log2(signal) over the measuring field, where the signal of the open beam is 1.
+// Estimates, from about 32 x 32 pixels, the mean of log2(signal) over the measuring field (the open beam's
+// signal is 1). blur_add_and_measure computes this mean from all pixels.
 double sampled_log_mean(const XrayChain &chain, const BeamTable &beam, bool with_scatter)
 {
     int cell = coarse_cell;
@@ -212,14 +212,14 @@ float transmitted(const BeamTable &beam, const Exponents &exponent)
 }
 
 // If the exponents of all rays through a pixel differ by less than ray_spread_max, a single transmission is
-// computed, for their mean path length. If the exponents differ by less than ray_spread_max, the mean of the
-// rays' transmissions differs from the transmission of the mean path length by a relative error of only 1e-4.
+// computed, for their mean path length. If the exponents differ by less than ray_spread_max, the transmission
+// of the mean path length has a relative error of only 1e-4 against the mean of the rays' transmissions.
 constexpr float ray_spread_max = 0.1f;
 
 // Several rays pass through each pixel, because tools are thin. The transmissions of the rays through a pixel
 // are averaged, because averaged path lengths would make thin metal too dark. Inside a wide column of
-// contrast medium the path lengths of the rays through a pixel are nearly equal, and a single transmission,
-// for the mean path length, is accurate enough.
+// contrast medium the path lengths of a pixel's rays are nearly equal, so a single transmission for the mean
+// path length is accurate enough.
 float behind_tools(const XrayChain &chain, std::size_t touched)
 {
     const ToolPaths &tools = chain.paths.tools();

@@ -51,8 +51,8 @@ struct XrayChain {
     SignalKey settled_key;
     ExposureChoice settled;
 
-    // The next members hold the signal behind the bodies as a fraction of the open beam's signal behind the
-    // grid, and are kept between frames.
+    // The next members, which are kept between frames, hold the signal behind the bodies as a fraction of the
+    // open beam's signal behind the grid.
     std::vector<OpenColumns> open;
     std::vector<float> transmission;    // of each pixel's middle
     std::vector<float> primary;         // the same after blur by focal spot and pixel
@@ -62,8 +62,8 @@ struct XrayChain {
     double log_mean = 0.0;              // log2(signal) over the measuring field
     std::optional<BlurKernels> kernels; // of the view and the focal spot
 
-    // The next members describe the tools of this frame: tool_gain holds the factor by which the tools change
-    // the signal behind the bodies, minus one, and tool_blur holds this gain after the focal spot's blur.
+    // The next members describe the tools of this frame. tool_gain holds the factor by which the tools change
+    // the signal behind the bodies, minus one; tool_blur holds this gain after the focal spot's blur.
     std::vector<float> tool_gain;
     SparseBlur tool_blur;
     std::vector<float> tool_signal; // at the pixels of tool_blur
@@ -74,7 +74,7 @@ struct XrayChain {
 inline constexpr double measuring_field_share = 0.65;
 
 // held_settings() limits the X-ray settings to the ranges that the signal chain supports. demand_of() returns
-// the dose, mode and distances that these settings demand of automatic exposure.
+// the dose, mode and distances that these settings pass to automatic exposure.
 XraySettings held_settings(const XraySettings &settings);
 ExposureDemand demand_of(const XraySettings &settings);
 

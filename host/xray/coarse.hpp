@@ -14,8 +14,8 @@ struct OpenColumns {
     int begin = 0, end = 0;
 };
 
-// Holds for each cell of the coarse grid the sum over its open pixels (those that the collimator does not
-// cover), and the number of these pixels. Both vectors have (size/8)^2 values.
+// Holds, for each cell of the coarse grid, the number of its open pixels (not covered by the collimator) and
+// the sum over them. Both vectors have (size/8)^2 values.
 struct CoarseSums {
     std::vector<float> sum, count;
 
@@ -29,8 +29,8 @@ struct CoarseSums {
 };
 CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
 
-// Returns for each cell the mean over a neighbourhood of about a tenth of the picture; two passes over five
-// cells along both axes compute this mean. Closed pixels have no weight.
+// Returns for each cell the mean over a neighbourhood of about a tenth of the picture, computed by two passes
+// over five cells along both axes. Closed pixels have no weight.
 std::vector<float> slow_part(CoarseSums sums, int cells);
 
 // Interpolates the coarse grid bilinearly, and computes one row of pixels of the result at full size.

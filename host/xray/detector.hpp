@@ -1,6 +1,6 @@
 // Converts path lengths to transmitted fractions of the signal, and expected quanta to counted quanta. The
-// functions use only integers and sums, products, quotients and square roots in single precision, so that
-// every compiler and every number of threads gives results that are equal bit for bit.
+// functions use only integers and single-precision sums, products, quotients and square roots, so that
+// results are equal bit for bit with every compiler and any number of threads.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include "host/xray/coarse.hpp"
@@ -17,8 +17,8 @@ namespace crn
 // 1/1024 mm for each material.
 float transmission(const BeamTable &beam, const std::array<float, material_count> &path_q10mm);
 
-// Computes one row of transmissions. paths[material] points to the path lengths of the row in this material;
-// it is nullptr if the material does not occur in the row. `size` must be a multiple of 16.
+// Computes one row of transmissions. paths[material] points to the row's path lengths in this material, or is
+// nullptr if the material does not occur in the row. `size` must be a multiple of 16.
 void transmission_row(const BeamTable &beam, const std::array<const std::int32_t *, material_count> &paths,
                       int size, float *share);
 

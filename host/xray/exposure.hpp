@@ -2,8 +2,8 @@
 // and copper filter of a picture.
 //
 // The exposure control works as in angiography systems (AAPM Report 125; Rauch, Lin et al., Med Phys 39
-// (2012) 2826). From the signal of the last pulse the exposure control estimates the patient's thickness as
-// centimetres of water, and takes the technique for this thickness from a fixed curve.
+// (2012) 2826). The exposure control estimates the patient's thickness as centimetres of water from the
+// signal of the last pulse. A fixed curve then gives the technique for the estimated thickness.
 //
 // On this fixed curve (an "anti-isowatt" curve) voltage, current and pulse width increase together. At the
 // limit of the current, or at the power limit of the tube ("isowatt"), only the voltage increases further, to
@@ -17,8 +17,8 @@
 // Fluoroscopy never exceeds 88 mGy/min at the reference point (21 CFR 1020.32). If the kerma rate reaches its
 // limit, pictures are underexposed, as in real systems.
 //
-// With each pulse the estimated thickness changes by half of its difference from the thickness that the
-// signal shows, and by at most 3 cm, so that a new view settles within about five pulses.
+// With each pulse the estimated thickness moves half-way to the thickness that the signal shows, but by at
+// most 3 cm, so that a new view settles within about five pulses.
 //
 // Manufacturers do not publish the numbers of their exposure curves. The exposure curves below are
 // assumptions within the limits of angiography tubes.
@@ -81,11 +81,11 @@ class Exposure
     // Chooses the technique for the next pulse, and stores the chosen copper filter in `state`.
     ExposureChoice choose(const ExposureDemand &demand, ExposureState &state);
 
-    // Updates the estimated thickness of the patient from the signal of the last pulse behind patient and
-    // grid, divided by the signal of the open beam.
+    // Updates the estimated thickness of the patient from the last pulse's signal behind patient and grid,
+    // divided by the open beam's signal.
     void follow(const XrayTechnique &technique, double signal_share, ExposureState &state);
-    // For a single picture, which has no earlier pulses, sets the estimated thickness of the patient at once
-    // to the value that the signal shows.
+    // For a single picture without earlier pulses, sets the patient's estimated thickness at once to the
+    // value that the signal shows.
     void jump(const XrayTechnique &technique, double signal_share, ExposureState &state);
 
     // Returns how many quanta per mm2 of this beam give the same signal as a dose of `dose_nGy` in the

@@ -1,5 +1,5 @@
-// Computes powers and logarithms of two with sums and products only, so that every compiler gives results
-// that are equal bit for bit, and so that a compiler can vectorise loops that call these functions.
+// Computes powers and logarithms of two with sums and products only. Every compiler then gives results that
+// are equal bit for bit, and can vectorise loops with these functions.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -30,7 +30,7 @@ inline float exp2_negative(float x)
 }
 
 // Returns log2(x) for normal x > 0; absolute error <= 2e-5. The logarithm of the mantissa m in [1, 2) is
-// computed as an atanh of s = (m - q)/(m + q), where q = sqrt 2.
+// computed as an atanh of s = (m - q)/(m + q), with q = sqrt 2.
 inline float log2_positive(float x)
 {
     const auto bits = std::bit_cast<std::int32_t>(x);

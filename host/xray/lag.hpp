@@ -1,13 +1,13 @@
 // Lag is signal that the detector's photodiodes trap from one picture and release into the next ones.
 //
-// The model has one kind of trap, as in Siewerdsen and Jaffray, "A ghost story", Med Phys 26 (1999) 1624;
-// these authors measured a lag of 2 to 10 %. A fraction a = 3 % of each picture's signal s is trapped. Within
-// the time T to the next read-out, the traps release a fraction b(T) = 1 - 2^(-T/h), h = 140 ms, of the
-// trapped signal q.
+// The model has one kind of trap, as in Siewerdsen and Jaffray, "A ghost story", Med Phys 26 (1999) 1624, who
+// measured a lag of 2 to 10 %. A fraction a = 3 % of each picture's signal s is trapped. Within the time T to
+// the next read-out, the traps release the fraction b(T) = 1 - 2^(-T/h) of the trapped signal q, with h = 140
+// ms.
 //     out = (1 - a) s + b q,   q <- (1 - b) q + a s
-// No signal is lost. After a long exposure, the first picture without X-rays has a signal of 3 % of the last
-// picture's, at any picture rate. The signal of each later picture without X-rays is 1 - b times the signal
-// of the previous picture: 0.72 times at 15 pictures/s.
+// No signal is lost. After a long exposure, the first picture without X-rays has 3 % of the last picture's
+// signal, at any picture rate. The signal of each later picture without X-rays is 1 - b times the signal of
+// the previous picture: 0.72 times at 15 pictures/s.
 #pragma once
 #include <cstdint>
 

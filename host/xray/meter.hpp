@@ -30,8 +30,9 @@ struct XrayExposure {
     double kap_Gy_cm2 = 0.0;      // kerma times the area of the open field there
 };
 
-// Returns the area of the open field at the reference point, in cm2. The kerma at the reference point times
-// the area of the open field is the kerma-area product, which is the same at every distance from the source.
+// Returns the area of the open field at the reference point, in cm2. The kerma-area product is the kerma at
+// the reference point times the area of the open field there; it is the same at every distance from the
+// source.
 double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
 
 class XrayMeter

@@ -43,8 +43,7 @@ CRN_WIDE void quantise_row(const float *signal, int size, float gain, std::uint1
 }
 
 // Computes the displayed value: takes the logarithm of the signal, reduces its slow changes over the picture,
-// and then applies an S-curve, so that pixels with few photons (bone, metal) are dark. Window and level
-// follow.
+// and applies an S-curve. Pixels with few photons (bone, metal) are dark. Window and level follow.
 CRN_WIDE void display_row(const Curve &curve, const std::uint16_t *raw, const float *slow, int size,
                           std::uint16_t *shown, std::uint8_t *grey)
 {

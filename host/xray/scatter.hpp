@@ -1,14 +1,14 @@
 // Scattered photons are computed by convolution of the picture of primary (unscattered) photons.
 //
 // From each point of the detector, scattered photons are spread over a broad area around the point. The
-// number of the photons scattered from a point is in proportion to P ln(1/P), where P is the transmission of
+// number of photons scattered from a point is proportional to P ln(1/P), where P is the transmission of
 // primary photons at that point. P ln(1/P) is the fraction of photons lost in the patient times the fraction
 // still transmitted (Ohnesorge, Flohr and Klingenbeck-Regn, Eur Radiol 9 (1999) 563).
 //
 //     S = 0.70 [P ln(1/P)] * G,   G: Gaussian of 60 mm standard deviation at the detector, of sum 1
 //
-// By this formula the ratio S/P of scattered to primary photons rises with the thickness of the patient, and
-// with the size of the field up to about 25 cm. Photons scattered from bright areas brighten dark areas. The
+// By this formula the ratio S/P of scattered to primary photons rises with the patient's thickness, and with
+// the size of the field up to about 25 cm. Photons scattered from bright areas brighten dark areas. The
 // factor of 0.70 is set by one measurement: 30 cm of acrylic in a field of 40 x 30 cm scatter 4.51 times the
 // primary photons. Behind a grid of ratio 10 the measured ratio S/P is 1.28; that grid transmits 70.6 % of
 // the primary and 21 % of the scattered photons (Altunbas et al., Med Phys 43 (2016), abstract
@@ -24,7 +24,7 @@ namespace crn
 // primary photons.
 inline constexpr float grid_scatter_to_primary = 0.21f / 0.706f;
 
-// Returns the scattered signal in each cell of the coarse grid, in front of the anti-scatter grid, in the
+// Returns the scattered signal in each cell of the coarse grid in front of the anti-scatter grid, in the
 // units of the primary sums (1 is the open beam).
 std::vector<float> scatter_part(const CoarseSums &primary, int cells, double cell_mm);
 

@@ -18,8 +18,7 @@ std::string describe(const Body &body, std::size_t index)
     return "body " + std::to_string(index) + " \"" + body.name + "\"";
 }
 
-// Exchanges the signal at the tools' pixels with the signal behind the tools; a second call of this function
-// reverses the exchange.
+// Swaps the signal at the tools' pixels with the signal behind the tools; a second call swaps them back.
 void swap_tools(XrayChain &chain)
 {
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();

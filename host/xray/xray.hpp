@@ -35,9 +35,8 @@ struct XrayBeam {
     // are 20 .. 60 in fluoroscopy, 100 .. 250 in cine, and 500 .. 3000 in DSA.
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
-    // If a fixed technique (voltage, current, pulse width and filter) is given, automatic exposure is not
-    // used; either the user has set the fixed technique, or a DSA run locks it. The fixed technique is
-    // limited to the ranges of the tube.
+    // If a technique (voltage, current, pulse width and filter) is fixed by the user or locked by a DSA run,
+    // automatic exposure is not used. The fixed technique is limited to the ranges of the tube.
     std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
     bool scatter = true;
@@ -50,8 +49,8 @@ struct XrayDisplay {
     double contrast = 1.0;   // slope of the display curve
     double brightness = 0.0; // -1 .. 1
     double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled
-    // `window` and `level` select the displayed part of the 12-bit values `shown`, as defined by DICOM PS3.3
-    // C.11.2.1.2: the values from level - window/2 to level + window/2 cover all greys.
+    // `window` and `level` select the displayed part of the 12-bit values `shown` (DICOM PS3.3 C.11.2.1.2):
+    // the values from level - window/2 to level + window/2 cover all greys.
     double window = 4096.0;
     double level = 2048.0;
 };
@@ -157,8 +156,8 @@ class Xray
 
     // The next functions return the path lengths of the last picture in 1/1024 mm, size*size pixels each.
     // body_path_q10mm() returns those of the bodies, where nested bodies are subtracted from their parents.
-    // instrument_path_q10mm() returns those of tools and curves; they are negative where tools and curves
-    // displace a material. The returned list is empty if the picture does not contain the material.
+    // instrument_path_q10mm() returns those of tools and curves, negative where these displace a material.
+    // The returned list is empty if the picture does not contain the material.
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
     std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
     bool last_render_used_cache() const;

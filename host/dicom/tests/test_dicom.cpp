@@ -1,6 +1,6 @@
 // These tests check the following. An X-ray run becomes a valid DICOM file. DCMTK reads the file back pixel
-// for pixel. dciodvfy and dctopnm accept the file; both are from dicom3tools, which shares no code with
-// DCMTK. The attributes equal the inputs, and a failure never leaves an incomplete file.
+// for pixel. dciodvfy and dctopnm (from dicom3tools, which shares no code with DCMTK) accept the file. The
+// attributes equal the inputs, and a failure never leaves an incomplete file.
 #include "host/base/tests/folder.hpp"
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/tests/xray_runs.hpp"
@@ -250,8 +250,8 @@ static void a_moving_arm_and_table_have_an_offset_per_frame(void **)
     assert_text(reader, DCM_PositionerPrimaryAngleIncrement, "0\\2.5\\5\\7.5");
     assert_text(reader, DCM_PositionerSecondaryAngleIncrement, "0\\-1.25\\-2.5\\-3.75");
     // In each frame the isocentre moves in the patient by 1 mm to the right, 2 mm to the head and 3 mm to the
-    // front. The table therefore moves 1 mm left, 2 mm to the feet and 3 mm down. In DICOM the longitudinal
-    // axis points towards LAO, and the lateral axis towards cranial (C.8.7.4.1).
+    // front. The table therefore moves 1 mm left, 2 mm to the feet and 3 mm down. In DICOM, longitudinal
+    // table motion is positive towards LAO, and lateral motion towards cranial (C.8.7.4.1).
     assert_text(reader, DCM_TableMotion, "DYNAMIC");
     assert_text(reader, DCM_TableLongitudinalIncrement, "0\\1\\2\\3");
     assert_text(reader, DCM_TableLateralIncrement, "0\\-2\\-4\\-6");
@@ -270,8 +270,8 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
     assert_near("exposure time, us", reader.number(DCM_ExposureTimeInuS), 25000.0, 0.0); // 5 pulses of 5 ms
     assert_near("exposure, uAs", reader.number(DCM_ExposureInuAs), 2525.0, 0.0);         // 101 mA x 25 ms
     assert_near("pulse, ms", reader.number(DCM_AveragePulseWidth), 5.0, 0.0);
-    // Five frames of 0.004 Gy cm2 give a kerma-area product of 0.02 Gy cm2 = 0.2 dGy cm2; their kerma is 20 +
-    // .. + 24 uGy = 0.11 mGy.
+    // Five frames of 0.004 Gy cm2 give a kerma-area product of 0.02 Gy cm2, which is 0.2 dGy cm2. The kerma
+    // of the five frames is the sum 20 + .. + 24 uGy = 0.11 mGy.
     assert_near("KAP, dGy cm2", reader.number(DCM_ImageAndFluoroscopyAreaDoseProduct), 0.2, 1e-9);
     assert_near("kerma, mGy", reader.number(DCM_EntranceDoseInmGy), 0.11, 1e-9);
     assert_text(reader, DCM_FilterMaterial, "ALUMINUM\\COPPER");
@@ -282,7 +282,8 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
 }
 
 // DICOM counts rows and columns from 1, and the attributes of the collimator name the last row or column that
-// each blade covers. In this test, columns 2 to 63 and rows 3 to 62 of the picture must therefore be open.
+// each blade covers. In this test, no blade may therefore cover columns 2 to 63 and rows 3 to 62 of the
+// picture.
 static void collimator_edges_are_the_last_covered_columns_and_rows(void **)
 {
     Folder folder;
@@ -333,8 +334,8 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(reader, DCM_ContrastBolusVolume, "12");
     assert_text(reader, DCM_ContrastFlowRate, "6");
     assert_text(reader, DCM_ContrastBolusIngredientConcentration, "350");
-    // If the only mask frame is in the middle of the run, for example because the user chose another mask, it
-    // is subtracted from every frame.
+    // If the only mask frame is in the middle of the run (for example, because the user chose another mask),
+    // the mask is subtracted from every frame.
     XrayRun late = sample_run(RunKind::dsa, 6);
     late.mask->frames = {4};
     write_xa(folder.file("b.dcm"), late, study_of("a"));
@@ -345,8 +346,8 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(other, DCM_ApplicableFrameRange, "absent");
 }
 
-// After make_logarithmic() the difference of two pixels is the logarithm of their ratio, and the table in the
-// file inverts the conversion.
+// After make_logarithmic() the difference of two pixels is the logarithm of the ratio of their intensities.
+// The table in the file converts the pixels back to linear values.
 static void logarithmic_runs_subtract_plainly_and_lead_back_to_linear(void **)
 {
     XrayRun run = sample_run(RunKind::dsa, 2);
@@ -529,8 +530,7 @@ static void an_interrupted_export_leaves_nothing_and_keeps_what_was_there(void *
     assert_int_equal(folder.count(), 1);
 }
 
-// A limit on the size of the files that the process writes simulates a full disk: a write fails in the middle
-// of the file.
+// A limit on the size of written files simulates a full disk: a write fails in the middle of the file.
 static void a_full_disk_is_told_and_leaves_nothing(void **)
 {
     Folder folder;

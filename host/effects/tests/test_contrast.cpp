@@ -241,7 +241,7 @@ void more_than_flows_away_goes_back_upstream(void **)
     }
     assert_true(held_in(gentle, 0) == 0.0);
     // The vascular bed of the renal artery cannot take all contrast medium; the remainder must have flowed
-    // back along the artery, past the tip and into the aorta.
+    // back past the tip into the aorta.
     const FlowCells &cells = forced.cells();
     double back_mg = held_in(forced, 0);
     for (std::size_t i = cells.branch_begin(1); i < cells.size(); ++i)
@@ -250,7 +250,7 @@ void more_than_flows_away_goes_back_upstream(void **)
 }
 
 // A catheter as wide as the vessel blocks the flow: no blood flows past the catheter. The injected fluid
-// therefore flows downstream undiluted, and no fluid flows back.
+// flows downstream undiluted, and no fluid flows back.
 void a_wedged_catheter_lets_nothing_past(void **)
 {
     ContrastFlow contrast(aorta());
@@ -293,7 +293,7 @@ void side_holes_share_the_flow(void **)
     within("thin over wide", held_in(contrast, 2) / held_in(contrast, 1), 3.0, 1e-9);
 }
 
-// The power distance decides in which vessel a tip lies: at the renal ostium, a tip that is nearer to the
+// The power distance decides in which vessel a tip lies. At the renal ostium, a tip that is nearer to the
 // renal centreline than to the wall counts as in the renal artery.
 void the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest(void **)
 {
@@ -340,7 +340,8 @@ void a_snapshot_goes_on_bit_for_bit(void **)
     assert_true(first.snapshot() == second.snapshot());
 }
 
-// A beating heart moves its vessels: the cells of blood move with the vessels and keep their contents.
+// A beating heart moves its vessels: the cells of the simulated blood move with the vessels and keep their
+// contents.
 void cells_follow_their_vessels(void **)
 {
     VesselTree tree = tube(10.0);

@@ -106,8 +106,8 @@ void asystole_is_a_flat_line_and_a_falling_pressure(void **)
     assert_true(patient.monitor.rate_per_min() == 0);
 }
 
-// In the electrocardiogram, the R wave comes 36 ms after the QRS begins, the T wave at four fifths of
-// systole, and the P wave before the next QRS, up to a rate of 150 /min.
+// The R wave comes 36 ms after the QRS begins, and the T wave at four fifths of systole. Up to a rate of 150
+// /min, the P wave comes before the next QRS.
 void the_waves_stand_where_the_beat_says(void **)
 {
     for (std::uint32_t rate : {50u, 70u, 150u}) {
@@ -170,8 +170,8 @@ void pushing_undoes_pulling(void **)
     }
 }
 
-// Each body has eight vertices, and only one of the two bodies moves. At the keyframes the vertices of the
-// moving body are where the lattice moves them, to 2 um.
+// Each body has eight vertices, and only one of the two bodies moves. At the keyframes, the vertices of the
+// moving body agree with the lattice to within 2 um.
 void bodies_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;
@@ -196,7 +196,7 @@ void bodies_that_move_go_where_the_lattice_takes_them(void **)
     }
 }
 
-// Between keyframes and in a breath, too, each vertex moves by the displacement of its point, rounded to 1
+// Between keyframes and in a breath, too, each vertex moves by the displacement at its point, rounded to 1
 // um.
 void vertices_move_as_single_points(void **)
 {
@@ -224,8 +224,8 @@ void vertices_move_as_single_points(void **)
     }
 }
 
-// Places move with the lattice. The spline passes through the keyframes, so positions are exact to 1 um
-// there; between keyframes, and in a deep breath, they are exact to 50 um. Points outside the lattice do not
+// Places move with the lattice. The spline passes through the keyframes, where positions are exact to 1 um.
+// Between keyframes and in a deep breath, positions are exact to 50 um. Points outside the lattice do not
 // move; their positions are equal bit for bit.
 void points_that_move_go_where_the_lattice_takes_them(void **)
 {

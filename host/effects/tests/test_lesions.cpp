@@ -34,7 +34,7 @@ double out_of_the_last(const FlowNetwork &network)
     return network.outflow_ml_s(network.runs().size() - 1);
 }
 
-// Makes a vessel of 70 mm along x with a radius of 1.5 mm, narrowed to the radius `throat_mm` from 22 to 40
+// Makes a vessel of 70 mm along x with a radius of 1.5 mm, which narrows to `throat_mm` between x = 22 and 40
 // mm. The lesion has a taper of 1 mm at either end.
 VesselTree vessel(double throat_mm)
 {
@@ -89,7 +89,7 @@ LesionFigures figures_of(const VesselTree &tree)
     return lesion_figures(tree, viscosity_mPa_s).at(0);
 }
 
-// The pressures are taken in the cells next to the lesion, so the pressure drop includes up to 4 mm of
+// The pressures are those of the cells next to the lesion. The pressure drop therefore includes up to 4 mm of
 // healthy vessel, which cause less than 1 % of the drop.
 void a_lesion_costs_what_wall_and_jet_take(void **)
 {
@@ -103,8 +103,7 @@ void a_lesion_costs_what_wall_and_jet_take(void **)
         print_message("# %.2f mm: %.1f mmHg at %.2f ml/s, FFR %.2f\n", 2 * throat_mm, f.rest_drop_mmHg, q,
                       f.ffr);
     }
-    // A flow of 60 ml/min through a lesion of 0.75 mm x 18 mm loses 61 mmHg to wall friction and about 30
-    // mmHg to the jet.
+    // At 60 ml/min, a lesion of 0.75 mm x 18 mm loses 61 mmHg to wall friction and about 30 mmHg to the jet.
     within("61 mmHg", 8 * viscosity_mPa_s * 18 / (pi * std::pow(0.375, 4)) * mmHg_per_Pa, 61, 0.02);
     within("about 30 mmHg", jet_mmHg(0.375, 1.0), 30, 0.15);
 }
@@ -120,7 +119,7 @@ void percent_by_diameter_and_by_area(void **)
 }
 
 // Without a narrowing, the pressure at the vascular bed is 88 mmHg minus the Poiseuille drop along the 70 mm
-// vessel, also at four times the flow.
+// vessel; this also holds at four times the flow.
 void flow_reserve_falls_with_the_stenosis(void **)
 {
     double before = 1;
@@ -164,8 +163,8 @@ void a_wire_in_the_throat_takes_flow(void **)
     within("ml/s", out_of_the_last(network), free_ml_s, 1e-9);
 }
 
-// Returns the time, in ms, from the start of an injection upstream of the lesion until the last cell has half
-// of the injected concentration of iodine.
+// Returns the time in ms from the start of an injection upstream of the lesion until the last cell has half
+// of the injected iodine concentration.
 int arrival_ms(double throat_mm)
 {
     ContrastFlow contrast(vessel(throat_mm));
@@ -228,8 +227,8 @@ void opened_wholly_it_costs_what_the_healthy_vessel_does(void **)
     assert_true(std::fabs(f.diameter_percent()) < 1e-9);
 }
 
-// The radius of the opened lesion is 0.375 + 0.6 (1.5 - 0.375) mm, and the pressure drop must be that of a
-// vessel baked with this radius.
+// The radius of the opened lesion is 0.375 + 0.6 (1.5 - 0.375) mm. The pressure drop must be that of a vessel
+// that was baked with the radius of the opened lesion.
 void opened_partly_it_costs_what_is_left(void **)
 {
     const VesselTree tree = vessel(0.375), now = opened(tree, 0.6);
@@ -300,8 +299,8 @@ void iodine_is_conserved_while_the_wall_gives_way(void **)
     assert_true(strongest < 350.0 * (1 + 1e-9));
 }
 
-// A vessel full of contrast medium at the injected concentration stays full when it opens, because the added
-// volume comes from the cell upstream, which has the same concentration.
+// A vessel full of contrast medium at the injected concentration stays full when it opens: the added volume
+// comes from the cell upstream, at the same concentration.
 void what_a_widening_cell_takes_has_its_neighbours_strength(void **)
 {
     const VesselTree tree = vessel(0.9);

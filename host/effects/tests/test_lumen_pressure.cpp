@@ -1,7 +1,7 @@
-// These tests check the following. The pressure of an injection follows from the viscosity on the label, by
-// Hagen and Poiseuille's law in an empty lumen, and by the law of flow through an annulus beside a guidewire.
-// If an injection would need more than 1200 psi with the tools that are in the lumen then, it is refused at
-// that tick, and no part of it enters the vessel.
+// These tests check the following. The pressure of an injection follows from the viscosity on the label: by
+// Hagen-Poiseuille's law in an empty lumen, and by the law for an annulus beside a guidewire. An injection
+// that would need more than 1200 psi, with the tools then in the lumen, is refused at that tick, so that no
+// part of it enters the vessel.
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/units.hpp"
 #include "host/patient/contrast.hpp"
@@ -44,8 +44,8 @@ void check_psi(double kPa, double expected_psi, double tolerance_psi)
         fail_msg("%.2f psi, expected %.2f (allowed %.2f)", psi, expected_psi, tolerance_psi);
 }
 
-// At the strengths on the label the viscosity must be that of the label; half-way between two strengths it
-// must be the geometric mean of their viscosities.
+// At the strengths on the label the viscosity must be that of the label. Half-way between two strengths on
+// the label, the viscosity must be the geometric mean of their viscosities.
 void viscosity_is_the_labels(void **)
 {
     for (const auto &[strength, mPa_s] : {std::pair{140.0, 1.5}, {240.0, 3.4}, {300.0, 6.3}, {350.0, 10.4}})
@@ -54,8 +54,8 @@ void viscosity_is_the_labels(void **)
     assert_true(contrast_viscosity_mPa_s(400.0) == contrast_viscosity_mPa_s(350.0));
 }
 
-// The pressure is 8 mu L Q / (pi R^4); a lumen of 0.42 mm diameter and 1.4 m length needs some 11,000 psi for
-// 4 ml/s. The tolerance of this test allows for rounding only.
+// The pressure is 8 mu L Q / (pi R^4): about 11,000 psi for 4 ml/s through a lumen of 0.42 mm diameter and
+// 1.4 m length. The tolerance of this test allows for rounding only.
 void an_empty_lumen_needs_hagen_and_poiseuilles_pressure(void **)
 {
     const double expected_kPa = 8.0 * 10.4e-3 * 1.4 * 4e-6 / (pi * std::pow(0.21e-3, 4)) * 1e-3;
@@ -65,8 +65,8 @@ void an_empty_lumen_needs_hagen_and_poiseuilles_pressure(void **)
 }
 
 // A 6F guiding catheter with a lumen of 1.8 mm needs 55 psi for 4 ml/s beside a concentric guidewire of 0.36
-// mm. For any other position of the guidewire the pressure is at least 1/2.5 of the pressure with a
-// concentric guidewire, and never less than the pressure of the empty catheter.
+// mm. For any other position of the guidewire, the pressure is at least 1/2.5 of that with a concentric
+// guidewire, and never below that of the empty catheter.
 void a_wire_in_the_lumen_leaves_the_annulus(void **)
 {
     const double k = 178.0 / 900.0, open = 1.0 - k * k;
@@ -116,8 +116,8 @@ crn_wire_tick_state state_at(std::uint32_t tick, double wire_m, double catheter_
     return state;
 }
 
-// An injection of 4 ml/s through the balloon catheter's 0.42 mm lumen is refused with any tool in the lumen,
-// and the message gives the pressure that the injection would need.
+// Through the balloon catheter's 0.42 mm lumen, an injection of 4 ml/s is refused whatever tool is in the
+// lumen. The message gives the pressure that the injection would need.
 void a_lumen_that_is_too_narrow_is_refused_before_the_session(void **)
 {
     const RoomCommand inject{RoomAction::inject, {8000, 4000, 2}};

@@ -246,7 +246,7 @@ void hands_move_the_stated_way(void **)
     push(moved, 1000, 0.05f, 0.0f);
     const double way = reading(moved).inserted_m[0] - before;
     // The first tick defines the zero of the hands, and the feed follows the hand within a few ticks;
-    // together they may cost 0.2 mm.
+    // together these may add an error of 0.2 mm.
     print_message("inserted %.6f m in 1 s at 0.05 m/s\n", way);
     assert_true(std::fabs(way - 0.05) < 6e-4);
     push(moved, 1000, -0.05f, 0.0f);

@@ -1,8 +1,8 @@
-// Simulates a machine with rigs on USB, without hardware: it provides the functions of libusb that host/link
-// calls, for devices in this process.
+// Simulates a machine with USB rigs, without hardware: it provides the functions of libusb that host/link
+// calls, for simulated devices in this process.
 //
 // Each simulated rig is the sim port, which contains the real firmware, behind a pair of bulk endpoints.
-// Tests can pull cables, remove permissions and make devices send false replies. As with the real library,
+// Tests can unplug cables, remove permissions and make devices send false replies. As with the real library,
 // transfers finish inside libusb_handle_events, on whichever thread calls this function. Tests link this
 // simulated library instead of libusb.
 #pragma once

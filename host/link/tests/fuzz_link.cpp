@@ -80,8 +80,8 @@ class FuzzedDevice final : public crn::Transport
   public:
     explicit FuzzedDevice(Input &in) : in_(in) {}
 
-    // The host's frames are valid. The first bytes of such a frame, after they are decoded from COBS, show
-    // which answer the host expects.
+    // The host's frames are valid. The first bytes of such a frame, after decoding from COBS, show which
+    // answer the host expects.
     void write(std::span<const std::uint8_t> bytes) override
     {
         std::uint8_t body[9] = {};

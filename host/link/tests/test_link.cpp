@@ -188,9 +188,9 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// In this test the device sends zeros without end, noise without end, or one byte now and then. None of the
-// bytes that the device sends is a message, and each call must end after a bounded number of bytes or a
-// bounded time.
+// In this test the device sends endless zeros, endless noise, or one byte now and then. None of the bytes
+// that the device sends is a message, and each call must end after a bounded number of bytes or a bounded
+// time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {
@@ -210,7 +210,7 @@ void a_device_that_never_frames_is_left_with_an_error(void **)
 }
 
 // In this test the time budget is 60 ms, and all requests share it: the second request gets the time that the
-// first one has left.
+// first one has left over.
 void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
 {
     TalkingDevice device;

@@ -1,4 +1,4 @@
-// The window must wait for a picture only if drawing a screen now would delay that picture.
+// The GUI window must wait for a picture only if drawing a screen now would delay that picture.
 #include <chrono>
 #include <csetjmp>
 #include <cstdarg>

@@ -99,7 +99,7 @@ void a_moment_has_the_tools_of_that_moment(void **)
     assert_true(room.picture(moment(room.ticks() + 5000)).frame.wire.tick == room.ticks()); // held at the end
 }
 
-// If the recording or the track has a snapshot at a moment, the readings must nevertheless be those of this
+// Even at a moment for which the recording or the track has a snapshot, the readings must be those of that
 // moment's own tick.
 void a_moment_has_the_readings_of_its_own_tick(void **)
 {
@@ -117,8 +117,8 @@ void a_moment_has_the_readings_of_its_own_tick(void **)
     assert_true(room.picture(moment(0)).line == (crn::LineNumbers{1}));
 }
 
-// If no angle is requested, a picture must have the angle of the C-arm in the session, as soon as the track
-// knows this angle.
+// If no angle is requested, a picture must have the C-arm's angle in the session, as soon as the track (the
+// list of prepared states) contains this angle.
 void the_c_arm_is_where_it_was(void **)
 {
     crn::ReplayRoom room(path, "", small_pictures());

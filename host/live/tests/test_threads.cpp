@@ -1,5 +1,5 @@
-// Tests that a session's result does not depend on its threads. The report must be the same whether pictures
-// are left out, all pictures are drawn, or there is no window, and the recording must replay bit for bit. If
+// Tests that the result of a session does not depend on its threads. The report must be the same with all
+// pictures, with some pictures left out, and without a GUI window. The recording must replay bit for bit. If
 // a thread fails, the session ends, and its fault text gives the reason.
 #include <atomic>
 #include <csetjmp>
@@ -140,8 +140,8 @@ void a_drag_moves_the_tool_by_its_distance(void **)
     physics.stop()->finish();
 }
 
-// The window reads states and pictures, and requests actions, while the threads of physics and pictures work
-// in real time. This test also runs under the thread sanitizer (make test-lab).
+// The GUI window reads states and pictures, and requests actions, while the threads of physics and pictures
+// work in real time. This test also runs under the thread sanitizer (make test-lab).
 void the_window_may_ask_and_read_at_any_time(void **)
 {
     crn::PhysicsThread physics(live("", small_pictures(), false), crn::PhysicsPace::real_time);
@@ -196,9 +196,9 @@ void the_reference_monitor_shows_copies_and_runs(void **)
     session->finish();
 }
 
-// In this session the line has a wire at its first position and no tool at its second position, and a guiding
-// catheter lies on the table. The window gets the tools on the line at every moment, and the reason of every
-// refusal.
+// In this session a guidewire is at the first position, the second position has no tool, and a guiding
+// catheter is in the session's table but not in use. The GUI window gets the tools in use at every moment,
+// and the reason for every refusal.
 void a_hand_exchanges_tools_and_hears_why_not(void **)
 {
     const auto read = [](const char *name) {
@@ -227,8 +227,8 @@ void a_hand_exchanges_tools_and_hears_why_not(void **)
     physics.stop()->finish();
 }
 
-// If no tool on the line has a balloon, the inflator must report this, although a balloon catheter lies on
-// the table.
+// If no tool in use has a balloon, the inflator must report this, even though the session's table has a
+// balloon catheter.
 void the_inflator_needs_a_balloon_on_the_line(void **)
 {
     crn::PictureSettings pictures = small_pictures();
@@ -247,7 +247,7 @@ void the_inflator_needs_a_balloon_on_the_line(void **)
     physics.stop()->finish();
 }
 
-// If the disk is full or the folder no longer exists, the window must get the reason.
+// If the disk is full or the folder no longer exists, the GUI window must get the reason.
 void a_failure_in_the_physics_reaches_the_window(void **)
 {
     crn::PhysicsThread physics(live("", small_pictures(), true), crn::PhysicsPace::counted);

@@ -207,8 +207,8 @@ void wrong_shapes_are_refused(void **)
            "knots, at most 32");
 }
 
-// The values are those that the balloon's manufacturer publishes, in the units of the byte protocol, and the
-// balloon's marker bands are among the X-ray layers.
+// The values must be those of the balloon's manufacturer, in the units of the byte protocol, and the marker
+// bands must be among the X-ray layers.
 void a_balloon_has_its_makers_table(void **)
 {
     const Instrument one = crn::read_instrument(folder + "balloon_3x20.toml");

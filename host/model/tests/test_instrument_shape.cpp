@@ -203,7 +203,7 @@ void every_physical_instrument_rests_in_its_shape(void **)
 }
 
 // Unlike the shapes of the shipped instruments, the curve of this test lies in two planes: a quarter circle
-// upwards is followed by a quarter circle to the side.
+// upwards, then a quarter circle to the side.
 void a_shape_out_of_its_plane_rests_in_it(void **)
 {
     std::string text = crn::read_text_file(folder + "simmons_2_5f.toml");
@@ -271,7 +271,7 @@ void expect_line(const std::vector<const Instrument *> &tools)
 }
 
 // Each guidewire is tested alone, in each catheter, and together with each catheter in each guiding catheter.
-// The presets that were fitted to the thesis describe one instrument alone and are thicker than the lumens of
+// The presets fitted to the thesis describe one instrument alone and are thicker than the lumens of
 // catheters, so they are not combined.
 void every_wire_goes_with_every_catheter(void **)
 {

@@ -1,8 +1,7 @@
 // These tests check the following. The inverse of the map with which `bake` narrows a lesion's wall is exact
-// to a hundredth of a millimetre. The surface of the blood returns to the wall of the healthy vessel by as
-// much as the lesion is open at each of its stations (points), and does not change anywhere else. Calcium is
-// pushed outwards and keeps its volume, also in a beating heart. No mesh changes while no lesion is open.
-// Shapes have closed forms.
+// to a hundredth of a millimetre. The surface of the blood returns to the healthy wall by as much as the
+// lesion is open at each station (point), and changes nowhere else. Calcium is pushed outwards and keeps its
+// volume, also in a beating heart. No mesh changes while no lesion is open. Shapes have closed forms.
 #include "host/model/lesion_wall.hpp"
 #include "host/model/opened_bodies.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -103,8 +102,8 @@ double volume_mm3(const Body &body, std::span<const Eigen::Vector3i> vertices_um
     return sum;
 }
 
-// The test covers a grid of radii and angles at the narrowest point: near the wall, in the transition to the
-// region that does not move, and beside the branch.
+// The test covers a grid of radii and angles at the narrowest point: near the wall, beside the branch, and in
+// the transition to the region that does not move.
 void the_map_of_a_wall_is_undone(void **)
 {
     const LesionWall wall(tube_tree(), 0);
@@ -166,7 +165,7 @@ void opened_wholly_a_body_is_the_healthy_one_and_half_open_half_way(void **)
 }
 
 // The narrowest point of the lesion is at y = 30 mm. Only the lesion's points from y = 27 to 33 mm are open:
-// the opening is 0.6 (of 1, fully open) in the middle and falls to 0 at both ends.
+// the opening (1 means fully open) is 0.6 in the middle and falls to 0 at both ends.
 void a_body_opens_station_by_station(void **)
 {
     Bodies bodies{{tube(radius_mm, 60)}, tube_tree()};
@@ -197,8 +196,8 @@ void while_nothing_is_open_nothing_is_touched(void **)
     assert_true(opened.at({}, std::vector<double>(17, 0.0)).empty());
 }
 
-// Only the body of blood through which the vessel runs may change; a heart chamber beside it and the flesh
-// around it must not change.
+// Only the blood of the lesion's vessel may change; a heart chamber beside the vessel and the flesh around it
+// must not.
 void other_bodies_stay(void **)
 {
     Bodies bodies{{tube(radius_mm, 60), tube(10, 60), tube(1, 60)}, tube_tree()};

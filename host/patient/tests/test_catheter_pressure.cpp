@@ -1,8 +1,8 @@
-// These tests check the following. A catheter measures the aortic pressure where blood flows past its tip.
-// The catheter's pressure falls, and its pulse gets narrower, as the tip blocks the vessel. The pressure that
-// remains behind a partial block agrees with Poiseuille's law for an annulus. The catheter's pressure does
-// not depend on which pictures are made. After a tool was taken out of the catheter's lumen, the lumen may
-// hold air until blood is aspirated.
+// These tests check the following. If blood flows freely past its tip, a catheter measures the aortic
+// pressure. The catheter's pressure falls, and its pulse gets narrower, as the tip blocks the vessel. The
+// pressure that remains behind a partial block agrees with Poiseuille's law for an annulus. The catheter's
+// pressure does not depend on which pictures are made. After a tool was taken out of the catheter's lumen,
+// the lumen may hold air until blood is aspirated.
 #include "host/effects/flow_network.hpp"
 #include "host/patient/patient.hpp"
 #include <cmath>
@@ -134,8 +134,8 @@ void a_catheter_that_fills_the_artery_measures_the_collateral_pressure(void **)
     assert_true(pressure.beat().pulse() < 0.18 * 40.0);
 }
 
-// A session's table of tools may hold two guiding catheters of the same name. Directly after the exchange,
-// the second catheter of that name has no position yet.
+// A session's table of tools may have two guiding catheters with the same name. Directly after the catheter
+// was replaced, the second catheter of that name has no position yet.
 void another_guide_of_the_same_name_measures_anew(void **)
 {
     CatheterPressure pressure = catheter();
@@ -147,8 +147,8 @@ void another_guide_of_the_same_name_measures_anew(void **)
     assert_true(pressure.share() == 1.0);
 }
 
-// The removal of a guidewire from the guiding catheter may let air in; a newly exchanged guiding catheter has
-// been flushed.
+// The removal of a guidewire from the guiding catheter may let air in; a new guiding catheter that replaces
+// another has been flushed.
 void another_guide_of_the_same_name_holds_no_air(void **)
 {
     Instrument wire = guide();
@@ -169,7 +169,7 @@ void another_guide_of_the_same_name_holds_no_air(void **)
 }
 
 // The reference value follows from Poiseuille's law for three resistances in series: the annulus around the
-// guide in the artery, the rest of the artery, and the bed.
+// guide in the artery, the rest of the artery, and the vascular bed.
 void the_share_agrees_with_an_annulus_in_series_with_the_bed(void **)
 {
     for (const double k : {0.6, 0.8, 0.9, 0.95}) {
@@ -199,8 +199,8 @@ void the_pressure_returns_when_the_catheter_is_withdrawn(void **)
     assert_true(!pressure.is_damped());
 }
 
-// The program that runs the session has already made the tick in which the tip enters the vessels before it
-// can learn that the tools' shape must be read.
+// The program must first compute the tick in which the tip enters the vessels; only then does it learn that
+// the tools' shape must be read.
 void the_first_look_comes_after_the_tick_in_which_the_tip_enters(void **)
 {
     for (const std::uint32_t entered : {79u, 80u, 81u}) {

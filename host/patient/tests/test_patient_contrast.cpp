@@ -70,8 +70,8 @@ WireFrame line_at(std::uint32_t tick)
 
 const std::vector<Instrument> wire_and_catheter = {tool("wire", 0), tool("catheter", 485)};
 
-// Advances to tick `end`, and stops at every tick at which the shape of the tools must be read, and at every
-// multiple of `frame_ticks`.
+// Advances to tick `end`, and stops at every multiple of `frame_ticks` and at every tick at which the tools'
+// shape must be read.
 void go_on(PatientContrast &contrast, std::uint32_t from, std::uint32_t end, std::uint32_t frame_ticks)
 {
     for (std::uint32_t tick = from; tick < end;) {
@@ -303,7 +303,7 @@ void medium_moves_with_the_vessels(void **)
 // --- lesions that yield ---
 
 // The last 60 mm of the aorta, from y = -160 to -220 mm, lie beyond the catheter's tip. The narrowed part of
-// the aorta has a radius of 2 mm instead of 8 mm, and is shifted by 3 mm to the left.
+// the aorta has a radius of 2 mm instead of 8 mm, and is shifted 3 mm to the left.
 VesselTree narrowed_aorta()
 {
     VesselTree tree = aorta();
@@ -323,8 +323,8 @@ VesselTree narrowed_aorta()
 
 const LesionStations stations_of_aorta{7, 0.01};
 
-// From 1 s on the lesion opens to 0.7 (of 1, fully open) within a second, and from 2 s on its opening is 0.5.
-// Medium fills the lesion meanwhile.
+// The opening of the lesion (1 means fully open) rises to 0.7 within a second from 1 s on, and is 0.5 from 2
+// s on. Medium fills the lesion meanwhile.
 WireFrame giving_way_at(std::uint32_t tick)
 {
     WireFrame wire = line_at(tick);

@@ -1,8 +1,7 @@
 // Tests balloon and stents in a session; this file makes the shapes of the nested tools. The tests check
 // which stents may be mounted and when the stents are updated. The tests of this file also check which
-// commands the core gets, and when a command is repeated. The tests of this file also check that making
-// pictures does not change the session, and check the X-ray of a filled balloon and the contents of a
-// recording.
+// commands the core gets, and when a command is repeated. The tests of this file also check the X-ray of a
+// filled balloon, the contents of a recording, and that making pictures does not change the session.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
@@ -70,9 +69,9 @@ PatientStents session_stents(std::size_t count = 1)
 
 constexpr RoomCommand load{RoomAction::load_stent, {}};
 
-// The test lasts 800 ms: the stent is crimped up to 200 ms, the balloon is under pressure up to 500 ms, and
-// afterwards the balloon folds. Some of the frames are at ticks at which the stents are updated; other frames
-// lie between two updates.
+// The test lasts 800 ms: the stent is crimped until 200 ms, the balloon is under pressure until 500 ms, and
+// then the balloon folds. Some of the frames are at ticks at which the stents are updated; other frames lie
+// between two updates.
 void carry_out(PatientStents &stents, std::uint32_t frame_ticks)
 {
     stents.command(0, load);
@@ -156,9 +155,9 @@ std::optional<crn_wire_strut> next_ring(PatientStents &stents)
 }
 
 // In this test the whole lesion lies inside the stent and has been opened. The commands to the core must
-// cover every point of the lesion except two at each end, and must hold the middle point open by more than 90
-// %. After the core has carried out the commands about this lesion, the stents must not send any further
-// command about it.
+// cover every point of the lesion except two at each end, and must hold the middle point more than 90 % open.
+// After the core has carried out the commands about this lesion, the stents must not send any further command
+// about it.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
     PatientStents stents = session_stents();
@@ -266,8 +265,8 @@ void struts_that_are_widened_are_told_again(void **)
 }
 
 // The core can hold a limited number of rings, and every stent of a session gets an equal part of this
-// number. If a stent has more rings than its part of this number, the rings for the core are chosen evenly
-// from end to end of the stent.
+// number. If a stent has more rings than its part of the core's limit, the rings for the core are chosen
+// evenly from end to end of the stent.
 void stents_share_the_rings_of_the_core(void **)
 {
     PatientStents stents = session_stents(8);
@@ -304,8 +303,8 @@ void a_stent_holds_no_more_than_is_open(void **)
     assert_false(next_hold(stents).has_value());
 }
 
-// The tools on the line at the start may include no balloon; the message of the refusal then says what a
-// trainee can do, not how the program was called.
+// The tools in use at the start may include no balloon; the message of the refusal must then tell what a
+// trainee can do, not how to call the program.
 void without_a_balloon_on_the_line_the_refusal_says_what_to_do(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();

@@ -1,5 +1,5 @@
 // Tests the export of a session's X-ray runs as DICOM files: which frames go into which file, how values are
-// converted, and what remains after the export was stopped. The tests read the pixels of the exported files
+// converted, and what remains after an export was stopped. The tests read the pixels of the exported files
 // with the library DCMTK; the frames are tiny.
 #include "host/base/output_files.hpp"
 #include "host/base/tests/folder.hpp"
@@ -133,7 +133,7 @@ static void a_press_without_a_frame_is_no_run(void **)
     assert_names(folder, {"run_01_fluoro.dcm"});
 }
 
-// Frames whose pixels have different sizes on the detector cannot share a file.
+// Frames whose pixels have different sizes on the detector must go into different files.
 static void another_field_begins_another_file_of_the_same_run(void **)
 {
     Folder folder;
@@ -229,7 +229,7 @@ static void the_window_looks_inside_the_collimator(void **)
 }
 
 // This test covers a former error: the files did not state volume, flow and strength of the contrast medium
-// that was injected between their first and last frame.
+// injected between their first and last frame.
 static void each_file_names_the_medium_given_during_its_frames(void **)
 {
     Folder folder;
@@ -305,8 +305,8 @@ static void a_name_that_is_not_utf8_is_refused(void **)
     };
     for (const char *good : {"", "Phantom^Aorta", "M\xc3\xbcller^\xe5\xb1\xb1", "\xf0\x9f\x98\x80"})
         if (is_refused(good)) fail_msg("'%s' is refused", good);
-    // The invalid texts contain a byte that cannot begin a character, a character cut short, a longer
-    // encoding than needed, half of a surrogate pair, or a code beyond the last character.
+    // The invalid texts contain a byte that cannot begin a character, a truncated character, an overlong
+    // encoding, half of a surrogate pair, or a code beyond the last character.
     for (const char *bad : {"a\xff", "\x80", "\xc3", "\xe5\xb1", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80",
                             "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80"})
         if (!is_refused(bad)) fail_msg("'%s' is taken", bad);

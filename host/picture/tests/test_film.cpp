@@ -268,8 +268,8 @@ static void film_without_pictures_is_a_file(void **)
     std::filesystem::remove(path);
 }
 
-// The test makes a film of ten hours at 60 pictures per second (6.5 GB) as a sparse file, in which the
-// pictures occupy no space on the disk.
+// The test makes a film of ten hours at 60 pictures per second (6.5 GB) as a sparse file, whose pictures take
+// no space on the disk.
 static void index_holds_millions_of_pictures_and_more_than_4_GiB(void **)
 {
     constexpr std::uint32_t pictures = 2'160'000, picture_bytes = 3'000, key_every = 120;
@@ -295,8 +295,8 @@ static void index_holds_millions_of_pictures_and_more_than_4_GiB(void **)
     std::filesystem::remove(path);
 }
 
-// The file uses 32-bit positions, and a 32-bit length for the box with the pictures, only if the file is
-// small enough for these numbers.
+// The file uses 32-bit positions, and a 32-bit length for the box with the pictures, only if it is small
+// enough for such numbers.
 static void index_is_wide_only_where_it_must_be(void **)
 {
     const H264Encoder encoder(128, 96, 15);

@@ -1,5 +1,5 @@
-// Tests picture files and the display: libpng must be able to read the PNG files, a failure must leave no
-// file behind, and the display must be drawn. Films are in test_film.cpp.
+// Tests picture files and the display: libpng must read the PNG files, a failure must leave no file behind,
+// and the display must be drawn. Films are in test_film.cpp.
 #include "host/base/tests/folder.hpp"
 #include "host/picture/overlay.hpp"
 #include <csetjmp>

@@ -1,5 +1,5 @@
-// Tests pictures of vessel walls: all panels must have one scale, nearer objects must hide those behind them,
-// and a wall must look like glass over its contents.
+// Tests pictures of vessel walls: all panels must have one scale, nearer objects must hide farther ones, and
+// a wall must look like glass over its contents.
 #include "host/picture/surface_picture.hpp"
 #include <csetjmp>
 #include <cstdarg>

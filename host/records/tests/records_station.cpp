@@ -1,7 +1,7 @@
-// Simulates a station (a simulator's computer) that tests may kill at any moment: the program stores sessions
-// one by one in the station's own file, prints the number of each stored session, and sends it to the server.
-// The program ends when every session is sent and the file HOLD does not exist; this file keeps the program
-// alive until a test has made all of its kills.
+// Simulates a station (a simulator's computer) that tests may kill at any moment. The program stores sessions
+// one by one in the station's own file, prints each session's number, and sends the session to the server.
+// The program ends when every session is sent and the file HOLD does not exist; a test removes HOLD after its
+// last kill.
 //   records_station FILE URL STATION FIRST COUNT HOLD
 #include "host/records/outbox.hpp"
 #include "host/records/tests/sample_records.hpp"

@@ -9,7 +9,7 @@ namespace crn
 
 inline constexpr std::int64_t sample_begin_ms = 1795000000000; // 18 November 2026
 
-// Makes the session of a trainee with this number: the session's id follows from both, and every session has
+// Makes session `number` of this trainee: trainee and number determine the session's id, and the session has
 // three metrics and four events.
 inline SessionRecord sample_record(const std::string &trainee, int number, double score = 70.0)
 {

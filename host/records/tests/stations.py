@@ -84,8 +84,8 @@ def kill(kind, rng, server, stations):
 
 def run(stations_count, sessions_each, seed, kills):
     """Prints TAP; `kills` states the number of kills of each kind, which are made in a random order. The kills are
-    distributed over the number of stored sessions and not over time, so that fast and slow machines make equally many
-    of them."""
+    distributed over the number of stored sessions, not over time, so that fast and slow machines suffer equally
+    many."""
     rng = random.Random(seed)
     print("# seed %d" % seed)
     begun = time.monotonic()

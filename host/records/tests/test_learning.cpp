@@ -157,7 +157,7 @@ double share_of_signals(double rate, double Cusum::*limit, bool is_relapse, int 
 }
 
 // The trainees in this test have known failure rates; their random numbers come from another generator than
-// the one with which the limits were found.
+// those with which the limits were found.
 void wrong_signals_are_as_rare_as_promised(void **)
 {
     const double wrong = share_of_signals(0.3, &Cusum::learning_limit, false, 3),

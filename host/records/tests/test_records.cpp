@@ -1,6 +1,5 @@
 // Tests the records of trainees in a file: stored data can be read back, invalid data is refused with a
-// remedy, a file of another version or program is left unchanged, and no bytes of erased data remain in the
-// file.
+// remedy, files of other versions or programs stay unchanged, and no erased bytes remain in the file.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/records/exchange.hpp"

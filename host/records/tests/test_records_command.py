@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Tests that `cournand records` lists, shows, exports, imports, renames and erases; its xAPI statements follow the
-rules of the Experience API 1.0.3; wrong requests are refused with a remedy and the right exit code. Prints TAP."""
+"""Tests that `cournand records` lists, shows, exports, imports, renames and erases. The exported xAPI statements must
+follow the Experience API 1.0.3, and wrong requests must be refused with a remedy and the right exit code. Prints
+TAP."""
 
 import csv
 import hashlib

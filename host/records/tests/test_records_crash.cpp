@@ -1,5 +1,5 @@
 // Tests the records after a crash: if a program is killed at random moments or its disk is full, no session
-// that was reported as stored is lost, and no session is stored in part.
+// reported as stored is lost, and none is stored in part.
 #include "host/base/tests/folder.hpp"
 #include "host/records/store.hpp"
 #include "host/records/tests/sample_records.hpp"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests that the pages of a trainee and of a cohort open in Chromium without a network, and that their charts,
-sentences and tables have the figures of the records. Prints TAP."""
+"""Tests that the pages of a trainee and of a cohort open in Chromium without a network, and that charts, sentences and
+tables agree with the records. Prints TAP."""
 
 import html.parser
 import os

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Tests that sessions of a station reach a PostgreSQL server once, even if they are sent again; erasing on one side
-erases on the other; names and passwords never leave the station; a server's records can be read like those in a file.
+"""Tests that sessions of a station reach a PostgreSQL server only once, even if they are sent again. Erasing on one
+side must erase on the other, names and passwords must never leave the station, and a server's records must be readable
+like those in a file.
 The test starts its own PostgreSQL server. Prints TAP."""
 
 import json

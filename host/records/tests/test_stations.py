@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests that eight stations can send 48 sessions to one server at once; although stations and server are killed, no
+"""Tests that eight stations can send 48 sessions to one server at once: although stations and server are killed, no
 session is lost or stored twice. This test is the short form of test_thousand_sessions.py. Prints TAP."""
 
 import stations

@@ -1,5 +1,5 @@
 // Several balloons may be used in a session, one after the other. Each pressure is compared with the label of
-// the balloon that was on the line at that time.
+// the balloon that was in use at that time.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

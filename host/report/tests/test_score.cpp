@@ -149,8 +149,8 @@ void what_is_not_known_is_not_judged(void **)
     assert_true(crn::score_of(report)["percent"].is_null());
 }
 
-// One stent covers one end of a lesion and a second stent covers the other end, so no part of the lesion
-// counts as uncovered.
+// One stent covers one end of a lesion and a second stent the other end, so no part of the lesion counts as
+// uncovered.
 void stents_cover_a_lesion_together(void **)
 {
     Json report = good_report();

@@ -1,7 +1,7 @@
-// Tests the commands of `cournand rig`: every command must print what the device reports, write only settings
-// that the user confirmed, and read these settings back. A command may power a motor only after the user has
-// typed yes. A command that the user stops must leave the rig as the command found it. The functions for the
-// HID interface must survive a rig that sends false reports.
+// Tests the commands of `cournand rig`: each must print what the device reports, write only settings that the
+// user confirmed, and read these settings back. A command may power a motor only after the user has typed
+// yes. A command that the user stops must leave the rig as the command found it. The functions for the HID
+// interface must survive a rig that sends false reports.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -259,9 +259,9 @@ void a_fault_in_the_trial_is_told_and_logged(void **)
 
 // --- calibration ---
 
-// In the simulated calibration, moving the tool by 100 mm gives 4 000 counts in the opposite direction, and
-// each of the tool's 2 turns gives 1 024 counts. The force sensor reads -120 counts without force, and 1 000
-// counts more with a weight of 100 g.
+// In the simulated calibration, 100 mm of motion give 4 000 counts in the opposite direction, and each of the
+// tool's 2 turns gives 1 024 counts. The force sensor reads -120 counts without force, and 1 000 counts more
+// with a weight of 100 g.
 void script_motion(Bench &b)
 {
     b.options.turns = 2.0;

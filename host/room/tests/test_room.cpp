@@ -200,8 +200,8 @@ static void a_tap_within_one_tick_gives_neither_beam_nor_run(void **)
                 bench.room.dose().irradiations().empty());
 }
 
-// The kerma-area product of a run must be the sum over its frames, and the kerma times the field's area at
-// the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (0.6 m / 1.05 m x 25 cm x 60 %).
+// The kerma-area product of a run must equal the sum over its frames, and also the kerma times the field's
+// area at the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (0.6 m / 1.05 m x 25 cm x 60 %).
 static void dose_of_a_run_is_the_sum_over_its_frames(void **)
 {
     Bench bench;
@@ -255,8 +255,8 @@ static void dose_alerts_come_at_two_and_five_gray_and_are_acknowledged(void **)
     assert_int_equal(*meter.unseen_alert(), 1);
 }
 
-// In DSA the contrast must be equal in front of bone and of lung: a doubling of attenuation must make the
-// background (grey value 160) darker by 255/2.
+// In DSA the contrast must be equal in front of bone and of lung: a doubling of attenuation must darken the
+// background (grey value 160) by 255/2.
 static void dsa_shows_what_came_since_the_mask_and_no_bone(void **)
 {
     Bench bench(bar);
@@ -433,8 +433,8 @@ static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
     assert_int_equal(bench.grey_at(33, 30), 32);
 }
 
-// Along the collimator blades every picture is half dark and noisy. A frame that is darker along the blades
-// than the mask must not produce a white rim.
+// Along the collimator blades every picture is dimmed and noisy. A frame that is darker along the blades than
+// the mask must not produce a white rim.
 static void a_roadmap_leaves_the_rim_of_the_field_alone(void **)
 {
     Bench bench([](int x, int, std::uint32_t tick) {

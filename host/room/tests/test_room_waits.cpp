@@ -1,7 +1,7 @@
-// Tests runs that must wait: a run of cine or DSA begins only when C-arm and table have reached the ordered
-// pose, and the screen shows a notice while the run waits. If the user releases the pedal while the run still
-// waits, there must be no run, and a notice must give the reason. After every five minutes of fluoroscopy, a
-// reminder must appear and stay until the user acknowledges the reminder.
+// Tests runs that must wait: cine or DSA begins only when C-arm and table have reached the ordered pose, and
+// until then the screen shows a notice. If the user releases the pedal while the run still waits, there must
+// be no run, and a notice must give the reason. After every five minutes of fluoroscopy, a reminder must
+// appear and stay until the user acknowledges the reminder.
 #include "host/room/room_screen.hpp"
 #include <csetjmp>
 #include <cstdarg>

@@ -1,5 +1,5 @@
 // Tests the model of a person's hands: the same seed gives the same session, novices make more and shorter
-// motions than experts, and every push still ends at the length that the script states.
+// motions than experts, and every push ends at the script's length.
 #include "host/script/hand_model.hpp"
 #include <csetjmp>
 #include <cstdarg>

@@ -100,7 +100,7 @@ void moves_joined_by_while_run_together(void **)
 }
 
 // The tool meets the `until` condition of this script at 100 mm. After the condition is met, the hand may
-// move on while it slows down during one ramp: 30 mm/s x 0.1 s = 3 mm.
+// still move while it slows down during one ramp: 30 mm/s x 0.1 s = 3 mm.
 void until_stops_within_one_ramp(void **)
 {
     const crn::Session session = crn::parse_session("advance until inserted 100 mm at 30 mm/s", "test");

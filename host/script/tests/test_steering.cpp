@@ -4,7 +4,7 @@
 // range of angles that lead into it. If a script fails to reach the vessel, the message must state where the
 // tip was. Each expectation must be reported with its result and the number of its line in the script. The
 // simulated anatomy of these tests is only a tube with one wrong branch. Only the angle of the hand decides
-// which of the two vessels the tip enters, which is the hardest case for a bent tip.
+// which of the two vessels the tip enters; this is the hardest case for a bent tip.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -51,8 +51,8 @@ crn::VesselTree tree()
 }
 
 // The tip is `pushed_m` beyond the end of the introducer sheath, which is at y = 290 mm. At the left
-// subclavian artery the tip stays in the aorta only if the angle of the hand is within `window_deg` of
-// `open_deg`. After the tip has passed the branching, it stays in its vessel until it is pulled back.
+// subclavian artery the tip stays in the aorta only if the hand's angle differs from `open_deg` by at most
+// `window_deg`. After the tip has passed the branching, it stays in its vessel until it is pulled back.
 struct World {
     double open_deg, window_deg;
     bool is_astray = false, was_beyond = false;

@@ -1,8 +1,8 @@
 // This fuzz target reads files with arbitrary bytes as recordings. The fuzz target tests every input
-// unchanged, and then with corrected checksums and schema hash, so that the fuzzer reaches the code behind
-// the checks of these values. The fuzz target reads every input as a recording of this version, and as a
-// recording of the previous version that must be converted. An accepted recording must have the properties
-// that recording.hpp promises, and a refusal must have a message.
+// unchanged, and then with corrected checksums and schema hash, so that the fuzzer gets past the checks of
+// these values. The fuzz target reads every input as a recording of this version, and as a recording of the
+// previous version that must be converted. An accepted recording must have the properties that recording.hpp
+// promises, and a refusal must have a message.
 #include "host/session/recording_chunks.hpp"
 #include "host/session/recording_format.hpp"
 #include "host/session/recording_upgrade.hpp"

@@ -1,6 +1,7 @@
-// Tests sessions that exchange tools (docs/session.md, "Exchange"). The commands of the script reach the
-// core, and patient and pictures use the tools on the line. A recording replays bit for bit from its start
-// and from a snapshot, and a refused exchange ends the script with its reason.
+// Tests sessions in which tools are exchanged, that is, replaced by others (docs/session.md, "Exchange"). The
+// commands of the script reach the core, and patient and pictures use the tools that are in use in the core.
+// A recording replays bit for bit from its start and from a snapshot, and a refused exchange ends the script
+// with its reason.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -148,7 +149,7 @@ void a_refused_exchange_ends_the_script_by_name(void **)
     assert_true(recorded.recording.ticks.size() < 1000);
 }
 
-// In FREE_RUN, a rig could report tools to the host that are not on the line.
+// In FREE_RUN, a rig could report to the host tools that are not in use.
 void the_witness_refuses_a_false_line(void **)
 {
     const crn::LineNumbers line = {5, 0, 3};

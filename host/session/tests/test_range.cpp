@@ -89,7 +89,7 @@ void a_line_too_long_or_too_short_and_a_saturated_core_are_out_of_range(void **)
 }
 
 // A session and its replay step the ticks in different batches. Session and replay must read the position of
-// the largest wall force at the same tick, which is the next multiple of 16 or the last tick.
+// the largest wall force at the same tick: the next multiple of 16 or the last tick.
 void where_it_happened_is_looked_at_on_a_tick_that_every_run_has(void **)
 {
     RangeWatch watch;
@@ -130,9 +130,8 @@ void below_its_limits_the_grip_is_rigid(void **)
 
 // A hand pushes a tool at 20 mm/s against a wall of 20 N/mm: without slip, the force on the wall would be 400
 // N after 1 s. When the force reaches 25 N, the tool must slip in the hand. The force may exceed the limit of
-// 25 N by the 0.4 N that the motion of one tick (20 um) adds, and by another 0.4 N before the slip takes
-// effect. The test is repeated in the other direction, and the simulated encoder counts wrap round as real
-// ones do.
+// 25 N by 0.4 N through the motion of one tick (20 um), and by another 0.4 N before the slip takes effect.
+// The test is repeated in the other direction, and the simulated encoder counts wrap round as real ones do.
 void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
 {
     for (int sign : {1, -1}) {

@@ -239,8 +239,8 @@ void a_flipped_high_bit_of_a_length_is_no_cut(void **)
     assert_true(chunks > 4);
 }
 
-// The test flips one bit at a time. If the flipped bit is in the length of a chunk, the file may look as if
-// it was cut off; every other flip must be refused.
+// The test flips one bit at a time. A flipped bit in the length of a chunk may make the file look cut off;
+// every other flip must be refused.
 void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -275,8 +275,8 @@ void other_files_and_newer_versions_are_refused_by_name(void **)
     }
 }
 
-// In this test the ticks of the second chunk come first: the chunk's CRC is correct, but it is in the wrong
-// position.
+// In this test the ticks of the second chunk come first: the CRC of this chunk is correct, but its position
+// is wrong.
 void ticks_out_of_order_are_refused(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;

@@ -1,8 +1,8 @@
 // Tests recordings of the previous protocol: such a recording must be refused, and the message must name that
 // protocol and the command that converts the file. A converted recording must have the same ticks, commands
-// and hashes, and must replay bit for bit. A damaged recording must be refused, and no file may be written.
-// The file protocol_4.rec was written by a program with protocol 4: 700 ticks of a guidewire, with commands
-// to heart and breath, eight strut rings (one of which is removed), and two commands to the X-ray room.
+// and hashes, and must replay bit for bit. A damaged recording must be refused, and no file may be written. A
+// program with protocol 4 wrote the file protocol_4.rec: 700 ticks of a guidewire, with commands to heart and
+// breath, eight strut rings (one of them removed), and two commands to the X-ray room.
 #include <algorithm>
 #include <array>
 #include <csetjmp>
@@ -162,7 +162,7 @@ void every_order_is_in_its_tick(void **)
 }
 
 // In tick 7, which also has a command for a strut ring, the test writes a command to hold a lesion open
-// (scaffold) into the fields that protocol 4 had for it.
+// (scaffold) into the fields that protocol 4 had for such commands.
 void a_scaffold_becomes_an_order(void **)
 {
     Bytes bytes = old_bytes();
@@ -178,9 +178,9 @@ void a_scaffold_becomes_an_order(void **)
     assert_true(hold.lesion == 2 && hold.first == 4 && hold.last == 12 && hold.open_q15 == 0x7ffe);
 }
 
-// The test replaces each command to the X-ray room by a chunk of the kind VIEW, as in version 2; such a chunk
-// contains the tick, whether fluoroscopy is on, whether the table follows the tip, both angles, table and
-// field.
+// The test replaces each command to the X-ray room by a chunk of the kind VIEW, as in version 2. A chunk of
+// the kind VIEW contains the tick, the state of fluoroscopy, whether the table follows the tip, both angles,
+// table and field.
 Bytes with_views()
 {
     Bytes bytes(old_bytes().begin(), old_bytes().begin() + 8);
@@ -239,8 +239,8 @@ void what_was_cut_off_stays_cut_off(void **)
     assert_int_equal(upgraded(bytes).ticks.size(), 0);
 }
 
-// The file protocol_5.rec was written by a program with protocol 5: about 0.9 s of a session with a guidewire
-// and a catheter.
+// A program with protocol 5 wrote the file protocol_5.rec: about 0.9 s of a session with a guidewire and a
+// catheter.
 const Bytes &protocol_5_bytes()
 {
     static const Bytes bytes = crn::read_binary_file("host/session/tests/protocol_5.rec");
@@ -260,8 +260,8 @@ void a_recording_of_protocol_5_replays_bit_for_bit(void **)
     assert_int_equal(result.ticks_compared, recording.ticks.size());
 }
 
-// Converts a present snapshot to that of a program with protocol 5: without the release of each tool, and
-// without the five words about the line before the core's nodes.
+// Converts a present snapshot to protocol 5, without the release of each tool and without the five words
+// about the tools in use before the core's nodes.
 Bytes snapshot_of_protocol_5(const Bytes &now)
 {
     constexpr std::ptrdiff_t nodes = 388 * 84, exchange = 5 * 4;

@@ -1,7 +1,7 @@
 // Makes a beating artery for tests and benchmarks of stents. The artery is 50 mm long and bent, and has a
 // lesion that narrows it by 75 %. The displacements of the artery are given at the points of a lattice, as in
-// the core. The artery moves as much as those of the heart that comes with the program: 12 mm to and fro, 4 %
-// of its length, 3.5 % of its width, and 6 degrees of rotation; the artery also bends.
+// the core. The artery moves as much as those of the shipped heart: 12 mm to and fro, 4 % of its length, 3.5
+// % of its width, and 6 degrees of rotation; the artery also bends.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/stent/vessel_wall.hpp"

@@ -1,5 +1,5 @@
-// Makes vessels for tests and benchmarks of stents: tubes of any cross-section around a curve, which beat,
-// and balloons that fill these tubes. Another function of this file measures how deep struts lie in the wall,
+// Makes vessels for tests and benchmarks of stents: beating tubes of any cross-section around a curve, and
+// balloons that fill these tubes. Another function of this file measures how deep struts lie in the wall,
 // without the shortcuts of the program's own computation. Lengths in mm.
 #pragma once
 #include "host/model/motion.hpp"
@@ -93,8 +93,8 @@ inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double len
 }
 
 // Returns the largest depth to which any strut reaches into any triangle. For every pair of strut and
-// triangle this function calls libccd; it uses neither the grid, nor the list of near triangles, nor the test
-// of planes of the program.
+// triangle this function calls libccd. The function uses none of the program's shortcuts: the grid, the list
+// of near triangles, and the test of planes.
 inline double deepest_strut_mm(const Stent &stent, const StentWall &wall)
 {
     double deepest = 0.0;

@@ -157,8 +157,8 @@ static void stent_opens_to_its_balloon(void **)
 }
 
 // A diamond cell consists of struts of length s with a chord c = 2 r sin(pi/2N), so its height per strut is
-// sqrt(s^2 - c^2). The test computes the expected length of the stent with a separate formula, and compares
-// it with the actual length between the outermost points of the stent.
+// sqrt(s^2 - c^2). The test computes the expected length of the stent by a separate formula, and compares it
+// with the distance between the stent's outermost points.
 static void cells_shorten_as_diamonds_do(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -259,10 +259,10 @@ static void contact_of_a_strut_is_that_of_its_plane(void **)
     }
 }
 
-// The test walks over the tube's triangles, from one that is two millimetres away, to the nearest point, and
-// compares this point with the result of a search over all triangles. The point that the walk finds and that
-// of the full search agree only to a micrometre, because beyond an edge between two faces either face may be
-// the nearest.
+// The test walks over the tube's triangles from one that is two millimetres away to the nearest point. The
+// test compares this point with the result of a search over all triangles. The points from the walk and from
+// the full search agree only to a micrometre, because beyond an edge between two faces either face may be
+// nearest.
 static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 {
     const TestVessel vessel = tube(1.5, 0.04, 0.1);
@@ -318,8 +318,8 @@ static void stent_a_size_too_small_is_found_out(void **)
     const StentFigures figures = stent_figures(stent, &wall);
     assert_true(figures.apposed_share < 0.8);
     assert_true(!figures.gaps.empty());
-    // The gap between strut and wall is the vessel's radius of 1.5 mm minus 1.25 mm for the balloon and 0.081
-    // mm for the strut, plus the recoil: 0.21 mm on all sides. The gap varies around the stent, because the
+    // The gap between strut and wall is 0.21 mm on all sides: the vessel's radius of 1.5 mm minus 1.25 mm for
+    // the balloon and 0.081 mm for the strut, plus the recoil. The gap varies around the stent, because the
     // balloon does not lie exactly in the middle.
     for (const StentGap &gap : figures.gaps) assert_true(gap.gap_mm > apposed_mm && gap.gap_mm < 0.4);
 }
@@ -356,7 +356,7 @@ static void post_dilation_brings_a_small_stent_to_the_wall(void **)
 }
 
 // In this test the second stent lies inside the first. Where the two stents overlap, the crowns of the inner
-// stent must be nearer to the axis by the thickness of a strut; this also shows the length of the overlap.
+// stent must be nearer to the axis by a strut's thickness; this also shows how long the overlap is.
 static void second_stent_lies_on_the_first_where_they_overlap(void **)
 {
     const TestVessel vessel = tube(1.5);
@@ -400,8 +400,8 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
         Stent stent(read_stent(coronary_file), mount_mm);
         for (double at = 20; at <= to_mm; at += 0.25) {
             BalloonPose pose = balloon_in(straight, at, 20, 0.4);
-            // While the tool is pulled along the vessel, the arc length along the tool of each ball of the
-            // balloon does not change. The narrow part of the vessel is 30 mm from the vessel's beginning.
+            // While the tool is pulled along the vessel, each ball of the balloon keeps its arc length along
+            // the tool. The narrow part of the vessel is 30 mm from the vessel's beginning.
             for (BalloonPoint &ball : pose.points) {
                 if (std::abs(ball.arc_mm - 30) < 1.0) ball.room_mm = room_mm;
                 ball.arc_mm += mount_mm - at;
@@ -476,7 +476,7 @@ static void stent_that_was_not_opened_stays_on_its_balloon(void **)
 
 // In random steps, balloons jump in position and width, lose balls and shrink to a point, and walls jump by
 // millimetres. The stent may be displaced, but its points must stay finite and near the vessel, and no strut
-// may become longer than a few times its length.
+// may become more than a few times longer.
 static void nothing_that_balloon_and_wall_do_tears_it_apart(void **)
 {
     std::uint32_t random = 2463534242u;

@@ -2,8 +2,8 @@
 // which it was deployed. The struts lie on the wall and do not pass through it, at 15 and at 60 pictures per
 // second. A stent that is too small for its vessel does not stay where it was deployed. A lesion that a
 // balloon has opened gets the shape that the tree of vessels gives for the healthy vessel. The artery moves
-// 12 mm to and fro, turns and bends; its length and width change by as much as those of the arteries in the
-// heart that comes with the program.
+// 12 mm to and fro, turns and bends; its length and width change as much as those of the arteries in the
+// shipped heart.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"

@@ -1,4 +1,4 @@
-// Tests the choice of devices in the preparation: which devices are on the line, in which order, and what is
+// Tests the choice of devices in the preparation: which devices are chosen, in which order, and what is
 // reported about devices that do not fit into each other.
 #include <algorithm>
 #include <csetjmp>
@@ -40,7 +40,7 @@ std::size_t device(const crn::DeviceCabinet &cabinet, const std::string &name)
     return static_cast<std::size_t>(found - devices.begin());
 }
 
-// Returns the path of the tool at each position of the line, or an empty path for a free position.
+// Returns the path of the tool at each position, or an empty path for a position without a tool.
 std::vector<std::string> tools_at(const crn::DeviceCabinet &cabinet)
 {
     std::vector<std::string> paths;
@@ -87,8 +87,8 @@ void what_is_not_on_the_line_lies_on_the_device_table(void **)
         assert_string_equal(lad().offered.at(std::stoul(words[k]) - 1).c_str(), tools[k].c_str());
 }
 
-// The guiding catheter keeps its position when the balloon catheter is taken off the line, so the case's
-// goals for the guiding catheter stay valid.
+// The guiding catheter keeps its position when the balloon catheter is removed, so the case's goals for the
+// guiding catheter stay valid.
 void a_device_that_is_taken_off_leaves_its_position_free(void **)
 {
     crn::DeviceCabinet cabinet(lad());
@@ -99,8 +99,8 @@ void a_device_that_is_taken_off_leaves_its_position_free(void **)
     assert_non_null(std::strstr(tools_at(cabinet).at(2).c_str(), "guide_jl3_6f"));
 }
 
-// In this test a second balloon of the same kind is on the device table. The line of a case may also begin
-// with a free position.
+// In this test a second balloon of the same kind is on the device table. In a case, the innermost position
+// may also be without a device at the start.
 void a_device_that_is_offered_twice_is_on_the_line_once(void **)
 {
     crn::Case lesson = lad();

@@ -258,7 +258,7 @@ crn_wire_exchange exchange_of(crn::UserInput &input)
     return orders[0].exchange;
 }
 
-// In this test the line has the tools 2 and 4 of a table with five tools, and its middle position is free.
+// In this test the tools 2 and 4 of a table with five tools are in use, and the middle position has no tool.
 void keys_load_a_tool_of_the_table_at_the_chosen_position(void **)
 {
     crn::UserInput input(3);

@@ -288,8 +288,8 @@ void GlDevice::draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_s
     gl_.UseProgram(program_);
     // Floating-point numbers are most precise near 0, so depths are measured from the isocentre. A face
     // behind the source is not drawn. If a body has a face behind the source, one depth is missing from the
-    // body's sum, so that the sum depends on the origin of the depths. For a body with a face behind the
-    // source, the depths are therefore measured from the source itself.
+    // body's sum, so the sum depends on the origin of the depths. For a body with a face behind the source,
+    // the depths are therefore measured from the source itself.
     set_view(view, plan.is_source_near ? 0.0f : static_cast<float>(view.source_isocentre_m * 1e3));
     set_state(view, rect);
     for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {

@@ -1,6 +1,6 @@
 // Declares the functions and constants of OpenGL 3.3 core that this project uses (Khronos registry), as a
 // table whose functions are loaded by name. The program is linked with no OpenGL library: libOSMesa and libGL
-// both export gl* functions, and the functions of a linked library would replace those of the other library.
+// both export gl* functions, and those of a linked library would replace the other library's.
 #pragma once
 #include <cstddef>
 #include <cstdint>

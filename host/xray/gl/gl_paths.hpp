@@ -1,7 +1,7 @@
 // Computes path lengths of bodies by OpenGL 3.3 core. Where a ray leaves a body, the face there adds its
-// depth to a picture of floats, and where the ray enters, the face subtracts its depth. The order of the
-// faces does not matter, so neither a depth buffer nor sorting is needed. The class RasterPaths computes the
-// same path lengths with independent code; host/xray/tests/test_gl.cpp compares the results of both. See
+// depth to a picture of floats; where the ray enters, the face subtracts its depth. The order of the faces
+// does not matter, so neither a depth buffer nor sorting is needed. The class RasterPaths computes the same
+// path lengths with independent code; host/xray/tests/test_gl.cpp compares the results of both. See
 // docs/xray.md.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"

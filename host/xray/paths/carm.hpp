@@ -1,6 +1,6 @@
 // Describes the geometry of the C-arm: the positions of source and detector in the patient frame
-// (docs/frames.md). Angles are those of DICOM PS3.3 C.8.7.5.1.2: the primary angle is positive for LAO and
-// negative for RAO; the secondary angle is positive for cranial and negative for caudal.
+// (docs/frames.md). Angles are those of DICOM PS3.3 C.8.7.5.1.2. The primary angle is positive for LAO and
+// negative for RAO, and the secondary angle is positive for cranial and negative for caudal.
 #pragma once
 #include <Eigen/Core>
 #include <string>

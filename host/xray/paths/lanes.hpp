@@ -28,7 +28,7 @@ inline constexpr Lanes_i lane_index = {0, 1, 2, 3, 4, 5, 6, 7};
 #endif
 
 // The macro CRN_WIDE marks a function whose loops the compiler vectorises. The compiler makes a second
-// version of the function for AVX2; when the program starts, it chooses the version that its processor can
+// version of the function for AVX2; at its start the program chooses the version that the processor can
 // execute. With sanitizers the function is compiled only once, because the choice between the versions would
 // be made before the sanitizers are ready.
 #if defined(__has_feature)

@@ -1,5 +1,5 @@
-// Describes what moves in the picture from frame to frame: tools along their common centreline, struts and
-// contrast medium as curves, and bodies that beat with the heart.
+// Describes what moves in the picture: tools along their common centreline, struts and contrast medium as
+// curves, and bodies that beat with the heart.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -18,11 +18,10 @@ struct RadiopaqueSection {
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
-    // This member is the inner radius of the section of a tool, as a fraction of the tool's outer radius. If
-    // the inner radius of a section is above 0, the section is a ring around this radius, such as a jacket or
-    // a marker band, and `fill` is the filled fraction of the ring. If the inner radius of a section is 0,
-    // the section reaches inwards to the lumen, and `fill` is the filled fraction of the tool's whole
-    // cross-section.
+    // This member is the inner radius of the section of a tool, as a fraction of the tool's outer radius. A
+    // section with an inner radius above 0 is a ring around this radius, such as a jacket or a marker band;
+    // `fill` is the filled fraction of the ring. A section with the inner radius 0 reaches inwards to the
+    // lumen; `fill` is the filled fraction of the tool's whole cross-section.
     double inner_radius_share = 0.0;
 };
 

@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// The smallest box with sides along the axes that contains all points of a list.
+// Describes the smallest box, with sides along the axes, that contains all points of a list.
 struct PointBox {
     Eigen::Vector3i low = Eigen::Vector3i::Zero(), high = Eigen::Vector3i::Zero();
 };

@@ -7,12 +7,12 @@
 //     tools on the wire, by exact chords (tube.hpp) ──────────────┘
 //
 // A back end, which computes path lengths, must deliver one int32 for each material and pixel (see
-// BodyPaths::draw), in units of 1/1024 mm. The number for a pixel is the sum, over all faces of the selected
-// bodies, of (depth where the ray leaves a body) - (depth where it enters the body), along the ray through
-// the middle of the pixel. The sum of a body is added to the path length in the body's own material, and
-// subtracted from the path length in the parent's material, which surrounds the body. Bodies may therefore be
-// nested to any depth and need no sorting. RasterPaths is the reference. The results of another back end may
-// differ from those of RasterPaths by rounding, and a test limits this difference.
+// BodyPaths::draw), in units of 1/1024 mm. The number for a pixel belongs to the ray through its middle: the
+// sum, over all faces of the selected bodies, of (depth where the ray leaves a body) - (depth where it enters
+// the body). The sum of a body is added to the path length in the body's own material, and subtracted from
+// that in the parent's (surrounding) material. Bodies may be nested to any depth and need no sorting.
+// RasterPaths is the reference. The results of another back end may differ from those of RasterPaths by
+// rounding, and a test limits this difference.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -44,7 +44,7 @@ enum class PathForm {
 };
 
 // A back end computes the path lengths through closed bodies. A back end is made for one BodyMeshes, which
-// must exist longer than the back end; only one thread at a time may use a back end.
+// must exist longer than the back end. Only one thread at a time may use a back end.
 class BodyPaths
 {
   public:
@@ -54,7 +54,7 @@ class BodyPaths
     // Replaces the vertices of one body, for all later pictures, by the same number of new vertices.
     virtual void move(int body, std::span<const Eigen::Vector3i> vertices_um) = 0;
 
-    // Sets every pixel in `rect` to the sum of depths of those bodies whose entry in `is_drawn` is not 0; the
+    // Sets every pixel in `rect` to the sum of depths of the bodies whose entry in `is_drawn` is not 0; the
     // list has one entry per body. The depth sums are set in the pictures of all materials that the channels
     // of the meshes use. Pixels outside `rect` do not change. `pictures` must already have the right sizes.
     // Those parts of bodies that lie behind the source, or nearer to the source than 1 mm, are not drawn.

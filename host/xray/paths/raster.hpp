@@ -1,11 +1,11 @@
-// Computes depth sums of closed meshes: the depth at which a ray leaves a body is added, and the depth at
-// which the ray enters is subtracted. The depth sums are int32 in 1/1024 mm along the central axis, so they
-// do not depend on the order of the triangles.
+// Computes depth sums of closed meshes: the depth where a ray leaves a body is added, and the depth where it
+// enters is subtracted. The depth sums are int32 in 1/1024 mm along the central axis, so they do not depend
+// on the order of the triangles.
 //
 // A picture is drawn in two passes, and several threads share the work of each pass. In the first pass
 // project_chunk projects the corners of every chunk to the picture, and keeps the triangles that cover the
-// middle of a pixel. In the second pass TileRaster draws all triangles that touch one tile of the picture,
-// and adds their depths to sums that stay in the processor's cache.
+// middle of a pixel. In the second pass TileRaster draws all triangles that touch one tile of the picture;
+// their depths are added to sums that stay in the processor's cache.
 #pragma once
 #include "host/xray/paths/paths.hpp"
 
@@ -56,8 +56,8 @@ struct RasterVertices {
     std::vector<std::uint32_t> begin; // of each chunk
 
     explicit RasterVertices(const BodyMeshes &meshes);
-    // Moves the vertices of one chunk, and the sphere around the chunk, to the new positions in the vertex
-    // list of the chunk's body. meshes.vertices_um stays unchanged.
+    // Moves the vertices of one chunk, and the sphere around it, to the new positions in the vertex list of
+    // the chunk's body. meshes.vertices_um stays unchanged.
     void move(BodyMeshes &meshes, std::size_t chunk, std::span<const Eigen::Vector3i> vertices_um);
 
   private:

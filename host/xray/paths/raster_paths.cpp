@@ -1,5 +1,5 @@
-// The threads first divide the chunks of triangles among themselves and then the tiles of the picture, so
-// that only one thread writes each pixel.
+// The threads first share the chunks of triangles and then the tiles of the picture, so that only one thread
+// writes each pixel.
 #include "host/xray/paths/raster_paths.hpp"
 #include "host/xray/paths/parallel.hpp"
 #include "host/xray/paths/raster_tile.hpp"

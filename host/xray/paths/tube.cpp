@@ -1,4 +1,4 @@
-// Converts the tools' common centreline, and the curves of struts and contrast medium, to short cylinders,
+// Converts the tools' common centreline and the curves of struts and contrast medium to short cylinders,
 // which are cut by bisecting planes where they meet.
 #include "host/xray/paths/tube.hpp"
 #include "host/xray/paths/tube_painter.hpp"
@@ -92,8 +92,8 @@ Point between(const Point &from, const Point &to, double arc_m)
             from.contrast + share * (to.contrast - from.contrast)};
 }
 
-// Returns the part of the common centreline that a tool covers, from the tool's tip on, with a point wherever
-// one of the tool's sections begins or ends.
+// Returns the part of the common centreline that a tool covers, from its tip on, with a point wherever one of
+// the tool's sections begins or ends.
 std::vector<Point> own_part(const std::vector<Point> &line, double tip_arc_m,
                             const RadiopaqueInstrument &tool)
 {
@@ -250,9 +250,9 @@ double contrast_share(double iodine_mg_per_ml)
 
 RadiopaqueInstrument guidewire_look(double tip_m)
 {
-    // The wire of a coil fills about three quarters of the tube that represents the coil; together with the
-    // core, 75 % of the cross-section is steel. At the guidewire's tip a platinum coil surrounds a core that
-    // is ground down; 15 % of platinum is already darker than solid steel.
+    // The wire of a coil fills about three quarters of the tube that represents it; together with the core,
+    // 75 % of the cross-section is steel. At the guidewire's tip a platinum coil surrounds a core that is
+    // ground down; 15 % of platinum is already darker than solid steel.
     return {{{0.0, tip_m, Material::platinum, 0.15, 1.0},
              {0.0, tip_m, Material::steel, 0.45, 1.0},
              {tip_m, 10.0, Material::steel, 0.75, 1.0}},

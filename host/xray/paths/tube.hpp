@@ -9,8 +9,8 @@ namespace crn
 {
 
 // Replaces the contents of `paths` by the path lengths in the tools and curves of this frame, in this view.
-// Tools and curves displace the material `displaced` (blood, or the tissue where no blood is drawn), and also
-// the iodine in it, which the nodes of the tools' centreline report.
+// Tools and curves displace the material `displaced` (blood, or the tissue where no blood is drawn) and also
+// the iodine in it, whose amount is given at the nodes of the tools' centreline.
 void draw_tubes(const XrayFrame &frame, const View &view, Material displaced, ToolPaths &paths);
 
 } // namespace crn

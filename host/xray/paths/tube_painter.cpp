@@ -60,8 +60,8 @@ CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int c
         const float beside = ex * nx + ey * ny; // distance from the axis times |n|
         const float middle =
             (nx * (ey * c.axis.z) - ny * (ex * c.axis.z) + nz * (ex * c.axis.y - ey * c.axis.x)) / square;
-        // The two end planes of the cylinder limit the ray's path in it; a slope of 0 is replaced by a small
-        // slope, to avoid a division by zero.
+        // The cylinder's two end planes limit the ray's path in it; a small slope replaces a slope of 0, to
+        // avoid a division by zero.
         float slope_a = dx * c.normal_a.x + dy * c.normal_a.y + dz * c.normal_a.z;
         float slope_b = dx * c.normal_b.x + dy * c.normal_b.y + dz * c.normal_b.z;
         slope_a = std::fabs(slope_a) > 1e-6f ? slope_a : 1e-6f;
@@ -189,8 +189,8 @@ void TubePainter::paint(const TubePiece &piece)
     double outer = piece.outer_mm, inner = std::min(piece.inner_mm, outer), share = piece.share;
     const double near_mm = std::min(piece.a_mm.z(), piece.b_mm.z()) - outer;
     if (!(near_mm > 1.0) || !(outer > 0.0) || !(share > 0.0)) return;
-    // A cylinder whose radius is below the distance between rays is drawn with that distance as its radius,
-    // and with the same amount of material in its cross-section.
+    // A cylinder whose radius is below the distance between rays is drawn with this distance as its radius,
+    // but with the same amount of material in its cross-section.
     const double apart_mm = middle.z() / focal_pixels_ / grid;
     if (outer < apart_mm) {
         share *= (outer * outer - inner * inner) / (apart_mm * apart_mm);

@@ -216,8 +216,8 @@ void add_tool(SurfaceScene &scene, const View &view, const RadiopaqueInstrument 
     }
 }
 
-// Returns a random number of mean 0 and standard deviation 1 that is approximately normal: the sum of four
-// uniform numbers from a hash of key and pixel.
+// Returns an approximately normal random number of mean 0 and standard deviation 1: the sum of four uniform
+// numbers from a hash of key and pixel.
 float noise_at(std::uint64_t key, std::uint32_t pixel)
 {
     std::uint64_t x = key + 0x9e3779b97f4a7c15u * (pixel + 1ull);

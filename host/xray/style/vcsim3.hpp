@@ -1,6 +1,6 @@
 // Draws pictures that look like the fluoroscopy screen of the simulator VCSim3 (thesis, 5.3.4.1), as an
-// alternative to the physical picture. This look has no attenuation. In this style a surface has an opacity
-// that depends on the angle between its normal and the direction of view; noise is added to the picture
+// alternative to the physical picture. This look has no attenuation. In this style a surface's opacity
+// depends on the angle between its normal and the direction of view; noise is added to the picture
 // afterwards. The thesis gives the idea without an equation; ours is in docs/xray-style.md:
 //
 //   I = product over all surfaces s on the ray of (1 - A_s (1 - |n_s . v|)^p_s),   grey = 255 (b I + sigma g)
@@ -45,8 +45,8 @@ class Vcsim3Look
     // The function uses only `carm` and `size` of the settings.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
-    // Returns for each pixel of the last picture the sum of -ln(1 - opacity) over the surfaces of the bodies,
-    // in units of 1/65536, size*size pixels.
+    // Returns, for each of the size*size pixels of the last picture, the sum of -ln(1 - opacity) over the
+    // surfaces of the bodies, in units of 1/65536.
     const std::vector<std::int32_t> &body_density_q16() const;
 
   private:

@@ -65,8 +65,8 @@ Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
 }
 
 // Predicts the pixel of a marker without the program's own C-arm code. Instead of the C-arm, the calculation
-// turns the patient, first about the long axis by the primary angle and then about the left-right axis by the
-// secondary angle, and looks from the front.
+// turns the patient and looks from the front. The patient turns first about the long axis by the primary
+// angle, and then about the left-right axis by the secondary angle.
 Eigen::Vector2d predicted(const CArm &carm, int size, const Eigen::Vector3d &point_m)
 {
     const Eigen::Vector3d p = point_m - carm.isocentre_m;

@@ -5,12 +5,12 @@
 // Tolerances. The tolerances of the comparison between OpenGL and the rasteriser have the following reasons.
 // Both OpenGL and the rasteriser move the corners of a triangle to a grid, and then cover each pixel whose
 // centre lies in the triangle. In the rasteriser the grid of corners has a spacing of 1/256 pixel; in OpenGL
-// the driver chooses the spacing (llvmpipe uses 1/256 too, with its own rounding). OpenGL may therefore cover
-// a pixel at an edge that the rasteriser does not cover, or the reverse. Away from edges, the path length
-// changes by less than 2 mm between neighbouring pixels, so a shift by 1/128 pixel changes the path length by
-// 0.016 mm. The sums of OpenGL are floating-point numbers around 100 mm, each exact to 0.00001 mm, and the
-// rasteriser rounds each face to 1/1024 mm. The tolerance for path lengths inside bodies is therefore 0.05
-// mm, and 0.002 mm on average; some of the pixels at edges may differ by more.
+// the driver chooses the spacing (llvmpipe uses 1/256 too, with its own rounding). OpenGL may cover a pixel
+// at an edge that the rasteriser does not cover, or the reverse. Away from edges, the path length changes by
+// less than 2 mm between neighbouring pixels, so a shift by 1/128 pixel changes it by 0.016 mm. The sums of
+// OpenGL are floating-point numbers around 100 mm, each exact to 0.00001 mm, and the rasteriser rounds each
+// face to 1/1024 mm. The tolerance for path lengths inside bodies is therefore 0.05 mm, and 0.002 mm on
+// average; some of the pixels at edges may differ by more.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -240,8 +240,8 @@ void a_source_inside_a_body_sees_the_way_out_only(void **)
     draw(raster, view, expected, 2);
     draw(opengl, view, got, 2);
     assert_same(expected, got, 256, "source inside");
-    // On the axis, the path in air has the length of the axis from the source, at 750 mm, to the far wall, at
-    // 900 mm, minus the path in the trunk.
+    // On the axis, the path in air is the distance from the source, at 750 mm, to the far wall, at 900 mm,
+    // minus the path in the trunk.
     const double axis_mm = got[static_cast<int>(Material::air)][128 * 256 + 128] * q10_mm;
     std::printf("# axis %.2f mm, expected 1470 mm\n", axis_mm);
     assert_true(std::fabs(axis_mm - 1470.0) < 1.5); // facets of the large sphere
@@ -569,8 +569,8 @@ int keep_driver(void **)
 } // namespace
 
 // LeakSanitizer calls the function below when the program ends. LeakSanitizer's own tracer would crash on the
-// threads of Mesa's llvmpipe (clang 14, Mesa 22.3.6), so the test searches for no leaks; another test in this
-// file limits the growth of memory.
+// threads of Mesa's llvmpipe (clang 14, Mesa 22.3.6), so the test does not search for leaks. Another test in
+// this file limits the growth of memory.
 extern "C" int __lsan_is_turned_off()
 {
     return 1;

@@ -61,8 +61,8 @@ static void the_size_of_a_picture_does_not_change_the_dose(void **)
     }
 }
 
-// With an SID of 1.05 m and an SOD of 0.75 m, a field of 25 cm with blades at 80 % and 60 % measures 11.43 cm
-// x 8.57 cm at 0.6 m from the source.
+// With an SID of 1.05 m and an SOD of 0.75 m, the reference point is 0.6 m from the source. At the reference
+// point, a field of 25 cm with blades at 80 % and 60 % measures 11.43 cm x 8.57 cm.
 static void kerma_area_product_is_kerma_times_the_open_area(void **)
 {
     Room room(slab(0.2));

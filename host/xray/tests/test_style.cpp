@@ -1,5 +1,5 @@
 // These tests check the following. Pictures in the style of the VCSim3 thesis follow the formula for the
-// product over surfaces, show the bodies that the thesis shows, and are the same with any number of threads.
+// product over surfaces, show the bodies that the thesis shows, and do not depend on the number of threads.
 // The test uses a sphere, in which the length of a ray's chord determines the angle between normal and ray.
 #include "host/xray/style/vcsim3.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
@@ -134,8 +134,8 @@ void wire_is_a_dark_line_at_its_place(void **)
         fail_msg("grey %d and %d beside it", at(row - 5), at(row + 5));
 }
 
-// Returns the mean grey value along a line that is parallel to the tube's axis and lies `below_m` below the
-// axis; the mean still has a noise of 0.8 grey values.
+// Returns the mean grey value along a line parallel to the tube's axis and `below_m` below it; the mean still
+// has a noise of 0.8 grey values.
 double grey_beside_the_axis(const XrayPicture &picture, double below_m)
 {
     const View view = make_view(small_view().carm, 128);

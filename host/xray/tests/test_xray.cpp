@@ -155,8 +155,8 @@ static void sphere_path_is_the_chord(void **)
     assert_true(errors.mean_mm < 0.02);
 }
 
-// On flat faces a mesh of facets has no error of shape. The errors of a box come only from its corners, which
-// rounding moves by up to 1/512 pixel at the slanted rim, and from rounding of the depths.
+// On flat faces a mesh of facets has no error of shape. The errors of a box come only from the rounding of
+// its depths and of its corners, which moves the corners by up to 1/512 pixel at the slanted rim.
 static void box_path_is_the_chord(void **)
 {
     const Eigen::Vector3d low(-0.03, -0.05, -0.04), high(0.04, 0.03, 0.02);
@@ -181,8 +181,8 @@ static void nested_body_is_taken_out_of_its_parent(void **)
     assert_true(path_errors(seen->xray->body_path_q10mm(Material::muscle), view, wall).mean_mm < 0.03);
 }
 
-// If the source is inside a body, the path length is measured from the source to the wall; faces nearer than
-// 1 mm to the source, or behind it, are cut off.
+// If the source is inside a body, the path length is measured from the source to the wall; faces behind the
+// source or nearer than 1 mm are cut off.
 static void source_inside_a_body_sees_the_way_out(void **)
 {
     XraySettings settings;
@@ -223,8 +223,8 @@ static void kept_view_gives_the_same_picture_as_a_new_one(void **)
     assert_false(first->xray->last_render_used_cache());
 }
 
-// The sum over all pixels of path length x cross-section of the beam must be the volume of the guidewire's
-// tube, including its bends.
+// The path length times the cross-section of the beam, summed over all pixels, must be the volume of the
+// guidewire's tube, including its bends.
 static void tube_has_the_volume_of_its_wire(void **)
 {
     XraySettings settings;

@@ -1,5 +1,5 @@
 // Tests the effects of one picture on the next: exposure control against its curve and limits, and lag
-// against its decay law; a sequence of pictures must also be repeatable.
+// against its decay law. A sequence of pictures must be repeatable.
 #include "host/xray/lag.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <cmath>
@@ -9,7 +9,7 @@
 using namespace crn;
 
 // For a single picture the exposure control has settled, so the signal over the measuring field must be that
-// of the demanded dose, for thin and thick patients.
+// of the demanded dose for thin and thick patients.
 static void exposure_holds_the_dose_behind_thin_and_thick(void **)
 {
     for (double thickness_m : {0.08, 0.15, 0.20, 0.25}) {
@@ -92,8 +92,8 @@ static void exposure_keeps_its_limits_and_underexposes_at_them(void **)
 }
 
 // A plate lies in the beam for 40 pictures, and then the table moves it out of the beam. The ghost of the
-// plate must be 3 % of the change in signal, and in each picture 2^(-T/h) times that of the previous picture.
-// Without an XrayMemory there must be no lag.
+// plate must begin at 3 % of the change in signal, and each later ghost must be 2^(-T/h) times that in the
+// previous picture. Without an XrayMemory there must be no lag.
 static void lag_is_the_stated_share_and_decays_per_picture(void **)
 {
     Room room({{box_body("plate", "soft_tissue", -1, {-0.02, -0.02, -0.1}, {0.02, 0.02, 0.1})}});

@@ -216,9 +216,8 @@ Body slivers(Lot &lot, int count)
     return body;
 }
 
-// If a face were drawn without the opposite face, its distance from the source would remain in the sum. The
-// distance of a face from the source is 500 mm or more, and no closed body in this test has such a path
-// length.
+// If a face were drawn without the opposite face, its distance from the source would remain in the sum. A
+// face is 500 mm or more from the source, and no closed body in this test has such a long path.
 void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double largest_mm)
 {
     const PathPictures pictures = draw(meshes, view, PathForm::axis_sums);

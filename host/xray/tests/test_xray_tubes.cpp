@@ -53,8 +53,8 @@ double volume_mm3(const ToolPaths &paths, const View &view, Material material)
     double sum = 0.0;
     for (std::int32_t pixel : paths.pixels) {
         const int x = pixel % paths.size, y = pixel / paths.size;
-        // The beam of a pixel beside the axis has the same cross-section in the plane of the isocentre as
-        // that of a pixel on the axis, but crosses this plane at an angle.
+        // In the plane of the isocentre, the beams of all pixels have the same cross-section; the beam of a
+        // pixel beside the axis crosses this plane at an angle.
         const double dx = (x + 0.5 - view.size * 0.5) * view.pixel_m,
                      dy = (y + 0.5 - view.size * 0.5) * view.pixel_m;
         const double slant = std::sqrt(dx * dx + dy * dy + view.source_detector_m * view.source_detector_m);
@@ -131,8 +131,8 @@ static void contrast_column_holds_the_iodine_of_its_cone(void **)
         const double iodine = volume_mm3(paths, view, Material::iohexol_350);
         std::printf("# radius to %.1f mm: %.3f mm3 of iohexol, expected %.3f, displaced %.3f\n",
                     thickest_m * 1e3, iodine, expected_mm3, volume_mm3(paths, view, Material::blood));
-        // The tolerance is 0.5 %, because parts up to 12 mm in front of and behind the isocentre have another
-        // magnification; the effect is of second order.
+        // The tolerance is 0.5 %, because parts up to 12 mm in front of and behind the isocentre are
+        // magnified differently; this effect is of second order.
         assert_true(std::fabs(iodine - expected_mm3) < 0.005 * expected_mm3);
         assert_true(std::fabs(iodine + volume_mm3(paths, view, Material::blood)) < 1e-6 * expected_mm3);
     }
@@ -199,8 +199,8 @@ static void many_curves_add_up(void **)
                     1e-6);
 }
 
-// The tested curves have faults: some are not finite, have no length or only one point, lie behind the source
-// or pass through it, are seen end-on, or are bent back on themselves. Faulty curves must do no harm, and
+// The tested curves have faults: some are not finite, have no length or only one point, lie behind or pass
+// through the source, are seen end-on, or are bent back on themselves. Faulty curves must do no harm, and
 // those parts of them that can be drawn must be drawn.
 static void broken_and_awkward_curves_do_no_harm(void **)
 {
