@@ -63,10 +63,10 @@ int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 
-// Returns the tools that are on the line at the end of a session, for its report; a free position has the
-// name "nothing".
+// Returns the tools that are nested in the vessels at the end of a session, for its report; a position
+// without a tool has the name "nothing".
 std::vector<Instrument> reported_tools(const Patient &patient);
-// Returns the tools on the line; a position without a tool gets the name "nothing".
+// Returns the nested tools; a position without a tool gets the name "nothing".
 std::vector<Instrument> with_free_positions(std::vector<Instrument> tools);
 
 // Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
@@ -74,12 +74,12 @@ std::vector<Instrument> with_free_positions(std::vector<Instrument> tools);
 // FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools,
                                    std::size_t most = CRN_WIRE_TOOL_MAX);
-// Returns the names by which a script and the option --line refer to the tools: the names of their files,
+// Returns the names by which a script and the option --line refer to the tools; these are the file names
 // without folder and ending.
 std::vector<std::string> tool_words(const std::string &instrument, const std::vector<std::string> &tools);
-// Returns the tools on the line that the words of the option --line name. If no words are given, the result
-// is empty, which stands for all tools. Throws UsageError if a word names no tool, or if the option --line is
-// missing although there are more tools than a line holds.
+// Returns the tools that the words of the option --line name. If no words are given, the result is empty,
+// which stands for all tools. Throws UsageError if a word names no tool, or if the option --line is missing
+// although there are too many tools for one line.
 LineNumbers line_numbers(const std::vector<std::string> &words, const std::string &instrument,
                          const std::vector<std::string> &tools);
 // Returns the point where the tools enter the patient, with their inserted lengths. The user may give no
@@ -98,13 +98,13 @@ DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
 // FileError.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
                  const std::vector<Instrument> &tools);
-// The returned command makes the session begin with the first stent on its balloon.
+// The returned command puts the first stent on its balloon when the session begins.
 inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
 // Returns the file paths of the tools, as input files for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 
-// recorded_scene() finds the scene file with exactly the recorded contents, at the path in the recording or
-// at the user's path. check_core() checks that the device's core can replay the recording. Both throw
+// recorded_scene() looks for the recorded scene, with exactly equal contents, at the path in the recording
+// and at the user's path. check_core() checks that the device's core can replay the recording. Both throw
 // std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
@@ -120,12 +120,13 @@ void name_range_branch(RangeWatch &range, const std::string &bodies_path);
 int exit_of_range(const RangeWatch &range);
 
 // Fills in what `cournand view` needs if the user has named nothing: the scene that comes with the program,
-// and a J wire. If the user has named a tool or a scene, the function fills in only a tool if none was named.
+// and a J wire. If the user has named only a scene, the function adds only the J wire; if the user has named
+// a tool, it adds nothing.
 void choose_defaults(WindowOptions &options);
 
-// If `run_window` is empty, the command `view` is refused. If the user gives no other word, the program calls
-// `open_start` where there is a display; elsewhere, or if `open_start` is empty, it prints what the user can
-// do without a window (start.hpp).
+// If `run_window` is empty, the command `view` is refused. A call without further words runs `open_start`
+// where there is a display. Elsewhere, or if `open_start` is empty, it prints what the user can do without a
+// window (start.hpp).
 int command_line(int argc, char **argv, const RunWindow &run_window, const OpenStart &open_start = {});
 
 } // namespace crn

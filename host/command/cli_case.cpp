@@ -50,7 +50,7 @@ Listed all_cases()
 }
 
 // The key of a recipe depends on the programs that make scenes. Without the programs that make scenes, no
-// scene of a recipe counts as ready.
+// recipe counts as ready.
 bool is_ready(const Case &lesson)
 {
     try {

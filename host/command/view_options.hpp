@@ -15,9 +15,9 @@ struct WindowOptions {
     std::string scene;              // empty: free space
     std::string instrument;         // file of the innermost tool, or empty
     std::vector<std::string> tools; // files of the others, towards the outermost
-    // Names the tools on the line at the start, from the innermost: the names of their files, their numbers
-    // in the table, or `nothing` for a free position. Empty: all tools. Tools that are not on the line at the
-    // start can be loaded during the session.
+    // Names the tools in the vessels at the start, from the innermost. A tool has the name of its file or its
+    // number in the table; `nothing` stands for a position without a tool. Empty: all tools. Tools that are
+    // not in the vessels at the start can be loaded during the session.
     std::vector<std::string> line;
     std::vector<std::string> stents; // files, in the order of loading
     std::string device = "sim";      // as parse_device

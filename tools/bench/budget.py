@@ -120,7 +120,7 @@ def instructions(build, folder):
 
 
 def profile(build, number, folder):
-    """Counts, for each function, the instructions that two ticks execute, by running the image in single steps."""
+    """Runs the image in single steps, and counts, for each function, the instructions that two ticks execute."""
     make, image = os.path.join(build, "bench", "budget_make"), os.path.join(build, "m7", "budget_image.elf")
     path, log = os.path.join(folder, "case"), os.path.join(folder, "log")
     run([make, "make", number, path])
@@ -177,8 +177,8 @@ def image_objects(build, port):
 
 # --- stack -----------------------------------------------------------------------------------------------------------
 def call_graph(folders):
-    """Reads the compiler's .ci files and returns two tables: the stack bytes of each function, and the functions that
-    each function calls."""
+    """Reads the compiler's .ci files, and returns each function's stack bytes and the functions that it calls, as two
+    tables."""
     frame, calls, plain = {}, collections.defaultdict(set), {}
     folders = [folders] if isinstance(folders, str) else folders
     for path in [p for one in folders for p in glob.glob(os.path.join(one, "**", "*.ci"), recursive=True)]:

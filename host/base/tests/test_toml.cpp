@@ -1,5 +1,5 @@
-// These tests check the following. The reader refuses a text whose parser would recurse too deeply, before it
-// parses the text, and names line and column. A text within the limits must be parsed, traversed and
+// These tests check the following. Before it parses a text, the reader refuses one on which the parser would
+// recurse too deeply, and names line and column. A text within the limits must be parsed, traversed and
 // destroyed without a deep stack.
 #include "host/base/toml.hpp"
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Compares the result of `anatomy beat` with the beat of the shipped heart.
 
-For the test, the mesh of the other heart is a copy of the shipped left coronary arteries that is enlarged 1.2 times,
-turned and shifted. If the motion of the other heart's mesh is rotated and scaled back, this motion must equal that of
-the shipped arteries.
+In the test, the mesh of the other heart is a copy of the shipped left coronary arteries, enlarged 1.2 times, turned and
+shifted. If the motion of the other heart's mesh is rotated and scaled back, this motion must equal that of the shipped
+arteries.
 
 usage: check_beat.py make HEART MESH.obj ANATOMY  writes the mesh, and prints its three landmarks as arguments
        check_beat.py compare HEART FOLDER         prints the largest deviation in mm; exit code 1 above 0.02 mm
