@@ -1,5 +1,5 @@
 // In the editor's window a person clicks points in a vessel, and the editor fits spheres along the vessel
-// between these points.
+// from point to point.
 #pragma once
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/project.hpp"
@@ -16,8 +16,8 @@ struct EditorWish {
     FlowSettings flow;
 };
 
-// Returns the point of space that a click at a given pixel selects, or nothing if the click hits no vessel.
-// The selected point lies in the middle of the vessel, halfway between the first two walls along the line of
+// Returns the point of space that a click on a pixel selects, or nothing if the click hits no vessel. The
+// selected point lies in the middle of the vessel, halfway between the first two walls along the line of
 // sight.
 struct View;
 std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, double x, double y);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests that tools/bench/budget.py finds four faults: a value over the budget, a forbidden helper in the image, and
-recursion or calls by address in the call graph. The script also tests that the last scene of the budget still has a
+"""Tests that tools/bench/budget.py finds four faults: a value over the budget, a forbidden helper in the image,
+recursion, and calls by address. The script also tests that the last scene of the budget still has a
 tick in which the core solves its equations twice. The test does not measure the cost of a tick; `make budget` measures
 it. Prints TAP."""
 
