@@ -1,6 +1,6 @@
 // These tests check the following. The simulated hand approaches each depth slowly. The hand waits until the
-// rod's mean position no longer moves. The hand does not wait longer because the tip oscillates quickly, and
-// does not stop waiting because a slowly creeping tip pauses. The force on the hand is recorded from the
+// rod's mean position no longer moves. The hand must not wait longer because the tip oscillates quickly, and
+// must not stop waiting because a slowly creeping tip pauses. The force on the hand is recorded from the
 // first millimetre of insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
 #include <cmath>
@@ -139,8 +139,8 @@ void a_creeping_rod_is_waited_for(void **)
     assert_in_range(made.settle_ticks.at(0), 500, 600);
 }
 
-// The node swings to and fro; two windows of equal length, just before and after the turning point of the
-// swing, have equal mean positions.
+// The node swings to and fro. Two windows of equal length just before and after the turning point of the
+// swing have equal mean positions.
 void a_swing_is_not_at_rest_where_it_turns_back(void **)
 {
     ScriptedRod rod;
