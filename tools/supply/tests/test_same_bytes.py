@@ -6,8 +6,8 @@ with debug information, archives, a linked program, and a firmware image with it
 all programs of the present build for the name of the repository's folder. Prints TAP.
 
 The copies are built without precompiled headers, which take a minute to make. Only the search for the folder's name
-covers programs that were built with precompiled headers. The test compiles the core with -O1, because compiling takes
-less time at this level than at the usual, higher optimisation level."""
+covers programs with precompiled headers. The test compiles the core with -O1, which takes less time than the usual,
+higher optimisation level."""
 
 import json
 import os

@@ -250,8 +250,8 @@ std::vector<Slice> slices_in(const fs::path &folder)
     return slices;
 }
 
-// Checks that the folder has a single series whose slices have equal sizes, and that the series is as
-// complete as it declares.
+// Checks that the folder has a single series with slices of equal size, and that the series is as complete as
+// it declares.
 void check_series(const std::vector<Slice> &slices, const std::string &folder)
 {
     std::map<std::string, std::size_t> series;
