@@ -1,5 +1,5 @@
-// Computes, from the moments of a session, the quantities that conditions use. These are the speeds of hands
-// and tips, and how far a hand has pushed while its tip did not move.
+// Computes the quantities that conditions use, such as the speed of a hand or tip, or how far a hand has
+// pushed while its tip did not move.
 #pragma once
 #include "host/assess/session_log.hpp"
 #include <array>

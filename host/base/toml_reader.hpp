@@ -114,9 +114,9 @@ class TomlTable
     [[noreturn]] void fail_file(const std::string &what) const; // without a line
     const std::string &file() const;
 
-    // Reads values with a source: { value, source } or { from, to, source }. A source "@key" or "@key: more"
-    // refers to an entry of the table [sources] in the file's root table. The entry to which a source refers
-    // must exist, and every entry of [sources] must be used.
+    // Reads values with a source, which have the form { value, source } or { from, to, source } in the file.
+    // A source "@key" or "@key: more" refers to an entry of the table [sources] in the file's root table. The
+    // entry to which a source refers must exist, and every entry of [sources] must be used.
     void read_sources() const;       // of the root
     void check_sources_used() const; // of the root, after everything else
     void check_source() const;       // of the key `source` in this table

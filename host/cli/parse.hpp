@@ -15,8 +15,8 @@ namespace crn
 using NamesOfType = std::function<std::vector<std::string>(const std::string &type)>;
 
 // Parses the command line. Returns the exit code if the program must end now: 0 after a help text, the
-// version or a generated text, and 2 after wrong usage. This function prints the reason for the 2 on stderr.
-// Returns nothing if the program must carry out the command.
+// version or a generated text, and 2 after wrong usage. After wrong usage, this function prints the reason on
+// stderr. Returns nothing if the program must carry out the command.
 //
 // `app` must already have its name and all its options and commands. Two hidden first words of a command line
 // are not in the table. `--generate KIND` writes man pages and completion scripts (generate.hpp), and

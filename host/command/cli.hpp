@@ -90,9 +90,9 @@ crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
 // Returns commands for the X-ray room that move the table so that the entry point is in view, and then make
 // the table follow the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
-// Returns the device for a session in the mode FREE_RUN. If `motors` is set, the function first prints which
-// motors will get power, and asks the user for confirmation unless `yes` is set. Throws RigStopped when the
-// user does not confirm.
+// Returns the device for a session in FREE_RUN mode. If `motors` is set, the function first prints which
+// motors will get power. The function then asks the user for confirmation, unless `yes` is set. Throws
+// RigStopped when the user does not confirm.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
 // Reads the stents that fit these tools, and adds them to the settings of a session's pictures. Throws
 // FileError.
@@ -103,9 +103,9 @@ inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
 // Returns the file paths of the tools, as input files for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 
-// recorded_scene() looks for the recorded scene, with exactly equal contents, at the path in the recording
-// and at the user's path. check_core() checks that the device's core can replay the recording. Both throw
-// std::runtime_error.
+// The function recorded_scene() looks for a scene file with exactly the recorded contents, at the path in the
+// recording and at the user's path. The function check_core() checks that the device's core can replay the
+// recording. Both throw std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
 // Returns the result of a replay in the form of the result of a session, for reports.

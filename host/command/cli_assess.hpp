@@ -1,5 +1,5 @@
-// Contains the options and the work that `cournand run --plan` and `cournand score` share: they read a plan,
-// observe the session, and write the assessment.
+// Contains the options and the work that `cournand run --plan` and `cournand score` share: to read a plan, to
+// observe the session, and to write the assessment.
 #pragma once
 #include "host/assess/assessment.hpp"
 #include "host/assess/observer.hpp"

@@ -153,7 +153,8 @@ int play(const CaseOptions &options, const RunWindow &run_window)
     return command_run(run);
 }
 
-// Gives a recorded session the marks of a case, for example a session that a user played in the window.
+// Computes the marks of a recorded session for a case, for example of a session that a user played in the GUI
+// window.
 int score(const CaseOptions &options)
 {
     const Case lesson = read_case(named_path(case_files, options.name));

@@ -11,8 +11,8 @@
 namespace crn::bake
 {
 
-// Holds the values that convert coordinates of a file to millimetres in the patient. They apply in this
-// order: axes, unit, scale, rotation, offset.
+// Holds the values that convert coordinates of a file to millimetres in the patient. The conversions apply in
+// this order: axes, unit, scale, rotation, offset.
 struct Placement {
     std::string unit; // "mm"; empty for centrelines, whose files state their unit
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();

@@ -27,8 +27,8 @@ class TriangleTree
 
     // Returns the winding number of the surface around a point, which is 1 inside the surface and 0 outside.
     // The winding number is found by counting how often a ray from the point crosses the surface. The winding
-    // number is right even where a thin sheet is folded over at its edge. nearest() gives a wrong sign of the
-    // distance wherever the fold of a thin sheet is the nearest part of the surface.
+    // number is right even where a thin sheet is folded over at its edge. The function nearest() gives a
+    // wrong sign of the distance wherever the fold of a thin sheet is the nearest part of the surface.
     int winding(const Eigen::Vector3d &p_mm) const;
 
     // Lists the triangles whose bounding box overlaps the given box.

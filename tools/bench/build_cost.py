@@ -8,9 +8,9 @@ The program clones the last commit into a temporary folder and builds the clone 
 are lines `name<TAB>value<TAB>unit <TAB>context`. The value build.run_cpu_s is the processor time for compiling and
 linking in `make run`. The value build.run_units is the number of compiled files. The value build.run_packages_mb is the
 size of the archives that a minimal Debian 12 must download. With --test, build.test_cpu_s is the processor time of
-`make test` in a clean folder. build.test_again_cpu_s is its processor time after a change of one file of host/xray.
-With --write the program puts its result lines into FILE and removes older lines with the same names. The exit
-code is 1 when a build fails.
+`make test` in a clean folder. The value build.test_again_cpu_s is the time of `make test` after a change of one file of
+host/xray. With --write the program puts its result lines into FILE and removes older lines with the same names. The
+exit code is 1 when a build fails.
 """
 
 import argparse

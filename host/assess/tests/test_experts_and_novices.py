@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Tests that the assessment separates 20 scripted experts from 20 scripted novices. The differences must have the
 direction and the order of magnitude that studies published. A measured difference must lie between a third of the
-published difference and three times that difference. The residual stenosis of the two groups must not differ.
-test_few_experts_and_novices.py runs a small sample of this test.
+published difference and three times that difference. The residual stenosis of the two groups must not differ. The
+script test_few_experts_and_novices.py runs a small sample of this test.
 
 Crossley et al., J NeuroIntervent Surg 2019;11:775, studied thrombectomy on a simulator. Experts were 19 % faster than
 novices, made 42 % fewer errors, and did 40 % more phases and 20 % more steps. In carotid stenting on a simulator (Acta

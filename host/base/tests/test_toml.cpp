@@ -84,7 +84,7 @@ void the_deepest_text_that_is_allowed_is_read(void **)
 }
 
 // To find out whether a letter outside ASCII is white space, the library toml++ looks it up in a table. In an
-// earlier version, such a look-up was undefined behaviour for most of these letters, and a sanitizer ended
+// earlier version, this look-up was undefined behaviour for most letters outside ASCII, and a sanitizer ended
 // the program (host/base/toml.hpp).
 void a_letter_outside_ascii_is_no_blank(void **)
 {

@@ -127,8 +127,8 @@ void each_mistake_is_refused_with_its_line(void **)
         const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
         const int line = line_of(text, mistake.changed);
         const bool has_line = faults[0].find(path + ":" + std::to_string(line) + ":") != std::string::npos;
-        // A fault of a stent is reported at the line of the start's tools, and a missing key is reported at
-        // the line of its table.
+        // A fault of a stent is reported at the line of the tools at the start, and a missing key at the line
+        // of its table.
         const bool is_elsewhere = faults[0].find("balloon") != std::string::npos ||
                                   faults[0].find("is only") != std::string::npos ||
                                   faults[0].find("lengths for") != std::string::npos;

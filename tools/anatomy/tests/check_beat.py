@@ -27,7 +27,7 @@ def there(point):
 
 
 def read_body(path):
-    """Returns the vertices and the faces of BODY. The vertex numbers in the faces begin at 1."""
+    """Returns the vertices and the faces of one body. The vertex numbers in the faces begin at 1."""
     vertices, faces, before, inside = [], [], 0, False
     for line in path.read_text().splitlines():
         words = line.split()

@@ -131,8 +131,8 @@ void the_moved_lumen_is_the_moved_mesh_in_every_frame(void **)
     assert_int_equal(scene.motion.spacing_log2_q30, 23);
 }
 
-// The lattice of breath is fitted to the first frame alone. It must also be correct for every other frame,
-// because the moving chest moves the beating heart.
+// The lattice of breath is fitted to the first frame alone. The fit must also be correct for every other
+// frame, because the moving chest moves the beating heart.
 void a_full_breath_carries_every_frame(void **)
 {
     Folder folder;

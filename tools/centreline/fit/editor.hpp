@@ -23,8 +23,8 @@ struct View;
 std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, double x, double y);
 
 // Shows the editor's window until the user closes this window. The editor saves the project when the window
-// closes, and also after the user has pressed Ctrl-C. Returns 1 when a signal (such as Ctrl-C) closed the
-// window, and 0 otherwise. Throws std::runtime_error if there is no display.
+// closes, and also when the user presses Ctrl-C in the terminal. Returns 1 when a signal (such as Ctrl-C)
+// closed the window, and 0 otherwise. Throws std::runtime_error if there is no display.
 int run_editor(const Lumen &lumen, Project &project, const EditorWish &wish, bake::Progress &progress);
 
 } // namespace crn::centreline

@@ -286,7 +286,8 @@ def cournand_command_lines(bench):
 
 def cournand_tools(bench):
     """Tests the program cournand with several tools at once. The program must accept tools that fit into each other,
-    and name a tool that does not fit. It must refuse a script that needs more tools than the command line names."""
+    and name a tool that does not fit. The program must refuse a script that needs more tools than the command line
+    names."""
     two = ["--tool", CATHETER]
     bench.good("a wire and a catheter run", session_run(more=two + ["--record", "two.rec"]))
     bench.good("their recording is verified", ["cournand", "replay", "two.rec", "--verify"])

@@ -74,8 +74,8 @@ def budget_rows():
 
 
 def second_solve():
-    """A change of the rod model may change the ticks in which the core solves twice, but the scene must still contain
-    such a tick."""
+    """A change of the rod model may change the ticks in which the core solves twice, but the scene must still contain a
+    tick with two solutions."""
     program = os.path.join(os.environ.get("BUILD", "build"), "bench", "budget_make")
     scenes = subprocess.run([program, "list"], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
     number = next(i for i, scene in enumerate(scenes) if "second_solve" in scene)

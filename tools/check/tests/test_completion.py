@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests the completion of command lines and the man pages in the way that a user meets them. Real shells (bash and zsh
-on a terminal, fish) complete commands, options and names with the scripts that the programs write. groff and mandoc
-give no warning about the man pages. Prints TAP.
+on a terminal, fish) complete commands, options and names with the scripts that the programs write. The programs groff
+and mandoc must give no warning about the man pages. Prints TAP.
 
 Each test case has the beginning of a command line, and the text that the shell must make of it after the Tab key."""
 

@@ -173,7 +173,7 @@ def recordings(bench):
 
 def old_recordings(bench):
     """Tests that the program refuses a recording of the previous protocol version and names the remedy. The program
-    must convert such a recording completely or not at all."""
+    must convert an old recording completely or not at all."""
     with open(os.path.join(bad.tree.ROOT, "host", "session", "tests", "protocol_4.rec"), "rb") as file:
         old = file.read()
     bench.write("old.rec", old)

@@ -34,8 +34,8 @@ JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &va
         const double bend_N_m2 = values.bend_N_m2() * std::pow(values.tip_over_shaft, weight);
         bend += 1.0 / (samples * bend_N_m2);
         twist += knot.bend_stiffness_nN_m2 / (samples * bend_N_m2 * knot.twist_stiffness_nN_m2);
-        // A rotation about the second axis bends the tip towards the first axis; it turns the direction of
-        // the tip-side segment into that of the hand-side segment.
+        // A rotation about the second axis bends the tip towards the first axis; this rotation turns the
+        // direction of the tip-side segment into that of the hand-side segment.
         turn_rad += element_mm * 1e-6 / samples *
                     Vector3d(-knot.rest_curvature2_per_m_milli, knot.rest_curvature1_per_m_milli, 0.0);
     }

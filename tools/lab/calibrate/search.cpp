@@ -62,7 +62,7 @@ pagmo::algorithm fresh_algorithm(const SearchSettings &settings)
     switch (settings.method) {
     case Method::genetic:
         // The genetic algorithm chooses pairs by tournament, crosses them with probability 0.9, and mutates
-        // each number with probability 1/20. Then the best of parents and children survive.
+        // each number with probability 1/20. The best of the parents and children survive.
         return pagmo::algorithm(
             pagmo::sga(1, 0.9, 10.0, 0.05, 10.0, 2, "sbx", "polynomial", "tournament", settings.seed));
     case Method::differential:

@@ -163,8 +163,8 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
             if (!matrix) continue;
             const double weight = sample.weight / (1 + scaled * scaled) / (sigma * sigma);
             Vector3d derivative(height * pull.x(), height * pull.y(), height);
-            // A voxel at the end of the grey scale (a saturated voxel) does not show that the model's value
-            // is too high, but can show that it is too low.
+            // A saturated voxel (at the end of the grey scale) can show that the model's value is too low,
+            // but not that it is too high.
             if (is_cut) derivative *= residual < -0.02 * room ? 0.3 * room / height : 0.0;
             *matrix += weight * derivative * derivative.transpose();
             *slope += weight * residual * derivative;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Simulates the rod of docs/bench.md ("Peers") in PyElastica as a Cosserat rod. Its time integration is explicit, so
-shear waves across the rod's radius limit the time step.
+"""Simulates the rod of docs/bench.md ("Peers") in PyElastica as a Cosserat rod. The time integration of PyElastica is
+explicit, so shear waves across the rod's radius limit the time step.
 
   peer_elastica.py free WARM_STEPS TIMED_STEPS [STEP_us]
 

@@ -96,11 +96,12 @@ double Insertion::cell_front_m(int joint) const
 }
 
 // Returns the sum of two forces on the rod at the sheath's end. One force holds the nodes in the sheath. The
-// other force, EI kappa^2 / 2, is the push of a sleeve on a rod that leaves it with a bend (Bigoni et al.,
-// Eshelby-like forces acting on elastic structures, 2015). The push of the sleeve arises because every step
-// frees a further part of the rod, which can then bend. Without the push of the sleeve, the work of the hand
-// would not equal the energy that the rod stores. The computed push includes bending alone. Twist at the
-// sheath's end would add GJ m^2 / 2 (m is the twist per metre), which is below 1 mN here.
+// other force is the push of a sleeve on a rod that is bent where it leaves the sleeve; this force is EI
+// kappa^2 / 2 (Bigoni et al., Eshelby-like forces acting on elastic structures, 2015). The push of the sleeve
+// arises because every step frees a further part of the rod, which can then bend. Without the push of the
+// sleeve, the work of the hand would not equal the energy that the rod stores. The computed push includes
+// bending alone. Twist at the sheath's end would add GJ m^2 / 2 (m is the twist per metre), which is below 1
+// mN here.
 double Insertion::held_N() const
 {
     double force_N = 0.0;

@@ -1,5 +1,5 @@
-// Tests tools that lie inside one another. Their stiffnesses must add up and their shapes must combine. The
-// combined rod must not jump when another tool becomes the one that reaches farthest.
+// Tests tools that lie inside one another. The stiffnesses of such tools must add up, and their shapes must
+// combine. The combined rod must not jump when another tool becomes the one that reaches farthest.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"

@@ -27,8 +27,8 @@ struct Oscillation {
     double omega, decay; // rad/s, 1/s
 };
 
-// The samples q of every decaying oscillation satisfy q[n+1] = a q[n] + b q[n-1]. We fit a and b by least
-// squares and take the complex root of the equation z^2 = a z + b.
+// The samples q of every decaying oscillation satisfy q[n+1] = a q[n] + b q[n-1] with two constants. We fit a
+// and b by least squares and take the complex root of the equation z^2 = a z + b.
 Oscillation fit(const std::vector<double> &q, double interval_s)
 {
     double pp = 0, pr = 0, rr = 0, pq = 0, rq = 0;

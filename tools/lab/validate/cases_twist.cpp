@@ -97,8 +97,8 @@ void greenhill_case(Result &result, bool)
 
 // --- ring ---
 
-// Fits a plane through the x axis, and through the introducer's end, to the nodes; returns the root mean
-// square distance of the nodes from this plane.
+// Fits to the nodes a plane that contains the x axis and the introducer's end; returns the root mean square
+// distance of the nodes from this plane.
 double warp(const Rig &rig)
 {
     // We solve y = a x + b z by the normal equations, whose two columns are nearly orthogonal for a

@@ -98,8 +98,8 @@ struct Slope {
 };
 
 // A heavy part of a wire, 250 mm long, lies on the floor of a straight tube. A very soft part of 50 mm
-// (4e-7 N m2) connects the heavy part of the wire with the introducer. The direction of gravity tilts towards
-// the tip by 1 degree per second.
+// (bending stiffness 4e-7 N m2) connects the heavy part of the wire with the introducer. The direction of
+// gravity tilts towards the tip by 1 degree per second.
 Slope tilt(double friction, bool skew)
 {
     Vector3d along(1, 0, 0), up(0, 0, 1);

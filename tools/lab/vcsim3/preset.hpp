@@ -1,5 +1,5 @@
-// Provides the nine instruments of the thesis' Table 5.1 as rods. Their mass and inertia are scaled so that
-// explicit integration is stable.
+// Provides the nine instruments of the thesis' Table 5.1 as rods. The mass and inertia of the rods are scaled
+// so that explicit integration is stable.
 //
 // The table gives no units. All nine instruments are consistent in these units: E x 1e7 Pa, radius x 1e-4 m,
 // density x 1e5 kg/m^3, and Kp x 10 newtons. With 1e-4 m as the unit of the radius, the table's 8.9 is the

@@ -213,8 +213,8 @@ void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
     assert_below("work over stored energy, less 1", std::abs(work_J / stored_J - 1.0), 0.015);
 }
 
-// The sheath straightens a J tip. A J tip that leaves the sheath pulls itself out. Its force is the energy
-// per length of the straightened rod in the sheath, EI kappa^2 / 2.
+// The sheath straightens a J tip. A J tip that leaves the sheath pulls itself out. The J tip's force is the
+// energy per length of the straightened rod in the sheath, EI kappa^2 / 2.
 void free_j_pulls_itself_out_of_the_sheath(void **)
 {
     const double bend_N_m2 = 1e-5, curvature_per_m = 100.0;
