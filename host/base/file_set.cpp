@@ -32,8 +32,8 @@ class SignalsWait
     sigset_t before_;
 };
 
-// Keeps the previous file that has a final name before a new file replaces it. The previous file is kept
-// under another name until all new files have been renamed.
+// Keeps the previous file of a name while a new file gets this name. The previous file is kept under another
+// name until all new files have been renamed.
 class Former
 {
   public:

@@ -248,7 +248,7 @@ class Checker
         }
     }
 
-    // Carries out an exchange of tools, and returns the tools that are on the line afterwards.
+    // Carries out an exchange of tools, and returns the tools that are nested in the vessels afterwards.
     std::vector<Instrument> exchange(const std::string &path, const Statement &statement,
                                      LineNumbers &numbers)
     {

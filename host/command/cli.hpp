@@ -124,9 +124,9 @@ int exit_of_range(const RangeWatch &range);
 // a tool, it adds nothing.
 void choose_defaults(WindowOptions &options);
 
-// If `run_window` is empty, the command `view` is refused. A call without further words runs `open_start`
-// where there is a display. Elsewhere, or if `open_start` is empty, it prints what the user can do without a
-// window (start.hpp).
+// If `run_window` is empty, the command `view` is refused. If the command line has no further word, and there
+// is a display, `open_start` is called. Without a display, or if `open_start` is empty, the program prints
+// what the user can do without a window (start.hpp).
 int command_line(int argc, char **argv, const RunWindow &run_window, const OpenStart &open_start = {});
 
 } // namespace crn

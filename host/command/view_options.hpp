@@ -45,7 +45,7 @@ struct WindowOptions {
     std::string font;                             // TrueType file; empty: the installed DejaVu Sans
     bool opens_start = false;                     // begin with the cards instead of a session
     // Holds the case that the session plays. The window shows the goals of the case during the session, and
-    // the marks at the end. The window begins with the preparation of the case. Null: no case.
+    // the marks at the end. At first the GUI window shows the preparation of the case. Null: no case.
     std::shared_ptr<const Case> lesson{};
     std::string replays; // begin with the replay of this recording; empty: no
     std::string timing;  // file of the figures of this machine: punctuality, pictures, delays; empty: none

@@ -126,8 +126,8 @@ std::vector<double> gather(const mesh::LevelSet &grid, const Cell &cell, double 
     return grid.read({8 * cell[0] - reach, 8 * cell[1] - reach, 8 * cell[2] - reach}, block, voxel);
 }
 
-// Returns whether some of the brick's distances lie in the range that the file stores. The test uses the 10^3
-// samples of a brick, and widens the stored range by half a voxel on either side.
+// Returns whether some of the brick's distances lie in the range that the file stores. The test of a brick
+// uses its 10^3 samples, and widens the stored range by half a voxel on either side.
 std::uint16_t classify(const std::vector<double> &values, const FieldText &text, double voxel)
 {
     const double inside = std::min(text.inside_mm / voxel, coefficient_max) + 0.5;

@@ -53,8 +53,8 @@ std::vector<FineRegion> fine_regions(const VesselTree &tree);
 // lesions whose text states an arc have a shell of calcium.
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text);
 
-// Returns one report line per lesion, with the diameter measured on the narrowed surface. The line has a
-// warning if the tree has another diameter.
+// Returns one report line per lesion, with the diameter measured on the narrowed surface. A report line has a
+// warning if the vessel tree has another diameter there.
 std::string lesions_report(const VesselTree &tree, const TriangleTree &surface);
 
 } // namespace crn::bake

@@ -90,8 +90,8 @@ class Divider
             count += middle[k] >= 0;
         }
         if (count == 0) return out.push_back(t);
-        // We number the triangle's corners so that its first edge is divided. If two edges are divided, the
-        // last edge is the undivided one.
+        // We number the triangle's corners so that its first edge is divided. If exactly two edges of the
+        // triangle are divided, its last edge is the undivided one.
         std::size_t turn = 0;
         while (middle[turn] < 0 || (count == 2 && middle[(turn + 2) % 3] >= 0)) ++turn;
         const std::uint32_t a = t[turn], b = t[(turn + 1) % 3], c = t[(turn + 2) % 3];

@@ -275,8 +275,8 @@ def inflate(hand, bar, rest_s):
 
 
 def mean_tip_mm(hand):
-    """The balloon moves with the heart, so its position is the mean over two heartbeats. Outside the target artery its
-    position counts as 0."""
+    """The balloon moves with the heart, so its position is the mean over two heartbeats. Outside the target artery, the
+    balloon's position counts as 0."""
     seen = []
 
     def look():

@@ -31,7 +31,7 @@ void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
 
 // Makes a vessel tree from the curves of 3D Slicer or VMTK, which store one curve per file or per outlet. If
 // a root begins inside another branch, it becomes a child of that branch. The part of the root that runs
-// along that branch's centreline is cut off. The trunk is the curve with the end nearest to `inlet_mm`;
+// along the branch's centreline is cut off. The trunk is the curve with the end nearest to `inlet_mm`;
 // without `inlet_mm` it is the widest curve. A single curve is not changed, and neither is a tree whose file
 // states the parent of each branch.
 Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);

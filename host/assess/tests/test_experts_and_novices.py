@@ -7,8 +7,8 @@ script test_few_experts_and_novices.py runs a small sample of this test.
 Crossley et al., J NeuroIntervent Surg 2019;11:775, studied thrombectomy on a simulator. Experts were 19 % faster than
 novices, made 42 % fewer errors, and did 40 % more phases and 20 % more steps. In carotid stenting on a simulator (Acta
 Radiol 2008), novices needed 8.7 min more fluoroscopy than experts, with similar residual stenosis. The test divides the
-8.7 min by the 11.2 min of fluoroscopy of PMC7400356. In Rolls et al., EuroIntervention, the tip's path in the picture
-was 3,836 pixels long for experts and 10,556 pixels long for novices.
+8.7 min by the 11.2 min of fluoroscopy that PMC7400356 reports. In Rolls et al., EuroIntervention, the tip's path in the
+picture was 3,836 pixels long for experts and 10,556 pixels long for novices.
 """
 
 import os

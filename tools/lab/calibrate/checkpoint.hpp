@@ -1,9 +1,9 @@
 // A checkpoint is a file that holds the state of a search for the best parameters. A stopped search continues
 // from its checkpoint, on this or another machine, with the same results as if it had never stopped. The file
 // is text. The file begins with a header (version, hash and settings). After the header, the file contains
-// every trial as exact hexadecimal doubles, the archive of the library pagmo, and an end line. A file without
-// this end line is incomplete. After every generation, the program writes the checkpoint under a temporary
-// name, and then renames the file to its final name.
+// every trial as exact hexadecimal doubles, the archive of the library pagmo, and an end line. A checkpoint
+// without an end line is incomplete. After every generation, the program writes the checkpoint under a
+// temporary name, and then renames the file to its final name.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 

@@ -73,7 +73,7 @@ class Hand
                         std::max(settings_.approach_mm_per_s, case_.speed_mm_per_s));
     }
 
-    // Returns the mean position of each node over the next window of time. The returned list of positions is
+    // Returns the mean position of each node over the next time interval. The returned list of positions is
     // empty if the number of nodes changes during the averaging, which happens while the rod still follows
     // the hand.
     std::vector<Vector3d> mean_over_window()

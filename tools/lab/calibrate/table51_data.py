@@ -164,7 +164,8 @@ def averages(rows, kind):
 
 
 def thesis_bend_N_m2(thesis):
-    """Computes EI from a row of Table 5.1. By docs/thesis.md, the table's units are E x 1e7 Pa and radius x 1e-4 m."""
+    """Computes EI from a row of Table 5.1. According to docs/thesis.md, the table's units are E x 1e7 Pa and radius x
+    1e-4 m."""
     numbers = thesis["parameters"]
     return numbers["young_1e7"] * 1e7 * math.pi / 4.0 * (numbers["radius_1e3"] * 1e-4) ** 4
 

@@ -180,7 +180,7 @@ std::vector<Vector3d> path_through(const Volume &volume, const Volume &mask, con
     refuse_branches(ways, path, volume);
     // If mouth_mm is given, the path begins at the end of the instrument that is nearest to mouth_mm. If
     // mouth_mm is not given, the path begins at the end of the instrument that leaves the scanned region. If
-    // this rule does not decide, the path begins at the instrument's lower end.
+    // both ends or no end of the instrument leave the scanned region, the path begins at the lower end.
     bool begins_at_mouth = path.front().y() < path.back().y();
     if (options.mouth_mm) {
         begins_at_mouth = (path.front() - *options.mouth_mm).dot(options.direction) <

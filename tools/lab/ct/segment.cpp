@@ -35,8 +35,8 @@ void write_points(const InstrumentLine &line, const fs::path &file)
     write_whole_file(file.string(), text);
 }
 
-// Writes the surface of the instrument itself. The snake (active contour) finds it from the instrument's
-// voxels, in the same way as the lumen's surface.
+// Writes the surface of the instrument itself. The snake (active contour) finds the instrument's surface from
+// its voxels, in the same way as the lumen's surface.
 void write_instrument(const Volume &volume, const Volume &mask, const InstrumentLine &line,
                       const fs::path &file)
 {

@@ -1,5 +1,5 @@
 // Finds the rod's equilibrium by Newton's method with a shifted band Cholesky factor and backtracking. Each
-// iteration uses the friction forces of the previous one.
+// Newton iteration uses the friction forces of the previous one.
 #include "tools/lab/reference_rod/equilibrium.hpp"
 #include <algorithm>
 #include <cmath>

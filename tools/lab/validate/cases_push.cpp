@@ -22,8 +22,8 @@ struct Pressed {
     Series force_against_way;
 };
 
-// A rod of 256 elements of 3 mm lies in a closed straight tube. The hand pushes its last millimetres in until
-// the hand reaches its force limit.
+// A rod of 256 elements of 3 mm lies in a closed straight tube. The hand pushes the last millimetres of the
+// rod into the tube until the hand's force limit is reached.
 Pressed press(double axial_N, double stall_N, double friction, double speed_m_s)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});
