@@ -98,7 +98,7 @@ Json phases_of(const AssessPlan &plan, const Evaluation &found)
 
 // --- the score ---
 
-// Returns the weighted share of the phases that ended and of the steps that were done; phases and steps that
+// Returns the weighted share of the phases that ended and of the steps that were done. Phases and steps that
 // do not apply are not counted.
 std::optional<double> share_of_phases(const AssessPlan &plan, const Evaluation &found)
 {
@@ -209,7 +209,7 @@ Json curves_of(const SessionLog &log)
     for (std::size_t k = 0; k < log.tools.size(); ++k) inserted.push_back(Json::array());
     for (std::size_t i = 0; i < log.moments.size(); i += step) {
         // Each point of the curve holds the largest value since the previous point, so that a short flash of
-        // X-ray or a short peak does not disappear between two points.
+        // X-ray or a short peak stays visible.
         double wall_N = 0.0, balloon_bar = 0.0;
         int mode = 0;
         for (std::size_t j = i; j < std::min(i + step, log.moments.size()); ++j) {

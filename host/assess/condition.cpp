@@ -28,7 +28,7 @@ std::string missing_tool(const SessionLog &log, std::size_t tool)
     return tool < log.tools.size() ? "" : "the session has no tool '" + tool_name(tool) + "'";
 }
 
-// Returns what the session lacks for this simple condition (atom), apart from vessels.
+// Returns what this simple condition (atom) needs and the session lacks; vessels are not checked here.
 std::string missing(const ConditionAtom &atom, const SessionLog &log)
 {
     if (names_a_tool(atom.kind)) {
@@ -68,7 +68,7 @@ std::string bind_vessels(ConditionAtom &atom, const SessionLog &log, const PlanV
             atom.way.push_back(find_vessel(log, name, vessels.file, vessels.line, 0));
     }
     if (atom.kind != Kind::tip_in_vessel) return "";
-    // Plans that serve many scenes leave open which vessels are `target` and `ostium`; a case or the command
+    // A plan for many scenes does not state which vessels are `target` and `ostium`; a case or the command
     // line names these vessels.
     const auto named = vessels.names.find(atom.vessel);
     if (named == vessels.names.end() && (atom.vessel == "target" || atom.vessel == "ostium"))

@@ -84,9 +84,9 @@ class Condition
     static Condition parse(const std::string &text, const std::string &file, int line, int column);
 
     // Returns an empty string if the condition applies to this session. If the condition does not apply to
-    // the session, returns the reason: the session lacks a tool, a balloon or a vessel, or the plan does not
-    // give a name. The condition "a or b" applies if at least one of its two parts applies. Finds the vessels
-    // that the condition names; throws FileError if the scene has vessels, but none with such a name.
+    // the session, returns the reason: a missing tool, balloon, vessel or name. The condition "a or b"
+    // applies if at least one of its two parts applies. Finds the vessels that the condition names; throws
+    // FileError if the scene has vessels, but none with such a name.
     std::string bind(const SessionLog &log, const PlanVessels &vessels);
 
     // Returns true if the condition holds at moment `i`. The amounts in a condition (injected medium, number

@@ -99,8 +99,8 @@ class Evaluator
         result_.phases.push_back(std::move(found));
     }
 
-    // Finds the steps that were done between the begin and the end of the phase, or up to the end of the
-    // session if the phase did not end.
+    // Finds the steps that were done during the phase; a phase that did not end lasts until the end of the
+    // session.
     void follow(const std::vector<Condition> &done, std::size_t from, std::optional<std::size_t> to,
                 FoundPhase &found) const
     {

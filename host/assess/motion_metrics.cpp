@@ -10,8 +10,7 @@ namespace crn
 namespace
 {
 
-// Returns the amplitudes of a profile's frequencies from zero to `cut_Hz`, divided by the largest of these
-// amplitudes.
+// Returns the amplitude spectrum of a profile from zero to `cut_Hz`, divided by the largest amplitude.
 std::vector<double> amplitudes(std::span<const double> profile, std::size_t bins, std::size_t kept)
 {
     std::vector<double> padded(profile.begin(), profile.end());

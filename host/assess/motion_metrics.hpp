@@ -25,7 +25,7 @@ struct SparcSettings {
 double sparc(std::span<const double> speed, double rate_Hz, const SparcSettings &settings = {});
 
 // Returns the logarithmic dimensionless jerk of a speed profile, -ln(T^3 / v_peak^2 * integral of
-// (d2v/dt2)^2); a larger result means a smoother motion. `speed` has at least three values; a profile without
+// (d2v/dt2)^2). A larger result means a smoother motion. `speed` has at least three values; a profile without
 // jerk gives 0.
 double ldlj(std::span<const double> speed, double rate_Hz);
 
@@ -51,7 +51,7 @@ std::vector<Movement> split_movements(std::span<const double> speed_mm_s, double
 std::vector<double> speed_of(std::span<const double> position, double rate_Hz, double sigma_s = 0.032);
 
 // Measures the length of a path and ignores displacements shorter than `step`, so that the path of a
-// trembling point has no length.
+// trembling point has length 0.
 template <int N> class PathLength
 {
   public:

@@ -31,8 +31,8 @@ AssessObserver::AssessObserver(Patient &patient, const std::vector<Instrument> &
     follow_line();
 }
 
-// The log gives each position on the line the names of all tools that have been there, such as "J wire, then
-// Coronary wire".
+// For each position on the line (the nested tools), the log names all tools that have been there, such as "J
+// wire, then Coronary wire".
 void AssessObserver::follow_line()
 {
     const LineNumbers &now = patient_.line();
@@ -128,7 +128,7 @@ void AssessObserver::look_at_tools(const SessionFrame &frame, SessionMoment &mom
     }
 }
 
-// Returns the diameter of the lumen at a tip, in mm, with the lesions as narrow as in the scene file.
+// Returns the diameter of the untreated lumen at a tip, in mm, with all lesions as in the scene file.
 double AssessObserver::lumen_mm(const TipPlace &tip) const
 {
     const VesselBranch &branch =

@@ -148,7 +148,7 @@ namespace
 
 AssessPlan read_plan_at(const std::string &path, int depth);
 
-// Reads the plan that this table extends; returns an empty plan if the table extends none.
+// Reads the plan that this table extends; the plan is empty if the table extends none.
 AssessPlan base_of(const TomlTable &table, int depth)
 {
     if (!table.has("plan")) return {};

@@ -1,6 +1,6 @@
 // Reads the plan of an assessment (TOML, docs/assessment.md): phases with steps, handling errors, limits of
-// metrics, and the weights of the parts of the score. A plan is a file in shared/examples/assessments, a
-// user's own file, or the table [assessment] of another file.
+// metrics, and weights of the score's parts. A plan is a file in shared/examples/assessments, a user's own
+// file, or the table [assessment] of another file.
 //
 //   const AssessPlan plan = read_plan(named_path(plan_files, "angioplasty"));
 #pragma once
@@ -31,8 +31,8 @@ struct PlanPhase {
     std::vector<PlanStep> steps;
 };
 
-// How bad an error is. The weights are those that 28 experts gave to errors in carotid stenting: Van
-// Herzeele, Aggarwal, Malik et al., Eur J Vasc Endovasc Surg 2009;38:1.
+// How bad an error is. The weights are those that 28 experts gave to errors in carotid stenting (Van
+// Herzeele, Aggarwal, Malik et al., Eur J Vasc Endovasc Surg 2009;38:1).
 enum class Severity { moderate = 3, serious = 4, life_threatening = 5 };
 std::string severity_text(Severity severity);
 
@@ -61,17 +61,18 @@ struct AssessPlan {
 };
 
 // Reads a plan file. If the file has the key `plan`, the function first reads the plan with that name, and
-// the file then changes this plan. The file's [vessels] name vessels; its [score] and metrics replace weights
-// and limits; its errors are added, or replace errors of the same name; its phases, if there are any, replace
-// all phases. Throws a FileError whose message names file, line and column and suggests a known word.
+// then changes it as the file states. In this file, [vessels] names vessels, and [score] and the metrics
+// replace weights and limits. Errors of the file are added to the plan, or replace errors of the same name.
+// If the file has phases, they replace all phases of the plan. Throws a FileError whose message names file,
+// line and column and suggests a known word.
 AssessPlan read_plan(const std::string &path);
 
 // Reads a plan in the same way from a table of another file, such as [assessment] in the file of a case. The
 // caller must have read the list of sources in that file before (TomlTable::read_sources). Throws FileError.
 AssessPlan read_plan(const TomlTable &table);
 
-// Reads a word of the command line, such as "target=LAD", and names the vessel in the plan accordingly.
-// Throws std::runtime_error.
+// Reads a word of the command line, such as "target=LAD", and sets the named vessel in the plan. Throws
+// std::runtime_error.
 void set_vessel(AssessPlan &plan, const std::string &word);
 
 // Returns the name of the plan that is used if the user names none: `angioplasty` if the session has a

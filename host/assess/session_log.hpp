@@ -1,7 +1,6 @@
-// Holds the data from which a session is assessed. There is one entry (moment) every 16 ticks, with the
-// places of the tips, the hands, the X-ray, the syringe, the balloon, the stents and the forces of the walls.
-// A moment depends only on the session's inputs and on its tick, so a replay of a recording gives the same
-// moments as the session.
+// Holds the data from which a session is assessed. Every 16 ticks there is one entry (a moment) with the
+// places of tips and hands, the X-ray, the syringe, the balloon, the stents and the wall forces. A moment
+// depends only on the session's inputs and on its tick, so a replay of a recording gives equal moments.
 #pragma once
 #include "host/model/vessel_map.hpp"
 #include "host/xray/run.hpp"

@@ -1,5 +1,5 @@
-// Computes from the moments of a session the quantities that conditions use: speeds of hands and tips, and
-// how far a hand has pushed while its tip did not move.
+// Computes the quantities that conditions use, such as the speed of a hand or tip, or how far a hand has
+// pushed while its tip did not move.
 #pragma once
 #include "host/assess/session_log.hpp"
 #include <array>
@@ -12,7 +12,8 @@ struct ToolSignals {
     // One value per moment. Speeds are averaged over the last window_moments moments.
     std::vector<double> hand_mm_s, turn_deg_s; // of the hand, + into the patient and right-handed
     std::vector<double> tip_mm_s;              // of the tip, without the motion of heart and breath
-    // Holds how far the hand has pushed, without pulling back, since the tip last moved by tip_rests_mm.
+    // Holds the distance that the hand has pushed, without pulling back, since the tip last moved by
+    // tip_rests_mm.
     std::vector<double> fixed_mm;
 };
 

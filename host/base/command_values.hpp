@@ -48,8 +48,8 @@ inline CLI::Validator one_of(const std::vector<std::string> &words)
         "{" + list + "}");
 }
 
-// If a variable in a user's script is empty, the command line contains `--json ""`, although the user wants a
-// file. If the value of an option of this command or of one of its subcommands is empty, the command line is
+// If a variable in a user's shell script is empty, the command line contains `--json ""`, although the user
+// wants a file. An option of this command or of a subcommand may not have an empty value; an empty value is
 // refused as wrong usage.
 inline void refuse_empty_values(CLI::App &app)
 {

@@ -17,8 +17,7 @@ Wide bits(std::uint64_t high, std::uint64_t low)
     return (static_cast<Wide>(high) << 64) | low;
 }
 
-// The hash FNV hardly changes its high bits for the last bytes of the input, so these bits are mixed once
-// more.
+// The last bytes of the input hardly change the high bits of an FNV hash, so these bits are mixed once more.
 Wide mixed(Wide value)
 {
     for (int round = 0; round < 2; round++) {

@@ -18,8 +18,8 @@ class Digest
     void add(std::string_view text); // adds its length too, so that "ab", "c" differs from "a", "bc"
     // Returns 32 hexadecimal digits.
     std::string hex() const;
-    // Returns "2.25." and a decimal number with at most 44 characters in all; the number is a UUID of version
-    // 8 (RFC 9562) that is made from the digest.
+    // Returns "2.25." and a decimal number, at most 44 characters in all. The number is a UUID of version 8
+    // (RFC 9562) that is made from the digest.
     std::string uid() const;
 
   private:

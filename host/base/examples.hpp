@@ -8,8 +8,8 @@
 namespace crn
 {
 
-// Describes a kind of file that a user can name: its folder, the singular for messages, and the ending of the
-// file name.
+// Describes a kind of file that a user can name: its folder, its name in the singular for messages, and the
+// ending of its file names.
 struct ExampleKind {
     const char *folder, *singular, *ending;
 };
@@ -24,9 +24,8 @@ inline constexpr ExampleKind scene_archives{"scenes", "scene", ".tar.xz"};
 
 // Returns the existing folders with the files of this kind that come with the program, in the order in which
 // they are searched. The files are in share/cournand/examples/KIND of the installed program, and in
-// shared/examples/KIND of the repository. The program looks for share/cournand/examples/KIND and
-// shared/examples/KIND in the four folders above the running program, and for the second folder also in the
-// current folder.
+// shared/examples/KIND of the repository. The program looks for both folders in the four folders above the
+// running program, and for shared/examples/KIND also in the current folder.
 std::vector<std::filesystem::path> shipped_folders(const ExampleKind &kind);
 
 // Returns the user's own folder, $XDG_DATA_HOME/cournand/KIND or ~/.local/share/cournand/KIND, if it exists,
@@ -53,9 +52,9 @@ std::vector<std::string> example_names(const ExampleKind &kind);
 // of an existing file or folder; ":preset" may follow.
 bool is_path(const std::string &word);
 
-// Returns the path to which a word of the command line refers. A word that is_path() stays. Every other word
-// is the name of a file of this kind; if ":preset" follows the name, it also follows the returned path.
-// Throws as example_path.
+// Returns the path to which a word of the command line refers. A word that is_path() stays. Any other word is
+// the name of a file of this kind; if ":preset" follows the name, it also follows the returned path. Throws
+// as example_path.
 std::string named_path(const ExampleKind &kind, const std::string &word);
 
 } // namespace crn

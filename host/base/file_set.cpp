@@ -32,8 +32,8 @@ class SignalsWait
     sigset_t before_;
 };
 
-// Keeps the previous file that has a final name before a new file replaces it. The previous file is kept
-// under another name until all new files have been renamed.
+// Keeps the previous file of a name while a new file gets this name. The previous file is kept under another
+// name until all new files have been renamed.
 class Former
 {
   public:
@@ -47,8 +47,8 @@ class Former
         kept_ = kept.name;
         const std::string named = fs::canonical(path, failed).string();
         if (::link(named.c_str(), kept_.c_str()) == 0) return;
-        // On a file system without hard links the previous file is renamed, so for a moment no file has the
-        // final name.
+        // On a file system without hard links the previous file is renamed, so for a moment there is no file
+        // with the final name.
         const int moved = std::rename(named.c_str(), kept_.c_str());
         const int error_number = errno;
         forget_pending(kept_); // it is the only copy now

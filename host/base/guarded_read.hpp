@@ -113,8 +113,8 @@ class Inbox
     int child_ = -1, pipe_ = -1, noise_ = -1, status_ = 0;
 };
 
-// Runs `parse` in the child process and `take` in the parent process. Throws GuardedReadError, or whatever
-// `take` throws; in all cases the child process has ended.
+// Runs `parse` in the child process and `take` in the parent process. Throws GuardedReadError or the
+// exceptions of `take`; the child process has then ended.
 void read_apart(const std::string &file, const ReadLimits &limits, const std::function<void(Outbox &)> &parse,
                 const std::function<void(Inbox &)> &take);
 

@@ -18,8 +18,8 @@ void on_interrupt(int number)
     }
     remove_pending();
     std::signal(number, SIG_DFL);
-    // While a signal's handler runs, that signal is blocked, and the parent process may have blocked it too.
-    // The call of pthread_sigmask below unblocks the signal, so that the signal ends the program here.
+    // While a handler of a signal runs, that signal is blocked, and the parent process may have blocked it
+    // too. The call of pthread_sigmask below unblocks the signal, so that the signal ends the program here.
     sigset_t both;
     ::sigemptyset(&both);
     ::sigaddset(&both, number);

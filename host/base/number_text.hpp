@@ -1,6 +1,6 @@
-// All code of the host converts numbers to text by these functions. Each function gives the bytes that printf
-// gives in the locale "C", with a point as the decimal mark in every locale. formatted() of format.hpp makes
-// whole sentences with numbers.
+// All code of the host converts numbers to text by the functions of this header. Each function gives the
+// bytes that printf gives in the locale "C", with a point as the decimal mark in every locale. The function
+// formatted() of format.hpp makes whole sentences with numbers.
 #pragma once
 #include "host/base/format.hpp"
 #include <cstdint>

@@ -1,5 +1,5 @@
 // Checks the paths of all output files before a program begins its work. No output file may be one of the
-// program's inputs, another output, or anything but a regular file, and each output file must be writable.
+// program's inputs or another output; it must be a regular file that can be written.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -22,9 +22,9 @@ class UsageError : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Throws UsageError that names the two options that contradict each other, or OutputError for a file that
-// cannot be written because its folder is missing, full or not writable for the user. To test whether an
-// output can be written, the function creates a temporary file beside it and removes this file at once.
+// Throws UsageError that names the two contradictory options, or OutputError for a file that cannot be
+// written because its folder is missing, full or not writable. To test whether an output can be written, the
+// function creates a temporary file beside it and removes this file at once.
 void check_outputs(const std::vector<NamedPath> &inputs, const std::vector<NamedPath> &outputs);
 
 // Checks an output folder in the same way as an output file; the program creates the folder later if it is

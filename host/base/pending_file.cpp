@@ -45,7 +45,7 @@ void handle_signals()
             std::signal(number, on_signal);
     }
     // If the program writes beyond the user's limit on file sizes, the write must fail with an error and a
-    // message; without this line the signal SIGXFSZ would end the program.
+    // message; otherwise the signal SIGXFSZ would end the program.
     std::signal(SIGXFSZ, SIG_IGN);
 }
 

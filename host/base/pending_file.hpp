@@ -45,7 +45,7 @@ void commit_pending(const std::string &pending, const std::string &path, bool ke
 void discard_pending(const std::string &pending) noexcept;
 
 // The program keeps a list of its pending files. If a signal (SIGINT, SIGTERM, SIGHUP) ends the program, the
-// signal handler first removes the listed files. The list has pending_max entries. The program may write more
+// signal handler first removes the listed files. The list has pending_max entries. The program may have more
 // pending files than the list has entries, but a signal does not remove the files that are not in the list.
 inline constexpr int pending_max = 32;
 void watch_pending(const std::string &pending);

@@ -20,8 +20,8 @@ class ProgressLine
     ProgressLine(const ProgressLine &) = delete;
     ProgressLine &operator=(const ProgressLine &) = delete;
 
-    // Shows a line such as "writing out/dicom/run_01.dcm (1 of 3) [#####-----] 52 %", and redraws it at most
-    // ten times a second.
+    // Shows a line such as "writing out/dicom/run_01.dcm (1 of 3) [#####-----] 52 %", at most ten times a
+    // second.
     void show(const std::string &what, std::size_t done, std::size_t total);
 
   private:

@@ -1,5 +1,5 @@
 // Makes text safe for a terminal. Text from files, devices and third-party libraries is printed without
-// control characters, so that no name can move the cursor, change a title or imitate a line of the program.
+// control characters. No name can then move the cursor, change a title or imitate a line of the program.
 #pragma once
 #include <cstdio>
 #include <string>
@@ -8,9 +8,9 @@
 namespace crn
 {
 
-// Returns a name or a path as text that can be printed in one line. Control characters (C0, DEL, C1),
-// characters that change the writing direction, line separators and bytes that are not UTF-8 become \xNN,
-// byte by byte. All other characters do not change. A backslash in the text is not doubled, because the
+// Returns a name or a path as text that can be printed in one line. These bytes become \xNN, byte by byte:
+// control characters (C0, DEL, C1), characters that change the writing direction, line separators, and bytes
+// that are not UTF-8. All other characters do not change. A backslash in the text is not doubled, because the
 // result is only for reading.
 std::string printable(std::string_view text);
 // Makes a whole message printable and keeps its line ends.

@@ -21,8 +21,8 @@ std::string place(const std::string &file, int line, int column, const std::stri
     return printable_lines(result + ": " + text);
 }
 
-// Returns the least number of letters that must be left out, added, replaced or exchanged with their
-// neighbour to turn one word into the other.
+// Returns the least number of edits that turn one word into the other: a letter is left out, added, replaced
+// or exchanged with its neighbour.
 std::size_t edit_distance(std::string_view a, std::string_view b)
 {
     std::vector<std::size_t> above, row(b.size() + 1), below(b.size() + 1);

@@ -1,5 +1,5 @@
 // Controls how the kernel schedules the calling thread among other threads. A thread that must act every
-// millisecond cannot wait until a computing thread has used up its time slice, which takes 3 to 4 ms.
+// millisecond cannot wait until a computing thread has used up its time slice of 3 to 4 ms.
 //
 //   make_thread_urgent();      at the begin of the thread
 //   make_thread_ordinary();    when it computes without a pause, so that it does not lock out others

@@ -41,8 +41,8 @@ class Look
         ++at_;
     }
 
-    // A TOML string on one line ends with its quote. A TOML string over several lines ends with three quotes,
-    // and up to two more quotes before these three belong to the string.
+    // A TOML string on one line ends with the quotation mark with which it begins. A TOML string over several
+    // lines ends with three quotes, and up to two more quotes before these three belong to the string.
     void skip_string(char quote)
     {
         const std::string three(3, quote);

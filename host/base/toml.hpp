@@ -14,10 +14,10 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-// toml++ 3.3 uses a table with gaps to find out whether a character is white space, and declares that no
-// table look-up reaches a gap. A letter outside ASCII between two values does reach such a gap in the table,
-// which is undefined behaviour. With the macro below, a look-up that reaches a gap returns false: the letter
-// is not white space. Upstream's macro is restored below.
+// toml++ 3.3 uses a table with gaps to find out whether a character is white space, and tells the compiler
+// that no look-up reaches a gap. A letter outside ASCII between two values does reach such a gap in the
+// table, which is undefined behaviour. With the macro below, a look-up that reaches a gap returns false: the
+// letter is not white space. Upstream's macro is restored below.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false

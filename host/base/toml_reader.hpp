@@ -41,8 +41,8 @@ struct TomlDocument; // a parsed file, with its name and its sources
 class TomlTable;
 
 // Holds the value of a key in a TOML table, or records that the key is absent. If the key is absent, all
-// functions throw an error, except the first ones in this class, which only describe the key and the kind of
-// its value.
+// functions throw an error, except the first functions of this class, which only describe the key and the
+// kind of its value.
 class TomlValue
 {
   public:
@@ -114,9 +114,9 @@ class TomlTable
     [[noreturn]] void fail_file(const std::string &what) const; // without a line
     const std::string &file() const;
 
-    // Reads values with a source: { value, source } or { from, to, source }. A source "@key" or "@key: more"
-    // refers to an entry of the table [sources] in the file's root table. The entry to which a source refers
-    // must exist, and every entry of [sources] must be used.
+    // Reads values with a source, which have the form { value, source } or { from, to, source } in the file.
+    // A source "@key" or "@key: more" refers to an entry of the table [sources] in the file's root table. The
+    // entry to which a source refers must exist, and every entry of [sources] must be used.
     void read_sources() const;       // of the root
     void check_sources_used() const; // of the root, after everything else
     void check_source() const;       // of the key `source` in this table

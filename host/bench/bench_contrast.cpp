@@ -1,7 +1,7 @@
 // Measures the time for simulating one millisecond of contrast medium, and the time for drawing the medium
-// into a picture (docs/contrast.md). The first case is a vessel tree of 2,000 cells that all contain medium,
-// with a beating heart and an injection in every step. The second case is the shipped aorta with its renal
-// arteries filled.
+// into a picture (docs/contrast.md). The first case is a vessel tree of 2,000 cells (short pieces of a
+// vessel), all filled with medium. The heart beats, and every step has an injection. The second case is the
+// shipped aorta with its renal arteries filled.
 #include "firmware/bench/bench.h"
 #include "host/effects/contrast_flow.hpp"
 #include "host/patient/contrast.hpp"

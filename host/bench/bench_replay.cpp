@@ -1,4 +1,4 @@
-// Measures how long the replay takes to show any second of a ten-minute recording (docs/bench.md). The
+// Measures how long a replay takes to show any chosen second of a ten-minute recording (docs/bench.md). The
 // program first makes the session: a J wire in the shipped aorta, with contrast medium, fluoroscopy and
 // pauses.
 #include "firmware/bench/bench.h"
@@ -50,8 +50,8 @@ std::string make_recording()
     return path;
 }
 
-// Jumps to many seconds of the recording while the C-arm's angles change, and returns the time for the
-// slowest picture.
+// Shows the pictures of many different seconds of the recording while the C-arm's angles change, and returns
+// the time for the slowest picture.
 double slowest_ms(const bench_case *)
 {
     const std::string path = make_recording();

@@ -71,8 +71,8 @@ extern "C" BENCH_MEASURED void measured_stent_step()
     bench->step();
 }
 
-// Returns the mean computing time per picture of a heartbeat, or the computing time of the beat's slowest
-// picture. For each picture of the beat, the function takes the shortest time over many beats.
+// Returns the mean computing time per picture of a heartbeat, or the time for the slowest picture of the
+// beat. For each picture of the beat, the function takes the shortest time over many beats.
 double step_us(const bench_case *self)
 {
     bench = std::make_unique<Bench>();
@@ -112,11 +112,11 @@ double step_instructions(const bench_case *)
     return 0.0;
 }
 
-// The shipped stent lies 22 mm from the beginning of the LAD of the shipped heart, and a balloon opens it to
-// the artery's own width for two seconds. The test lasts 60 s at 70 beats per minute and 15 pictures per
-// second. Result 0 is the largest distance in mm between a crown of the stent and the point to which the wall
-// moves it. Result 1 is the depth in mm of the deepest strut in the wall. Result 2 is the smallest apposition
-// of the stent to the wall, in %.
+// The shipped stent lies 22 mm from the beginning of the LAD of the shipped heart; for two seconds, a balloon
+// opens it to the artery's own width. The test lasts 60 s at 70 beats per minute and 15 pictures per second.
+// Result 0 is the largest distance in mm between a crown of the stent and the point to which the wall moves
+// it. Result 1 is the depth in mm of the deepest strut in the wall. Result 2 is the smallest apposition of
+// the stent to the wall, in %.
 double in_the_heart(const bench_case *self)
 {
     Bodies bodies;

@@ -1,6 +1,6 @@
-// Measures how much time the struts of a stent cost in an X-ray picture. The program can also write such
-// pictures: the shipped stent in the shipped heart's LAD, crimped and deployed, with and without contrast
-// medium.
+// Measures how much the struts of a stent add to the computing time of an X-ray picture. The program can also
+// write X-ray pictures: the shipped stent in the shipped heart's LAD, crimped and deployed, with and without
+// contrast medium.
 //
 //   build/bench/bench_stent_picture picture out/stent.png      all four side by side (docs/stent.md)
 #include "firmware/bench/bench.h"

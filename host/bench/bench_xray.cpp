@@ -51,8 +51,8 @@ Bodies made_here()
     return bodies;
 }
 
-// Replaces every material by one of the four materials for which docs/xray.md states limits of the computing
-// time; the shipped anatomy has eight materials.
+// Replaces every material of the shipped anatomy, which has eight, by one of the four for which docs/xray.md
+// limits the computing time.
 const char *one_of_four(const std::string &name)
 {
     const Material material = material_from_name(name).value_or(Material::soft_tissue);
@@ -88,8 +88,8 @@ Bodies patient(const Scene &scene)
     return bodies;
 }
 
-// The guidewire goes from the groin up the aorta: 700 mm in steps of 2.5 mm, with a bend, all displaced by
-// `shift_m`.
+// The guidewire goes 700 mm from the groin up the aorta, with a bend and with a node every 2.5 mm; all nodes
+// are displaced by `shift_m`.
 WireFrame wire_at(double shift_m)
 {
     WireFrame wire;
@@ -129,8 +129,8 @@ class Bench
             curves_.push_back(strut);
         }
     }
-    // Finds the exposure technique (voltage, current and others) on which automatic exposure control settles
-    // in each view, and fixes it, so that all frames have the same exposure.
+    // Finds the exposure technique (voltage, current and others) that automatic exposure control chooses in
+    // each view, and fixes it, so that all frames have the same exposure.
     void settle(int size)
     {
         for (std::size_t i = 0; i < std::size(looks); ++i) {
@@ -196,8 +196,7 @@ double processor_ms()
     return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-// Takes the shortest computing time among the frames of each view, and returns the mean of these times over
-// all views.
+// Returns the mean, over all views, of the shortest computing time of a frame in each view.
 double frame_ms(const bench_case *self)
 {
     const int size = self->argument & 0xffff;

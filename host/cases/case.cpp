@@ -122,8 +122,8 @@ std::vector<Statement> read_room(const TomlTable &table, CaseStart &start)
     return parse_session(text, table.file()).statements;
 }
 
-// Returns the number of the named tool in the table of offered tools; a tool that lies on the table twice can
-// be named twice.
+// Returns the number of the named tool in the list of offered tools; a tool that is offered twice can be
+// named twice.
 std::uint8_t number_of(const std::string &path, const std::vector<std::string> &offered,
                        const LineNumbers &taken)
 {

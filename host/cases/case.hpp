@@ -1,6 +1,6 @@
 // Reads case files (TOML, docs/cases.md). A case is an exercise for a trainee: an anatomy with lesions, the
-// offered tools, the situation at the start, and goals that a session must reach. A teacher writes a case as
-// a text file, without changing the program.
+// offered tools, the situation at the start, and goals to reach. A teacher writes a case as a text file,
+// without changing the program.
 //
 //   const Case lesson = read_case(example_path(case_files, "first_push"));
 #pragma once
@@ -26,8 +26,8 @@ struct CasePatient {
 };
 
 // Holds a condition in the words of the script statement `expect` (docs/session.md). A goal must hold at the
-// end of the session, or at any moment of the session if `is_once` is true. A goal with `is_once` counts only
-// from the moment at which all earlier goals with `is_once` have been reached.
+// end of the session, or at any moment of the session if `is_once` is true. Of the goals with `is_once`, each
+// counts only from the moment at which all earlier ones have been reached.
 struct CaseGoal {
     int line = 0;
     std::string text; // for the trainee
@@ -36,8 +36,8 @@ struct CaseGoal {
     double marks = case_marks_standard;
 };
 
-// Limits a quantity of the session's report: a value up to `full_at` earns all marks, a value from `none_at`
-// on earns none, and a value between these two earns a part of the marks.
+// Limits a quantity of the session's report. A value up to `full_at` earns all marks, a value from `none_at`
+// on earns none, and a value in between earns some of the marks.
 struct CaseLimit {
     int line = 0;
     std::string measure; // one of case_measures()
@@ -45,8 +45,8 @@ struct CaseLimit {
     double marks = case_marks_standard;
 };
 
-// Describes which tools are on the line (nested in the vessels) when the case begins. The lists have one
-// entry for each position on the line, from the innermost to the outermost.
+// Describes which tools are nested in the vessels when the case begins. The lists have one entry for each
+// position on the line, from the innermost to the outermost.
 struct CaseStart {
     int line = 0;
     std::vector<std::string> tools; // paths, maybe with ":preset"; empty at a free position
@@ -82,8 +82,8 @@ Case read_case(const std::string &path);
 std::vector<std::string> case_paths();
 
 // Returns the session for a script of a case: the statements that set up the X-ray room at the start of the
-// case, followed by the script's own statements. The session begins with the case's tools on the line and
-// with their inserted lengths; the table of the session holds the offered tools.
+// case, followed by the script's own statements. The session begins with the case's tools in the vessels,
+// with their inserted lengths; the session's table holds the offered tools.
 Session case_session(const Case &lesson, const std::string &script);
 // Returns the words of a `begin with` statement for these tools on the line, given by their numbers in the
 // table.

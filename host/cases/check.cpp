@@ -20,7 +20,7 @@ constexpr std::size_t story_bytes_min = 60, teaching_bytes_min = 60;
 constexpr TomlKind lesion_kind{"a text with lesions", "a file with [[lesion]] tables (docs/lesions.md)"};
 
 // Makes a vessel tree that has only the names of the recipe's vessels, without their shapes. If the scene's
-// aorta will be divided into three vessels, the map of this tree divides the aorta too.
+// aorta will be divided into three vessels, the class VesselMap divides the aorta of this tree too.
 VesselTree tree_of_names(const std::vector<RecipeVessel> &vessels)
 {
     VesselTree tree;
@@ -224,8 +224,7 @@ class Checker
         statements(path, session);
     }
 
-    // Checks each statement of the script with the tools that are on the line when the statement is carried
-    // out.
+    // Checks each statement of the script with the tools that are nested in the vessels at that statement.
     void statements(const std::string &path, const Session &session)
     {
         LineNumbers numbers = lesson_.start.numbers;
@@ -249,7 +248,7 @@ class Checker
         }
     }
 
-    // Carries out an exchange of tools, and returns the tools that are on the line afterwards.
+    // Carries out an exchange of tools, and returns the tools that are nested in the vessels afterwards.
     std::vector<Instrument> exchange(const std::string &path, const Statement &statement,
                                      LineNumbers &numbers)
     {

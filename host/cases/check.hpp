@@ -1,4 +1,4 @@
-// Finds everything that is wrong with a case before a trainee plays it.
+// Finds all faults of a case before a trainee plays it.
 #pragma once
 #include "host/cases/case.hpp"
 #include <string>

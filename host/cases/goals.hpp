@@ -25,8 +25,8 @@ struct GoalResult {
 class GoalWatch
 {
   public:
-    // The result depends on the ticks at which the goals are checked, so every session checks them at the
-    // same ticks.
+    // The result depends on the ticks at which the goals are checked, so these ticks are the same in every
+    // session.
     static constexpr std::uint32_t look_every_ticks = 64;
 
     // `lesson` must live longer than this object. Throws FileError if a goal names a vessel or a tool that
@@ -35,7 +35,7 @@ class GoalWatch
     // Checks the goals against the state of the session at one tick. `turned_deg` holds the angle by which
     // each hand has turned.
     void look(const SessionView &view, std::span<const double> turned_deg);
-    // Returns one result for each goal; the last look judges the goals that must hold at the end.
+    // Returns one result for each goal; goals that must hold at the end are judged by the last check.
     const std::vector<GoalResult> &results() const { return results_; }
     bool are_all_reached() const;
 
@@ -89,8 +89,8 @@ class CasePlay
     // object. Throws as GoalWatch.
     CasePlay(const Case *lesson, const TipPlaces &tips, const SessionWitness *witness, FrameSink *pictures);
     FrameSink *sink() { return sink_; }
-    // Judges the goals at the end of a session; it may be called only if the session has a case. Returns the
-    // entry "case" of the report.
+    // Judges the goals at the end of a session; the session must have a case. Returns the entry "case" of the
+    // report.
     nlohmann::ordered_json judge_end(const RunResult &result, const nlohmann::ordered_json &report);
     // Does the same as judge_end(), and prints the entry.
     nlohmann::ordered_json end(const RunResult &result, const nlohmann::ordered_json &report);

@@ -1,5 +1,4 @@
-// Runs other programs of this project, such as `anatomy` and `bake`, which are in the same folder as this
-// program.
+// Runs other programs of this project, such as `anatomy` and `bake`, from the folder of this program.
 #pragma once
 #include <functional>
 #include <string>

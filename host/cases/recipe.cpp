@@ -66,8 +66,8 @@ void add_vessels(Digest &digest, std::string path)
 }
 
 // Adds to the digest the release of the programs that make scenes, and the version of the scene format. The
-// tests of `bake` compare whole scenes, so scenes cannot change while this release and this version stay the
-// same. Two releases that make the same scenes may still have different keys.
+// tests of `bake` compare whole scenes, so every change of the scenes needs a new release or a new version of
+// the scene format. Two releases that make the same scenes may still have different keys.
 void add_bakers(Digest &digest)
 {
     for (const char *name : {"anatomy", "bake"}) sibling_program(name); // throws if it is missing
@@ -256,7 +256,7 @@ std::vector<std::string> cells_of(const std::string &line)
 }
 
 // Adds a scene text and the contents of all files that the text names to the digest. Any text in quotes may
-// be the path of a mesh or of a centreline, as seen from the folder of the scene text.
+// be the path of a mesh or of a centreline, relative to the folder of the scene text.
 void add_scene_text(Digest &digest, const fs::path &scene)
 {
     const std::string text = read_text_file(scene.string());

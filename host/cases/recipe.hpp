@@ -1,6 +1,6 @@
-// A recipe is the part of a case that states how its anatomy is made: with which command of the program
-// `anatomy`, which file of vessels and which lesions. The programs `anatomy` and `bake` make the scene from
-// the recipe when the case is played for the first time, and the scene is kept in the user's cache.
+// A recipe is the part of a case that states how its anatomy is made: the command of the program `anatomy`,
+// the file of vessels, and the lesions. When a case is played for the first time, the programs `anatomy` and
+// `bake` make the scene from the recipe; the scene is kept in the user's cache.
 //
 //   const PreparedScene scene = prepare_scene(recipe, [](const SceneProgress &) { return true; });
 #pragma once
@@ -56,8 +56,7 @@ bool is_scene_ready(const Recipe &recipe);
 // std::runtime_error with the message of the program that failed.
 PreparedScene prepare_scene(const Recipe &recipe, const SceneWatch &watch);
 
-// Describes a vessel of the scene that a recipe will give, as far as the vessel is known before the scene is
-// made.
+// Describes a vessel of the scene that a recipe will give, as far as it is known before the scene is made.
 struct RecipeVessel {
     std::string name;
     double length_mm = 0.0;

@@ -29,7 +29,8 @@ struct Close {
                              "; get the file again, or install the program again");
 }
 
-// Holds a folder beside the wanted one, which is removed unless it gets the wanted folder's name.
+// Holds a temporary folder beside the wanted folder, and removes it unless it was renamed to the wanted
+// folder's name.
 class PendingFolder
 {
   public:

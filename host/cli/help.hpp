@@ -6,7 +6,7 @@
 namespace crn
 {
 
-// Gives the project's layout to the help texts of a program and all its commands.
+// Formats the help texts of a program and all its commands in the project's layout.
 void use_help_format(CLI::App &app);
 
 } // namespace crn

@@ -15,13 +15,13 @@ namespace crn
 using NamesOfType = std::function<std::vector<std::string>(const std::string &type)>;
 
 // Parses the command line. Returns the exit code if the program must end now: 0 after a help text, the
-// version or a generated text, or 2 after wrong usage, which this function explains on stderr. Returns
-// nothing if the program must carry out the command.
+// version or a generated text, and 2 after wrong usage. After wrong usage, this function prints the reason on
+// stderr. Returns nothing if the program must carry out the command.
 //
-// `app` must already have its name and all its options and commands. Two hidden first words of a command line
-// are not in the table: `--generate KIND` writes man pages and completion scripts (generate.hpp), and
-// `--complete WORDS` lists the words that may follow (complete.hpp). The completion scripts call the program
-// with `--complete`.
+// `app` must already have its name and all its options and commands. Two hidden options are not in the table;
+// each of them may only be the first word of a command line. `--generate KIND` writes man pages and
+// completion scripts (generate.hpp), and `--complete WORDS` lists the words that may follow (complete.hpp).
+// The completion scripts call the program with `--complete`.
 std::optional<int> parse_command_line(CLI::App &app, int argc, char **argv, const NamesOfType &names = {});
 
 // Finds the first word that is neither a command nor an option of the program, and returns an explanation

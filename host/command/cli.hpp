@@ -63,10 +63,10 @@ int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 
-// Returns the tools that are on the line at the end of a session, for its report; a free position has the
-// name "nothing".
+// Returns the tools that are nested in the vessels at the end of a session, for its report; a position
+// without a tool has the name "nothing".
 std::vector<Instrument> reported_tools(const Patient &patient);
-// Returns the tools on the line; a position without a tool gets the name "nothing".
+// Returns the nested tools; a position without a tool gets the name "nothing".
 std::vector<Instrument> with_free_positions(std::vector<Instrument> tools);
 
 // Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
@@ -74,12 +74,12 @@ std::vector<Instrument> with_free_positions(std::vector<Instrument> tools);
 // FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools,
                                    std::size_t most = CRN_WIRE_TOOL_MAX);
-// Returns the names by which a script and the option --line refer to the tools: the names of their files,
+// Returns the names by which a script and the option --line refer to the tools; these are the file names
 // without folder and ending.
 std::vector<std::string> tool_words(const std::string &instrument, const std::vector<std::string> &tools);
-// Returns the tools on the line that the words of the option --line name. If no words are given, the result
-// is empty, which stands for all tools. Throws UsageError if a word names no tool, or if the option --line is
-// missing although there are more tools than a line holds.
+// Returns the tools that the words of the option --line name. If no words are given, the result is empty,
+// which stands for all tools. Throws UsageError if a word names no tool, or if the option --line is missing
+// although there are too many tools for one line.
 LineNumbers line_numbers(const std::vector<std::string> &words, const std::string &instrument,
                          const std::vector<std::string> &tools);
 // Returns the point where the tools enter the patient, with their inserted lengths. The user may give no
@@ -90,22 +90,22 @@ crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
 // Returns commands for the X-ray room that move the table so that the entry point is in view, and then make
 // the table follow the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
-// Returns the device for a session in the mode FREE_RUN. If `motors` is set, the function first prints which
-// motors will get power, and asks the user for confirmation unless `yes` is set. Throws RigStopped when the
-// user does not confirm.
+// Returns the device for a session in FREE_RUN mode. If `motors` is set, the function first prints which
+// motors will get power. The function then asks the user for confirmation, unless `yes` is set. Throws
+// RigStopped when the user does not confirm.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
 // Reads the stents that fit these tools, and adds them to the settings of a session's pictures. Throws
 // FileError.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
                  const std::vector<Instrument> &tools);
-// The returned command makes the session begin with the first stent on its balloon.
+// The returned command puts the first stent on its balloon when the session begins.
 inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
 // Returns the file paths of the tools, as input files for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 
-// recorded_scene() finds the scene file with exactly the recorded contents, at the path in the recording or
-// at the user's path. check_core() checks that the device's core can replay the recording. Both throw
-// std::runtime_error.
+// The function recorded_scene() looks for a scene file with exactly the recorded contents, at the path in the
+// recording and at the user's path. The function check_core() checks that the device's core can replay the
+// recording. Both throw std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
 // Returns the result of a replay in the form of the result of a session, for reports.
@@ -120,12 +120,13 @@ void name_range_branch(RangeWatch &range, const std::string &bodies_path);
 int exit_of_range(const RangeWatch &range);
 
 // Fills in what `cournand view` needs if the user has named nothing: the scene that comes with the program,
-// and a J wire. If the user has named a tool or a scene, the function fills in only a tool if none was named.
+// and a J wire. If the user has named only a scene, the function adds only the J wire; if the user has named
+// a tool, it adds nothing.
 void choose_defaults(WindowOptions &options);
 
-// If `run_window` is empty, the command `view` is refused. If the user gives no other word, the program calls
-// `open_start` where there is a display; elsewhere, or if `open_start` is empty, it prints what the user can
-// do without a window (start.hpp).
+// If `run_window` is empty, the command `view` is refused. If the command line has no further word, and there
+// is a display, `open_start` is called. Without a display, or if `open_start` is empty, the program prints
+// what the user can do without a window (start.hpp).
 int command_line(int argc, char **argv, const RunWindow &run_window, const OpenStart &open_start = {});
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// Contains the options and the work that `cournand run --plan` and `cournand score` share: they read a plan,
-// observe the session, and write the assessment.
+// Contains the options and the work that `cournand run --plan` and `cournand score` share: to read a plan, to
+// observe the session, and to write the assessment.
 #pragma once
 #include "host/assess/assessment.hpp"
 #include "host/assess/observer.hpp"
@@ -23,9 +23,8 @@ void add_plan(CLI::App &command, PlanOptions &options, const std::string &help);
 AssessPlan plan_of(const PlanOptions &options, const SessionLog &log);
 
 // Returns the plan of a case. The plan of a case is the one in the case's table [assessment], or the standard
-// plan for these tools. In the standard plan, `target` is the vessel of the last goal about the tip of the
-// innermost tool, and `ostium` is the vessel of the last goal about the tip of the guiding catheter. Throws
-// FileError.
+// plan for these tools. In the standard plan, `target` is the vessel of the last goal about the innermost
+// tool's tip, and `ostium` is the vessel of the last goal about the guiding catheter's tip. Throws FileError.
 AssessPlan case_plan(const Case &lesson, const SessionLog &log);
 
 // Observes a session and assesses it.
@@ -37,7 +36,7 @@ class SessionAssessor
     SessionAssessor(const PlanOptions &options, Patient &patient, const std::vector<Instrument> &tools,
                     const TipPlaces &tips, FrameSink *pictures, const Case *lesson = nullptr);
     FrameSink *sink() { return &sinks_; } // of the observer and the pictures
-    // Adds the entry "assessment" to the report, and makes the report's score use the limits of the plan.
+    // Adds the entry "assessment" to the report; the report's score then uses the limits of the plan.
     void assess(nlohmann::ordered_json &report) const;
 
   private:

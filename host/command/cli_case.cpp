@@ -50,7 +50,7 @@ Listed all_cases()
 }
 
 // The key of a recipe depends on the programs that make scenes. Without the programs that make scenes, no
-// scene of a recipe counts as ready.
+// recipe counts as ready.
 bool is_ready(const Case &lesson)
 {
     try {
@@ -153,7 +153,8 @@ int play(const CaseOptions &options, const RunWindow &run_window)
     return command_run(run);
 }
 
-// Gives a recorded session the marks of a case, for example a session that a user played in the window.
+// Computes the marks of a recorded session for a case, for example of a session that a user played in the GUI
+// window.
 int score(const CaseOptions &options)
 {
     const Case lesson = read_case(named_path(case_files, options.name));

@@ -134,7 +134,7 @@ void print_session(const SessionRecord &session)
             event.kind.c_str(), event.text.c_str());
 }
 
-// A pseudonym and the beginning of a UUID can look alike; the program first looks for a trainee with this
+// A pseudonym may look like the beginning of a UUID, so the program first looks for a trainee with this
 // pseudonym.
 int show(RecordStore &store, const RecordsOptions &options)
 {
@@ -275,7 +275,7 @@ int erase(RecordStore &store, const RecordsOptions &options)
             pseudonyms.push_back(trainee.pseudonym);
     else
         pseudonyms.push_back(store.trainee(options.what).pseudonym);
-    // If no person is at the terminal, the command line must contain both answers: whether to erase, and
+    // If no person is at the terminal, the command line must answer both questions: whether to erase, and
     // whether to delete recordings.
     if (!::isatty(STDIN_FILENO) && options.yes && !options.with_recordings && !options.keeps_recordings)
         for (const std::string &pseudonym : pseudonyms)

@@ -92,8 +92,8 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
         std::printf("verified: %u ticks and %u full hashes agree\n", unsigned{result.ticks_compared},
                     unsigned{result.hashes_compared});
     }
-    // If the end of the recording is missing, that part cannot be verified. If a part of the recording was
-    // not verified, the exit code must not indicate success.
+    // If the end of the recording is missing, the missing part cannot be verified. If a part of the recording
+    // was not verified, the exit code must not indicate success.
     if (options.verify && !recording.is_complete) {
         say(stderr,
             "cournand: %s: verified up to tick %zu, but the recording was cut off there: how the session "

@@ -148,7 +148,7 @@ DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
     return choice;
 }
 
-// If the session did not end as it should, prints the reason; returns the exit code.
+// If the session did not end as it should, prints the reason. Returns the exit code.
 static int tell_end(const RunResult &result, const Patient &patient, bool was_stopped)
 {
     for (const std::string &failure : result.failures) say(stderr, "cournand: %s\n", failure.c_str());
@@ -168,7 +168,7 @@ static int tell_end(const RunResult &result, const Patient &patient, bool was_st
     return result.failures.empty() ? 0 : 1;
 }
 
-// For everything that the user has not named, adds to the options the file for which the session was written.
+// Adds to the options the files for which the session was written, unless the user has named others.
 static RunOptions with_needs(const RunOptions &given, const SessionNeeds &needs)
 {
     RunOptions options = given;

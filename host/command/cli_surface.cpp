@@ -20,9 +20,8 @@ struct Stages {
     std::size_t positioned = 0, inflated = 0, released = 0; // ticks
 };
 
-// Finds three ticks of the first inflation, which opens a lesion more than any later one: the last tick
-// before the inflation, the last tick at its highest pressure, and a tick shortly after the pressure has been
-// released.
+// Finds three ticks of the first inflation, which opens a lesion more than later ones: before the inflation,
+// at its highest pressure, and shortly after the pressure has been released.
 Stages stages_of(const Recording &recording, const std::string &path)
 {
     const auto pressure = [&](std::size_t tick) { return recording.ticks[tick].input.inflator_raw; };

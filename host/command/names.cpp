@@ -88,7 +88,7 @@ std::string scene_of_recipe(const std::string &name)
 }
 
 // The folder's name contains the checksum of the archive, so a new version of the program does not use the
-// scene of an old one.
+// scene that an old version unpacked.
 std::string unpacked(const fs::path &archive, const std::string &name)
 {
     const std::vector<unsigned char> bytes = read_binary_file(archive.string());

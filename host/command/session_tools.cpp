@@ -1,5 +1,5 @@
-// Reads the tools that the command line names: the table of a session, and which of these tools are on the
-// line at the start (docs/session.md, "Exchange").
+// Reads the tools that the command line names: the session's table of tools, and which of them are in the
+// vessels at the start (docs/session.md, "Exchange").
 #include "host/command/cli.hpp"
 #include <filesystem>
 #include <set>

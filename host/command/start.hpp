@@ -1,4 +1,4 @@
-// Determines what `cournand` does if the user gives no other word.
+// Determines what `cournand` does when it is called without further words.
 #pragma once
 #include <string>
 

@@ -15,9 +15,9 @@ struct WindowOptions {
     std::string scene;              // empty: free space
     std::string instrument;         // file of the innermost tool, or empty
     std::vector<std::string> tools; // files of the others, towards the outermost
-    // Names the tools on the line at the start, from the innermost: the names of their files, their numbers
-    // in the table, or `nothing` for a free position. Empty: all tools. Tools that are not on the line at the
-    // start can be loaded during the session.
+    // Names the tools in the vessels at the start, from the innermost. A tool has the name of its file or its
+    // number in the table; `nothing` stands for a position without a tool. Empty: all tools. Tools that are
+    // not in the vessels at the start can be loaded during the session.
     std::vector<std::string> line;
     std::vector<std::string> stents; // files, in the order of loading
     std::string device = "sim";      // as parse_device
@@ -36,8 +36,8 @@ struct WindowOptions {
     bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     bool starts_with_fluoro = false;
     bool shows_help = true;
-    // In tests the window closes after it has drawn this number of screens. Every screen counts as 1/60 s of
-    // session time, however long it takes to draw. If the number of screens is 0, the window runs in real
+    // In tests the GUI window closes after it has drawn this number of frames. Every frame counts as 1/60 s
+    // of session time, however long the drawing takes. If the number of frames is 0, the window runs in real
     // time until the user presses Esc.
     int frames = 0;
     std::string screenshot;                       // PNG of the window's last screen; empty: none
@@ -45,7 +45,7 @@ struct WindowOptions {
     std::string font;                             // TrueType file; empty: the installed DejaVu Sans
     bool opens_start = false;                     // begin with the cards instead of a session
     // Holds the case that the session plays. The window shows the goals of the case during the session, and
-    // the marks at the end. The window begins with the preparation of the case. Null: no case.
+    // the marks at the end. At first the GUI window shows the preparation of the case. Null: no case.
     std::shared_ptr<const Case> lesson{};
     std::string replays; // begin with the replay of this recording; empty: no
     std::string timing;  // file of the figures of this machine: punctuality, pictures, delays; empty: none

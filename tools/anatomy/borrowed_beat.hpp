@@ -1,8 +1,8 @@
 /* Applies the beat of the shipped heart to another heart whose mesh exists in one phase only, for example
  * from a scan or an atlas. Three landmarks, which exist on both hearts, determine the rotation, scale and
- * shift between the shipped heart and the other heart. The map of the shipped heart (heart_beat.hpp) then
- * moves the mesh of the other heart. The resulting motion is an assumption, not a measurement, because the
- * real beat of the other heart is unknown. */
+ * shift between the shipped heart and the other heart. The map of the shipped heart's motion (heart_beat.hpp)
+ * then moves the mesh of the other heart. The resulting motion is an assumption, not a measurement, because
+ * the real beat of the other heart is unknown. */
 #pragma once
 #include "tools/anatomy/heart_beat.hpp"
 #include "tools/anatomy/mesh.hpp"
@@ -38,9 +38,9 @@ struct HeartPlacement {
  * The three landmarks must not lie on one straight line. */
 HeartPlacement place_heart(const HeartLandmarks &other);
 
-/* Writes the positions of the mesh's vertices in the 24 frames of the beat to FOLDER/NAME_00.ply ...
- * NAME_23.ply, and their positions at the end of inspiration to FOLDER_inhaled.ply beside the folder. The
- * program `bake` reads the 24 files of the beat and the file of inspiration. Each vertex moves like the
+/* Writes the vertex positions of the mesh in the 24 frames of the beat to FOLDER/NAME_00.ply ...
+ * NAME_23.ply, and those at the end of inspiration to FOLDER_inhaled.ply beside the folder. The program
+ * `bake` reads the 24 files of the beat and the file of inspiration. Each vertex moves like the
  * corresponding point of the shipped heart, and the displacement is scaled to the size of the other heart.
  * The displacement by breathing is not scaled. Returns the largest displacement of any vertex from its
  * position in the mesh `rest`, in mm. */

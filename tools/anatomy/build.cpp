@@ -15,7 +15,8 @@ namespace
  * the sum of the errors that mesh simplification may cause on two facing surfaces. */
 constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
 /* The meshes of thin bones are simplified less than those of other bones. In an X-ray picture along the iliac
- * wing, whose cortex is 2 mm thick, a surface whose direction is wrong by 3 degrees appears as a streak. */
+ * wing, whose cortex is 2 mm thick, a patch of the surface that is tilted wrongly by 3 degrees appears as a
+ * streak. */
 constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
 /* The inner surface of the cortex is uneven by GRAIN_MM, or by THIN_BONE_GRAIN_MM in thin bones, so that
  * bones look grainy in the X-ray picture. */

@@ -1,16 +1,16 @@
-/* Computes the motion of the heart over one beat. A smooth map gives, for every point of the tissue at the
- * end of diastole, the position of this point at any phase of the beat. The map uses coordinates about the
- * axis of the left ventricle. The height s along the ventricle's axis is 0 at the apex and 1 at the base; the
- * atria and the roots of the great vessels lie at s >= 1. The base moves towards the apex, and the apex
- * hardly moves. Walls move towards the axis. The inner surface of a wall moves further than its outer
- * surface, so that the wall thickens. As seen from the apex, the base turns clockwise and the apex
- * counter-clockwise. The length, the radius and the twist of the left ventricle follow different functions of
- * time, so the centre towards which the walls move is not a fixed point. One study (Investigative Radiology
- * 1984) reports that 91 % of the motion of the ventricle's wall points towards or away from one moving
- * centre. Three commonly published figures are assumed: the base descends by 12 to 15 mm, the twist is 10 to
- * 15 degrees, and the right coronary artery moves by 20 to 30 mm. The functions of time for length, radius
- * and twist are also assumed. The functions of time are chosen so that the chamber volumes and the periods of
- * little motion, as heart_figures() measures them, are typical of a man at 70 beats per minute. */
+/* Computes the motion of the heart over one beat. A smooth map takes every point of the tissue at the end of
+ * diastole to its position at any phase of the beat. The map uses coordinates about the axis of the left
+ * ventricle. The height s along the ventricle's axis is 0 at the apex and 1 at the base; the atria and the
+ * roots of the great vessels lie at s >= 1. The base moves towards the apex, and the apex hardly moves. Walls
+ * move towards the axis. The inner surface of a wall moves further than its outer surface, so that the wall
+ * thickens. As seen from the apex, the base turns clockwise and the apex counter-clockwise. The length,
+ * radius and twist of the left ventricle follow different functions of time, so the walls do not move towards
+ * one fixed point. One study (Investigative Radiology 1984) reports that 91 % of the motion of the
+ * ventricle's wall points towards or away from one moving centre. Three commonly published figures are
+ * assumed: the base descends by 12 to 15 mm, the twist is 10 to 15 degrees, and the right coronary artery
+ * moves by 20 to 30 mm. The functions of time for length, radius and twist are also assumed. The functions of
+ * time are chosen so that the chamber volumes and the periods of little motion, as measured by
+ * heart_figures(), are typical of a man at 70 beats per minute. */
 #pragma once
 #include "tools/anatomy/vessels.hpp"
 
@@ -51,10 +51,11 @@ class HeartBeat
     /* Takes the tissue that is at `point` after expiration, and returns its position after inspiration; both
      * positions are at the end of diastole. */
     Vec3 inhaled(const Vec3 &point) const;
-    /* For many small volumes of tissue, divides the volume in each frame by the volume at the end of
-     * diastole, and returns the smallest of these ratios. The small volumes of tissue lie on a grid through
-     * and around the heart. If the smallest ratio is above 0, the map of the heart's motion folds nowhere. If
-     * the map folds nowhere, surfaces that do not cross at the end of diastole do not cross in any frame. */
+    /* Divides each of many small volumes of tissue in each frame by its volume at the end of diastole, and
+     * returns the smallest of these ratios. The small volumes of tissue lie on a grid through and around the
+     * heart. If the smallest ratio is above 0, the map of the heart's motion nowhere turns the tissue inside
+     * out. If the map folds nowhere, surfaces that do not cross at the end of diastole do not cross in any
+     * frame. */
     double least_volume_factor() const;
 
   private:

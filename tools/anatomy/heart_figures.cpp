@@ -33,8 +33,8 @@ double ejection(const std::vector<double> &volumes)
     return 1.0 - *least / *most;
 }
 
-/* Holds the mean descent and the mean rotation of the vertices that lie, at the end of diastole, in a slice
- * across the heart's axis. */
+/* Holds the mean descent and the mean rotation of the vertices in one slice across the heart's axis; the
+ * slice is taken at the end of diastole. */
 struct Slice {
     double descent_mm = 0.0, turn_deg = 0.0;
 };
@@ -60,10 +60,9 @@ Slice slice_of(const MovingBody &body, double low, double high, size_t frame)
     return slice;
 }
 
-/* Holds the centre towards which the vertices of the left ventricle move. For each vertex, the displacement
- * has a part perpendicular to the direction of the centre; the centre minimises the sum of squares of these
- * parts. `radial_share` is the share of the summed squared displacements that is due to motion towards or
- * away from the centre. */
+/* Holds the centre towards which the vertices of the left ventricle move. The centre minimises the summed
+ * squares of those displacement components that point neither towards nor away from it. `radial_share` is the
+ * share of the summed squared displacements that is due to motion towards or away from the centre. */
 struct Centre {
     Vec3 place = Vec3::Zero();
     double radial_share = 0.0;
@@ -95,10 +94,10 @@ Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
     return centre;
 }
 
-/* Returns the length of the longest interval in which the curve is at rest: any two positions of the same
- * point in the interval are at most `within_mm` apart. Between two frames, the points are moved along
- * straight lines. The middle of the interval at rest must lie in the part [from, to) of the beat, where
- * `from` and `to` are fractions of the beat. */
+/* Returns the length of the longest interval in which the curve is at rest, that is, in which no point moves
+ * by more than `within_mm`. Between two frames, the points are moved along straight lines. The middle of the
+ * interval at rest must lie in the part [from, to) of the beat, where `from` and `to` are fractions of the
+ * beat. */
 double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, double to)
 {
     constexpr int FINE = 240;
@@ -163,8 +162,8 @@ HeartFigures heart_figures(const HeartSequence &sequence)
     const auto least = std::min_element(figures.left_ml.begin(), figures.left_ml.end());
     figures.systole_frame = static_cast<int>(least - figures.left_ml.begin());
     const auto systole = static_cast<size_t>(figures.systole_frame);
-    // The highest tenth of the left ventricle represents the ring of the mitral valve, and the lowest fifth
-    // of the left ventricle represents the apex.
+    // The highest tenth of the left ventricle represents the ring of the mitral valve, and its lowest fifth
+    // represents the apex.
     const Slice base = slice_of(left, 0.86, 1.2, systole), apex = slice_of(left, -0.2, 0.3, systole);
     figures.base_descent_mm = base.descent_mm;
     figures.base_turn_deg = base.turn_deg;

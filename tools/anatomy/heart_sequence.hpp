@@ -27,8 +27,8 @@ struct HeartSequence {
     std::vector<MovingVessel> vessels;
 };
 
-/* The function is_of_heart() is true for the heart and its vessels, and moves_with_heart() is also true for
- * the bodies beside the heart that move with the heart. */
+/* is_of_heart() is true for the heart and its vessels; moves_with_heart() is also true for bodies beside the
+ * heart that move with it. */
 bool is_of_heart(const std::string &body);
 bool moves_with_heart(const std::string &body);
 

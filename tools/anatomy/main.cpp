@@ -92,8 +92,8 @@ void make_folder(const Options &options)
 }
 
 /* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes the
- * text of the lesions before it makes the meshes, so that a mistake on the command line is reported at once
- * and not after minutes of meshing. The calcium of a lesion lies in the body that contains the vessels. */
+ * text of the lesions before the meshes, so that a mistake on the command line is reported at once and not
+ * after minutes. The calcium of a lesion lies in the body that contains the vessels. */
 std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
 {
     std::vector<Lesion> lesions;
@@ -104,8 +104,8 @@ std::string lesions_of(const Options &options, const VesselTree &tree, const std
     return lesions_text(lesions, tree, inside);
 }
 
-/* A sphere of the lumen that is narrower than the diagonal of a grid cell may contain no grid point. The mesh
- * of the lumen would have a gap at a sphere without grid points. */
+/* If a sphere of the lumen is narrower than the diagonal of a grid cell, it may contain no grid point. The
+ * mesh of the lumen would have a gap at a sphere without grid points. */
 void check_grid(const VesselTree &tree, double voxel_mm)
 {
     const double narrowest_mm = std::sqrt(3.0) * voxel_mm;
@@ -294,8 +294,8 @@ int check(const std::filesystem::path &folder)
     return is_good ? 0 : 1;
 }
 
-/* Prints one line for each given diameter; the line states where in the vessel the diameter applies, and the
- * source of its value. Tabs separate the values of a line, so that scripts can read the lines. */
+/* Prints one line for each given diameter, with its place in the vessel and the source of its value. Tabs
+ * separate the values of a line, so that scripts can read the lines. */
 int list(const VesselTree &tree)
 {
     std::printf("vessel\tstation\tdiameter_mm\tx_mm\ty_mm\tz_mm\ttangent_x\ttangent_y\ttangent_z\tsource\n");

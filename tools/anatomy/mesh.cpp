@@ -30,16 +30,16 @@ Box block_box(const Cell &block, double voxel_mm)
 }
 
 /* Fills one block of the grid with values of the distance function. Exact distances are needed only near the
- * surface. If the middle of a group of grid points is far enough from the surface, no neighbour of these
- * points lies on the surface's other side. All points of a group that is far from the surface get the same
- * distance: the width of the level set's band, with the sign of the distance at the group's middle. */
+ * surface. If the middle of a group of grid points is far enough from the surface, all points of the group
+ * and their neighbours are on one side of the surface. All points of a group far from the surface get the
+ * same distance: the width of the level set's band, with the sign at the group's middle. */
 crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
 {
     constexpr int GROUP = 2;
     const double voxel = request.voxel_mm, band = BAND_VOXELS * voxel;
     // A group of points counts as far from the surface if the estimated distance at its middle exceeds `far`.
-    // The value `far` is half the group's diagonal plus a voxel's diagonal, multiplied by the steepest change
-    // of an estimated distance.
+    // The value `far` is half the group's diagonal plus a voxel's diagonal, times the largest slope of an
+    // estimated distance.
     const double far = STEEPEST * (0.5 * (GROUP - 1) + 1.0) * std::sqrt(3.0) * voxel;
     const Distance distance = request.distance_in(block_box(block, voxel), band);
     const Vec3 origin = Vec3(block[0], block[1], block[2]) * BLOCK;
@@ -63,11 +63,11 @@ crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
 }
 
 /* Makes the level set. Blocks whose centre is far from the surface are skipped; fill_signs() later gives
- * these blocks their sign. The unit of length in the level set is a voxel, so the vertices of its surface
- * must be multiplied by the length of a voxel's edge. */
+ * these blocks their sign. The level set is measured in voxels, so the vertices of its surface must be
+ * multiplied by the edge length of a voxel. */
 crn::mesh::LevelSet level_set(const MeshRequest &request)
 {
-    // One distance function is used for the centres of all blocks in a column of the grid.
+    // All blocks in a column of the grid use one distance function for their centres.
     const double block_mm = BLOCK * request.voxel_mm;
     crn::mesh::LevelSet level(1.0, BAND_VOXELS * request.voxel_mm);
     const double reach_mm = STEEPEST * (0.5 * std::sqrt(3.0) * block_mm) + request.voxel_mm;
@@ -106,8 +106,8 @@ Vec3 onto_surface(const Distance &distance, double voxel_mm, const Vec3 &point)
 Mesh surface_of(const crn::mesh::LevelSet &level, const MeshRequest &request)
 {
     crn::mesh::QuadSurface surface = level.surface();
-    // The vertices of one block follow each other in the list, so the code makes a new local distance
-    // function only when the block changes.
+    // The vertices of one block follow each other in the list, so a new local distance function is needed
+    // only for a new block.
     std::optional<Cell> block;
     Distance distance;
     for (Vec3 &vertex : surface.vertices) {

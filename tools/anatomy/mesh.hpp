@@ -17,8 +17,9 @@ struct Mesh {
 };
 
 /* Returns a distance function for points inside a box. The value of the distance function is correct wherever
- * the distance is below reach_mm. Only a few shapes of a body affect the distance near one point. The program
- * finds the shapes near a block once per block of the grid, which makes meshing many times faster. */
+ * the distance is below reach_mm. Only a few shapes of a body determine the distance near one point. The
+ * program finds the shapes near a block once per block of the grid instead of once per point, which makes
+ * meshing many times faster. */
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
 LocalDistance local_distance(const Solid &solid);
 

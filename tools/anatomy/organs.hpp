@@ -24,8 +24,8 @@ Box lung_bounds(double sign);
  * soft tissue fill. The lungs do not extend into the middle space of the chest. */
 Solid mediastinum();
 
-/* Describes one chamber of the heart by its distance function. A chamber of the heart stays at least the
- * thickness of a heart wall away from the chambers that precede it in the list. */
+/* Describes one chamber of the heart by its distance function. A chamber of the heart keeps a distance of at
+ * least a heart wall's thickness from the chambers that precede it in the list. */
 struct Chamber {
     const char *name;
     Distance distance;

@@ -157,8 +157,7 @@ Solid mediastinum()
                                   {24, 22, 20, 22, 24}, 6.0));
     middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 1.2);
     middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 1.2);
-    // The muscles behind the spine fill the space there, so that the shape of the lungs stays beside the
-    // vertebrae.
+    // The back muscles fill the space behind the spine, so that the lungs stay beside the vertebrae.
     middle.add<Tube>(sample_curve({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}},
                                   {26, 27, 27, 26, 26}, 6.0));
     // The code below adds the superior vena cava with the right brachiocephalic vein, the inferior vena cava,
@@ -232,9 +231,9 @@ std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hil
     return ends;
 }
 
-/* Joins each vessel's end point to a node of the tree of lung vessels. Each new vessel of the lung joins the
- * node for which the length of the new branch plus a weighted path length from the node back to the hilum is
- * smallest. */
+/* Joins each vessel's end point to a node of the tree of lung vessels. Each new lung vessel joins the node
+ * with the smallest sum of two lengths: the new branch, and the weighted path from the node back to the
+ * hilum. */
 std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 {
     constexpr double WAY_BACK = 0.55, STEP_MM = 14.0;
@@ -258,8 +257,8 @@ std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
             parent = static_cast<int>(nodes.size()) - 1;
         }
     }
-    // For each node, the loop counts the vessel ends that lie beyond the node. In the list of nodes a child
-    // always comes after its parent.
+    // For each node, the loop counts the vessel ends that lie downstream of the node. In the list of nodes a
+    // child always comes after its parent.
     for (size_t i = nodes.size(); i-- > 1;) {
         if (nodes[i].leaves == 0) nodes[i].leaves = 1;
         nodes[static_cast<size_t>(nodes[i].parent)].leaves += nodes[i].leaves;

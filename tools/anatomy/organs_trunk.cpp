@@ -36,8 +36,8 @@ double trunk_distance(const Vec3 &p)
                         back = spline(&TrunkLevel::back);
     const double a = width.at(p.y()), z_front = front.at(p.y()), z_back = back.at(p.y());
     const double b = 0.5 * (z_front - z_back), z = p.z() - 0.5 * (z_front + z_back);
-    // The cross-section of the trunk is a superellipse, because a trunk is more nearly rectangular than an
-    // ellipse.
+    // The cross-section of the trunk is a superellipse, because a trunk is closer to a rectangle than an
+    // ellipse is.
     constexpr double POWER = 2.5;
     const double u = std::abs(p.x()) / a, w = std::abs(z) / b;
     const double level = std::pow(std::pow(u, POWER) + std::pow(w, POWER), 1.0 / POWER);

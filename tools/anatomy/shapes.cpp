@@ -93,9 +93,9 @@ double Tube::section_distance(const Vec3 &point, const Segment &segment, double 
 
 double Tube::distance(const Vec3 &point) const
 {
-    // If the tube's cross-section is flat, the code computes the distance only at the point of the axis that
-    // is nearest to `point`. If the tube's cross-section is round, the code returns the smallest of the
-    // distances to all segments of the tube.
+    // If the tube's cross-section is flat, the distance is computed only at the axis point nearest to
+    // `point`. If the tube's cross-section is round, the distance is the smallest distance to any segment of
+    // the tube.
     constexpr double FAR = 1e9;
     double best = FAR, best_t = 0.0;
     const Segment *nearest = nullptr;
@@ -187,7 +187,7 @@ double Drum::distance(const Vec3 &point) const
     const Vec3 local = inverse_ * (point - centre_);
     const double level = std::clamp(local.y() / half_height_, -1.0, 1.0);
     const double girth = 1.0 - WAIST * (1.0 - level * level);
-    // Seen from above, the back half of the vertebral body is flatter than its front half.
+    // Seen from above, the back of the vertebral body is flatter than its front.
     const double depth = half_depth_ * girth, width = half_width_ * girth;
     const double back = local.z() < 0.0 ? 0.88 : 1.0;
     const double from_side = ellipsoid_distance({local.x(), local.z() / back, 0.0}, {width, depth, width});

@@ -1,8 +1,8 @@
 /* Declares the solids from which the bodies of an anatomy are built. Each solid has a bounding box and
  * returns an approximate signed distance in millimetres, which is negative inside the solid. The class Part
  * joins several shapes smoothly into one bone, and the class Solid is the plain union of several parts. Each
- * shape of a bone also stores the thickness of its cortical shell, so the bone's Solid can also compute the
- * marrow space inside the shell. */
+ * shape of a bone also stores the thickness of its cortical shell, so the bone's Solid can compute the marrow
+ * space inside the shell. */
 #pragma once
 #include "tools/anatomy/spline.hpp"
 #include <Eigen/Geometry>
@@ -28,8 +28,8 @@ class Shape
   public:
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
-    /* Returns a shape that has the same distances as this shape near the box but is cheaper to evaluate;
-     * returns null when no cheaper shape exists. */
+    /* Returns a shape that is cheaper to evaluate and has the same distances as this shape near the box;
+     * returns null when there is no such shape. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;
     double cortex_mm = 1.0;        // thickness of the shell around the marrow space
@@ -79,8 +79,8 @@ class Ellipsoid : public Shape
     Eigen::Matrix3d inverse_;
 };
 
-/* Describes a flat bone, such as ilium, scapula or laminae, as a triangular plate that extends
- * half_thickness_mm to both sides of a triangle. Each corner of the plate may have a different thickness. */
+/* Describes a flat bone, such as ilium, scapula or laminae, as a triangle that is thickened by
+ * half_thickness_mm on both sides. Each corner of the plate may have a different thickness. */
 class Plate : public Shape
 {
   public:
@@ -151,8 +151,8 @@ class Part
                  double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
-    /* Returns a copy of this part of a bone that is cheaper to evaluate for points inside `box`. The distance
-     * to the copy is correct wherever it is below reach_mm. */
+    /* Returns a copy of this part of a bone that takes less time to evaluate for points inside `box`. The
+     * distance to the copy is correct wherever it is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
 
     double blend_mm;

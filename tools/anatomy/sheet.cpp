@@ -38,7 +38,7 @@ double Sheet::nearest_in(const Patch &patch, const Vec3 &point, double best) con
 
 double Sheet::distance(const Vec3 &point) const
 {
-    // The code evaluates the nearest patch of the bone's surface first, so that it can skip most other
+    // The code evaluates the nearest patch of the bone's surface first, so that it can skip most of the other
     // patches.
     const Patch *nearest = nullptr;
     double least = 1e9;

@@ -10,16 +10,16 @@ struct SheetPoint {
     double half_thickness_mm;
 };
 
-/* Describes a curved bone by a grid of points that has the same number of points in every row, and at least
- * two points in each direction. Two triangular plates fill each cell of the grid. Points should lie 2 to 3 mm
- * apart, so that neighbouring plates form almost one plane. X-rays that pass along the bone show a kink of a
- * few degrees as a streak. */
+/* Describes a curved bone by a grid of points, with equally many points in every row and at least two in each
+ * direction. Two triangular plates fill each cell of the grid. Points should lie 2 to 3 mm apart, so that
+ * neighbouring plates form almost one plane. X-rays that pass along the bone show a kink of a few degrees as
+ * a streak. */
 class Sheet : public Shape
 {
   public:
     explicit Sheet(const std::vector<std::vector<SheetPoint>> &rows);
     /* Returns the distance to the union of the plates, whose joints are not smoothed. If neighbouring plates
-     * were blended smoothly, every common edge would get a ridge. */
+     * were blended smoothly, a ridge would appear at every common edge. */
     double distance(const Vec3 &point) const override;
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 

@@ -20,7 +20,7 @@ Vec3 mirrored(double s, const Vec3 &point)
 }
 
 /* Adds the iliac wing. The iliac wing is a thin concave fan between the arcuate line and the thick crest. The
- * rows of the iliac wing's grid of points go from the arcuate line to the crest. */
+ * rows of grid points on the iliac wing go from the arcuate line to the crest. */
 void add_ilium(Part &part, double s)
 {
     constexpr size_t ACROSS = 121, ROWS = 37, ROD_STEP = 5;
@@ -71,7 +71,7 @@ void add_pubis_and_ischium(Part &part, double s)
 }
 
 /* Adds the hip socket (acetabulum), which holds the femoral head. The socket is a thick hollow ball that is
- * joined to the three bones of the hip and is open outwards, downwards and forwards. */
+ * joined to the three hip bones and is open outwards, downwards and forwards. */
 void add_socket(Part &part, double s)
 {
     constexpr double CUP_MM = 26.2, BALL_MM = 31.5;

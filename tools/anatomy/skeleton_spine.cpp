@@ -49,9 +49,8 @@ Frame frame_of(const Vertebra &v)
     return frame;
 }
 
-/* Returns 0 for vertebrae down to T10, which have the thoracic shape, and 1 for L2 and the vertebrae below
- * L2, which have the lumbar shape. For the vertebrae between T10 and L2 the function returns values between 0
- * and 1. */
+/* Returns 0 for vertebrae down to T10 (thoracic shape), and 1 for L2 and below (lumbar shape). For the
+ * vertebrae between T10 and L2 the function returns values between 0 and 1. */
 double lumbar_share(size_t index)
 {
     return std::min(1.0, std::max(0.0, (static_cast<double>(index) - 12.0) / 4.0));
@@ -159,8 +158,8 @@ Part sacrum_part()
 
 std::vector<Vertebra> vertebrae()
 {
-    // The vertebrae are stacked along the curve of the spine, upwards and downwards from the disc between T12
-    // and L1 at y = 0.
+    // The vertebrae are stacked along the curve of the spine, up and down from the disc between T12 and L1 at
+    // y = 0.
     constexpr size_t FIRST_LUMBAR = 15;
     std::vector<Vertebra> all;
     for (const Size &size : SIZES)

@@ -9,9 +9,9 @@ namespace
 
 constexpr double SOFT_ERROR_MM = 0.3;
 
-/* Returns the voxel size for the mesh of a body that has little clearance to the body that contains it. The
- * returned voxel size stays fine even if the user chooses a coarse anatomy, so that the mesh of the body
- * stays inside the containing body. */
+/* Returns the voxel size for the mesh of a body that nearly touches the body around it. The returned voxel
+ * size stays fine even if the user chooses a coarse anatomy, so that the mesh of the inner body stays inside
+ * the outer one. */
 double tight_mm(double voxel_mm, double scale)
 {
     return voxel_mm * std::min(scale, 1.2);
@@ -34,8 +34,8 @@ LocalDistance outline_distance(const Solid &bones)
     };
 }
 
-/* Returns the distance to the layer of the trunk that begins at the depth `depth_mm` below the outer surface
- * of the skin. Where a bone comes near the skin, the layer still covers the bone. */
+/* Returns the distance to the layer of the trunk that is deeper than `depth_mm` below the outer surface of
+ * the skin. Where a bone comes near the skin, this layer of the trunk still covers the bone. */
 LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
 {
     return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,
@@ -252,8 +252,8 @@ LocalDistance belly_distance(const Solid &bones)
     };
 }
 
-/* Returns the distance to an organ of the belly. The organ is the part of `shape` that lies inside the belly
- * and keeps a gap to the organs in `before`, so `shape` may be larger than the organ. */
+/* Returns the distance to an organ of the belly. The organ is the part of `shape` inside the belly that keeps
+ * a gap to the organs in `before`, so `shape` may be larger than the organ. */
 LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, const Solid &before,
                              double inset_mm)
 {

@@ -27,8 +27,8 @@ inline Box grown(Box box, double margin_mm)
 std::vector<Body> layer_bodies(const Solid &bones, double scale); // skin, fat under it, flesh
 
 /* Returns the lungs with their vessels, the heart with its chambers, the airway, and the tree's coronary
- * arteries with the root of the aorta. The shapes of the lungs leave space for the vessel tree, and the shape
- * of the heart leaves space for its coronary arteries. */
+ * arteries with the root of the aorta. The lungs leave space for the vessel tree, and the heart leaves space
+ * for its coronary arteries. */
 std::vector<Body> chest_bodies(const Solid &bones, const VesselTree &tree, double scale);
 std::vector<Body> belly_bodies(const Solid &bones, double scale); // fat, organs, bowel with gas
 

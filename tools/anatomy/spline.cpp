@@ -54,7 +54,7 @@ MonotoneCubic::MonotoneCubic(std::vector<double> parameters, std::vector<double>
     : parameters_(std::move(parameters)), values_(std::move(values)), slopes_(values_.size(), 0.0)
 {
     // The curve's slope at a given value is the harmonic mean of the slopes of the two adjacent chords, which
-    // keeps each span monotone. At a local extremum the slope is zero.
+    // keeps each span of the curve monotone. At a local extremum the slope is zero.
     for (size_t i = 1; i + 1 < values_.size(); i++) {
         const double before = (values_[i] - values_[i - 1]) / (parameters_[i] - parameters_[i - 1]);
         const double after = (values_[i + 1] - values_[i]) / (parameters_[i + 1] - parameters_[i]);

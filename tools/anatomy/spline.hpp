@@ -11,7 +11,7 @@ namespace anatomy
 
 using Vec3 = Eigen::Vector3d;
 
-/* Holds one point of a sampled curve; `arc_mm` is the curve's length from its first point to this point. */
+/* Holds one point of a sampled curve; `arc_mm` is the length of the curve up to this point. */
 struct CurvePoint {
     Vec3 position_mm;
     double radius_mm;
@@ -45,9 +45,9 @@ class MonotoneCubic
     std::vector<double> parameters_, values_, slopes_;
 };
 
-/* Returns samples, about step_mm apart, of the curve through `points` with the radii `radii_mm`. The numbers
- * of radii and points must be equal and at least two. Every given point is one of the samples, including both
- * ends. */
+/* Returns samples, about step_mm apart, of the curve through `points` with the radii `radii_mm`. There must
+ * be as many radii as points, and at least two of each. Every given point is one of the samples, including
+ * both ends. */
 Curve sample_curve(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double step_mm);
 
 /* Returns the unit tangent of a sampled curve at one of its samples. */

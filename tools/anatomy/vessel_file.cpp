@@ -81,8 +81,8 @@ Vec3 position_of(const File &file, const TomlValue &value)
 
 // --- stations ---
 
-/* Holds one point of a vessel's course in the form in which the vessel file gives the point. A point of a
- * coronary artery is given either by a position, or by a height and an angle on the heart. */
+/* Holds one point of a vessel's course as the vessel file gives it. A point of a coronary artery is given
+ * either by a position, or by a height and an angle on the heart. */
 struct GivenStation {
     TomlTable table;
     Station station; // diameter 0: not given
@@ -271,8 +271,7 @@ std::string extended_file(const TomlTable &root)
 
 TreeDraft read_draft(const std::string &path, size_t depth);
 
-/* Reads all keys of this vessel file except its vessels, and reads the vessel file that this vessel file
- * extends. */
+/* Reads all keys of this vessel file except its vessels, and also reads the vessel file that it extends. */
 TreeDraft read_head(const TomlTable &root, size_t depth)
 {
     root.check_keys({"format", "title", "extends", "frame", "fillet_mm", "coronary_fillet_mm", "sources",

@@ -39,13 +39,12 @@ struct TreeDraft {
 TreeDraft read_vessel_draft(const std::string &file);
 
 /* Adds a vessel, or replaces the vessel that has the same name. Throws crn::FileError if two vessels have the
- * same name, if the vessel to be replaced does not exist, or if a vessel comes before its parent in the list
- * of vessels. */
+ * same name, if the vessel to be replaced does not exist, or if a vessel is listed before its parent. */
 void add_vessel(TreeDraft &draft, GivenVessel given);
 
 /* Makes the vessel tree and finds the point where the guidewire enters the tree. Throws crn::FileError when a
- * vessel does not begin inside its parent, or when the entry point is not on its vessel. The parameter `file`
- * is the user's file; error messages name this file and not the files that it extends. */
+ * vessel does not begin inside its parent, or when the entry point is not on its vessel. `file` is the user's
+ * file; error messages name this file and not the files that it extends. */
 VesselTree tree_of(TreeDraft draft, const std::string &file);
 
 /* Reads a vessel file and the vessel files that this file extends. Throws crn::FileError with a message of
@@ -53,10 +52,10 @@ VesselTree tree_of(TreeDraft draft, const std::string &file);
 VesselTree read_vessels(const std::string &file);
 
 /* Returns the path of the shipped vessel file `NAME`. The shipped vessel files are in
- * shared/examples/anatomies, and `make install` puts them into share/cournand/examples/anatomies. The program
- * searches for both folders in all folders above itself; it also searches for shared/examples/anatomies in
- * the working folder. Throws std::runtime_error when the file of vessels is in none of the searched
- * folders. */
+ * shared/examples/anatomies, and `make install` puts them into share/cournand/examples/anatomies. The
+ * program looks for the shipped vessel files in all folders above its own, and for
+ * shared/examples/anatomies also in the working folder. Throws std::runtime_error when the file of vessels
+ * is in none of the searched folders. */
 std::string shipped_vessel_file(const std::string &name);
 
 /* Reads the shipped vessel file NAME.toml. */

@@ -95,8 +95,8 @@ void check_parent(const TreeDraft &draft, const GivenVessel &given, size_t at)
          "'parent': there is no vessel '" + parent + "' before this one" + crn::suggestion(parent, before));
 }
 
-/* If a coronary artery begins in the aorta, the file must state its side (left or right); every other
- * coronary artery has the side of its parent. */
+/* If a coronary artery begins in the aorta, the file must state its side (left or right); any other coronary
+ * artery has the side of its parent. */
 void check_side(const TreeDraft &draft, const GivenVessel &given)
 {
     if (!given.is_coronary) return;
@@ -153,7 +153,7 @@ void set_entry(const GivenEntry &entry, VesselTree &tree)
 }
 
 /* Gives every branch of a coronary artery the bed of its parent. The beds are set when the list of vessels is
- * complete, because a later file may replace the parent by an artery of the other side. */
+ * complete, because a later file may replace the parent by an artery of the other coronary side. */
 void set_beds_of_branches(TreeDraft &draft)
 {
     for (GivenVessel &given : draft.vessels) {

@@ -1,5 +1,5 @@
-// Runs the pipeline of the program `bake`: reads the scene's text, makes the lumen's surface and distance
-// field, measures the field, makes the bodies, and writes the files.
+// Contains the steps of `bake`: it reads the scene's text, makes the lumen's surface and distance field,
+// measures the field, makes the bodies, and writes the files.
 #include "tools/bake/bake.hpp"
 #include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
@@ -61,7 +61,7 @@ double clear_start_mm(const crn_lumen &lumen, const CurvePoint &entry)
     return std::max(1.0, std::floor(mm));
 }
 
-// Returns the start length for the scene file, or 0 if it is the length that readers of the file assume by
+// Returns the start length for the scene file, or 0 for the length that readers of the file assume by
 // default.
 std::uint32_t start_um(const EntryText &text, const crn_lumen &lumen, const CurvePoint &entry,
                        std::string &report)
@@ -113,9 +113,9 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const
     return bodies;
 }
 
-// Makes the vessel tree from the centrelines that the table [tree] names, or from the lumen's centrelines if
-// the scene's text has no such table. If the lumen's centrelines do not join, the scene gets no vessel tree,
-// and the report states the reason.
+// Makes the vessel tree from the centrelines in the table [tree], or from the lumen's centrelines if the
+// scene's text has no such table. If the lumen's centrelines do not join, the scene gets no vessel tree, and
+// the report states the reason.
 VesselTree tree_of(const SceneText &text, std::string &report)
 try {
     if (text.tree.centrelines.empty()) return {};
@@ -221,8 +221,8 @@ std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
         place_text(entry_mm).c_str(), way_mm);
 }
 
-// Moves the vertices of the moving bodies to the reference pose; the scene's text describes these bodies in
-// the pose of keyframe 0.
+// Moves the vertices of the moving bodies from keyframe 0, in which the scene's text describes them, to the
+// reference pose.
 void to_reference(const Motion &motion, std::vector<BakedBody> &bodies)
 {
     for (BakedBody &body : bodies)
@@ -286,8 +286,8 @@ Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progres
     return mesh;
 }
 
-// Writes the scene file and, unless `picture` is empty, the body file; `picture` is empty for a scene that
-// has no bodies and no vessel tree.
+// Writes the scene file, and also the body file unless `picture` is empty, as for a scene without bodies and
+// without a vessel tree.
 static std::string write_outputs(const Options &options, const Bytes &scene, const Bytes &picture,
                                  std::size_t body_count)
 {

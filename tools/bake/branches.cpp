@@ -37,8 +37,8 @@ void turn(VesselBranch &branch)
     std::reverse(branch.radii_m.begin(), branch.radii_m.end());
 }
 
-// A branch that leaves its parent within one radius of the parent's end is joined at the end itself. Joining
-// a branch at the parent's end leaves no stump of the parent beyond the fork.
+// If a branch leaves its parent within one radius of the parent's end, it is joined to the end itself.
+// Joining a branch at the parent's end leaves no stump of the parent beyond the fork.
 std::size_t leaving_point(const VesselBranch &parent, std::size_t point)
 {
     const std::size_t last = parent.points_m.size() - 1;
@@ -60,7 +60,7 @@ void attach(VesselBranch &branch, const VesselTree &tree, std::size_t parent)
     const VesselFoot foot = vessel_foot(tree.branches[parent], branch.points_m.front());
     std::size_t point = foot.point + (foot.share < 0.5 ? 0 : 1);
     // A branch that would leave at the very first point of its parent is joined to the grandparent instead,
-    // at the point where the parent leaves the grandparent.
+    // where the parent leaves it.
     while (point == 0 && tree.branches[parent].parent >= 0) {
         point = tree.branches[parent].parent_point;
         parent = static_cast<std::size_t>(tree.branches[parent].parent);

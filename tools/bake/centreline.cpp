@@ -62,8 +62,8 @@ CurvePoint along(const Curve &line, bool from_last, double distance_mm)
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const Eigen::Vector3d step = points[i + 1] - points[i];
         if (step.norm() > 0 && left <= step.norm()) {
-            // We take the tangent of a centreline over a few millimetres, because neighbouring control points
-            // are close together and the direction between them is rough.
+            // We take the tangent of a centreline over a few millimetres, because the direction between
+            // neighbouring control points is too rough.
             const Eigen::Vector3d position = points[i] + step * (left / step.norm());
             std::size_t ahead = i + 1;
             while (ahead + 1 < points.size() && (points[ahead] - position).norm() < 5) ++ahead;

@@ -1,5 +1,5 @@
-// Declares the functions that convert centrelines with radii, read by tools/centreline, to the patient's
-// coordinates, and that build the surface of the vessel around the centrelines.
+// Converts centrelines with radii, read by tools/centreline, to the patient's coordinates, and builds the
+// surface of the vessel around the centrelines.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"

@@ -174,7 +174,7 @@ std::string_view text_of(const Bytes &bytes)
     return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
 }
 
-// Lays out the bytes of the file, and then opens these bytes with the device's own reader to check them.
+// Lays out the bytes of the file, and then checks these bytes by opening them with the device's own reader.
 Bytes sealed(crn_scene_kind kind, const std::vector<std::pair<crn_scene_section, Bytes>> &sections,
              const std::string &what)
 {

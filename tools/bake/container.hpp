@@ -17,10 +17,10 @@ struct BakedBody {
     bool moves = false; // with the lumen
 };
 
-// The functions below test the bytes that they return by opening them with the scene reader of shared/scene,
-// and throw Fault if the reader rejects the bytes. `motion` is nullptr when the lumen does not move. `tree`
-// holds the lesions of the field; it is nullptr when the scene has no lesion that a balloon can open.
-// `start_um` is the start length, 0 if the scene states none.
+// The functions below check the bytes that they return with the scene reader of shared/scene, and throw Fault
+// if it rejects them. `motion` is nullptr when the lumen does not move. `tree` holds the lesions of the
+// field; it is nullptr when the scene has no lesion that a balloon can open. `start_um` is the start length,
+// 0 if the scene states none.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr,
                   std::uint32_t start_um = 0);
@@ -32,7 +32,7 @@ Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, 
 // The new file is written beside the old file and then renamed, so an interrupted run or a full disk leaves
 // the old file intact.
 void write_whole(const std::filesystem::path &file, const Bytes &bytes);
-// Writes a scene file and its body file, so that either both files are replaced or neither file is.
+// Writes a scene file and its body file; either both files are replaced or neither.
 void write_both(const std::filesystem::path &scene_file, const Bytes &scene,
                 const std::filesystem::path &bodies_file, const Bytes &bodies);
 

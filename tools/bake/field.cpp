@@ -54,7 +54,7 @@ mesh::LevelSet distances(const Mesh &mesh, int level, Progress &progress)
 // When the library OpenVDB computes distances from a mesh, it keeps only one triangle per voxel. Where
 // triangles are smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute
 // the distances exactly near the wall, and also in all voxels of the bricks that will be stored. A block of
-// the grid has the same 8^3 voxels as a brick, so we recompute the block of each brick and the blocks around
+// the grid has the same 8^3 voxels as a brick, so we recompute the brick's own block and the blocks around
 // it.
 void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
                 Progress &progress)
@@ -95,8 +95,8 @@ std::array<double, 2 * filter_reach + 1> prefilter()
     return taps;
 }
 
-// Filters along one axis. `size` holds the number of values in the array along each of the three axes; the
-// filter leaves fewer values along `axis`, because it needs neighbours on both sides.
+// Filters along one axis. `size` holds the number of values along each of the three axes; the filter needs
+// neighbours on both sides, so it leaves fewer values along `axis`.
 void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis)
 {
     static const auto taps = prefilter();
@@ -175,8 +175,8 @@ double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
     return sum / 32;
 }
 
-// Returns whether the error of a brick's spline exceeds the tolerance at some point of a test grid near the
-// wall. Returns false for a brick (block of voxels) that may not be divided into smaller bricks.
+// Returns whether the brick's spline is wrong by more than the tolerance at some point of a test grid near
+// the wall. Returns false for a brick (block of voxels) that may not be divided into smaller bricks.
 bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const FieldText &text)
 {
     const double voxel = voxel_mm(level);
@@ -236,8 +236,8 @@ std::vector<Brick> octants(const std::vector<Brick> &bricks)
 
 // --- the lattice ---
 
-// Returns one index entry per brick: "far from the wall", the number of the table row that holds the brick's
-// finer bricks (counted from `row`), or the next free position in `samples`.
+// Returns one index entry per brick: the mark for "far from the wall", or the table row of the brick's finer
+// bricks (counted from `row`), or the next free position in `samples`.
 std::vector<std::uint16_t> number(const std::vector<Brick> &bricks, int level, std::uint32_t row,
                                   Field &field)
 {

@@ -8,7 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
-// The core's headers are plain C and have no extern "C" for C++, so they are included within extern "C".
+// The core's headers are plain C without extern "C", so they are included within extern "C".
 extern "C" {
 #include "firmware/core/lumen.h"
 }

@@ -172,8 +172,8 @@ struct Neighbour {
     std::unique_ptr<TriangleTree> tree; // made at its first use
 };
 
-// Tests approximately `samples` vertices of `mesh`, and returns the vertex that lies deepest on the wrong
-// side of the surface `of`. The wrong side is the outside for sign +1, and the inside for sign -1.
+// Tests about `samples` vertices of `mesh`, and returns the one that lies deepest on the wrong side of the
+// surface `of`. The wrong side is the outside for sign +1, and the inside for sign -1.
 Deviation worst(const Mesh &mesh, Neighbour &of, double sign, std::size_t samples)
 {
     Deviation found;

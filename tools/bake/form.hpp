@@ -1,6 +1,5 @@
-// Before a body's mesh is written, the program makes it solid, cuts away the space of neighbouring bodies,
-// reduces its number of triangles, and hollows it. The report of `bake` states how well the bodies fit into
-// each other.
+// A body's mesh is prepared before it is written: it is made solid, cut at neighbouring bodies, reduced to
+// fewer triangles, and hollowed. The report of `bake` states how well the bodies fit into each other.
 #pragma once
 #include "tools/bake/container.hpp"
 #include "tools/bake/triangle_tree.hpp"
@@ -27,7 +26,7 @@ Deviation decimate(Mesh &mesh, double error_mm);
 // bodies that were made earlier, and the function adds one or two lines to `report`.
 Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::string &report);
 
-// Returns one report line for each body that protrudes from the body around it, or that enters a neighbouring
+// Returns one report line for each body that protrudes from the body around it, or enters a neighbouring
 // body, by more than 0.3 mm. Where two bodies overlap, the X-ray picture shows the absorption of both
 // materials. The comparison tests `samples` vertices of each body.
 std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples);

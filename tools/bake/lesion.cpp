@@ -49,9 +49,9 @@ Axis axis_at(const VesselBranch &branch, const std::vector<double> &arcs, double
 }
 
 // Computes unit vectors that are perpendicular to the healthy vessel, at each point of a lesion. In the
-// lesion's middle, the direction called front is the patient's front; if the vessel itself runs to the
-// patient's front there, the patient's left is taken instead. The direction called front is carried along the
-// vessel without twist, so that plaque stays on one side of the vessel in a bend.
+// lesion's middle, the direction called front is the patient's front, or the patient's left if the vessel
+// itself runs to the front there. The direction called front is carried along the vessel without twist, so
+// that plaque stays on one side of the vessel in a bend.
 class Across
 {
   public:
@@ -69,8 +69,8 @@ class Across
         for (std::size_t i = middle; i > 0; --i) carry(fronts_[i], i - 1);
     }
 
-    // Returns the direction across the vessel at an angle of `deg` degrees from the front, right-handed about
-    // the flow, at a point of the lesion.
+    // Returns the direction across the vessel at `deg` degrees from the front at a point of the lesion; the
+    // angle is right-handed about the flow.
     Vector3d at(std::size_t point, double deg) const
     {
         const double angle = deg * pi / 180;
@@ -164,8 +164,8 @@ void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &
     }
 }
 
-// Stores the points of one lesion in a vessel tree that no lesion has narrowed yet. Positions of lesions
-// refer to the healthy vessel, so lesions may be placed in any order.
+// Stores the points of one lesion, in a vessel tree that is still without lesions. Positions of lesions refer
+// to the healthy vessel, so lesions may be placed in any order.
 void place(VesselTree &tree, const LesionText &text)
 {
     const std::size_t index = branch_of(tree, text);
@@ -278,8 +278,8 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
         for (std::size_t j = 0; j <= columns; ++j) {
             const double turn = static_cast<double>(j) / columns - 0.5;
             const Vector3d ray = across.at(i, text.plaque_deg + turn * text.calcified_deg);
-            // The variable `begin` is the distance from the vessel's centre at which the ray leaves the
-            // narrowed channel; `begin` is 0 if the ray does not cross the channel.
+            // `begin` is the distance from the vessel's centre at which the ray leaves the narrowed channel,
+            // or 0 if the ray does not cross the channel.
             const double inwards = off.dot(ray);
             const double square = channel * channel - off.squaredNorm() + inwards * inwards;
             const double begin = square > 0 ? std::max(inwards + std::sqrt(square), 0.0) : 0.0;

@@ -52,8 +52,8 @@ class Divider
   private:
     static Edge edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-    // Returns the permitted length of an edge from a to b, which is infinite when no part of the edge is near
-    // a lesion.
+    // Returns the permitted length of an edge from a to b; it is infinite when no part of the edge is near a
+    // lesion.
     double edge_max_mm(const Vector3d &a_mm, const Vector3d &b_mm) const
     {
         double most = std::numeric_limits<double>::infinity();
@@ -90,8 +90,8 @@ class Divider
             count += middle[k] >= 0;
         }
         if (count == 0) return out.push_back(t);
-        // We number the triangle's corners so that its first edge is divided, and so that the last edge is
-        // undivided if two edges are divided.
+        // We number the triangle's corners so that its first edge is divided. If exactly two edges of the
+        // triangle are divided, its last edge is the undivided one.
         std::size_t turn = 0;
         while (middle[turn] < 0 || (count == 2 && middle[(turn + 2) % 3] >= 0)) ++turn;
         const std::uint32_t a = t[turn], b = t[(turn + 1) % 3], c = t[(turn + 2) % 3];

@@ -151,7 +151,7 @@ double referee_depth(const TriangleTree &tree, const Pose &pose, double radius)
     return deepest;
 }
 
-// The core tests points but not whole capsules, so we test 33 points along the capsule's axis.
+// The core tests points and not whole capsules, so we test 33 points along the capsule's axis.
 double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
 {
     double deepest = -INFINITY;
@@ -178,8 +178,8 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
 
 // Returns the radius of the largest ball that touches the wall at p from inside and has no wall inside it.
 // The ball's centre lies on the inward normal at p. The radius of the ball is reduced step by step (shrinking
-// balls: Ma, Bae & Choi 2012). Returns `limit` if the ball touches the wall only at p, or if there is no wall
-// near the side of the ball opposite to p.
+// balls: Ma, Bae & Choi 2012). Returns `limit` if the ball touches the wall only at p, or if no wall is near
+// the point of the ball opposite to p.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
                    double limit)
 {
@@ -192,8 +192,8 @@ double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eig
         radius = to.squaredNorm() / (2 * to.dot(inward));
     }
     if (radius >= limit) return limit;
-    // A ball in a dent of the surface touches the wall only near p. We recognise a dent of the surface
-    // because the wall is far from the side of the ball opposite to p.
+    // A ball in a dent of the surface touches the wall only near p. We recognise a dent by the fact that no
+    // wall is near the point of the ball opposite to p.
     return std::abs(tree.nearest(p + inward * (2 * radius)).distance_mm) > 0.3 * radius ? limit : radius;
 }
 

@@ -1,7 +1,7 @@
 // Measures the accuracy of the distance field that `bake` makes of a lumen. The program compares the distance
-// field with exact distances, and the results of the two functions that sample the field with each other. The
-// program also compares the contact depths of the core with those of the library libccd. All random numbers
-// are generated from a seed, which the program prints.
+// field with exact distances, and the two functions that sample the field with each other. The program also
+// compares the contact depths of the core with those of the library libccd. All random numbers are generated
+// from a seed, which the program prints.
 #pragma once
 #include "tools/bake/field.hpp"
 
@@ -25,8 +25,8 @@ struct FieldError {
     Worst largest;
 };
 
-// Returns the distance of a point from the wall of the core's lumen; the result is positive outside and
-// negative inside.
+// Returns the core's distance from a point to the lumen's wall; the result is positive outside and negative
+// inside.
 double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p_mm);
 
 // Compares the core's distance with the exact signed distance, at random points within error_band_mm of the
@@ -41,13 +41,13 @@ struct Referee {
 };
 
 // Tests random capsules whose axis lies in the lumen and whose radius reaches the wall. Compares the core's
-// contact depth, which is the largest phi + r along the axis, with the deepest penetration that libccd finds
-// among the triangles around the capsule.
+// contact depth, the largest phi + r along the axis, with libccd's deepest penetration of the triangles
+// around the capsule.
 Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::size_t poses,
                         std::uint64_t seed, Progress &progress);
 
 // Returns the radius of the smallest ball that touches two opposite walls. The two points of contact must be
-// at least 120 degrees apart as seen from the ball's centre; the function tries up to `points` points of the
+// at least 120 degrees apart as seen from the ball's centre. The function tries up to `points` points of the
 // surface.
 Worst smallest_radius(const TriangleTree &tree, std::size_t points);
 

@@ -1,5 +1,5 @@
-// Decides whether a mesh is the boundary of a solid: examines its edges, closes its openings by caps, and
-// makes its triangles point outwards.
+// Decides whether a mesh is the boundary of a solid: examines its edges, caps its openings, and makes its
+// triangles point outwards.
 #include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
@@ -13,8 +13,8 @@ namespace crn::bake
 namespace
 {
 
-// A Side is one edge of one triangle: it holds the vertices `low` and `high` of the edge, and whether the
-// triangle runs along the edge from low to high.
+// A Side is one edge of one triangle: it holds the edge's vertices `low` and `high`, and whether the triangle
+// runs from low to high.
 struct Side {
     std::uint32_t low, high, triangle;
     bool forward;
@@ -123,8 +123,7 @@ std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
     return count;
 }
 
-// An opening is stored as the list of its corners, in the order in which a triangle or polygon that closes
-// the opening would list these corners.
+// An opening is stored as the list of its corners, in the order in which a closing polygon would list them.
 using Loop = std::vector<std::uint32_t>;
 
 std::vector<Loop> openings(const std::vector<Side> &sides)
@@ -201,7 +200,7 @@ void close_openings(Mesh &mesh, const std::vector<Loop> &loops, Cap cap)
     for (const Loop &loop : loops) {
         const Opening opening = describe(mesh, loop);
         // An opening counts as flat if its corners deviate from a plane by at most 5 % of its width. Openings
-        // that a scanner's software has cut into vessels are flat.
+        // that scanner software has cut into vessels are flat.
         const bool is_flat = loop.size() >= 3 && opening.unevenness_mm <= 0.05 * opening.across_mm;
         if (!is_flat && cap == Cap::flat)
             throw Fault(mesh.name + ": the opening at " + opening_text(opening, loop.size()) +

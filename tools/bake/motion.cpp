@@ -1,5 +1,5 @@
-// Fits the lattice that describes the motion: solves one sparse system per keyframe for all three components
-// of the displacement together.
+// Fits the lattice that describes the motion: for each keyframe, solves one sparse system for all three
+// displacement components.
 #include "tools/bake/motion.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -118,8 +118,8 @@ Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacin
 }
 
 // Penalises bending and tension of the displacement field at the free nodes of the lattice. The graph
-// Laplacian compares each node with the mean of its six neighbours; it takes the values of nodes on the
-// boundary as 0.
+// Laplacian compares each node with the mean of its six neighbours; nodes on the boundary have the value 0 in
+// it.
 Sparse smoothing(const Lattice &lattice)
 {
     std::vector<Eigen::Triplet<double>> entries;
@@ -151,7 +151,7 @@ class Fit
     {
     }
 
-    // Adds a point, and the displacement `way_mm` that the lattice should have at this point.
+    // Adds a point, and the displacement `way_mm` that the lattice should give this point.
     void tell(const Eigen::Vector3d &at_mm, const Eigen::Vector3d &way_mm, double weight)
     {
         Eigen::Vector3i cell;
@@ -260,8 +260,8 @@ void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress 
         put_node(keys, node, &motion.rows[static_cast<std::size_t>(node) * 3 * CRN_MOTION_ROW]);
 }
 
-// The heart beats inside a chest that moves with breath. Breath therefore displaces a given point equally in
-// every frame of the heartbeat, so we fit the lattice of breath to the first frame only.
+// The heart beats inside a chest that moves with breath. Breath therefore displaces a point equally in every
+// frame of the heartbeat, so we fit the lattice of breath to the first frame only.
 void fit_breath(const Frames &frames, double spacing_mm, Motion &motion)
 {
     Moving moving;
@@ -295,7 +295,7 @@ void Sequence::retime(double end_systole)
                             : end_systole + (k - wanted_end) * (count - end_systole) / (count - wanted_end);
         const auto at = static_cast<std::size_t>(source);
         const double t = source - std::floor(source);
-        // Between two frames of the sequence, we interpolate by Catmull and Rom's cubic through the
+        // Between two frames of the sequence, we interpolate by the Catmull-Rom cubic through the
         // neighbouring frames.
         const double weights[4] = {t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t),
                                    t * (0.5 + t * (2 - 1.5 * t)), t * t * (-0.5 + 0.5 * t)};

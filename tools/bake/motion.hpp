@@ -32,8 +32,8 @@ struct Sequence {
     std::vector<std::vector<Eigen::Vector3d>> moved_mm; // frames_count of them, or none
     std::vector<Eigen::Vector3d> inhaled_mm;            // frame 0 at the end of inspiration; empty: no breath
 
-    // Resamples the frames in time. In the given frames, systole ends at frame `end_systole`; after the
-    // frames are resampled, systole ends at frame 10.
+    // Resamples the frames in time. In the given frames, systole ends at frame `end_systole`; in the
+    // resampled frames, it ends at frame 10.
     void retime(double end_systole);
 };
 
@@ -47,14 +47,12 @@ struct Frames {
 // Loads the files of the folders that the scene's text names, in the order of the file names, and resamples
 // the frames to the 24 standard times. The reference pose is the keyframe that middle_pose() returns. `lumen`
 // is the mesh of the scene's lumen, which must be checked and closed. Throws Fault if the number of files is
-// wrong, if a file's triangles differ from those of the first file, or if a vertex jumps between frames.
-// Throws Fault also if the first frame differs from the scene's lumen; the message names the file or the
-// position of the difference.
+// wrong, if two files have different triangles, or if a vertex jumps between frames. Also throws Fault if the
+// first frame differs from the scene's lumen; the message gives the file or the place of the difference.
 Frames load_frames(const MotionText &text, const LumenText &lumen);
 
-// Returns the keyframe for which the longest displacement to any other keyframe is smallest. Relative to the
-// middle pose of the motion, the displacements and their gradients are half as large as relative to one end
-// of the motion.
+// Returns the keyframe whose longest displacement to any other keyframe is smallest. Measured from the middle
+// pose of the motion, the displacements and their gradients are half as large as from one end of the motion.
 std::size_t middle_pose(const Sequence &sequence);
 
 struct Motion {
@@ -65,15 +63,15 @@ struct Motion {
 };
 
 // The spacings of the lattices are the largest powers of two (in metres) that do not exceed the wanted
-// spacings, and are stored in Q30. Throws Fault when a displacement is larger than the file format can hold,
-// or when the motion would fold the space over.
+// spacings, and are stored in Q30. Throws Fault when the file format cannot hold a displacement, or when the
+// motion would turn a part of the space inside out.
 struct MotionSpacing {
     double beat_mm, breath_mm;
 };
 Motion fit_motion(const Frames &frames, const MotionSpacing &spacing, Progress &progress);
 
-// The steepness is the difference in displacement between neighbouring nodes, divided by the distance between
-// these nodes. The core's arithmetic permits only a limited steepness (docs/heart.md).
+// The steepness is the difference of the displacements of two neighbouring nodes, divided by their distance.
+// The core's arithmetic permits only a limited steepness (docs/heart.md).
 struct Steepness {
     Worst heart, breath; // dimensionless shares, although the fields are called mm
 };
@@ -92,7 +90,7 @@ struct FrameError {
 constexpr double small_vessel_mm = 2.3;
 
 // `left_out` marks vertices that the comparison skips, because a lesion makes the scene's lumen differ from
-// the frames there; an empty list means that no vertex is skipped.
+// the frames there. If the list is empty, no vertex is skipped.
 std::vector<FrameError> measure_motion(const crn_lumen *lumen, const crn_motion *motion, const Frames &frames,
                                        const std::vector<bool> &left_out = {});
 

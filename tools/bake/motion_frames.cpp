@@ -1,5 +1,5 @@
-// Reads a sequence of meshes, checks that all of them have the same triangles and that no vertex jumps, and
-// measures how far a fitted lattice deviates from the sequence.
+// Reads a sequence of meshes, checks that their triangles are equal and that no vertex jumps, and measures
+// how far a fitted lattice deviates from the sequence.
 #include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/measure.hpp"
@@ -45,8 +45,8 @@ std::vector<Eigen::Vector3d> frame_vertices(const std::filesystem::path &file, c
     return mesh.vertices_mm;
 }
 
-// Checks that no vertex moves farther from one frame to the next than a vessel wall can move in 1/24 of a
-// heartbeat. The first frame counts as the successor of the last frame.
+// Checks that no vertex moves farther between two frames than a vessel wall can move in 1/24 of a heartbeat.
+// The first frame counts as the successor of the last frame.
 void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path> &files)
 {
     constexpr double jump_mm = 8.0; // faster than any wall: 0.2 m/s over 1/24 s

@@ -64,8 +64,8 @@ class Stretch
     std::vector<double> arcs_m_;
 };
 
-// Returns at most CRN_SCENE_PLAQUE_STATION_MAX points along the vessel, with the lesion in their middle; the
-// distance between neighbouring points is a power of two (in metres).
+// Returns at most CRN_SCENE_PLAQUE_STATION_MAX points along the vessel, with the lesion in their middle. The
+// distance between neighbouring points is a power of two, in metres.
 std::vector<Station> stations_of(const Stretch &stretch, const std::string &name, unsigned &log2)
 {
     for (log2 = spacing_log2_min; log2 <= spacing_log2_max; ++log2) {

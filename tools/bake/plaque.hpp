@@ -1,7 +1,7 @@
-// Writes the lesions that a balloon can open in the form that the core needs, which is a list of points
-// ("stations") along each lesion. A station is a point along a lesion; it holds centre and radius of the
-// healthy vessel and of the narrowed channel (docs/lesions.md). The stations (points along each lesion) are
-// given in the pose in which the lumen is described.
+// Writes the lesions that a balloon can open as the core needs them, which is a list of points ("stations")
+// along each lesion. A station is a point along a lesion; it holds centre and radius of the healthy vessel
+// and of the narrowed channel (docs/lesions.md). The stations (points along each lesion) are given in the
+// same pose as the lumen.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/scene_text.hpp"

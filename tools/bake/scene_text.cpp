@@ -112,8 +112,8 @@ Eigen::Vector3d scale_of(const Table &t)
     return scale;
 }
 
-// Rotates first about the axis that points to the patient's left, then about the axis to the head, then about
-// the axis to the front. Each rotation is right-handed.
+// Rotates first about the axis to the patient's left, then about the axis to the head, then about the axis to
+// the front. Each rotation is right-handed.
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d &deg)
 {
     constexpr double rad_per_deg = 3.14159265358979323846 / 180;

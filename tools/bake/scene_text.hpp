@@ -11,7 +11,7 @@
 namespace crn::bake
 {
 
-// Holds the values that convert coordinates of a file to millimetres in the patient; the conversions apply in
+// Holds the values that convert coordinates of a file to millimetres in the patient. The conversions apply in
 // this order: axes, unit, scale, rotation, offset.
 struct Placement {
     std::string unit; // "mm"; empty for centrelines, whose files state their unit

@@ -1,6 +1,6 @@
 // Remakes a body's surface from a level set. Remaking a surface joins overlapping pieces into one solid, and
 // removes cracks and other faults of the mesh. The distance field of a body also gives the surfaces at a
-// given distance outside or inside the body's surface, and the voxels inside the body.
+// given distance outside or inside the body, and the voxels inside it.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/mesh/level_set/level_set.hpp"

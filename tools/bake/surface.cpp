@@ -1,5 +1,5 @@
 // Converts tapered capsules to a closed mesh: computes distances on a grid near the wall, and takes the
-// surface on which the distance is zero.
+// surface of zero distance.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
@@ -40,7 +40,7 @@ std::vector<Capsule> capsules_of(const std::vector<Curve> &lines)
 using BlockKey = mesh::Cell;
 using Blocks = std::map<BlockKey, std::vector<std::uint32_t>>;
 
-// Returns, for each block of voxels, the list of capsules that may reach into the block.
+// Returns, for each block of voxels, the capsules that may reach into the block.
 Blocks blocks_of(const std::vector<Capsule> &capsules, double voxel_mm)
 {
     Blocks blocks;

@@ -1,5 +1,5 @@
-// The tree consists of bounding boxes around triangles; the code splits the triangles of each box into two
-// equal halves along the longest axis of the box around their centres.
+// The tree consists of bounding boxes around triangles. The triangles of a box are split into two equal
+// halves along the longest axis of the box around their centres.
 #include "tools/bake/triangle_tree.hpp"
 
 #include <algorithm>
@@ -80,7 +80,7 @@ void TriangleTree::build(std::uint32_t node, std::uint32_t first, std::uint32_t 
     build(children + 1, first + half, count - half);
 }
 
-// Returns the point of a triangle that is closest to a given point; the function distinguishes the regions of
+// Returns the point of a triangle that is closest to a given point. The function distinguishes the regions of
 // corners, edges and interior (Ericson, Real-Time Collision Detection, 5.1.5).
 TriangleTree::Hit TriangleTree::closest_on(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
@@ -124,8 +124,7 @@ TriangleTree::Hit TriangleTree::search(const Eigen::Vector3d &p, double limit_sq
         }
         const double left = nodes_[node.first].box.squaredExteriorDistance(p);
         const double right = nodes_[node.first + 1].box.squaredExteriorDistance(p);
-        // The code pushes the child box that is nearer to the point onto the stack last, so it visits this
-        // box first.
+        // The child box nearer to the point is pushed onto the stack last, so that it is visited first.
         stack[depth++] = left < right ? std::pair{node.first + 1, right} : std::pair{node.first, left};
         stack[depth++] = left < right ? std::pair{node.first, left} : std::pair{node.first + 1, right};
     }
@@ -144,10 +143,10 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double 
     return {normal.dot(p_mm - hit.point) < 0 ? -distance : distance, hit.point, hit.triangle};
 }
 
-// Returns +1 or -1 if the ray from p along +z leaves or enters the body through the triangle, and 0 if the
-// ray misses the triangle. If the ray passes through an edge or corner that several triangles share, only one
-// of these triangles counts the crossing. The crossing test uses half-open intervals and computes an edge
-// identically for both of its triangles, so that no crossing is missed or counted twice.
+// Returns +1 if the ray from p along +z leaves the body through the triangle, -1 if it enters, and 0 if it
+// misses the triangle. If the ray passes through an edge or corner that several triangles share, only one of
+// these triangles counts the crossing. The crossing test uses half-open intervals and treats an edge
+// identically in both of its triangles, so that no crossing is missed or counted twice.
 int TriangleTree::crossing(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
     const Triangle &t = mesh_.triangles[triangle];

@@ -21,14 +21,14 @@ class TriangleTree
         Eigen::Vector3d point_mm;
         std::uint32_t triangle;
     };
-    // `bound_mm` is an upper bound of the distance, which makes the search for the nearest triangle faster;
-    // the bound is infinite if it is unknown.
+    // `bound_mm` is an upper bound of the distance, which shortens the search for the nearest triangle; it is
+    // infinite if no bound is known.
     Nearest nearest(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
 
     // Returns the winding number of the surface around a point, which is 1 inside the surface and 0 outside.
     // The winding number is found by counting how often a ray from the point crosses the surface. The winding
-    // number is right even where a thin sheet is folded over at its edge. The sign of the distance from
-    // nearest() is wrong wherever the fold of a thin sheet is the part of the surface nearest to the point.
+    // number is right even where a thin sheet is folded over at its edge. The function nearest() gives a
+    // wrong sign of the distance wherever the fold of a thin sheet is the nearest part of the surface.
     int winding(const Eigen::Vector3d &p_mm) const;
 
     // Lists the triangles whose bounding box overlaps the given box.

@@ -4,12 +4,13 @@
 
   bars.py --build build [--only TEXT] [--scene FILE] [--tap]
 
-Reads tools/bars/bars.tsv. This program measures counts (instructions, sizes, hashes, physics); a count beyond its bar
-is a failure. If another command measures a value, this program reads it from that command's output file; without this
-file it prints "not measured here". For a time, the program prints the ratio to the bar; a time never counts as a
-failure. Writes out/bars.tsv. The program's last lines, `bars.held<TAB>N` and `bars.red<TAB>N`, count the bars that are
-kept and the bars that fail ("red"). The exit code is 1 if a bar fails or could not be measured. With --tap the program
-prints one TAP line per bar in place of the table, and leaves out times and values that other commands measure.
+Reads tools/bars/bars.tsv. This program measures values that do not depend on the speed of the machine (instructions,
+sizes, hashes, physics); such a value beyond its bar is a failure. If another command measures a value, this program
+reads that command's output file. Without this file the program prints "not measured here". If the value is a time, the
+program only prints its ratio to the bar; a time never counts as a failure. Writes out/bars.tsv. The program's last
+lines, `bars.held<TAB>N` and `bars.red<TAB>N`, give the number of bars that are kept and of bars that fail ("red"). The
+exit code is 1 if a bar fails or could not be measured. With --tap the program prints one TAP line per bar instead of
+the table, without times and without values that other commands measure.
 """
 
 import argparse
@@ -87,7 +88,7 @@ def from_bench(options, wanted):
 
 
 def validation_values(text):
-    """Returns the number of figures that exceed their tolerance, and for each case the largest ratio of an error to its
+    """Returns how many figures exceed their tolerance, and for each case the largest ratio of an error to its
     tolerance."""
     values = collections.defaultdict(float)
     beyond = 0
@@ -139,8 +140,8 @@ def from_golden(options, _):
 
 
 def counted_values(counts):
-    """Returns the values that the table of the program `hil` also has: the median, the value that 1 tick in 1,000
-    exceeds, and the largest value."""
+    """Returns the three values that the table of `hil` shows: the median, the value that 1 tick in 1,000 exceeds, and
+    the largest value."""
     counts = sorted(counts)
     last = len(counts) - 1
     return {
@@ -162,8 +163,8 @@ def aorta_ticks(options, what):
 
 
 def checked_ticks(values):
-    """Raises CannotMeasure if the session is too short or if its ticks have no measured cost, because the values of
-    such a session would meet every bar (limit)."""
+    """Raises CannotMeasure if the session is too short or if its ticks have no measured cost, because such a session
+    would meet every bar (limit)."""
     if len(values) < SESSION_TICKS or min(values) <= 0:
         raise CannotMeasure(
             "the aorta session gave %d ticks (at least %d), the cheapest %g"
@@ -236,8 +237,8 @@ def ratio_of(bar, value):
 
 
 def values_of(source, bars, options):
-    """Returns values by name. If the values of a source cannot be measured, the function prints the reason, and the
-    bars (limits) of this source count as failed ("red")."""
+    """Returns values by name. If a group of values cannot be measured, the function prints the reason, and the bars
+    (limits) of this group count as failed ("red")."""
     try:
         return measure(source, [bar.name for bar in bars if bar.source == source], options) or {}
     except CannotMeasure as problem:
@@ -262,8 +263,8 @@ def text_of_bar(bar, value, width):
 
 
 def print_tap(bars, options):
-    """Measures the values of one source after another and prints one TAP line per bar (limit). Returns the number of
-    failed (red) bars."""
+    """Measures one group of values after another and prints one TAP line per bar (limit). Returns the number of failed
+    (red) bars."""
     red = number = 0
     print("1..%d" % len(bars), flush=True)
     for source in dict.fromkeys(bar.source for bar in bars):

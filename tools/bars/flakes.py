@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Repeats, while the machine is under load, those tests that depend on time, processes or windows, and prints the names
-of the tests that fail (docs/bars.md).
+"""Puts the machine under load, repeats the tests that depend on time, processes or windows, and prints the names of the
+tests that fail (docs/bars.md).
 
   flakes.py --build build [--rounds 30] [--load 4] [--jobs 2] [--tests TEXT]
 

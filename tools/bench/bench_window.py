@@ -1,5 +1,5 @@
-"""Starts the window of the program on a virtual display, gives the window the keyboard focus, and waits for what the
-window shows. The scripts that measure the window use this file."""
+"""Starts the program's window on a virtual display, gives it the keyboard focus, and waits for what the window shows.
+The scripts that measure the window use this file."""
 
 import contextlib
 import ctypes
@@ -26,7 +26,7 @@ def display():
 @contextlib.contextmanager
 def window_of(options, words, has_layout=False, **more):
     """Runs the window on a virtual display; yields the window's process, its environment and its folder. With
-    `has_layout`, the window lists the controls on its screen in the file `layout` of its folder; a window that is
+    `has_layout`, the window lists the controls on its screen in the file `layout` of its folder. A window that is
     measured does not write this file."""
     with tempfile.TemporaryDirectory() as folder:
         server, number = display()

@@ -120,7 +120,7 @@ def instructions(build, folder):
 
 
 def profile(build, number, folder):
-    """Counts, for each function, the instructions that two ticks execute, by running the image in single steps."""
+    """Runs the image in single steps, and counts, for each function, the instructions that two ticks execute."""
     make, image = os.path.join(build, "bench", "budget_make"), os.path.join(build, "m7", "budget_image.elf")
     path, log = os.path.join(folder, "case"), os.path.join(folder, "log")
     run([make, "make", number, path])
@@ -177,8 +177,8 @@ def image_objects(build, port):
 
 # --- stack -----------------------------------------------------------------------------------------------------------
 def call_graph(folders):
-    """Reads the compiler's .ci files and returns two tables: the stack bytes of each function, and the functions that
-    each function calls."""
+    """Reads the compiler's .ci files, and returns each function's stack bytes and the functions that it calls, as two
+    tables."""
     frame, calls, plain = {}, collections.defaultdict(set), {}
     folders = [folders] if isinstance(folders, str) else folders
     for path in [p for one in folders for p in glob.glob(os.path.join(one, "**", "*.ci"), recursive=True)]:
@@ -199,7 +199,7 @@ def call_graph(folders):
 def worst_stack(folders, root, by_address=()):
     """Returns the largest sum of stack bytes along any path of calls that begins at the function `root`. Raises
     CannotMeasure for recursion and for functions whose stack size is unknown. `by_address` names all functions that can
-    be called through a pointer; without `by_address` the function refuses calls through pointers."""
+    be called through a pointer; without it, the function refuses calls through pointers."""
     frame, calls, plain = call_graph(folders)
     frame, done = dict(frame), {}
     if by_address:
@@ -240,8 +240,8 @@ def sizes(build):
 
 
 def memory_sizes():
-    """Compiles for the Cortex-M7 and returns the sizes, in bytes, of the core's model and of its state for three
-    instruments with 256 elements in total."""
+    """Compiles for the Cortex-M7 and returns the sizes, in bytes, of the core's model and state for three instruments
+    with 256 elements in total."""
     text = (
         '#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(crn_model)];\n'
         "char state_bytes[sizeof(crn_state)];\nchar words_bytes[sizeof(crn_state_words)];\n"
@@ -308,8 +308,8 @@ def innermost_loops(lines):
 
 
 def estimate(body):
-    """Returns the processor cycles per loop pass that llvm-mca computes for these instructions in order of address,
-    without cache misses and branches."""
+    """Returns the processor cycles that llvm-mca computes for one pass of the loop, in order of address and without
+    cache misses and branches."""
     kept = [
         text
         for text in body
@@ -353,7 +353,7 @@ def read_budget():
 
 def key_of(context):
     """The key of a budget row leaves out the fraction of ticks that need a second solve, because this fraction may
-    change although the benchmark case is the same."""
+    change for the same benchmark case."""
     return context.split(" contacts=")[0] if "second_solve" in context else context
 
 

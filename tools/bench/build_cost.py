@@ -7,10 +7,10 @@ time of `make test`.
 The program clones the last commit into a temporary folder and builds the clone without a compiler cache. The results
 are lines `name<TAB>value<TAB>unit <TAB>context`. The value build.run_cpu_s is the processor time for compiling and
 linking in `make run`. The value build.run_units is the number of compiled files. The value build.run_packages_mb is the
-size of the archives to download on a minimal Debian 12. With --test, build.test_cpu_s is the processor time of `make
-test` in a clean folder, and build.test_again_cpu_s is the processor time of `make test` after one file of host/xray was
-touched. With --write the program puts its result lines into FILE and removes older lines with the same names. The exit
-code is 1 when a build fails.
+size of the archives that a minimal Debian 12 must download. With --test, build.test_cpu_s is the processor time of
+`make test` in a clean folder. The value build.test_again_cpu_s is the time of `make test` after a change of one file of
+host/xray. With --write the program puts its result lines into FILE and removes older lines with the same names. The
+exit code is 1 when a build fails.
 """
 
 import argparse

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the code size, RAM and worst stack of a device's firmware image, and checks that the image has no soft-float
+"""Measures the code size, RAM and worst stack of a device's firmware image, and checks that it contains no soft-float
 code, divide helper or heap.
 
   image_report.py --build build --port mps2_an500

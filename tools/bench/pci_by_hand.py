@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Plays a whole angioplasty of the left anterior descending artery in the window, from the start screen to the score.
 The script sends real keys and clicks under a virtual display, as a person would. An action is one click, or one key
-that is pressed and released. A key may be held; the script releases it when the screen shows what the script waits for.
-The script reads only the file of the option --layout, which holds the texts that the window shows for devices, goals
-and inflator. The script writes the line suite.pci_actions of docs/bench.md."""
+that is pressed and released. A key may be held; the script releases it when the expected text appears on the screen.
+The script reads only the file that the window writes for the option --layout; the file holds the texts that the window
+shows for devices, goals and inflator. The script writes the value suite.pci_actions, which docs/bench.md explains."""
 
 import argparse
 import os
@@ -77,8 +77,8 @@ class Screen:
         return int(found.group(1)) if found else 0
 
     def tip(self, device):
-        """Returns how many millimetres the tip of a device is inside a vessel, and the vessel's name, as the tooltip of
-        the device's row shows them."""
+        """Returns the vessel in which a device's tip lies, and how many millimetres the tip is inside it, as the
+        tooltip of the device's row shows them."""
         found = re.match(r"(-?[\d.]+) mm inside (.*)", self.text("tip %d" % device))
         return (float(found.group(1)), found.group(2)) if found else (0.0, "?")
 
@@ -119,9 +119,8 @@ class Hand:
         self.tell("click " + name)
 
     def hold(self, keys, until, seconds):
-        """Holds a key, or several keys as in `shift Up`, until the function `until` finds what it waits for on the
-        screen, or until the session has advanced by `seconds`. Returns whether the function `until` has found what it
-        waits for."""
+        """Holds a key, or several keys as in `shift Up`, until the condition `until` is true on the screen, or until
+        the session has advanced by `seconds`. Returns whether the condition `until` became true."""
         names = keys.split()
         begin = self.screen.clock_s()
         self.tool(*[word for name in names for word in ("keydown", name)])
@@ -146,8 +145,8 @@ class Hand:
         self.key(str(device))
 
     def watch(self, until, seconds):
-        """Looks at the screen until the session has advanced by `seconds`; looking does not count as an action. Returns
-        whether the function `until` has found what it waits for on the screen."""
+        """Looks at the screen until the session has advanced by `seconds`; this does not count as an action. Returns
+        whether the condition `until` became true on the screen."""
         end = self.screen.clock_s() + seconds
         is_seen = False
         while self.screen.clock_s() < end:
@@ -160,7 +159,7 @@ class Hand:
 
 
 def lay_out(hand):
-    """Takes the devices that this script does not use off the line, and puts the devices that it uses on the line."""
+    """Unloads the devices that this script does not use, and loads the devices that it uses."""
     for wanted in (False, True):
         for name, row in sorted(hand.screen.rows().items()):
             if not name.startswith("cabinet "):
@@ -172,7 +171,7 @@ def lay_out(hand):
 
 
 def open_case(hand):
-    """Goes from the start screen through the card of the case and the preparation to the session."""
+    """Goes from the start screen through the case's description and the preparation to the session."""
     hand.screen.wait("card 1", 60)
     focus(hand.environment)
     time.sleep(0.5)
@@ -193,8 +192,8 @@ def is_inside(screen, device, vessel, least_mm):
 
 
 def lead_guide(hand):
-    """Advances wire, balloon catheter and guide together up the aorta, the wire ahead. Then the guide slides over wire
-    and balloon catheter round the arch and down into the left main artery."""
+    """Advances wire, balloon catheter and guide together up the aorta, with the wire ahead. Then the guide slides over
+    wire and balloon catheter round the arch and down into the left main artery."""
     screen = hand.screen
     hand.key("f")
     hand.push(WIRE, 37)
@@ -219,8 +218,8 @@ def lead_guide(hand):
 
 
 def show_artery(hand):
-    """Makes a cine run with an injection of 8 ml of contrast medium, by two keys that overlap; fluoroscopy is off
-    during the cine run."""
+    """Makes a cine run with an injection of 8 ml of contrast medium, by pressing two keys at the same time; fluoroscopy
+    is off meanwhile."""
     begin = hand.screen.clock_s()
     hand.tool("keydown", "c")
     hand.rest(0.8)
@@ -231,9 +230,9 @@ def show_artery(hand):
 
 
 def push_gently(hand):
-    """Pushes the wire slowly until its tip is beyond the narrow place, is in a vessel other than the target artery, or
-    is stuck. Returns whether the tip was beyond the narrow place when the push ended; the heart moves the wire, so a
-    later measurement may give a smaller length."""
+    """Pushes the wire slowly until its tip is beyond the narrow place, has entered a vessel other than the target
+    artery, or is stuck. Returns whether the tip was beyond the narrow place when the push ended. The heart moves the
+    wire, so a later measurement may give a smaller length."""
     screen = hand.screen
     seen = {"best_mm": 0.0, "since_s": screen.clock_s(), "is_across": False}
 
@@ -253,7 +252,7 @@ def push_gently(hand):
 
 def cross(hand):
     """Pushes the wire slowly out of the guide. If the wire enters another vessel or is stuck, the script pulls it back
-    in front of that vessel, turns it and pushes it again."""
+    out of that vessel, turns it and pushes it again."""
     screen = hand.screen
     hand.take(WIRE)
     hand.push(WIRE, 880)
@@ -276,8 +275,8 @@ def inflate(hand, bar, rest_s):
 
 
 def mean_tip_mm(hand):
-    """The balloon moves with the heart, so its position is the mean over two heartbeats; outside the target artery the
-    position counts as 0."""
+    """The balloon moves with the heart, so its position is the mean over two heartbeats. Outside the target artery, the
+    balloon's position counts as 0."""
     seen = []
 
     def look():
@@ -291,8 +290,8 @@ def mean_tip_mm(hand):
 
 def place_balloon(hand):
     """Pushes the balloon to the end of the guide, and then slowly on, until the balloon's middle is in the narrow
-    place. Then the script measures the balloon's position over two heartbeats, and corrects the position if it is wrong
-    by more than 1.5 mm."""
+    place. Then the script measures the balloon's position over two heartbeats, and corrects an error of more than 1.5
+    mm."""
     tip_mm = LESION_MM + BALLOON_MIDDLE_MM
     hand.push(BALLOON, 885)
     hand.hold("shift Up", lambda: is_inside(hand.screen, BALLOON, "LAD", tip_mm), 30)
@@ -307,8 +306,8 @@ def place_balloon(hand):
 
 
 def treat(hand):
-    """Inflates the bare balloon, pulls it out, and deploys a stent from a second balloon. If the goals for the residual
-    stenosis and the struts are then not reached, the balloon is inflated once more inside the stent."""
+    """Inflates the bare balloon, pulls it out, and deploys a stent from a second balloon. If the residual stenosis or
+    the struts then miss their goals, the balloon is inflated once more inside the stent."""
     hand.take(BALLOON)
     place_balloon(hand)
     inflate(hand, 8, 3)

@@ -168,8 +168,8 @@ def wire_cases(options):
 
 
 def make_calibration(options, folder):
-    """Makes the input files of a calibration in the phantom. The second insertion depth of the calibration case is
-    300 mm, and its scans show an insertion of the nominal instrument."""
+    """Makes the input files of a calibration in the phantom. The second insertion depth of the calibration case is 300
+    mm; the virtual scans show the nominal instrument."""
     phantom = os.path.join(folder, "phantom")
     run([os.path.join(options.build, "bin", "anatomy"), "phantom", "-o", phantom, "--no-bodies", "--quiet"])
     text = os.path.join(phantom, "scene.toml")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures the performance of the program's window on two processors of this machine, without a graphics card, under a
-virtual display. Keys are real events. The script writes the lines suite.keys_to_case, suite.tick_late_pct,
-suite.pictures_per_s and suite.hand_to_picture_ms of docs/bench.md, and with --pci also suite.pci_actions
+virtual display. Keys are real events. The script writes the values suite.keys_to_case, suite.tick_late_pct,
+suite.pictures_per_s and suite.hand_to_picture_ms of docs/bench.md. With --pci it also writes suite.pci_actions
 (pci_by_hand.py)."""
 
 import argparse
@@ -51,8 +51,7 @@ def press(seconds, environment):
 
 
 def delays_ms(sent, figures):
-    """Returns, for each press or release of a key, the time until the screen first shows an X-ray pulse that came after
-    it."""
+    """Returns, for each press or release of a key, the time until the screen shows the first X-ray pulse after it."""
     times = figures["hand_to_picture"]["read_and_shown_s"]
     delays = []
     for begin in sent:
@@ -63,8 +62,8 @@ def delays_ms(sent, figures):
 
 
 def measure(options, size, pulses, taps):
-    """Runs the window for the time of the option --seconds; returns its figures or, with `taps`, the delays from the
-    keys to the pictures."""
+    """Runs the window for as long as the option --seconds states. Returns its figures or, with `taps`, the delays from
+    the keys to the pictures."""
     words = ["--scene", options.scene, "--tool", WIRE, "--size", str(size), "--fluoro", "--no-record"]
     with window_of(options, words, preexec_fn=lambda: os.sched_setaffinity(0, processors())) as run:
         window, environment, folder = run

@@ -25,8 +25,8 @@ struct Network {
     std::vector<std::vector<double>> conductance;   // from each sphere of each branch onwards, mm^3/(s Pa)
 };
 
-// If no other branch begins at the end of a branch, this end is an outlet, and a vascular bed with its flow
-// resistance follows this outlet.
+// If no other branch begins at the end of a branch, this end is an outlet, which is followed by a vascular
+// bed with a flow resistance.
 double bed_conductance(const Branch &branch, double bed_Pa_s)
 {
     return std::pow(branch.spheres.back().radius_mm, 3) / bed_Pa_s;
@@ -82,8 +82,7 @@ std::vector<double> set_flow(Tree &tree, const FlowSettings &settings)
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         if (tree.branches[b].parent >= 0) network.children[tree.branches[b].parent].push_back(b);
     std::vector<double> into(tree.branches.size(), 0.0);
-    // Every root branch has its own inlet, so the vascular beds are computed separately for the outlets of
-    // each root branch.
+    // Every root branch has its own inlet, so the vascular beds are computed separately for each root branch.
     std::vector<int> root(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         root[b] = tree.branches[b].parent < 0 ? static_cast<int>(b) : root[tree.branches[b].parent];

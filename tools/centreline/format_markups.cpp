@@ -1,6 +1,6 @@
 // In a markups file of 3D Slicer (.mrk.json) every curve is a branch of the tree, with a measurement 'Radius'
 // per control point. The description of a branch's first control point states where the branch leaves its
-// parent branch; 3D Slicer shows and keeps this description.
+// parent; 3D Slicer shows and keeps this description.
 #include "tools/centreline/formats.hpp"
 #include "tools/mesh/json_depth.hpp"
 
@@ -44,7 +44,7 @@ std::vector<double> radii_of(const json &markup, const std::string &name, std::s
 }
 
 // Returns the curve's name for a point's label, such as "LAD" for "LAD-1", because 3D Slicer labels the
-// points of the curve LAD in this form.
+// points of a curve in this way.
 std::string curve_name(const json &point)
 {
     const std::string label = point.value("label", "");

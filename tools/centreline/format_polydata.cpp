@@ -74,8 +74,8 @@ class Piece
                    "': a whole number up to " + trimmed_text(most, file_decimals) + " is needed");
     }
 
-    // The value -1, which means that a branch has no parent, is returned as the largest std::size_t; stored
-    // as an int, this number becomes -1 again.
+    // The value -1, which stands for "no parent", is returned as the largest std::size_t; stored as an int,
+    // this number becomes -1 again.
     std::size_t whole(double value, double low, double high) const
     {
         if (value == std::floor(value) && value >= low && value <= high)

@@ -84,7 +84,7 @@ class Reader
     }
 
     // The elements "l 1 2" and "l 2 3" of one object form one branch, because other programs write each
-    // segment of a polyline as a separate element.
+    // segment of a polyline separately.
     void chain(const std::vector<std::string_view> &words)
     {
         std::vector<std::size_t> order;

@@ -12,8 +12,8 @@ namespace crn::centreline
 constexpr std::size_t file_bytes_max = std::size_t{256} << 20;
 
 // Reads a vessel tree from a file; the extension of the file's name selects the format. If the file does not
-// state which parent a branch leaves, the branch becomes a root, which the function `joined` can join to a
-// parent. Throws a Fault whose message names the file, the line or element, the field and the remedy. If
+// state from which parent a branch leaves, the branch becomes a root, which the function `joined` can join to
+// a parent. Throws a Fault whose message names the file, the line or element, the field and the remedy. If
 // `needs_radii` is false, the function accepts an .obj file without radii and gives its spheres a radius of 1
 // um.
 Tree read_tree(const std::filesystem::path &file, bool needs_radii = true);
@@ -45,8 +45,8 @@ double number_of(std::string_view word);
 // Returns a name that is valid in every format: it has at most 63 bytes and contains only letters, digits,
 // blanks and _-.().
 std::string plain_name(const std::string &name);
-// Files give lengths in millimetres with `file_decimals` decimals, which keeps them exact to far below a
-// micrometre; trailing zeros are left out.
+// Files give lengths in millimetres with `file_decimals` decimals, which is far more exact than a micrometre;
+// trailing zeros are left out.
 inline constexpr int file_decimals = 6;
 
 } // namespace crn::centreline

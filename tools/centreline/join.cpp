@@ -1,5 +1,5 @@
-// Joins separate curves into a vessel tree. For each curve the code finds the other curve inside which this
-// curve begins, and the point at which this curve leaves the other curve.
+// Joins separate curves into a vessel tree. For each curve the code finds the parent curve inside which it
+// begins, and the point at which it leaves this parent.
 #include "tools/centreline/join.hpp"
 
 #include <algorithm>
@@ -88,8 +88,8 @@ void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
         if (branch == 0) next = first;
         is_placed[next] = true;
         place(best[next]);
-        // Only the branch that was added last can be a better parent for a curve than the best parent found
-        // so far.
+        // Only the branch that was added last can be a better parent for a curve than the best one found so
+        // far.
         for (std::size_t c = 0; c < count; ++c)
             for (bool is_last : {false, true}) {
                 if (is_placed[c]) break;
@@ -106,8 +106,7 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
         if (tree.branches[b].parent < 0) roots.push_back(b);
     if (roots.size() != tree.branches.size() || roots.size() == 1)
         return tree; // the file says which branch leaves which
-    // The widest curve is the trunk. If a curve lies in no tube of the tree that is made so far, it becomes
-    // another root.
+    // The widest curve is the trunk. If a curve lies in no tube of the present tree, it becomes another root.
     std::stable_sort(roots.begin(), roots.end(), [&](std::size_t a, std::size_t b) {
         return mean_radius_mm(tree.branches[a]) > mean_radius_mm(tree.branches[b]);
     });

@@ -9,31 +9,31 @@
 namespace crn::centreline
 {
 
-// Names one end of a curve that is not yet in the tree, and the branch of the tree in whose tube this end
-// lies deepest.
+// Names one end of a curve that is not yet in the tree, and the branch of the tree in which this end lies
+// deepest.
 struct Joint {
     std::size_t curve = 0, parent = 0;
     bool is_last = false;    // it is the curve's last point: the curve runs against the blood flow
     double depth = INFINITY; // smaller is deeper; INFINITY: it lies in no branch
 };
 
-// Returns how deep the first or last point of a curve lies in a branch that is already in the tree; a smaller
-// value is deeper.
+// Returns how deep the first or last point of a curve lies in a branch of the tree; a smaller value is
+// deeper.
 using DepthOf = std::function<double(std::size_t curve, bool is_last, std::size_t branch)>;
 
 // Joins `count` curves to a tree, one after another. The tree begins with the curve `first`. In each further
 // step, the curve whose end lies deepest in a branch of the tree is joined to that branch. The callback
 // `place` must append the curve of the given joint to the tree as the last branch. If two ends are equally
-// deep, the function chooses the earlier curve, then the earlier branch, and then the curve's first point.
-// The caller defines how depth is measured, and what happens to a curve that lies in no branch.
+// deep, the earlier curve is chosen, then the earlier branch, and then the curve's first point. The caller
+// defines how depth is measured, and what happens to a curve that lies in no branch.
 void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
                const std::function<void(const Joint &)> &place);
 
 // Makes a vessel tree from the curves of 3D Slicer or VMTK, which store one curve per file or per outlet. If
-// a root begins inside another branch's tube, it becomes a child of that branch, and the part of the root
-// that runs along that branch's centreline is cut off. The trunk is the curve that has an end nearest to
-// `inlet_mm`; without `inlet_mm` the trunk is the widest curve. A single curve, and a tree whose file states
-// the parent of each branch, are not changed.
+// a root begins inside another branch, it becomes a child of that branch. The part of the root that runs
+// along the branch's centreline is cut off. The trunk is the curve with the end nearest to `inlet_mm`;
+// without `inlet_mm` it is the widest curve. A single curve is not changed, and neither is a tree whose file
+// states the parent of each branch.
 Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);
 
 } // namespace crn::centreline

@@ -88,8 +88,8 @@ double length_mm(const Branch &branch)
 }
 
 // For the point p, s is the coordinate along the axis from a to b, and q is the distance from this axis. The
-// side of the two spheres' hull is the cone that touches both spheres. Where the perpendicular from p meets
-// the line along the cone's side beyond an end of the cone, the sphere at that end is nearer to p.
+// side of the two spheres' hull is the cone that touches both spheres. If the perpendicular from p meets the
+// cone's side beyond an end of the cone, the sphere at that end is nearer to p.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b)
 {
@@ -168,7 +168,7 @@ Tree split_at_junctions(const Tree &tree)
         std::size_t first = 0;
         for (std::size_t cut : at) {
             // A cut at the first sphere of a branch makes no new branch, because no part of the old branch
-            // lies before this sphere.
+            // precedes this sphere.
             if (cut == 0) {
                 ends[b].push_back({0, parent});
                 continue;

@@ -66,8 +66,8 @@ struct LinePlace {
 };
 LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// Returns the number of the branch's first sphere whose centre lies outside the parent's tube; returns 0 for
-// a root. The spheres before the first sphere outside the parent's tube only connect the middle of the parent
+// Returns the number of the branch's first sphere whose centre lies outside the parent's tube, or 0 for a
+// root. The spheres before the first sphere outside the parent's tube only connect the middle of the parent
 // with the parent's wall.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 

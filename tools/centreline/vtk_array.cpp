@@ -13,8 +13,7 @@ namespace crn::centreline
 namespace
 {
 
-// Reads bytes from base64 text, chunk after chunk, because VTK pads the base64 text of the header and of the
-// data after it separately.
+// Decodes base64 text in several chunks, because VTK pads the text of the header and of the data separately.
 class Base64
 {
   public:
@@ -42,8 +41,8 @@ class Base64
 
     bool quad()
     {
-        // The code decodes at most 4,096 groups of four letters in advance, because read() has to move all
-        // remaining decoded bytes whenever it removes some of them.
+        // The code decodes at most 4,096 groups of four letters in advance, because read() moves all
+        // remaining decoded bytes whenever it removes some.
         for (int n = 0; n < 4096; ++n) {
             std::uint32_t bits = 0;
             int digits = 0, padding = 0;
@@ -156,8 +155,8 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
     if (!has_correct_declaration(document_, text))
         fail("has an XML declaration that is not correct, such as <?xml version=\"1.0\"?> in the first line: "
              "export the file again");
-    // XML permits an attribute name only once in an element; of two attributes with the same name, pugixml
-    // would silently use the first.
+    // XML permits an attribute name only once in an element; if a name occurs twice, pugixml would silently
+    // use the first attribute.
     TwiceNamed twice;
     if (document_.traverse(twice); !twice.name.empty())
         fail("has the attribute '" + twice.name.substr(0, 40) +

@@ -20,7 +20,7 @@ class VtkFile
     const std::string &name() const { return name_; }
 
     // Returns the numbers that a DataArray element holds. Throws a Fault with the array's name when its
-    // values cannot be read, or when `count` is not 0 and the array does not have `count` values.
+    // values cannot be read, or when their number differs from `count` (if `count` is not 0).
     std::vector<double> values(const pugi::xml_node &array, std::size_t count) const;
 
     [[noreturn]] void fail(const std::string &what) const { throw Fault(name_ + ": " + what); }

@@ -48,8 +48,8 @@ class Header:
             self.lines.append((number, words[1], value))
 
     def instance(self, name):
-        """Finds the peripheral instances whose module name stands at the beginning of `name`, and returns the instance
-        with the longest module name."""
+        """Finds the peripheral instances whose module name is the beginning of `name`, and returns the one with the
+        longest module name."""
         found = [i for i in self.bases if name.startswith(module_of(i) + "_")]
         return max(found, key=lambda i: len(module_of(i))) if found else None
 
@@ -95,7 +95,7 @@ def check_pad(iomux, name, value):
 
 
 def check_line(header, description, name, value):
-    """Returns None if the header's value agrees with the chip's description, and otherwise a text that states the
+    """Returns None if the header's value agrees with the chip's description, and otherwise a text about the
     difference."""
     if name.startswith("BASE_"):
         right = description.bases.get(name[5:])

@@ -1,7 +1,7 @@
 /* Runs the simulation core through the scenes of core_scenes.c and prints hashes of the core's state. The
  * program must print the same lines with every compiler, optimisation level and machine
  * (tools/check/tests/test_compilers.sh, tools/check/matrix.py). To show where the results of two machines
- * begin to differ, the program can also print a hash per tick and subsystem, and every word of the state in
+ * begin to differ, the program can also print a hash per tick and subsystem, or every word of the state in
  * one tick.
  *
  * The program is freestanding and has static memory only, so it runs on a Cortex-M7 without an operating
@@ -156,7 +156,7 @@ typedef struct options {
 } options;
 
 /* Flips the lowest bit of one word of the state, as a faulty machine might do, and also the lowest bit of the
- * node's position, which depends on that word. */
+ * node position that depends on that word. */
 static void flip(const options *o, uint32_t tick)
 {
     for (uint32_t p = 0; p < PART_COUNT && tick == o->flip_tick; p++) {

@@ -8,17 +8,16 @@
  *               ================================|
  *
  * In the scene "fine" a stiff uniform wire is pushed, pulled and turned as fast as the core allows, so that
- * the core's limits act. The tube of the scene "fine" has the same shape as that of the scene "tube" but is
- * 4 mm wide, and its distance field has finer voxels.
+ * it reaches the core's limits. The tube of the scene "fine" has the same shape as that of the scene "tube"
+ * but is 4 mm wide, and its distance field has finer voxels.
  *
  * In the scene "air" a floppy wire with a curved resting shape hangs in free space and is turned.
  *
- * In the scene "coaxial" the J wire lies inside two nested, curved catheters in the tube. The tip of each of
- * the three tools is once ahead of the other two tips, and each tool slides and turns against the other
- * tools.
+ * In the scene "coaxial" the J wire lies inside two nested, curved catheters in the tube. Each of the three
+ * tips is ahead of the other two at some time, and each tool slides and turns against the others.
  *
- * In the scene "beating" the J wire lies in a tube whose middle moves to and fro by 3.6 mm with a beating
- * heart, and also with breathing. In the scene "beating", every kind of command for the heart (such as a
+ * In the scene "beating" the J wire lies in a tube whose middle moves to and fro by 3.6 mm with the
+ * heartbeat, and also with breathing. In the scene "beating", every kind of command for the heart (such as a
  * change of rate) occurs once.
  *
  * In the scene "balloon" a wire lies in a balloon catheter in the 4 mm wide tube. The balloon is inflated
@@ -130,8 +129,8 @@ static void fill_fine(void)
     }
 }
 
-/* Fills the table row with the displacements of a lattice node over one cycle. The displacement as a function
- * of time is a parabola whose peak of `reach` units lies in mid-cycle. */
+/* Fills one table row with the displacements of a lattice node over one cycle. The displacement is a parabola
+ * over time, with a peak of `reach` units in mid-cycle. */
 static void fill_row(int16_t *row, int32_t reach)
 {
     for (int32_t i = 0; i < CRN_MOTION_KEYFRAMES + 2; i++) {
@@ -166,7 +165,7 @@ static const crn_motion *make_motion(void)
     return &field.motion;
 }
 
-/* Makes a lesion that is 16 mm long and whose wall a balloon can push outwards by 0.6 mm on one side. */
+/* Makes a lesion of 16 mm length whose wall a balloon can push outwards by 0.6 mm on one side. */
 static const crn_lesion *make_lesion(void)
 {
     const int32_t voxel = 1 << CRN_LUMEN_VOXEL_LOG2_Q30, radius = FINE_HALF_WIDTH * (voxel / 32);
@@ -302,8 +301,8 @@ static crn_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, int
     return catheter;
 }
 
-/* Makes a catheter with a balloon. The balloon is 20 mm long, is 5 mm wide at a pressure of 8 bar, and ends 8
- * mm behind the catheter's tip. */
+/* Makes a catheter with a balloon. The balloon is 20 mm long, 5 mm wide at a pressure of 8 bar, and ends 8 mm
+ * behind the catheter's tip. */
 static crn_instrument make_balloon_catheter(void)
 {
     crn_instrument catheter = make_catheter(50000, 750, 0);
@@ -334,7 +333,7 @@ bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state)
     return true;
 }
 
-/* Returns a motion of the user's hand that advances by `step` per tick while turning, and then moves back at
+/* Returns a motion of the user's hand that advances by `step` per tick while turning, and then goes back at
  * half this speed. */
 static crn_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_t step_m_q30, uint32_t turn32)
 {
@@ -399,7 +398,7 @@ static crn_input inflated(uint32_t tick, uint32_t variant)
 }
 
 /* Commands the core to place twelve rings of a stent, one ring per tick. The rings are first 4.8 mm and later
- * 6 mm wide, and then the last six rings are removed. */
+ * 6 mm wide; then the last six rings are removed. */
 static crn_strut_order strut_at(uint32_t tick)
 {
     enum { RINGS = 12, WIDENED = 1850, TAKEN = 3600 };

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures the structure of the code: circular includes between folders ("rooms"), long functions and files, and
-crowded folders. The script also counts the folders that depend on the program `cournand`, and measures the largest
-struct.
+crowded folders. The script also counts the folders that depend on the program `cournand`, and measures the size of the
+largest struct.
 
   house.py [--write FILE]
 
@@ -27,8 +27,7 @@ SOURCE = tree.C_SUFFIXES + (".py", ".sh")
 
 
 def rooms_graph():
-    """Returns a table that maps each folder to the folders from which its files include headers; includes by tests are
-    not counted."""
+    """Returns a table that maps each folder to the folders from which its files include headers; tests are left out."""
     graph = collections.defaultdict(set)
     for path in tree.files(*tree.C_SUFFIXES, ".inc"):
         room = os.path.dirname(path)

@@ -22,7 +22,7 @@ class CannotMake(Exception):
 
 
 def lesion_text(lesion):
-    """Returns the lesion's table for a scene that has no bodies: the line `inside`, which names a body, is left out."""
+    """Returns the lesion's table for a scene that has no bodies, without the line `inside`, which names a body."""
     with open(os.path.join(ROOT, "shared/examples/lesions", lesion + ".toml"), encoding="utf-8") as file:
         return re.sub(r"(?m)^inside = .*\n", "", file.read())
 

@@ -5,12 +5,12 @@ usage: tools/check/make_attenuation.py > host/xray/attenuation.cpp     (needs De
 
 The test test_attenuation.py compares the committed file with the text that this program makes today.
 
-The script computes mass attenuation by xraylib's function CS_Total, and mass energy absorption by CS_Energy (Schoonjans
-et al., Spectrochimica Acta B 66 (2011) 776; cross-sections of EPDL97 and of NIST's XCOM). A mixture that is given by a
-name is one of NIST's compounds in xraylib. For tissues the densities come from ICRU 44, for metals they are those of
-the pure substance, and for products they are nominal values (see MATERIALS). This program computes neither X-ray
-spectra nor filters, and chooses no photon energies for pictures; that is the task of host/xray/spectrum.cpp and
-host/xray/beam_table.cpp.
+The script computes mass attenuation by xraylib's function CS_Total, and mass energy absorption by CS_Energy. Both
+functions use cross-sections of EPDL97 and of NIST's XCOM (Schoonjans et al., Spectrochimica Acta B 66 (2011) 776). A
+mixture that is given by a name is one of NIST's compounds in xraylib. The densities of tissues come from ICRU 44, those
+of metals are the densities of the pure substances, and those of products are nominal values (see MATERIALS). This
+program computes no X-ray spectra and no filters, and chooses no photon energies for pictures. The files
+host/xray/spectrum.cpp and host/xray/beam_table.cpp do this.
 """
 
 import ctypes
@@ -63,7 +63,7 @@ class Mixture(ctypes.Structure):
 
 class Xraylib:
     """Calls functions of the C library xraylib; photon energies are in keV, and cross-sections are in cm2/g. The last
-    argument of each xraylib function is a pointer for an error object; if this pointer is null, a failing function only
+    argument of each xraylib function is a pointer to an error object; without this object, a failing function only
     returns 0."""
 
     K_SHELL = 0

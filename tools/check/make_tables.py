@@ -5,10 +5,10 @@
   make_tables.py --check    fail when the committed file differs from what this program writes
 
 To approximate a convex function by a straight line, the script takes the chord on each interval and lowers it by half
-its largest distance from the curve. The lowered chord is the straight line whose largest error on the interval is
-smallest. One Newton step in fixed.h then doubles the number of correct bits that the straight line gives. For the
-polynomial the script interpolates at the Chebyshev points of the interval; the resulting error is at most about twice
-that of the best polynomial.
+of its largest distance to the curve. Of all straight lines, the lowered chord has the smallest maximum error on the
+interval. One Newton step in fixed.h then doubles the number of correct bits that the straight line gives. For the
+polynomial the script interpolates at the Chebyshev points of the interval; the largest error is then at most about
+twice that of the best polynomial.
 """
 
 import math

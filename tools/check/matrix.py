@@ -10,7 +10,7 @@ of a variant differ from those of the first variant, the script finds the first 
 the first node with a difference. The parts of a tick are feed, stretch, twist, contact, force, solve, angle, friction
 and motion. The option --short runs one variant per machine and writes no table. The option --break flips one bit in one
 variant, to demonstrate the search. With --programs the built programs are kept in FOLDER, and a later call with the
-same FOLDER runs these programs; without this option, every call builds anew. The exit code is 0 if all variants give
+same FOLDER runs them; otherwise every call builds anew. The exit code is 0 if all variants give
 the same hash, 1 if a hash differs, and 2 for a usage error.
 """
 

@@ -94,7 +94,7 @@ def number(text):
 
 class Block:
     """Describes one kind of peripheral by three tables: registers[name] = (offset, bits), fields[register][field] =
-    (shift, bits), and values[register][field][number] = the description's text for this number."""
+    (shift, bits), and values[register][field][number] = the text about this number."""
 
     def __init__(self, text):
         self.fields, self.values, self.layouts, self.registers = {}, {}, {}, {}
@@ -151,7 +151,7 @@ class Block:
 
 class Description:
     """Holds the base address of every peripheral as bases[instance]; block(instance) returns the Block that describes
-    the peripheral's registers."""
+    its registers."""
 
     def __init__(self, source):
         self.source, self.bases, self.files, self.blocks = source, {}, {}, {}

@@ -54,7 +54,7 @@ def write_corpus(name, corpus):
 
 
 def keep_corpus(build, name):
-    """Writes the file NAME.corpus: the shortest inputs that together reach every control-flow edge which the inputs in
+    """Writes the file NAME.corpus: the shortest inputs that together reach every control-flow edge that the inputs in
     BUILD/corpus/NAME reach. Returns (ok, text).
 
     When libFuzzer merges inputs, it writes a control file that states, for each input, the control-flow edges that no
@@ -89,8 +89,8 @@ def keep_corpus(build, name):
 
 
 def show_coverage(build, name):
-    """Measures, for each folder, how many lines of the code under test are executed by the valid inputs and the inputs
-    of NAME.corpus. The fuzz program must be compiled for coverage measurement. Returns (ok, text)."""
+    """Measures, for each folder, how many lines of the tested code are executed by the valid inputs and the inputs of
+    NAME.corpus. The fuzz program must be compiled for coverage measurement. Returns (ok, text)."""
     program = os.path.join(build, "test", name)
     with tempfile.TemporaryDirectory() as folder:
         corpus, counts = os.path.join(folder, "corpus"), os.path.join(folder, "counts")

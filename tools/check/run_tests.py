@@ -4,11 +4,11 @@ run_tests.sh calls this program.
 
   run_tests.py --build build --jobs 2 --label product|lab|hours
 
-The list of tests comes from CTest. The list of tests has all tests of the folder BUILD with the label, and the tests of
-BUILD/san with the label, which are the same tests under sanitizers. With the label `product` the list also has the fuzz
+The list of tests comes from CTest. The list of tests has all tests of the folder BUILD with the label, and those of
+BUILD/san, which are the same tests under sanitizers. With the label `product` the list also has the fuzz
 targets. Every test program and test script prints its results as TAP, which is a plan `1..N` and one line per test. A
-program that is missing, crashes, exceeds its time limit, or prints fewer or more results than it planned counts as one
-failed test. Output lines that begin with `#- ` are measured figures; the runner prints them below the line of their
+program counts as one failed test if it is missing, crashes, exceeds its time limit, or prints fewer or more results
+than it planned. Output lines that begin with `#- ` are measured figures; the runner prints them below the line of their
 program. After the list of failures, the runner prints the duration of each program in seconds, slowest first. The last
 line is `N passed, N failed, N skipped`; the exit code is 1 when a test failed or no test ran.
 """
@@ -228,7 +228,7 @@ def make_jobs(options):
 
 
 def slowest_first(jobs, build):
-    """Sorts the tests by duration, because a long test that begins last would run alone at the end."""
+    """Sorts the tests by duration, longest first, because a long test that begins last would run alone at the end."""
     times = read_times(build)
     return sorted(jobs, key=lambda job: -times.get(job[1][0], 0.0))
 

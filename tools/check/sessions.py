@@ -17,13 +17,13 @@ EXPECTS = re.compile(r"^\s*expect\b", re.M)
 
 
 def without_turns(text):
-    """Returns the script of a session without the commands that turn or steer a tool or engage a vessel."""
+    """Returns the script of a session without the commands that turn or steer a tool or make it engage an ostium."""
     kept = [WITH_TURN.sub("", line) for line in text.splitlines() if not TURN.match(line)]
     return "\n".join(kept) + "\n"
 
 
 def unpack_shipped(folder):
-    """Unpacks the scene that ships into the folder, and returns the scene's path."""
+    """Unpacks the shipped scene into the folder, and returns the scene's path."""
     program, archive = "tools/scenes/shipped.py", "shared/examples/scenes/aorta.tar.xz"
     subprocess.run([os.path.join(ROOT, program), "unpack", os.path.join(ROOT, archive), "-o", folder], check=True)
     return os.path.join(folder, "aorta.scene")
@@ -58,7 +58,7 @@ class Sessions:
 
     def scene(self, anatomy, lesion=None):
         """Returns the path of the scene of the shipped anatomy without its bodies (made_scenes.py). If a lesion of
-        shared/examples/lesions is named, the scene contains the named lesion."""
+        shared/examples/lesions is named, the scene contains this lesion."""
         try:
             return made_scenes.scene(BUILD, anatomy, lesion)
         except made_scenes.CannotMake as problem:
@@ -75,7 +75,7 @@ class Sessions:
         return self.call("cournand", "run", "--quiet", *words, "--session", script)
 
     def reaches(self, name, scene, tools, stent=None):
-        """Tests that the session's script states an expected end and that the session reaches this end."""
+        """Tests that the session's script states an expected end, and that the session reaches it."""
         path = f"shared/examples/{name}.session"
         with open(path, encoding="utf-8") as file:
             text = file.read()
@@ -84,7 +84,7 @@ class Sessions:
         self.result(code == 0 and EXPECTS.search(text) is not None, f"{short}_reaches_the_end_that_it_states", said)
 
     def misses(self, name, scene, tools, stent=None):
-        """Tests that, if the tools are not turned, the session fails at an expectation of its script."""
+        """Tests that the session fails at an expectation of its script if the tools are not turned."""
         with open(f"shared/examples/{name}.session", encoding="utf-8") as file:
             text = file.read()
         short = name.split("/")[1]
@@ -98,7 +98,7 @@ class Sessions:
         self.result(code == 1 and ": expected " in said, f"{short}_without_its_turns_misses_it", said)
 
     def starts(self, scene):
-        """Tests that a session can begin with each instrument that ships, if nobody states an inserted length."""
+        """Tests that a session can begin with each shipped instrument if no inserted length is given."""
         script = f"{self.folder}/start.session"
         with open(script, "w", encoding="utf-8") as file:
             file.write("wait 20 ms\n")

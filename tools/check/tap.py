@@ -4,8 +4,8 @@ import sys
 
 
 def run(tests):
-    """Runs each test function and prints one TAP line with its name; ends the program with exit code 1 if a test
-    fails."""
+    """Runs each test function and prints one TAP line with its name. If a test fails, the program ends with exit code
+    1."""
     failed = 0
     print("1..%d" % len(tests))
     for count, test in enumerate(tests, 1):

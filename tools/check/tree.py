@@ -1,5 +1,5 @@
-"""Provides the functions that all checks of the source tree use: they list the files, extract the code from a file, and
-print TAP. Only test scripts import this module."""
+"""Provides the functions that all checks of the source tree use, to list the files, to extract the code from a file,
+and to print TAP lines. Only test scripts import this module."""
 
 import os
 import re

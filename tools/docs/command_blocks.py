@@ -67,7 +67,7 @@ def is_indented(lines, at):
 
 
 def marks_of(page, text):
-    """Returns a table that maps the number of a marker's last line to the interpreted marker. Line numbers begin at
+    """Returns a table that maps the number of a marker's last line to the parsed marker. Line numbers begin at
     1."""
     found = {}
     for match in MARK.finditer(text):
@@ -126,7 +126,7 @@ def commands_of_block(first, lines):
 
 
 def classified(page, line, text, marks):
-    """Returns the command together with its class, which decides whether commands.py runs the command. The class of a
+    """Returns the command with its class, which decides whether commands.py runs the command. The class of a
     command comes from the first marker (HTML comment) that names the command. If no marker names the command, its class
     comes from the first marker (HTML comment) for the whole block."""
     is_make = text.split()[0] == "make"

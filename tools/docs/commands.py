@@ -11,13 +11,13 @@ A line of an indented or fenced block is a command if it begins with `make`, a p
 repository or a tool from Debian. If a command's line ends with `\\`, the next line continues the command. If lines of a
 block begin with `$`, only these lines are commands, and the other lines show the output of the commands.
 
-A marker (an HTML comment) above the block states those properties of the commands that this program cannot find out
-itself. Without it, a command has the class `short`, or `make` when it begins with this word:
+A marker (an HTML comment) above the block states what this program cannot find out about the commands itself. Without
+it, a command has the class `short`, or `make` when it begins with this word:
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 
-The key `only` limits a marker to those lines of the block that contain TEXT; a block may have several markers with
-`only`. The key `exit` is the expected exit code of the command. The key `with` replaces placeholders, such as names of
+The key `only` limits a marker to the lines of the block that contain TEXT; a block may have several such markers. The
+key `exit` is the expected exit code of the command. The key `with` replaces placeholders, such as names of
 the reader's own files, before the command runs. The key `adding` gives words that the program appends to the command,
 such as options for a smaller picture.
 """
@@ -66,8 +66,8 @@ def option_faults(words, known):
 
 
 def program_of(words):
-    """Returns the position, among a command's words, of the first word that names one of this project's programs;
-    returns None if there is no such word."""
+    """Returns the position of the first word of a command that names one of this project's programs, or None if there
+    is no such word."""
     for at, word in enumerate(words):
         if re.match(r"((build/bin|tools|hil_tests)/)[\w./-]+$", word) or (
             at == 0 and word in ("cournand", "bake", "anatomy", "centreline")
@@ -264,9 +264,9 @@ class Scratch:
 
 
 class Stock:
-    """Makes, once for all pages, the files that their commands need. The needed files are the content of out/ after
+    """Makes the files that the commands of all pages need. The needed files are the content of out/ after
     `make run`, the folder build/anatomy and, for the run with --all, an artery with a lesion. The anatomy has no bodies
-    (bones, organs), because no command of the short run depends on bodies and making them takes minutes."""
+    (bones, organs), because making them takes minutes and no command of the short run needs them."""
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder
@@ -332,7 +332,7 @@ def prepared(command):
 
 
 class Display:
-    """Represents a virtual display, which the program starts when a command opens the first window."""
+    """Represents a virtual display, which the program starts when a command first opens a window."""
 
     def __init__(self):
         self.server = self.name = None
@@ -351,8 +351,7 @@ class Display:
 
 
 def execute(command, scratch, display):
-    """Runs a command and returns a text that states its error; the text is empty if the command succeeded as
-    expected."""
+    """Runs a command and returns a text about its error; the text is empty if the command succeeded as expected."""
     is_window = command.kind == "display"
     words = ["bash", "-uo", "pipefail", "-c", ("exec " if is_window else "") + prepared(command)]
     environment = scratch.environment()

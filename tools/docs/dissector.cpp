@@ -5,8 +5,8 @@
 namespace
 {
 
-// Returns a Lua string. The texts of the wire's definition have only printable ASCII characters, but these
-// may include quotes and backslashes.
+// Returns a Lua string. The texts in the wire protocol's definition have only printable ASCII characters, but
+// these may include quotes and backslashes.
 std::string quoted(const char *text)
 {
     std::string result = "\"";
@@ -17,8 +17,8 @@ std::string quoted(const char *text)
     return result + "\"";
 }
 
-// `count_bytes` is the size of the number that precedes a list and gives its length; 0 means a single value
-// instead of a list.
+// `count_bytes` is the size of the number that precedes a list and gives its length; 0 means that there is no
+// list but a single value.
 std::string field(const char *name, const char *type, const char *unit, int max, int count_bytes)
 {
     const std::string limit =

@@ -10,9 +10,9 @@ The file tools/docs/pictures.toml describes how each picture is made. The stamp 
 text chunk with one `key: value` per line. The stamp's keys are `core` (the core's version when the picture was made),
 `command`, `inputs` and `shows`. `inputs` is a hash over the picture's entry in pictures.toml and over the sessions,
 tools and lesions that the command names. `shows` is the vessel branch in which the tool's tip ended, according to the
-session's report. A picture of a session is old when the core or the inputs in its stamp differ from the present core or
-inputs. A picture that shows no session is old when its inputs differ. A picture that an older core made may be marked
-as `kept`; its caption must then name the version of that core.
+session's report. A picture of a session is old when the core or the inputs in its stamp differ from the present ones. A
+picture that shows no session is old when its inputs differ. A picture that an older core made may be marked as `kept`;
+its caption must then name the version of that core.
 """
 
 import argparse
@@ -305,7 +305,7 @@ class Maker:
 
 def seconds_of(wanted, report):
     """Returns the time in a film, in seconds, of the moment that a text describes. The text is a number of seconds,
-    `end`, `expect N` or `run N at S`. The text `expect N` stands for the time at which the session's Nth expectation
+    `end`, `expect N` or `run N at S`. The text `expect N` stands for the moment at which the session's Nth expectation
     was checked. The text `run N at S` stands for S seconds after the beginning of the Nth X-ray run."""
     if not isinstance(wanted, str):
         return wanted

@@ -6,8 +6,8 @@
 
 A line `<!-- printed by: COMMAND -->` in a document marks a block of program output. The first indented line below the
 mark is the command with `$`; the following indented lines are lines that the command prints on standard output. In the
-block, a line `...` stands for omitted lines of output, up to the next shown line or up to the end. COMMAND runs in the
-root folder of the repository, and the word `cournand` in COMMAND means build/bin/cournand.
+block, a line `...` stands for omitted lines of output up to the next shown line or the end. COMMAND runs in the root
+folder of the repository, and the word `cournand` in COMMAND means build/bin/cournand.
 """
 
 import argparse
@@ -51,8 +51,7 @@ def output_of(command, build):
 
 
 def renewed(shown, printed):
-    """Returns the new output lines for a document: as many lines as the document shows now, with `...` at the same
-    positions."""
+    """Returns the new output lines for a document: as many lines as it shows now, with `...` at the same positions."""
     result, at = [], 0
     parts = [[]]
     for line in shown:

@@ -79,7 +79,7 @@ def build(folder):
 
 
 def from_other_hosts(text):
-    """Returns the addresses on other servers from which a browser would fetch data when it shows the page."""
+    """Returns the addresses on other servers from which a browser would fetch data to show the page."""
     return [next(filter(None, found)) for found in LOADED.findall(text)]
 
 

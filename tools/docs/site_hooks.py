@@ -38,7 +38,8 @@ def kind_of(line):
 
 
 def needs_gap(before, now, in_list):
-    """Returns whether Python-Markdown needs an empty line between two lines of the kinds `before` and `now`."""
+    """Returns whether Python-Markdown needs an empty line between a line of the kind `before` and a line of the kind
+    `now`."""
     if now == "empty" or before in ("empty", now):
         return False
     if now == "item":

@@ -190,8 +190,8 @@ def volumes_and_lines_by_hand():
 
 
 def by_hand():
-    """Returns pairs (name, bytes) of files that the readers must refuse; each of these files once made a reader fail,
-    or was misread."""
+    """Returns pairs (name, bytes) of files that the readers must refuse; each of these files once made a reader fail or
+    was misread."""
     return meshes_by_hand() + volumes_and_lines_by_hand()
 
 

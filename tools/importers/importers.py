@@ -8,9 +8,9 @@
 The files are pseudo-random mutations of valid files (see --seed), and a list of hand-made files. The program
 `importers` runs the real readers. If a reader accepts a file, strict.py also reads this file, and the two must read the
 same content. If the two readings of a file differ, the project's reader has misread the file without reporting an
-error. The rows of the output are importers.files, importers.crashes (the program ended, or a sanitizer found an error
-in our code), importers.over_20s, importers.over_2GB and importers.silently_wrong. The exit code is 0 if the values of
-all rows except the first are 0, and otherwise 1.
+error. The output has the rows importers.files, importers.crashes, importers.over_20s, importers.over_2GB and
+importers.silently_wrong. A crash means that the program ended, or that a sanitizer found an error in our code. The exit
+code is 0 if the values of all rows except the first are 0, and otherwise 1.
 """
 
 import argparse
@@ -146,8 +146,8 @@ class Campaign:
         print("%s: %s\n    %s" % (row, kept, why), flush=True)
 
     def give(self, name, data, is_valid=None, folder=None):
-        """Gives one file to the program `importers`; the program must accept the file if `is_valid` is true, and refuse
-        the file if `is_valid` is false."""
+        """Gives one file to the program `importers`; the program must accept it if `is_valid` is true, and refuse it if
+        `is_valid` is false."""
         path = os.path.join(folder or self.folder, name)
         with open(path, "wb") as file:
             file.write(data)

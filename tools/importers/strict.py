@@ -1,6 +1,6 @@
 """Reads the file formats strictly, and independently of the program `importers`. Each function returns the content of a
-file, or raises ValueError. If the program `importers` accepts a file but reads other content than these functions, the
-program has misread the file without reporting an error. The script importers.py uses this module.
+file, or raises ValueError. If the program `importers` accepts a file but reads other content than these functions do,
+it has misread the file without reporting an error. The script importers.py uses this module.
 """
 
 import base64
@@ -30,8 +30,8 @@ def single(value):
 
 def summed(vertices, faces):
     """Returns a summary of a mesh: its number of triangles, and the sum and the range of its coordinates. The program
-    `importers` splits a polygon into a fan of triangles, so some corners occur several times. The summary therefore has
-    the sum of corner coordinates only if all faces are triangles."""
+    `importers` splits a polygon into a fan of triangles, so some corners are counted several times. The summary
+    therefore has the sum of the corner coordinates only if all faces are triangles."""
     total, low, high, triangles, other = 0.0, math.inf, -math.inf, 0, 0
     for face in faces:
         if any(not 0 <= corner < len(vertices) for corner in face):

@@ -9,7 +9,7 @@ namespace crn::mesh
 // connected piece have the same representative.
 std::vector<uint32_t> pieces_of(size_t vertex_count, const std::vector<Triangle> &triangles);
 
-// Removes every connected piece that has fewer than `least` triangles, or fewer than the fraction `share` of
+// Removes every connected piece with fewer than `least` triangles, or with less than the fraction `share` of
 // the largest piece's triangles.
 void drop_small_pieces(std::vector<Eigen::Vector3d> &vertices, std::vector<Triangle> &triangles, size_t least,
                        double share);

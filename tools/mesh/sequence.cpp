@@ -179,8 +179,8 @@ Vec3 normal_of(const SequenceBody &body, size_t frame, size_t triangle)
 
 SequenceReport check_body(const SequenceBody &body)
 {
-    /* If the last frame of a heartbeat does not continue smoothly to the first frame, the vertices move much
-     * farther between these two frames than between any other neighbouring frames. */
+    /* If the last frame of a heartbeat does not continue to the first frame, the vertices move much farther
+     * between these two frames than between any other neighbouring frames. */
     constexpr double JUMP = 2.0;
     SequenceReport report;
     report.body = body.name;

@@ -97,8 +97,8 @@ Simplifier::Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &tr
     }
 }
 
-/* Returns the point with the least mean squared distance to the planes, if the planes determine such a point,
- * and otherwise the middle of the edge. A small weight on the distance from the edge's middle makes the best
+/* Returns the point with the least mean squared distance to the planes, or the middle of the edge if the
+ * planes do not determine such a point. A small weight on the distance from the edge's middle makes the best
  * point unique where the surface is flat. */
 Vec3 Simplifier::best_point(uint32_t keep, uint32_t drop, double &cost) const
 {

@@ -1,5 +1,5 @@
-/* Reduces the number of triangles of a closed surface while the quadric error (the mean squared distance from
- * the original planes) stays limited. */
+/* Reduces the number of triangles of a closed surface, with a limit on the quadric error (the mean squared
+ * distance from the original planes). */
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -19,10 +19,10 @@ using Triangle = std::array<uint32_t, 3>; // counter-clockwise seen from outside
  * condition), and turns no triangle by more than a right angle. The result is deterministic. */
 void simplify(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
 
-/* Collapses all edges shorter than length_mm, except edges after whose collapse the surface would no longer
- * be a closed manifold. The collapse of short edges also removes triangles whose corners almost coincide. The
- * direction of a triangle whose corners almost coincide depends on rounding errors, so the triangle seems to
- * turn over when the surface moves. A surface without edges shorter than length_mm is not changed. */
+/* Collapses all edges shorter than length_mm, except those whose collapse would end the closed manifold. The
+ * collapse of short edges also removes triangles whose corners almost coincide. The direction of a triangle
+ * whose corners almost coincide depends on rounding errors, so the triangle seems to turn over when the
+ * surface moves. A surface without edges shorter than length_mm is not changed. */
 void drop_short_edges(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles,
                       double length_mm);
 

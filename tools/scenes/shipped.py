@@ -72,7 +72,7 @@ def write_archive(path, files):
 
 
 def bake(program, anatomy, name):
-    """Makes the scene and its bodies again, and returns a table from the name of each file to its bytes."""
+    """Makes the scene and its bodies again, and returns a table of the bytes of each file by its name."""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([program, anatomy, "-o", os.path.join(folder, name + ".scene")], check=False)
         if done.returncode != 0:

@@ -73,8 +73,7 @@ def needed(program):
 
 
 def loaded(program):
-    """Returns a table that maps the name of every library that the loader loads for this program to the library's
-    file."""
+    """Returns a table from the name of every library that the loader loads for this program to the library's file."""
     text = subprocess.run(["ldd", program], check=True, stdout=subprocess.PIPE).stdout.decode()
     missing = re.findall(r"^\s*(\S+) => not found", text, re.M)
     if missing:
@@ -92,8 +91,7 @@ def sources_of_tree():
 
 
 def header_packages():
-    """Returns a table that maps each package to the source files that include a header of this package, from
-    /usr/include."""
+    """Returns a table from each package to the source files that include one of its headers from /usr/include."""
     found = collections.defaultdict(set)
     place = {}
     for source in sources_of_tree():
@@ -202,8 +200,8 @@ def split_notice(text):
 
 
 def without_users(lines):
-    """Removes the lines of NOTICE that name the programs, because the programs that use a library change often. The
-    name, holder and licence of each library remain."""
+    """Removes the lines of NOTICE that name programs, because the programs that use a library change often. The name,
+    holder and licence of each library remain."""
     return [re.sub(r"\s{2,}", "  ", line.strip()) for line in lines if not line.startswith(USERS)]
 
 

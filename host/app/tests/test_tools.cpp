@@ -135,7 +135,8 @@ void a_refused_tool_is_named_with_place_and_rule(void **)
     expect_refusal({tools[0], tools[0], tools[0], tools[0]}, {}, "a line holds 1 to 3 tools, not 4");
 }
 
-// The test requests contact forces in free space, where there are none; the reply must name the current tick.
+// The test requests contact forces in free space, where nothing touches the tool; the reply must name the
+// current tick.
 void contact_forces_are_read_at_any_tick(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -187,9 +188,9 @@ void a_changed_input_of_any_tool_is_found(void **)
 
 // --- the line as the picture sees it ---
 
-// The nested tools have different lengths. The tip of every tool must lie at its own arc length along the
-// nested tools. At each point the radius of the nested tools must be that of the outermost tool at this
-// point.
+// The nested tools (one inside another) have different lengths. The tip of every tool must lie at its own arc
+// length along the nested tools. At each point the radius of the nested tools must be that of the outermost
+// tool at this point.
 void each_tool_covers_the_line_from_its_own_tip(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -228,8 +229,8 @@ crn::XraySettings close_view()
     return settings;
 }
 
-// Returns the volume of one material in the picture, in mm^3. The function adds the path lengths in this
-// material over all pixels, and uses the magnification of the plane through the isocentre.
+// Returns the volume of one material in the picture, in mm^3. The function sums the path lengths in this
+// material over all pixels, and applies the magnification of the plane through the isocentre.
 double volume_mm3(const std::vector<crn::RadiopaqueInstrument> &tools, const crn::WireFrame &wire,
                   crn::Material material)
 {
@@ -252,9 +253,8 @@ void expect_volume(const char *what, double value_mm3, double expected_mm3)
 }
 
 // The three tools have three different materials, so that the test can find every tool in the picture. Every
-// tool must show the volume of its own length and cross-section, from its own tip (between two nodes) to the
-// end of the nested tools. The arc lengths of a tool's layers are measured from the tool's own tip, and the
-// tool's lumen is empty.
+// tool must show the volume of its own length and cross-section. The arc lengths of a tool's layers are
+// measured from the tool's own tip, and the tool's lumen is empty.
 void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
 {
     const double pi = std::acos(-1.0);
@@ -298,8 +298,8 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
     assert_in_range(largest, 2900, 3300);
 }
 
-// The tip of a tool may coincide with a node, lie beyond the end of the nested tools, or be NaN. In all these
-// cases the picture must still show every tool, and nothing may crash.
+// The tip of a tool may coincide with a node, lie beyond the end of the nested tools, or be NaN: the picture
+// must still show every tool, and nothing may crash.
 void tips_anywhere_are_drawn_or_left_out(void **)
 {
     const std::vector<crn::RadiopaqueInstrument> tools = {

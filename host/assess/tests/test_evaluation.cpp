@@ -124,9 +124,10 @@ void an_unknown_vessel_is_refused_with_a_suggestion(void **)
     }
 }
 
-// A wire that follows inside a catheter counts as out of sight only if the catheter's tip is out of sight. In
-// this test the wire moves below the edge of the picture from 2 s on. In the three cases, the catheter's tip
-// is ahead of the wire and visible, ahead of the wire and not visible, or visible but behind the wire's tip.
+// A wire inside a catheter, behind the catheter's tip, counts as out of sight only if the catheter's tip is
+// out of sight. In this test the wire moves below the edge of the picture from 2 s on. The catheter's tip is
+// ahead of the wire and visible in the first case, ahead and not visible in the second, and visible but
+// behind in the third.
 void a_wire_inside_a_catheter_is_watched_by_the_catheters_tip(void **)
 {
     const auto errors = [](bool has_catheter, bool is_catheter_shown, double ahead_mm) {
@@ -150,8 +151,8 @@ void a_wire_inside_a_catheter_is_watched_by_the_catheters_tip(void **)
     assert_int_equal(errors(false, true, 30.0), 1); // without a catheter, the rule is that of the wire
 }
 
-// The pressure transducer, not the geometry, decides whether the pressure is damped; here it is damped from 2
-// s to 4 s.
+// The signal of the pressure transducer, not the geometry, decides whether the pressure is damped; here it is
+// damped from 2 s to 4 s.
 void an_injection_while_the_pressure_is_damped_is_found(void **)
 {
     crn::SessionLog log = session([](double s, crn::SessionMoment &moment) {
@@ -180,7 +181,7 @@ void each_injection_without_aspiration_is_one_error(void **)
     assert_in_range(found.errors[1].begin_tick, 5000, 5016);
 }
 
-// From 2 s to 6 s no wire is on the line (nested in the vessels); the other tool moves from 4 s on.
+// From 2 s to 6 s no wire is in the vessels; another tool moves from 4 s on.
 void a_move_while_no_wire_is_on_the_line_is_found(void **)
 {
     const crn::SessionLog log = session([](double s, crn::SessionMoment &moment) {
@@ -194,7 +195,7 @@ void a_move_while_no_wire_is_on_the_line_is_found(void **)
     assert_in_range(found.errors[0].end_tick, 5968, 6000);
 }
 
-// The hand pushes 40 mm in 4 s; the tip stops after 20 mm. The rule detects the fixed tip after 15 mm of
+// The hand pushes 40 mm in 4 s; the tip stops after 20 mm. The rule must report the stuck tip after 15 mm of
 // further pushing.
 void a_push_against_a_fixed_tip_is_found(void **)
 {
@@ -243,8 +244,8 @@ void the_score_is_the_mean_of_its_parts_by_weight(void **)
     const crn::SessionLog log =
         session([](double s, crn::SessionMoment &moment) { moment.is_xray_on = s < 4.0 || s > 6.0; });
     crn::AssessPlan plan = plan_with("not x-ray on", 0.5, 1.0, crn::Severity::serious);
-    // Errors give 50 * (1 - 4/40) marks, and burden gives 10 of 10; without phases and lesions in the
-    // session, the other parts of the score do not apply.
+    // Errors give 50 * (1 - 4/40) marks, and the burden on the patient gives 10 of 10. The other parts of the
+    // score do not apply, because the session has no phases and lesions.
     assert_float_equal(percent(plan, log), 100.0 * (45.0 + 10.0) / 60.0, 1e-9);
     plan.phases.push_back({"one", "One", {}, condition("injecting"), 1.0, {}});
     assert_float_equal(percent(plan, log), 100.0 * (45.0 + 0.0 + 10.0) / 80.0, 1e-9);

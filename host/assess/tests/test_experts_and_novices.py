@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Tests that the assessment separates 20 scripted experts from 20 scripted novices. The differences must have the
-direction and the order of magnitude that studies published. A measured difference must lie between a third and three
-times the published difference; the residual stenosis of the two groups must not differ. test_few_experts_and_novices.py
-runs a small sample of this test.
+direction and the order of magnitude that studies published. A measured difference must lie between a third of the
+published difference and three times that difference. The residual stenosis of the two groups must not differ. The
+script test_few_experts_and_novices.py runs a small sample of this test.
 
-Crossley et al., J NeuroIntervent Surg 2019;11:775, studied thrombectomy on a simulator: experts were 19 % faster and
-had 42 % fewer errors, 40 % more phases and 20 % more steps than novices. In carotid stenting on a simulator (Acta
-Radiol 2008), novices needed 8.7 min more fluoroscopy, and the residual stenosis was alike; the test divides the 8.7 min
-by the 11.2 min of fluoroscopy of PMC7400356. In Rolls et al., EuroIntervention, the path of the tip in the picture was
-3,836 px long for experts and 10,556 px for novices.
+Crossley et al., J NeuroIntervent Surg 2019;11:775, studied thrombectomy on a simulator. Experts were 19 % faster than
+novices, made 42 % fewer errors, and did 40 % more phases and 20 % more steps. In carotid stenting on a simulator (Acta
+Radiol 2008), novices needed 8.7 min more fluoroscopy than experts, with similar residual stenosis. The test divides the
+8.7 min by the 11.2 min of fluoroscopy that PMC7400356 reports. In Rolls et al., EuroIntervention, the tip's path in the
+picture was 3,836 pixels long for experts and 10,556 pixels long for novices.
 """
 
 import os

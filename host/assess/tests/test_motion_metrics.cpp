@@ -1,5 +1,5 @@
-// Tests the measures of motion: smoothness against the published check values of the authors' programs, the
-// split of a motion at its pauses, submovements, and path lengths that ignore a trembling point.
+// Tests the measures of motion: smoothness, pauses, submovements, and the path length of a trembling point.
+// The smoothness is compared with check values that its authors published.
 #include "host/assess/motion_metrics.hpp"
 #include "host/assess/session_log.hpp"
 #include <cmath>
@@ -23,7 +23,8 @@ std::vector<double> bell(double narrowness, double centre_s = 0.0)
     return speed;
 }
 
-// For exp(-5 t^2), with t from -1 to 1 s at 100 Hz, the program of SPARC's authors gives this value.
+// For exp(-5 t^2), with t from -1 to 1 s at 100 Hz, the program of SPARC's authors gives a spectral arc
+// length of -1.41403.
 void sparc_has_its_published_check_value(void **)
 {
     assert_float_equal(crn::sparc(bell(5.0), 100.0), -1.41403, 5e-6);

@@ -16,7 +16,7 @@ extern "C" {
 namespace
 {
 
-// The table lists the tools in another order than they have on the line.
+// In the table, the order of the tools differs from their order on the line.
 const std::vector<std::string> &names()
 {
     static const std::vector<std::string> list = {"balloon_3x20", "guide_jl4_6f", "terumo_4f", "coronary_014",

@@ -1,5 +1,5 @@
-// Tests the reader of assessment plans: conditions in words, mistakes that are reported with their place and
-// a suggestion, the shipped plans, and a plan inside the file of a case.
+// Tests the reader of assessment plans: conditions in words, the shipped plans, and a plan inside a case
+// file. For a mistake, the reader must report the place and a suggestion.
 #include "host/assess/plan.hpp"
 #include <csetjmp>
 #include <cstdarg>

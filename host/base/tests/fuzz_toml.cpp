@@ -1,5 +1,5 @@
-// Fuzz target: any text may be given as TOML. If a text is accepted, the result can be traversed, copied and
-// destroyed, and its tables are not nested deeper than the check before parsing permits. If a text is
+// Fuzz target: any text may be given as a TOML text. An accepted text must give a result that can be
+// traversed, copied and destroyed, with no deeper nesting than the check before parsing permits. If a text is
 // refused, the error must have a message.
 #include "host/base/toml.hpp"
 #include <algorithm>

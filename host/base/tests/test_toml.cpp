@@ -1,5 +1,5 @@
-// These tests check the following. The reader refuses a text whose parser would recurse too deeply, before it
-// parses the text, and names line and column. A text within the limits must be parsed, traversed and
+// These tests check the following. Before it parses a text, the reader refuses one on which the parser would
+// recurse too deeply, and names line and column. A text within the limits must be parsed, traversed and
 // destroyed without a deep stack.
 #include "host/base/toml.hpp"
 
@@ -84,7 +84,7 @@ void the_deepest_text_that_is_allowed_is_read(void **)
 }
 
 // To find out whether a letter outside ASCII is white space, the library toml++ looks it up in a table. In an
-// earlier version, such a look-up was undefined behaviour for most of these letters, and a sanitizer ended
+// earlier version, this look-up was undefined behaviour for most letters outside ASCII, and a sanitizer ended
 // the program (host/base/toml.hpp).
 void a_letter_outside_ascii_is_no_blank(void **)
 {

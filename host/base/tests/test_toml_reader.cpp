@@ -1,6 +1,6 @@
 // These tests check the following. The reader of TOML files returns values within their bounds, and refuses
-// all other values. The message of a refusal names file, line, place, key and remedy. For a mistyped key,
-// word or source the error message suggests the right one.
+// all other values. If the reader refuses a value, the message names file, line, place, key and remedy. For a
+// mistyped key, word or source the error message suggests the right one.
 #include "host/base/tests/folder.hpp"
 #include "host/base/toml_reader.hpp"
 

@@ -1,6 +1,6 @@
 // Tests that a case file is read with all its parts, and that each mistake is refused with file and line. A
-// goal that must be reached once stays reached, and counts only after the earlier goals of this kind; the
-// last look judges a goal that must hold at the end. Between the two values of a limit, the marks fall in
+// goal of the kind "reached once" stays reached, and counts only after the earlier goals of this kind. A goal
+// that must hold at the end is judged by the last check. Between the two values of a limit, the marks fall in
 // proportion to the measured value.
 #include "host/cases/check.hpp"
 #include "host/cases/goals.hpp"
@@ -127,8 +127,8 @@ void each_mistake_is_refused_with_its_line(void **)
         const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
         const int line = line_of(text, mistake.changed);
         const bool has_line = faults[0].find(path + ":" + std::to_string(line) + ":") != std::string::npos;
-        // A fault of a stent is reported at the line of the start's tools, and a missing key is reported at
-        // the line of its table.
+        // A fault of a stent is reported at the line of the tools at the start, and a missing key at the line
+        // of its table.
         const bool is_elsewhere = faults[0].find("balloon") != std::string::npos ||
                                   faults[0].find("is only") != std::string::npos ||
                                   faults[0].find("lengths for") != std::string::npos;
@@ -148,7 +148,8 @@ void a_mistake_in_a_script_is_told_at_the_script(void **)
     assert_int_equal(faults.size(), 3);
 }
 
-// Writes a case with five offered tools, of which two are on the line at the start, beside a free position.
+// Writes a case with five offered tools, of which two are in the vessels at the start; one position on the
+// line holds no tool.
 std::string exchange_case(const std::string &expert)
 {
     std::string text = crn::case_template("a");
@@ -186,7 +187,8 @@ void a_case_may_have_more_tools_than_the_line(void **)
     assert_int_equal(session.inserted_um[2], 5000);
 }
 
-// The check judges each statement of a script with the tools that are on the line at that statement.
+// The check judges each statement of a script with the tools that are nested in the vessels at that
+// statement.
 void a_mistake_about_the_line_is_told_at_its_statement(void **)
 {
     const std::vector<Mistake> mistakes = {
@@ -210,7 +212,7 @@ void a_mistake_about_the_line_is_told_at_its_statement(void **)
     }
 }
 
-// A free position on the line has no inserted length.
+// A position without a tool has no inserted length.
 void a_length_at_a_free_position_is_refused(void **)
 {
     const std::string path = exchange_case(exchanges);
@@ -321,7 +323,7 @@ void pictures_get_every_frame_that_the_goals_ask_for(void **)
     assert_int_equal(pictures.frames, 20);
 }
 
-// A value in the middle between `full_at` and `none_at` must earn half of the marks, whichever of the two is
+// A value halfway between `full_at` and `none_at` must earn half of the marks, whichever of the two limits is
 // larger.
 void marks_fall_in_proportion_between_the_values_of_a_limit(void **)
 {
@@ -359,7 +361,7 @@ void a_changed_lesion_is_another_scene(void **)
     assert_string_not_equal(crn::recipe_key(recipe).c_str(), first.c_str());
 }
 
-// The key must change if a mesh that the scene's text names has changed, although that text has not.
+// The key must change if a mesh that the scene's text names has changed, even if the text has not.
 void a_changed_mesh_is_another_scene(void **)
 {
     crn::Recipe recipe;

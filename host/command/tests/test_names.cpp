@@ -1,5 +1,5 @@
-// Tests that scenes and recordings are found by their names, and that the shipped scene is unpacked only
-// once, either completely or not at all.
+// Tests that scenes and recordings are found by their names. The shipped scene must be unpacked only once,
+// and either completely or not at all.
 #include "host/base/pending_file.hpp"
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
@@ -185,8 +185,8 @@ static void the_text_without_a_display_fits_a_screen(void **)
     }
 }
 
-// The words of the option --line must be names of files or numbers in the session's table of tools;
-// everything else is wrong usage.
+// Each word of the option --line must be the name of a file, or a number in the session's table of tools; any
+// other word is wrong usage.
 static void the_option_line_names_tools_of_the_table(void **)
 {
     const std::vector<std::string> tools = {"a/wire.toml", "b/guide.toml:preset", "guide.toml", "x.toml"};

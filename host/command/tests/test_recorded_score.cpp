@@ -1,5 +1,5 @@
-// Tests the score of a recording in which tools were exchanged. The report must name the tools that are on
-// the line at the end, as the session's own report does.
+// Tests the score of a recording in which tools were exchanged. The report must name the tools that are in
+// the vessels at the end, as the session's own report does.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

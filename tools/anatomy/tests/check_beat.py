@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Compares the result of `anatomy beat` with the beat of the shipped heart.
 
-For the test, the mesh of the other heart is a copy of the shipped left coronary arteries that is enlarged 1.2 times,
-turned and shifted. If the motion of the other heart's mesh is rotated and scaled back, this motion must equal that of
-the shipped arteries.
+In the test, the mesh of the other heart is a copy of the shipped left coronary arteries, enlarged 1.2 times, turned and
+shifted. If the motion of the other heart's mesh is rotated and scaled back, this motion must equal that of the shipped
+arteries.
 
 usage: check_beat.py make HEART MESH.obj ANATOMY  writes the mesh, and prints its three landmarks as arguments
        check_beat.py compare HEART FOLDER         prints the largest deviation in mm; exit code 1 above 0.02 mm
@@ -27,7 +27,7 @@ def there(point):
 
 
 def read_body(path):
-    """Returns the vertices and the faces of BODY. The vertex numbers in the faces begin at 1."""
+    """Returns the vertices and the faces of one body. The vertex numbers in the faces begin at 1."""
     vertices, faces, before, inside = [], [], 0, False
     for line in path.read_text().splitlines():
         words = line.split()

@@ -91,10 +91,10 @@ def curves_of(path):
 
 
 def rest_ms(frames, low, high):
-    """Returns the length of the longest time window during which the vessel rests.
+    """Returns the length of the longest time interval in which the vessel rests.
 
-    Within the returned time window, no point of the vessel is more than 1 mm away from its position at the window's
-    beginning or end. The middle of the time window lies in the given part of the beat. Positions are interpolated
+    Within the returned interval, no point of the vessel is more than 1 mm away from its position at the beginning or
+    end of the interval. The middle of the time interval lies in the given part of the beat. Positions are interpolated
     linearly between frames, in time steps of 1/120 of a beat.
     """
     fine = 120

@@ -94,7 +94,7 @@ class Inside:
 
 
 def section_area_mm2(vertices, triangles, centre, normal, reach_mm):
-    """Returns the area of the mesh's cross-section with a plane, from the triangles within reach_mm of the centre."""
+    """Returns the area of the mesh's cross-section with a plane; only triangles within reach_mm of the centre count."""
     side = {}
 
     def height(vertex):
@@ -154,8 +154,8 @@ def sampled(vertices, count):
 
 
 def nesting_faults(bodies, meshes):
-    """Checks points of every body: each point must lie in the enclosing body, and in none of the other bodies that the
-    enclosing body directly contains."""
+    """Checks points of every body: each point must lie in the body around it, and in no other body directly inside that
+    one."""
     inside = {name: Inside(*mesh) for name, mesh in meshes.items()}
     faults = []
     for body in bodies:

@@ -30,8 +30,8 @@ def centreline(folder, name):
 
 
 def widths_below_the_top(name):
-    """Returns the height of the brachiocephalic artery's origin below the top of the arch, in widths of the left common
-    carotid artery."""
+    """Returns how far the origin of the brachiocephalic artery lies below the top of the arch, in widths of the left
+    common carotid artery."""
     with tempfile.TemporaryDirectory() as folder:
         words = [PROGRAM, "aorta", "--vessels", os.path.join(ANATOMIES, name + ".toml"), "--no-bodies", "--quiet"]
         subprocess.run(words + ["--lumen-mm", COARSE_MM, "-o", folder], check=True, stdout=subprocess.DEVNULL)

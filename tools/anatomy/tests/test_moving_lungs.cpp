@@ -1,6 +1,5 @@
 // These tests check the following. When the shipped lungs move with the heart, no face of their meshes turns
-// over. No face of the lungs' meshes turns over either if the vertices are rounded to a micrometre, as in
-// files.
+// over. Rounding the vertices to a micrometre, as in files, must not turn any face of the lungs' meshes over.
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include "tools/mesh/sequence.hpp"

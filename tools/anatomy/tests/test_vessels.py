@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests the files of vessels. The shipped files of vessels are valid. If a point of a vessel is moved in the file, the
-vessel that the program makes moves, too. For each mistake in a file of vessels, the program refuses the file and names
+"""Tests the files of vessels. The shipped files of vessels are valid. If a vessel's point is moved in the file, the
+resulting vessel moves too. For each mistake in a file of vessels, the program refuses the file and names
 file, line and key. The program either reads or refuses a damaged file, and it never crashes. Prints TAP."""
 
 import json

@@ -1,7 +1,7 @@
-// These tests check the following. A baked lumen equals the given surface within the stated tolerance,
-// whichever refinement level the field's bricks have. Its file opens. If a scene cannot be baked, the program
-// `bake` prints one sentence with the reason, and the old files remain. The tests use a torus, whose distance
-// is known in closed form, and texts of scenes with one fault each.
+// These tests check the following. A baked lumen equals the given surface within the stated tolerance, at
+// every refinement level of the field's bricks (blocks of voxels). Its file opens. If a scene cannot be
+// baked, the program `bake` prints one sentence with the reason, and the old files remain. The tests use a
+// torus, whose distance is known in closed form, and texts of scenes with one fault each.
 #include "shared/scene/scene.h"
 #include "tools/bake/tests/shapes.hpp"
 
@@ -78,8 +78,8 @@ void bricks_are_refined_until_the_tolerance_holds(void **)
     }
 }
 
-// Neighbouring bricks of the field store equal samples where they overlap, so a guidewire feels no step
-// between the bricks.
+// Neighbouring bricks of the field store equal samples where they overlap, so the wall has no step between
+// bricks.
 void neighbouring_bricks_agree_where_they_overlap(void **)
 {
     Progress progress;
@@ -199,9 +199,8 @@ void axes_and_offset_move_the_surface(void **)
         {folder.path, {}});
     std::string report;
     const Mesh mesh = lumen_surface(text, report, progress);
-    // The first vertex of the mesh file is (56, 0, 0). For the first vertex of the mesh file, the coordinate
-    // towards the patient's left is the file's y, which is 0, and the coordinate towards the head is the
-    // file's -x.
+    // The first vertex of the mesh file is (56, 0, 0). The patient's left is the file's y, which is 0 for the
+    // first vertex, and the direction to the head is the file's -x.
     assert_true((mesh.vertices_mm.size() == 8000) &&
                 std::abs(volume_mm3(mesh) / (turn * turn / 2 * 25 * 9) - 1) < 0.01);
     Eigen::AlignedBox3d box;

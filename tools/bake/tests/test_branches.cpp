@@ -34,8 +34,8 @@ Curve line(const char *file, const Eigen::Vector3d &from_mm, const Eigen::Vector
     return made;
 }
 
-// The test's vessels are an aorta that was traced upwards and divides at its lower end, a renal artery traced
-// towards the aorta, and two iliac arteries traced in opposite directions.
+// The test has an aorta that was traced upwards and divides at its lower end, a renal artery traced towards
+// the aorta, and two iliac arteries traced in opposite directions.
 std::vector<Curve> four()
 {
     return {line("a/left_iliac.mrk.json", {80, -120, 0}, {1, -3, 0}, 4, 5),

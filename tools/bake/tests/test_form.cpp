@@ -1,6 +1,7 @@
 // These tests check the following. The surface of a body can be remade, closed, cut, hollowed and reduced to
-// fewer triangles; each result is within a stated distance of a closed form. Bodies that overlap are named.
-// The keys of a scene's text for parts, pieces and transforms have the effects that docs/scene.md describes.
+// fewer triangles; each result must agree with a closed form within a stated distance. Bodies that overlap
+// are named. The keys of a scene's text for parts, pieces and transforms have the effects that docs/scene.md
+// describes.
 #include "tools/bake/form.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -53,8 +54,8 @@ void opening_that_is_not_flat_is_capped_when_any_may_be(void **)
     Mesh mesh = tube(6, 80, 20, 32);
     mesh.vertices_mm[3].y() -= 4;
     check_closed(mesh, Cap::any);
-    // The test pulls one corner of the tube's open end out by 4 mm, so the two triangles of the cap at this
-    // corner enclose slightly more volume.
+    // The test pulls one corner of the tube's open end out by 4 mm, so the cap's two triangles at this corner
+    // enclose slightly more volume.
     is_near(volume_mm3(mesh), 32 * 36.0 / 2 * std::sin(turn / 32) * 80, 20, "the volume in mm3");
     contains(mesh.notes.at(0), {"capped the opening", "32 edges"});
 }
@@ -77,8 +78,8 @@ void overlapping_pieces_become_one_solid(void **)
     is_near(volume_mm3(two), 2000, 1e-6, "the volume counted twice");
     Mesh one = offset_surface(two, 0.25, 0);
     check_closed(one, Cap::none);
-    // The volume of the union of the two cubes is the sum of their volumes minus the volume that both cubes
-    // contain, which is 7 x 6 x 5 mm. The edges of a cube are rounded by half a voxel.
+    // The volume of the union is the sum of the two cubes' volumes minus their common volume of 7 x 6 x 5 mm.
+    // The edges of a cube are rounded by half a voxel.
     is_near(volume_mm3(one), 2000 - 7 * 6 * 5, 18, "the volume of the union in mm3");
 }
 
@@ -95,9 +96,9 @@ void surface_inside_is_as_deep_as_stated(void **)
 void closing_fills_the_hole_of_a_ring_and_keeps_its_outside(void **)
 {
     const Mesh ring = torus(10, 6, 160, 80);
-    // The expansion by 7 mm gives the ring's tube a radius of 13 mm, so it fills the hole in the ring's
-    // middle from -8.3 to 8.3 mm along the axis. After shrinking by 7 mm, the ring's hole remains filled from
-    // -1.3 to 1.3 mm along the axis.
+    // Expanding the ring by 7 mm gives its tube a radius of 13 mm, which fills the ring's hole from -8.3 to
+    // 8.3 mm along the axis. After shrinking by 7 mm, the ring's hole remains filled from -1.3 to 1.3 mm
+    // along the axis.
     const Mesh full = closed_surface(ring, 0.4, 7);
     assert_true(TriangleTree(ring).nearest({0, 0, 0}).distance_mm > 3.9);
     assert_true(TriangleTree(full).nearest({0, 0, 0}).distance_mm < -1);
@@ -217,10 +218,9 @@ Mesh folded_plate()
     return mesh;
 }
 
-// An earlier version of the report stated that lungs, heart and airway "reached 96 mm into" the shoulders,
-// although these organs lie between the two thin shoulder blades. An earlier version of the program took a
-// point outside a shoulder blade for a point inside if the nearest part of the blade's surface was its folded
-// edge.
+// An earlier report stated that lungs, heart and airway "reached 96 mm into" the shoulders, although they lie
+// between the two thin shoulder blades. An earlier version took a point outside a shoulder blade for a point
+// inside if the nearest part of the blade was its folded edge.
 void fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside(void **)
 {
     Mesh sheets = joined(folded_plate(), moved(cube(10), {90, 0, -5}));
@@ -301,8 +301,8 @@ void transforms_come_in_the_stated_order(void **)
                                              "rotate_deg = [90, 0, 0]\noffset_mm = [1, 2, 3]\n")),
         {folder.path, {}});
     // The scene's axes convert the point (50, 40, 7) to (40, -50, 7), and the scale converts it to (80, -50,
-    // 7). After this conversion, a quarter turn about the axis that points to the patient's left turns the
-    // direction to the head into the direction to the front.
+    // 7). A quarter turn about the axis to the patient's left then turns the direction to the head into the
+    // direction to the front.
     const Eigen::Vector3d placed = text.bodies[0].mesh.placement.place({50, 40, 7}, 1);
     is_near((placed - Eigen::Vector3d(81, 2 - 7, 3 - 50)).norm(), 0, 1e-9,
             "the distance from the place by hand");

@@ -93,8 +93,8 @@ void side_branches_still_leave_where_they_left(void **)
     assert_true(check_vessel_tree(tree, error));
 }
 
-// With plaque in front (+z) the narrowed channel lies towards the back; at eccentricity 1 the channel touches
-// the healthy wall at the back.
+// With plaque in front (+z) the narrowed channel lies towards the back; with an eccentricity of 1 it touches
+// the healthy back wall.
 void an_eccentric_channel_lies_away_from_the_plaque(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -108,8 +108,8 @@ void an_eccentric_channel_lies_away_from_the_plaque(void **)
     assert_true(tree.branches[0].points_m[tree.throat(tree.lesions[0])].x() < -1.39e-3);
 }
 
-// The distance from each point of the vessel tree to the wall of the mesh equals the radius at this point.
-// Chords of 0.4 mm length in a circle of 2 mm radius lie up to 0.01 mm inside the circle.
+// At each point of the vessel tree, the distance to the wall of the mesh equals the radius. Chords of 0.4 mm
+// length in a circle of 2 mm radius lie up to 0.01 mm inside the circle.
 void the_surface_goes_with_the_tree(void **)
 {
     for (double eccentricity : {0.0, 0.6}) {
@@ -141,9 +141,9 @@ void the_surface_goes_with_the_tree(void **)
     }
 }
 
-// A guidewire of 0.18 mm radius that touches the mesh's wall must touch the core's wall at the same position,
-// all round the vessel. On the axis of a narrow channel, the spline rounds off the peak of the distance
-// field.
+// A guidewire of 0.18 mm radius must touch the wall of the mesh and the wall of the core at the same
+// position, all round the vessel. On the axis of a narrow channel, the spline rounds off the peak of the
+// distance field.
 void the_field_knows_the_narrowed_wall(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -168,9 +168,9 @@ void the_field_knows_the_narrowed_wall(void **)
 }
 
 // The text of a scene may set a coarse tolerance for the distance field. The field must still resolve a
-// channel of 0.4 mm radius; without a finer resolution near the lesion, the channel would vanish from the
-// field. On the axis of a channel of 0.4 mm radius, the spline rounds off the peak of the distance, so the
-// field shows less than 0.4 mm of clearance.
+// channel of 0.4 mm radius, which would vanish without a finer resolution near the lesion. On the axis of a
+// channel of 0.4 mm radius, the field shows less than 0.4 mm of clearance, because the spline rounds off the
+// peak of the distance.
 void a_lesion_asks_more_of_the_field_than_its_scene(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -243,8 +243,8 @@ struct BakedLesion {
         lumen.lesions = &lesion;
     }
     Vector3d throat_mm() const { return tree.branches[0].points_m[tree.throat(tree.lesions[0])] * 1e3; }
-    // Returns the core's distance from the wall at a point, in mm, positive outside the lumen. The parameter
-    // `open` states for each station of the lesion which fraction of the narrowing has been opened.
+    // Returns the core's distance from the wall at a point, in mm, positive outside the lumen. `open` states
+    // for each station of the lesion how much of the narrowing has been opened, from 0 to 1.
     double distance_mm(const Vector3d &place_mm, const std::vector<double> &open) const
     {
         crn_lesion_state state{};
@@ -280,9 +280,9 @@ void opened_it_is_the_healthy_vessel(void **)
     }
 }
 
-// The host's vessel, from which pictures and blood flow are computed, must have its wall at the same position
-// as the core's vessel. The test compares vertices and inscribed spheres, after the points along the lesion
-// were opened by different fractions from 0.2 to 0.9.
+// The host's vessel, used for pictures and blood flow, must have its wall at the same position as the core's
+// vessel. The test compares vertices and inscribed spheres after each point along the lesion was opened by a
+// fraction from 0.2 to 0.9.
 void the_hosts_vessel_opens_as_the_cores_does(void **)
 {
     const BakedLesion baked;
@@ -326,7 +326,7 @@ void the_hosts_vessel_opens_as_the_cores_does(void **)
 
 // The positions of lesions refer to the healthy vessel. A lesion keeps its position when another lesion is
 // added. The added lesion is either an eccentric lesion upstream, whose channel is longer than the vessel, or
-// a lesion of the parent vessel where the branch begins.
+// a lesion of the parent vessel at the origin of the branch.
 void a_lesion_lies_where_it_would_lie_alone(void **)
 {
     LesionText second = plaque(0.5), ostium = plaque(), side = plaque();
@@ -376,8 +376,8 @@ void plaque_stays_on_its_side_in_a_bend(void **)
     assert_true(before.norm() > 0);
 }
 
-// A side branch of 1 mm radius runs along the vessel, and both vessels have lesions. If a part of the wall
-// lies nearer to the side branch, only the lesion of the side branch moves this part.
+// A side branch of 1 mm radius runs along the vessel, and both vessels have lesions. Where a part of the wall
+// lies nearer to the side branch, only the lesion of the side branch moves it.
 void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -393,8 +393,8 @@ void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
     assert_true((wall_mm[0] - Vector3d(3.05 - 0.3 * 0.17, 30, 0.3 * 0.985)).norm() < 5e-3);
 }
 
-// Programs for computer-aided design write tubes of long triangles, so the middles of the edges may lie far
-// from the lesion.
+// Computer-aided design programs write tubes of long triangles, so the middles of the edges may lie far from
+// the lesion.
 void triangles_as_long_as_the_vessel_are_divided(void **)
 {
     LesionText text = plaque();

@@ -1,7 +1,7 @@
-// These tests check the following. No mesh file can crash the program, even if the file declares more data
-// than it holds, names a missing vertex, nests without end, or is no mesh at all. For each wrong mesh file
-// the error message gives the file's name, the position of the fault and the remedy. A child process with
-// limited memory, time and stack reads the file. A valid mesh file is read without any change.
+// These tests check the following. No mesh file can crash the program, even if it declares more data than it
+// holds, names a missing vertex, nests without end, or is no mesh at all. For each wrong mesh file the error
+// message gives the file's name, the position of the fault and the remedy. A child process with limited
+// memory, time and stack reads the file. A valid mesh file is read without any change.
 #include "host/base/guarded_read.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/tests/shapes.hpp"

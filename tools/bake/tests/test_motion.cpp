@@ -1,7 +1,7 @@
 // These tests check the following. A lattice fitted to 24 frames moves the lumen, as the core computes the
-// motion, to within 0.3 mm of each frame. Frames that show other times of the heartbeat are converted to the
-// standard times, and meshes that form no sequence are refused with a message of one sentence. The tests use
-// a tube of 1.5 mm radius that lies on a beating and rotating sphere.
+// motion, to within 0.3 mm of each frame. Frames at other times of the heartbeat are converted to the
+// standard times. Meshes that form no sequence are refused with a message of one sentence. The tests use a
+// tube of 1.5 mm radius that lies on a beating and rotating sphere.
 #include "host/model/bodies.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -131,7 +131,7 @@ void the_moved_lumen_is_the_moved_mesh_in_every_frame(void **)
     assert_int_equal(scene.motion.spacing_log2_q30, 23);
 }
 
-// The lattice of breath is fitted to the first frame alone, but it must also be correct for every other
+// The lattice of breath is fitted to the first frame alone. The fit must also be correct for every other
 // frame, because the moving chest moves the beating heart.
 void a_full_breath_carries_every_frame(void **)
 {
@@ -162,8 +162,7 @@ void a_full_breath_carries_every_frame(void **)
     assert_true(worst_mm > 0.005 && worst_mm < 0.3);
 }
 
-// The reference pose is the middle keyframe: no frame is farther from this pose than half the length of the
-// motion.
+// The reference pose is the middle keyframe: every frame is within half the length of the motion from it.
 void the_reference_pose_is_in_the_middle(void **)
 {
     Sequence sequence;
@@ -198,8 +197,8 @@ void bodies_go_to_the_reference_pose_with_the_lumen(void **)
 }
 
 // A lesion of 60 % stenosis is made in the reference pose, at the angle of 220 degrees on the ring-shaped
-// vessel. In every frame of the motion, the narrowest point of the lumen lies where the motion has moved the
-// centre of the lesion.
+// vessel. In every frame, the narrowest point of the lumen lies where the motion has moved the lesion's
+// centre.
 void a_lesion_moves_with_its_vessel(void **)
 {
     Folder folder;
@@ -237,8 +236,8 @@ void a_lesion_moves_with_its_vessel(void **)
     }
 }
 
-// A second recording of the same motion ends systole in frame 8; after conversion to the standard times,
-// frame 8 is keyframe 10, and frame 4 is keyframe 5.
+// A second recording of the same motion ends systole in frame 8. After conversion to the standard times, its
+// frame 8 is keyframe 10, and its frame 4 is keyframe 5.
 void frames_of_another_timing_are_retimed(void **)
 {
     Sequence timed;

@@ -182,12 +182,12 @@ void hip_bone_becomes_one_solid_within_its_stated_error(void **)
     check_closed(mesh, Cap::none);
     if (report.find("decimated         hip_left") == std::string::npos) fail_msg("%s", report.c_str());
     const Deviation found = deviation(load_mesh(body("hip_left").mesh), mesh, 2000);
-    // The prepared bone has lost the inner walls between ilium, ischium and pubis, so only the mean distance
-    // between its surface and the original surface can show that the bone is unchanged.
+    // The prepared bone has lost the inner walls between ilium, ischium and pubis. Only the mean distance
+    // between its surface and the original surface can therefore show that the bone is unchanged.
     if (found.mean_mm > 1.5) fail_msg("%.2f mm from the atlas's bone on average", found.mean_mm);
-    // The bone's volume in the atlas is the volume of its shells of compact bone plus the spongy bone inside
-    // the shells, as computed from their faces. Our solid has no gap between compact and spongy bone, and it
-    // closes the joints, so its volume may differ by 1 % from that in the atlas.
+    // In the atlas, the bone's volume is the volume of its shells of compact bone plus that of the spongy
+    // bone inside, as computed from their faces. Our solid has no gap between compact and spongy bone, and
+    // its joints are closed, so its volume may differ by 1 % from that in the atlas.
     MeshText whole = body("hip_left").mesh;
     for (const char *name : {"ilium", "ischium", "pubis"})
         whole.parts.push_back("VH_M_" + std::string(name) + "_spongy_bone_L");

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests `make bars` (docs/bars.md): no bar (limit) vanishes from the list, a value beyond its bar fails, and a time
-never fails. Prints TAP."""
+"""Tests `make bars` (docs/bars.md): no bar (limit) vanishes from the list, a value beyond its bar fails, and a measured
+time never fails. Prints TAP."""
 
 import glob
 import os

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests that a whole angioplasty of the left anterior descending artery can be done by hand in at most 60 actions. Real
 keys and clicks lead from the start screen to the score, with wire, bare balloon, stent and two cine runs. The session
-takes about five minutes in real time, more on a busy machine, so the test has the label `hours`.
+takes about five minutes in real time, or longer on a busy machine, so the test has the label `hours`.
 """
 
 import os

@@ -1,5 +1,5 @@
-// As in TEASAR (Sato et al. 2000), the code repeatedly traces a path back from the farthest voxel, until
-// branches cover every voxel.
+// As in TEASAR (Sato et al. 2000), the code repeatedly traces a path back from the voxel farthest from the
+// source, until branches cover every voxel.
 #include "tools/centreline/fit/automatic.hpp"
 #include "host/base/format.hpp"
 
@@ -45,8 +45,8 @@ class Cover
     }
 
   private:
-    // Marks the voxels that are connected to `middle` within the ball as covered; voxels of a neighbouring
-    // vessel are not connected to `middle` and stay unmarked.
+    // Marks as covered the voxels in the ball that are connected to `middle`; the voxels of a neighbouring
+    // vessel are not connected and stay unmarked.
     void ball(std::size_t middle, double reach_mm)
     {
         const Eigen::Vector3d centre = voxels_.centre_mm(middle);
@@ -72,7 +72,7 @@ class Cover
     std::uint32_t stamp_ = 0;
 };
 
-// Returns the voxels that the search has reached, with the farthest voxel first.
+// Returns the voxels that the search has reached, from the farthest to the nearest.
 std::vector<std::size_t> by_length(const Ways &ways)
 {
     std::vector<std::size_t> order;
@@ -83,8 +83,8 @@ std::vector<std::size_t> by_length(const Ways &ways)
     return order;
 }
 
-// Finds the tips of the vessel that are far enough from the source to form a branch, and returns the paths
-// from the source to these tips, longest path first.
+// Finds the tips of the vessel that are far enough from the source to form a branch, and returns their paths
+// from the source, longest path first.
 std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const Ways &ways,
                                                    const AutoWish &wish, bake::Progress &progress)
 {
@@ -109,7 +109,7 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
 }
 
 // Follows the path for a few millimetres from its tip, and returns the depth (distance to the wall) of the
-// deepest voxel on this part.
+// deepest voxel there.
 double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
 {
     double depth = 0;
@@ -150,8 +150,8 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
         notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
         return static_cast<std::size_t>(near_point(lumen, widest->centre_mm));
     }
-    // The voxel with the longest path from the deepest voxel is a tip of the tree. From the first tip of the
-    // tree the code finds all other tips, and it takes the widest tip as the inlet.
+    // The voxel with the longest path from the deepest voxel is a tip of the tree. From this first tip the
+    // code finds all other tips of the tree, and takes the widest tip as the inlet.
     std::size_t deepest = 0;
     for (std::size_t v = 0; v < voxels.size(); ++v)
         if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;

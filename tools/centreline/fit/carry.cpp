@@ -29,8 +29,8 @@ std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sph
         if (near.size() >= mesh.vertices_mm.size()) break;
     }
     std::sort(near.begin(), near.end());
-    // The code selects vertices so that a side of the vessel with many vertices has no more weight than a
-    // side with few vertices.
+    // The code selects the vertices so that the sides of the vessel have equal weight, even if one side has
+    // more vertices.
     std::vector<std::uint32_t> chosen;
     const std::size_t step = std::max<std::size_t>(1, near.size() / vertices_wanted);
     for (std::size_t i = 0; i < near.size(); i += step) chosen.push_back(near[i].second);

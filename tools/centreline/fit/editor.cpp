@@ -212,7 +212,7 @@ class Editor
         if (kind_ == PointKind::start) kind_ = PointKind::end;
     }
 
-    // Moves the selected point with the mouse pointer and keeps the point's distance from the viewer.
+    // Moves the selected point with the mouse pointer, at a constant distance from the viewer.
     void drag(double x, double y)
     {
         const Eigen::Vector3d along = view_.axes().row(2), on_plane = view_.ray_start_mm(x, y);
@@ -290,7 +290,7 @@ class Editor
         look_anew();
     }
 
-    // When the view is enlarged, the point of the vessel under the mouse pointer stays under the pointer.
+    // When the view is enlarged, the point of the vessel under the mouse pointer stays there.
     void zoom(double factor, double x, double y)
     {
         const Eigen::Vector3d before = view_.ray_start_mm(x, y);
@@ -305,7 +305,7 @@ class Editor
         is_dirty_ = true;
     }
 
-    // Draws lines of text on a background that darkens the picture behind the text.
+    // Draws lines of text on a dark background, so that the text can be read in front of the picture.
     static void panel(Sheet &sheet, int top, const std::vector<std::string> &lines, Ink ink)
     {
         int width = 0, y = top + 8;

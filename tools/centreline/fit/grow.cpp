@@ -12,8 +12,8 @@ namespace
 using Points = std::vector<Eigen::Vector3d>;
 constexpr double merge_share = 0.75; // junctions closer than this many radii become one
 
-// Returns the opening through which a path that ends at a given point leaves the vessel, or null if the path
-// does not leave the vessel.
+// Returns the opening through which a path leaves the vessel at its end, or null if the path does not leave
+// the vessel.
 const Opening *opening_near(const Lumen &lumen, const Eigen::Vector3d &p_mm)
 {
     const Opening *nearest = nullptr;
@@ -128,8 +128,8 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
         finish_last(lumen, line);
         std::reverse(line.begin(), line.end());
     }
-    // A point that the user has given keeps its position along the vessel, but the fit may move the point
-    // sideways towards the middle.
+    // A point that the user has given keeps its position along the vessel; the fit may only move it sideways
+    // towards the middle.
     constexpr double fine_spacing = 0.1; // ends are cut more finely than the final spacing of the spheres
     const LineWish fit{fine_spacing, way.parent >= 0 ? &tree.branches[way.parent] : nullptr,
                        way.parent >= 0 || !way.is_first_given, !way.is_last_given};
@@ -140,8 +140,8 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
         cut_at_last_sphere(lumen, branch.spheres);
         std::reverse(branch.spheres.begin(), branch.spheres.end());
     }
-    // After the branch is cut at its ends, its first and last spheres have unequal distances to their
-    // neighbours, so the code spaces all spheres again.
+    // After a branch is cut at its ends, its first and last spheres have other distances to their neighbours,
+    // so the code spaces all spheres again.
     branch.spheres = spaced(lumen, centres(branch.spheres), wish.spacing);
     if (way.parent >= 0) branch.spheres.front() = tree.branches[way.parent].spheres[branch.parent_sphere];
     branch.spheres.front().is_manual |= way.is_first_given && way.parent < 0;

@@ -31,7 +31,7 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
 int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 
 // If the end of a path is near an opening, the function moves the path's end to the middle of the opening.
-// Only path ends that the user has not placed may be moved to an opening.
+// Only ends that the user has not placed may be moved to an opening.
 void finish_last(const Lumen &lumen, std::vector<Eigen::Vector3d> &points_mm);
 
 } // namespace crn::centreline

@@ -37,9 +37,9 @@ Placed placed(const Lumen &lumen, const Point &point, std::size_t number, std::v
     if (voxel < 0)
         throw Fault("the " + title(point, number) + " lies over 5 mm outside the vessel: move it inside");
     Placed made{&point, static_cast<std::size_t>(voxel)};
-    // A point that the user has set may lie beside the middle of the vessel. The code searches for a voxel in
-    // the middle of the vessel, but only across the vessel, because the fit could not undo a shift of a
-    // branch's end along the vessel.
+    // A point that the user has set may lie beside the middle of the vessel. The code searches for a middle
+    // voxel only across the vessel, because the fit could not undo a shift of a branch's end along the
+    // vessel.
     made.voxel = voxels.middle_near(made.voxel);
     const double moved_mm = (voxels.centre_mm(made.voxel) - point.position_mm).norm();
     if (moved_mm > voxels.depth_mm(made.voxel))
@@ -167,8 +167,8 @@ Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const Grow
     find_order(lumen, all, ways, starts);
     apply_names(all);
     check_order(all);
-    // The code makes each parent branch before its child branches, and makes branches of equal level in the
-    // order of the user's points.
+    // The code makes each parent branch before its children, and branches of equal level in the order of the
+    // user's points.
     std::vector<std::pair<std::size_t, std::size_t>> order;
     std::vector<std::size_t> children(all.size(), 0);
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -187,8 +187,8 @@ Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const Grow
         const Placed &from = all[to.before];
         Way way{
             way_between(lumen, from, to), branch_name(all, order[n].second), from.branch, true, true, true};
-        // If several end points follow one point without a bifurcation point between them, the paths to these
-        // ends determine where the branches separate.
+        // If several end points follow one point without a bifurcation point between them, the paths to them
+        // determine where the branches separate.
         if (from.branch < 0 && !is_first[to.before]) {
             way.parent = parent_of(tree, way.points_mm);
             way.leaves_at_end = false;

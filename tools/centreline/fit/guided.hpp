@@ -8,8 +8,8 @@ namespace crn::centreline
 {
 
 // Makes a vessel tree that has a branch from each point to the following point. `notes` receives remarks
-// about points that the function moved or whose position is doubtful. Throws a Fault whose message names the
-// wrong point and the remedy.
+// about points that were moved or whose position is doubtful. Throws a Fault whose message names the wrong
+// point and the remedy.
 Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const GrowWish &wish,
                 std::vector<std::string> &notes, bake::Progress &progress);
 

@@ -24,8 +24,8 @@ double length_of(const Points &line)
     return sum;
 }
 
-// Returns points of the centreline `line` whose distances from each other are about `step(p)`; the first and
-// the last point do not move.
+// Returns points of the centreline `line` at distances of about `step(p)` from each other; the first and the
+// last point do not move.
 template <typename Step> Points resampled(const Points &line, Step step)
 {
     Points made{line.front()};
@@ -39,7 +39,7 @@ template <typename Step> Points resampled(const Points &line, Step step)
         }
         left -= (line[i] - at).norm();
     }
-    // The last piece of the centreline should be about as long as the centreline's other pieces.
+    // The last piece of the centreline should be about as long as the other pieces.
     if (made.size() > 1 && (made.back() - line.back()).norm() < 0.5 * step(line.back())) made.pop_back();
     made.push_back(line.back());
     return made;

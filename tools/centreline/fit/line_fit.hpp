@@ -23,8 +23,8 @@ Eigen::Vector3d centred(const Lumen &lumen, const Eigen::Vector3d &p_mm, const E
 std::vector<Sphere> fit_line(const Lumen &lumen, const std::vector<Eigen::Vector3d> &way_mm,
                              const LineWish &wish);
 
-// Places spheres along the centreline so that the distance to the next sphere is `spacing` times the vessel's
-// radius; the first and the last sphere lie at the centreline's ends.
+// Places spheres along the centreline. The distance to the next sphere is `spacing` times the vessel's
+// radius, and the first and last sphere lie at the ends.
 std::vector<Sphere> spaced(const Lumen &lumen, const std::vector<Eigen::Vector3d> &line_mm, double spacing);
 
 } // namespace crn::centreline

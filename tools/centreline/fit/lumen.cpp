@@ -61,7 +61,7 @@ Lumen::Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress)
         bake::check_closed(closed, wish.cap);
     } catch (const Fault &fault) {
         if (wish.cap != bake::Cap::any) throw;
-        // A mesh that does not bound a body may still bound a body after it has been remade from a level set.
+        // A mesh that does not bound a body may do so after it has been remade from a level set.
         closed = raw;
         bake::cap_openings(closed, bake::Cap::any);
         Eigen::AlignedBox3d box;

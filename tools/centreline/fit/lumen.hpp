@@ -27,8 +27,8 @@ class Lumen
 {
   public:
     // Makes a lumen from a mesh that was loaded from a file. If the mesh does not bound a body but has no
-    // hole wider than a vessel, the constructor remakes the mesh from a level set and adds a note. Throws a
-    // Fault that states which part of the mesh must be repaired.
+    // hole wider than a vessel, the constructor remakes it from a level set and adds a note. Throws a Fault
+    // that states which part of the mesh must be repaired.
     Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress);
     Lumen(const Lumen &) = delete;
     Lumen &operator=(const Lumen &) = delete;

@@ -1,4 +1,4 @@
-// For each undo step the project stores the whole list of points, because this list is short.
+// For each undo step the project stores the whole, short list of points.
 #include "tools/centreline/fit/project.hpp"
 #include "host/base/pending_file.hpp"
 
@@ -33,8 +33,8 @@ Project::Project(const std::filesystem::path &file, const std::string &mesh, con
     if (was_resumed_) saved_ = points_text(text_);
 }
 
-// A drag with the mouse has already changed the points since the last undo step, so the function `move`
-// itself records the points as they were before the drag.
+// A drag with the mouse has already changed the points since the last undo step, so `move` itself records the
+// points before the drag.
 void Project::keep()
 {
     before_.push_back(text_.points);

@@ -19,7 +19,7 @@ class Project
     void remove(std::size_t point);
     void replace(std::vector<Point> points);
     // While a point is dragged, its intermediate positions are not recorded; the call of `move` at the end
-    // makes the whole drag one undo step.
+    // records the whole drag as one undo step.
     void drag(std::size_t point, const Eigen::Vector3d &to_mm) { text_.points[point].position_mm = to_mm; }
     bool undo();
     bool redo();

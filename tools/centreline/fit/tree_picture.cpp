@@ -57,8 +57,8 @@ void draw_line(Sheet &sheet, const SheetPoint &a, const SheetPoint &b, double wi
     sheet.unclip();
 }
 
-// For each pixel whose centre is covered by a triangle, calls use() with the barycentric coordinates of the
-// pixel's centre.
+// For each pixel whose centre lies in a triangle, calls use() with the barycentric coordinates of this
+// centre.
 template <typename Use> void each_pixel(const std::array<SheetPoint, 3> &c, const View &view, Use use)
 {
     const double area = (c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y);
@@ -159,7 +159,7 @@ std::vector<float> glass_of(const bake::Mesh &mesh, const View &view)
 namespace
 {
 
-// Draws each edge of the mesh once; edges far from the viewer are drawn first and are paler.
+// Draws each edge of the mesh once, from far to near; edges far from the viewer are paler.
 void draw_wires(Sheet &sheet, const View &view, const bake::Mesh &mesh)
 {
     const Eigen::Matrix3d axes = view.axes();

@@ -1,5 +1,5 @@
-// Draws a vessel as if it were of glass, with the spheres of its tree inside. The command `centreline show`
-// writes the picture of vessel and tree to a file, and the editor shows it in its window.
+// Draws a vessel as if it were made of glass, with the spheres of its tree inside. The command `centreline
+// show` writes the picture of vessel and tree to a file, and the editor shows it in its window.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/centreline/fit/points.hpp"

@@ -1,5 +1,5 @@
 // A level set holds the distances to the wall, bricks of 8^3 numbers give each voxel's neighbours, and
-// Dijkstra's algorithm finds the paths.
+// Dijkstra's algorithm finds paths through the voxels.
 #include "tools/centreline/fit/voxels.hpp"
 #include "tools/bake/solid.hpp"
 

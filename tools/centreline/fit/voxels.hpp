@@ -21,13 +21,13 @@ class Voxels
     // Returns the inside voxel nearest to the point, or -1 if no inside voxel lies within `reach_mm` of the
     // point.
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
-    // Follows the steepest increase of depth (distance to the wall) from the given voxel, and returns the
-    // last voxel, which lies in the middle of the vessel. The path of steepest increase of the depth never
-    // runs along the vessel.
+    // Moves from the given voxel in the direction of steepest increase of depth (distance to the wall), and
+    // returns the last voxel, which lies in the middle of the vessel. The path of steepest increase of the
+    // depth never runs along the vessel.
     std::size_t middle_near(std::size_t voxel) const;
-    // Calls use(neighbour, distance_mm) for those of a voxel's 26 neighbours to which a straight path
-    // certainly stays inside the vessel. If the largest balls inside the vessel around two voxel centres
-    // overlap, the balls contain the segment between the centres, so the segment crosses no thin wall.
+    // Calls use(neighbour, distance_mm) for those of a voxel's 26 neighbours that a straight path certainly
+    // reaches inside the vessel. If the largest balls inside the vessel around two voxel centres overlap,
+    // they contain the segment between the centres, so this segment crosses no thin wall.
     template <typename Use> void each_neighbour(std::size_t voxel, Use use) const
     {
         const Eigen::Array3i &cell = cell_[voxel];

@@ -1,6 +1,6 @@
 // Fuzz target: reads arbitrary bytes as a centreline file in one of four formats; the first byte selects the
 // format. The JSON and XML parsers run in the process of the fuzz target. Every accepted tree must fulfil the
-// rules of check_tree, and it must be unchanged after it has been written and read again.
+// rules of check_tree, and it must be unchanged when it is written and read again.
 #include "tools/centreline/formats.hpp"
 #include <algorithm>
 #include <cstdint>

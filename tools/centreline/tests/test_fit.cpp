@@ -66,8 +66,7 @@ void a_straight_and_a_bent_tube_are_recovered_to_their_openings(void **)
         const Tree tree = automatic(lumen);
         assert_int_equal(tree.branches.size(), 1);
         print(bend_mm > 0 ? "bent tube" : "straight tube", worst_in_tube(tree, 2.0, bend_mm));
-        // The expected length of the centreline extends from one end plane of the tube to the other end
-        // plane.
+        // The expected length of the centreline is measured between the two end planes of the tube.
         const double length = length_mm(tree.branches[0]);
         if (std::abs(length - 30) > 0.3) fail_msg("is %.2f mm long, expected 30", length);
     }
@@ -98,8 +97,8 @@ void a_fork_of_arcs_is_found_without_help(void **)
     assert_int_equal(tree.branches[1].parent, 0);
     assert_int_equal(tree.branches[2].parent, 0);
     check_fork(tree, "fork, automatic");
-    // The first and the last sphere of a branch touch the round ends of the vessel, so the centres of these
-    // spheres are the ends of the original curves.
+    // The first and the last sphere of a branch touch the round ends of the vessel, so their centres are the
+    // ends of the original curves.
     const double y = tree.branches[0].spheres.front().centre_mm.y();
     if (std::abs(y + 20) > 0.5) fail_msg("begins at y = %.2f, expected -20", y);
     for (int b : {1, 2}) {
@@ -137,7 +136,7 @@ void points_of_a_person_give_the_same_fork(void **)
     assert_true(tree.branches[0].spheres.front().is_manual && tree.branches[0].spheres.back().is_manual);
     assert_true(tree.branches[1].spheres.back().is_manual && !tree.branches[1].spheres[3].is_manual);
     check_fork(tree, "fork, by points");
-    // If the tool fits the points that it proposed, it must find the same tree again.
+    // From the points that the tool has proposed, the fit must find the same tree again.
     const Tree again = fit_points(lumen, points_of(tree), {}, notes, progress);
     assert_int_equal(again.branches.size(), 3);
     assert_string_equal(again.branches[2].name.c_str(), "right");

@@ -50,7 +50,7 @@ template <typename T> std::string bytes_of(const std::vector<T> &values)
     return std::string(reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T));
 }
 
-// Encodes an array as vtkXMLWriter does. The encoded array is either header and data in one base64 text, or a
+// Encodes an array as vtkXMLWriter does. The encoded array is either one base64 text of header and data, or a
 // base64 header followed by the compressed blocks.
 std::string packed(const std::string &bytes, bool is_zlib)
 {

@@ -1,5 +1,5 @@
-// These tests check the following. A project of the editor keeps its points through saving, undo and redo,
-// and a click selects the middle of the vessel under the mouse pointer.
+// These tests check the following. A project of the editor keeps its points when it is saved, undone and
+// redone. A click selects the middle of the vessel under the mouse pointer.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/fit/editor.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"
@@ -82,7 +82,7 @@ void every_change_can_be_undone_and_done_again(void **)
         assert_true(project.redo());
         assert_string_equal(state().c_str(), states[n].c_str());
     }
-    // After a new change to the points, the changes that were undone before can no longer be redone.
+    // After a new change to the points, changes that were undone before can no longer be redone.
     assert_true(project.undo());
     project.add(point(PointKind::end, 3));
     assert_true(!project.redo());

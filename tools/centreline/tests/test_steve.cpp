@@ -1,10 +1,10 @@
-// These tests check the following. If centrelines of stEVE_bench are turned into a surface, the tool recovers
-// these centrelines from the surface. The recovered centrelines keep their position (mean distance <= 0.5 mm)
-// and their radius (mean error <= 5 %). From the imperfect surface of the same data set, the tool makes a
-// tree, or prints which part of the mesh must be repaired. The anatomy of stEVE_bench does not ship with
-// Cournand; where it is missing, the test is skipped and prints the reason. The test with the whole anatomy
-// takes half a minute. If the variable CRN_WHOLE is not set, the test therefore covers only the path from the
-// iliac arteries to the arch; `make validate-centreline` covers the whole anatomy.
+// These tests check the following. The tool must recover the centrelines of stEVE_bench from a surface that
+// was made from these centrelines. The recovered centrelines keep their position (mean distance <= 0.5 mm)
+// and their radius (mean error <= 5 %). From the imperfect surface of stEVE_bench, the tool makes a tree, or
+// prints which part of the mesh must be repaired. The anatomy of stEVE_bench does not ship with Cournand;
+// where it is missing, the test is skipped and prints the reason. The test with the whole anatomy takes half
+// a minute. Without the variable CRN_WHOLE, the test therefore covers only the path from the iliac arteries
+// to the arch; `make validate-centreline` covers the whole anatomy.
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/join.hpp"
 #include "tools/centreline/tests/shapes.hpp"
@@ -82,8 +82,8 @@ void curves_are_recovered_from_their_surface(void **)
     wish.inlet_mm = truth.branches[0].spheres[0].centre_mm; // curve 0 begins in the arch
     const Tree tree = fit_automatic(lumen, wish, notes, progress);
     // The test compares each sphere of the recovered tree with the nearest original curve. The mean weights
-    // each sphere by the length of vessel that the sphere represents, because otherwise thin vessels, which
-    // have more spheres, would count too much.
+    // each sphere by the length of vessel that it represents; otherwise thin vessels, which have more
+    // spheres, would count too much.
     double off = 0, radius = 0, weight = 0, found = 0, whole = 0;
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         for (std::size_t i = first_own_sphere(tree, b); i < tree.branches[b].spheres.size(); ++i) {
@@ -99,7 +99,7 @@ void curves_are_recovered_from_their_surface(void **)
             radius += length * std::abs(sphere.radius_mm / best.radius_mm - 1);
             weight += length;
         }
-    // The test also measures which fraction of the original curves' length has a recovered centreline nearby,
+    // The test also measures how much of the original curves' length has a recovered centreline nearby,
     // because no curve may be lost.
     for (const Branch &curve : truth.branches)
         for (const Sphere &sphere : curve.spheres) {
@@ -139,7 +139,7 @@ void the_dirty_surface_gives_a_tree_or_says_what_to_mend(void **)
         double length = 0;
         for (const Branch &branch : tree.branches) length += length_mm(branch);
         // The surface extends from the iliac arteries to the head, so the recovered tree must have several
-        // branches and must be about as long as the surface.
+        // branches and a length similar to that of the surface.
         assert_true(tree.branches.size() > 5 && length > 500);
         assert_true(!lumen.notes().empty());
         outcome = "a tree of " + std::to_string(tree.branches.size()) + " branches and " +

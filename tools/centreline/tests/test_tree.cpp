@@ -36,8 +36,8 @@ void curves_that_touch_become_a_tree(void **)
         if (branch.name != "b" && branch.name != "c") continue;
         ++found;
         assert_int_equal(branch.parent, 0);
-        // The branch must leave the trunk at the trunk's sphere that is beside the curve's end, and must run
-        // away from the trunk.
+        // The branch must leave the trunk at the sphere beside the curve's end, and must run away from the
+        // trunk.
         assert_int_equal(branch.parent_sphere, branch.name == "b" ? 10 : 20);
         assert_true(std::abs(branch.spheres.back().centre_mm.x()) > 10);
     }
@@ -47,7 +47,7 @@ void curves_that_touch_become_a_tree(void **)
 void a_tree_grows_by_the_deepest_end(void **)
 {
     // In the one-dimensional example each curve is a pair of coordinates [first, last], and its depth in a
-    // branch is the distance to the branch's nearer end.
+    // branch is the distance to the nearer end of the branch.
     const std::vector<std::array<double, 2>> curves = {{5, 9}, {2, 1}, {0, 1}, {100, 101}, {3, 5}};
     std::vector<Joint> joints;
     const auto depth = [&](std::size_t curve, bool is_last, std::size_t branch) {
@@ -86,8 +86,8 @@ void lines_that_run_together_part_where_they_part(void **)
     check_tree(tree, "parted");
     assert_int_equal(tree.branches.size(), 3);
     const Eigen::Vector3d fork = tree.branches[0].spheres.back().centre_mm;
-    // The computed position of the fork may be wrong by the distance within which a curve counts as running
-    // along its parent.
+    // The computed position of the fork may be wrong by the distance within which a curve still counts as
+    // part of its parent.
     if ((fork - Eigen::Vector3d(0, 20, 0)).norm() > 1.2) fail_msg("forks at %.2f, %.2f", fork.x(), fork.y());
 }
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Tests how the programs refuse malformed files and command lines. Every program must end with the documented exit code
-(1 for unusable input, 2 for usage) and a message that names the cause. The program must not write an output file, and
+(1 for unusable input, 2 for usage) and a message about the cause. The program must not write an output file, and
 it must not crash. Prints TAP.
 
 Each bad input is a good input with one fault. The test first shows that the program accepts the good input, so that
-only the fault can be the reason for the refusal."""
+only the fault can be the reason for a refusal."""
 import json
 import os
 import re
@@ -105,7 +105,7 @@ class Bench:
 
     def bad(self, name, command, code, pattern, absent=None):
         """Checks that the program refuses an input with the given exit code and a message that matches `pattern`, and
-        that it does not write the file `absent`."""
+        does not write the file `absent`."""
         got, text = self.run(command)
         findings = []
         if got != code:
@@ -216,8 +216,8 @@ def bake_centrelines(bench):
 
 # --- cournand --------------------------------------------------------------------------------------------------------
 def tube_sample(x, y, z):
-    """Returns the distance, in 1/32 of a voxel, from a voxel's centre to the wall of a square tube that is 8 mm wide
-    and runs along y."""
+    """Returns the distance, in 1/32 of a voxel, from a voxel's centre to the wall of a square tube along y that is 8 mm
+    wide."""
     return max(-127, min(127, round(32 * (max(abs(x + 0.5 - 12), abs(z + 0.5 - 12)) - 4.1))))
 
 
@@ -286,7 +286,8 @@ def cournand_command_lines(bench):
 
 def cournand_tools(bench):
     """Tests the program cournand with several tools at once. The program must accept tools that fit into each other,
-    name a tool that does not fit, and refuse a script that needs more tools than the command line names."""
+    and name a tool that does not fit. The program must refuse a script that needs more tools than the command line
+    names."""
     two = ["--tool", CATHETER]
     bench.good("a wire and a catheter run", session_run(more=two + ["--record", "two.rec"]))
     bench.good("their recording is verified", ["cournand", "replay", "two.rec", "--verify"])

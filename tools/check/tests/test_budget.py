@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests that tools/bench/budget.py finds four faults: a value over the budget, a forbidden helper in the image, and
-recursion or calls by address in the call graph. The script also tests that the last scene of the budget still has a
+"""Tests that tools/bench/budget.py finds four faults: a value over the budget, a forbidden helper in the image,
+recursion, and calls by address. The script also tests that the last scene of the budget still has a
 tick in which the core solves its equations twice. The test does not measure the cost of a tick; `make budget` measures
 it. Prints TAP."""
 
@@ -74,8 +74,8 @@ def budget_rows():
 
 
 def second_solve():
-    """A change of the rod model may change the ticks in which the core solves twice, but the scene must still contain
-    such a tick."""
+    """A change of the rod model may change the ticks in which the core solves twice, but the scene must still contain a
+    tick with two solutions."""
     program = os.path.join(os.environ.get("BUILD", "build"), "bench", "budget_make")
     scenes = subprocess.run([program, "list"], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
     number = next(i for i, scene in enumerate(scenes) if "second_solve" in scene)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests every shipped case: the session of its expert must reach all goals and get at least 90 of 100 marks. The
-session of its clumsy beginner must get at most 60 marks. The scenes are made with all bodies, so the test takes half an
-hour on one processor core.
+session of the case's clumsy beginner must get at most 60 marks. The scenes are made with all bodies, so the test takes
+half an hour on one processor core.
 
 host/app/tests/test_case.sh plays one short case in `make test`.
 """

@@ -4,7 +4,7 @@
 exit code 2. If an output cannot be written, every command refuses it before the work begins. No program writes progress
 into a pipe. Prints TAP.
 
-Each command that has outputs needs a line in OUTPUT_CASES; without this line, the test fails for a new command. The
+Each command with outputs needs a line in OUTPUT_CASES; the test fails for a new command without a line. The
 test names inputs that do not exist: a command that read its input before it checked its output would complain about the
 input."""
 

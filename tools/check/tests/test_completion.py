@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """Tests the completion of command lines and the man pages in the way that a user meets them. Real shells (bash and zsh
-on a terminal, fish) complete commands, options and names with the scripts that the programs write, and groff and mandoc
-give no warning about the man pages. Prints TAP.
+on a terminal, fish) complete commands, options and names with the scripts that the programs write. The programs groff
+and mandoc must give no warning about the man pages. Prints TAP.
 
-Each test case has the beginning of a command line, and the text to which the shell must complete it after the Tab
-key."""
+Each test case has the beginning of a command line, and the text that the shell must make of it after the Tab key."""
 
 import os
 import pty
@@ -100,8 +99,8 @@ class Terminal:
         return True
 
     def completed(self, line):
-        """Returns the words of the line to which the shell completes `line` when the Tab key is pressed. After the Tab
-        key, the test uses Ctrl-A and Ctrl-E to make the completed line the arguments of a command that prints them."""
+        """Returns the words of the line that the shell makes of `line` when the Tab key is pressed. After the Tab key,
+        the test uses Ctrl-A and Ctrl-E to put a command that prints its arguments in front of the completed line."""
         self.text = ""
         self.send(line + '\t\x01printf \'<%s>\' \x05; echo "<e"nd"g>"\n')
         if not self.wait("<endg>"):

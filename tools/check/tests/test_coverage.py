@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """These tests check the following. The program coverage.py counts, for each folder, the lines that at least one of two
-programs executes, and prints an error if its input is missing. Prints TAP."""
+programs executes. The program prints an error if its input is missing. Prints TAP."""
 
 import os
 import subprocess

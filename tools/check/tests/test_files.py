@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests how programs write and read files from a user's point of view. Programs check their output paths before long
-work begins and read a scene only with its own bodies. Programs never report a truncated recording as verified, and no
-text from a file can move the terminal's cursor. Prints TAP.
+work begins and read a scene only with its own bodies. Programs never report a truncated recording as verified. No text
+from a file can move the terminal's cursor. Prints TAP.
 
 The good inputs, and the class that runs the test cases, come from test_bad_input.py."""
 import os
@@ -104,8 +104,8 @@ def pairs(bench):
 
 
 def without_partner(data):
-    """Returns the body file in the form that an older version of bake wrote, without the last section and without this
-    section's row in the table."""
+    """Returns the body file as an older version of bake wrote it, without the last section and without this section's
+    row in the table."""
     count = struct.unpack_from("<I", data, 20)[0]
     table = [list(struct.unpack_from("<4I", data, 32 + 16 * i)) for i in range(count)]
     assert table[-1][0] == 19 and table[-1][2] == 8, table
@@ -119,8 +119,8 @@ def without_partner(data):
 
 
 def full_disk(bench):
-    """Tests a disk that has space for the file of bodies but not for the scene. The program must replace neither of the
-    two files, and must leave no other file behind."""
+    """Tests a disk that has space for the file of bodies but not for the scene. The program must keep both old files,
+    and must leave no other file behind."""
     bench.good("the scene is baked before the disk is full", bake("one"))
     before = {name: bench.read(name) for name in ("one.scene", "one.bodies")}
     room = (len(before["one.bodies"]) + len(before["one.scene"])) // 2
@@ -172,8 +172,8 @@ def recordings(bench):
 
 
 def old_recordings(bench):
-    """Tests that the program refuses a recording of the previous protocol version and names the remedy, and that it
-    converts such a recording completely or not at all."""
+    """Tests that the program refuses a recording of the previous protocol version and names the remedy. The program
+    must convert an old recording completely or not at all."""
     with open(os.path.join(bad.tree.ROOT, "host", "session", "tests", "protocol_4.rec"), "rb") as file:
         old = file.read()
     bench.write("old.rec", old)
@@ -204,7 +204,7 @@ def text_field(text):
 
 
 def hostile_recording(good):
-    """Returns a recording whose scene path, script path and tool name contain characters that would move the terminal's
+    """Returns a recording whose scene path, script path and tool name contain characters that move a terminal's
     cursor."""
     (kind, head), *rest = list(chunks(good))
     at, fields = 20, []

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Tests that each shipped session in the beating heart reaches the end that its script states. Contrast medium flows in
-the sessions, but no pictures are made. The script test_turns.py tests that a session fails if its tools are not turned.
+"""Tests that each shipped session in the beating heart reaches the end that its script states. The test lets contrast
+medium flow in the sessions, but makes no pictures. The script test_turns.py tests that a session fails if its tools are
+not turned.
 
-The sessions use the scene of `make coronary` with a lesion in the LAD, without the bodies that
-only pictures need. The lesion lies beyond the ostia, where the first two sessions end.
+The sessions use the scene of `make coronary` with a lesion in the LAD, but without its bodies, which only pictures
+need. The lesion lies beyond the ostia, where the first two sessions end.
 """
 
 import os

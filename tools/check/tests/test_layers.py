@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""These tests check the following. Source files include only files from the folders that this test permits, and
-these includes go from higher layers to lower layers. Prints TAP."""
+"""These tests check the following. A source file includes only files from the folders that this test permits, from
+higher layers to lower ones. Prints TAP."""
 
 import os
 import re
@@ -463,7 +463,7 @@ def is_test(path):
 
 def check_cycles(graph):
     """Yields header cycles. The search for circular includes repeatedly removes every file that includes no remaining
-    file; the files that are left at the end include each other in a circle."""
+    file. The files that are left at the end include each other in a circle."""
     left = dict(graph)
     while True:
         free = [path for path, targets in left.items() if not any(t in left for t in targets)]

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Tests the scenes that several tests share: a scene is made only once, even if several tests ask for it at the same
+"""Tests the scenes that several tests share: each scene is made only once, even if several tests ask for it at the same
 time. A scene is made anew after a program or an input has changed. If a scene cannot be made, nothing is kept in its
 place. Prints TAP.
 
-Substitutes stand in for the programs `anatomy` and `bake`, because only the contents of the program files matter here.
+Small programs stand in for `anatomy` and `bake`, because only the contents of the program files matter here.
 The script test_sessions.py makes real scenes.
 """
 
@@ -19,7 +19,7 @@ import tree  # noqa: E402
 
 
 class Bench:
-    """Makes a build folder with two substitute programs, and has a function `maker` that counts its calls."""
+    """Makes a build folder with two substitute programs; its function `maker` counts its own calls."""
 
     def __init__(self, folder):
         self.build = folder

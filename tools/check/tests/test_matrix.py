@@ -2,7 +2,7 @@
 """These tests check the following. The program tools/check/matrix.py --short finds the same hash on five machines (32
 and 64 bits, both byte orders). If a machine computes one bit differently, matrix.py finds the difference and prints the
 tick, the part of the tick, and the node. `make matrix` runs all variants. With the argument `breaks`, the test tries
-only those bits of BREAKS that follow the first one. Prints TAP."""
+only the second and later bits of BREAKS. Prints TAP."""
 
 import os
 import subprocess

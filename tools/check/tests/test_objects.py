@@ -3,8 +3,8 @@
 This test also checks that every generated file equals the present output of its generator. Prints TAP.
 
 The test compiles the core into a temporary folder for 64-bit x86 (gcc -O3, as shipped), 32-bit x86 and Cortex-M7
-(clang, -O2). The test needs the 32-bit machines because they call a helper function for a 64-bit division, where a
-64-bit machine uses an instruction."""
+(clang, -O2). The test needs the 32-bit machines because they call a helper function for a 64-bit division; a 64-bit
+machine has an instruction for it."""
 
 import os
 import re

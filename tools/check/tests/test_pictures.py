@@ -40,7 +40,7 @@ class Tap:
 
 
 def sample(folder):
-    """Makes a manifest that lists one picture of a session, and the picture's file with its stamp (core version and
+    """Makes a manifest with one picture of a session, and the file of this picture with its stamp (core version and
     command)."""
     session, picture = os.path.join(folder, "a.session"), os.path.join(folder, "a.jpg")
     with open(session, "w", encoding="utf-8") as file:

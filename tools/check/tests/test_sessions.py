@@ -2,8 +2,8 @@
 """Tests that every shipped session in the aorta or without a scene reaches the end that its script states. The script
 test_turns.py tests that a session misses its end if its tools are not turned.
 
-The test uses the scene that ships. The other scenes are made as `make run` makes them, but without the bodies that only
-pictures need (made_scenes.py). The session of the renal angioplasty has its own scene, which contains a lesion. The
+The test uses the scene that ships. The other scenes are made as `make run` makes them, but without their bodies, which
+only pictures need. The session of the renal angioplasty has its own scene, which contains a lesion. The
 script test_heart_sessions.py runs the sessions in the heart, and test_long_sessions.py (`make test-lab`) runs the long
 sessions. The program hil_tests/test_pci.cpp runs the short angioplasties.
 """

@@ -110,8 +110,8 @@ def long_lines(path, text):
 
 
 def callers(path, text):
-    """Finds comments that list the callers of a function or the permitted includes, because somebody would have to keep
-    such a list up to date by hand."""
+    """Finds comments that list the callers of a function or the permitted includes, because such a list would have to
+    be kept up to date by hand."""
     for number, line in enumerate(text.splitlines(), 1):
         if CALLERS.search(line):
             yield "%s:%d: lists its callers or includes: leave that to a search, or to docs/architecture.md" % (
@@ -338,8 +338,8 @@ def self_test_documents(report):
 
 # --- the tree -------------------------------------------------------------------------------------------------------
 def exists(path):
-    """Returns whether the path exists in the source tree; for a pattern, the function tests the folder before the
-    pattern's first star."""
+    """Returns whether the path exists in the source tree; of a pattern, only the folder before its first star is
+    tested."""
     if "*" in path:
         path = os.path.dirname(path[: path.index("*")])
     return os.path.exists(os.path.join(tree.ROOT, path))

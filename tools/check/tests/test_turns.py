@@ -2,7 +2,8 @@
 """Tests that each shipped session with turns fails to reach its expected end without these turns. The scripts
 test_sessions.py and test_heart_sessions.py test that the unchanged sessions reach their ends.
 
-Contrast medium flows in the sessions, but no pictures are made. The scenes have no bodies that only pictures need.
+Contrast medium flows in the sessions, but no pictures are made. The scenes are without their bodies, which only
+pictures need.
 """
 
 import os

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """These tests check the following. The program commands.py finds the commands in the documents and obeys the markers
-(HTML comments) above them. The test also runs the documents' commands that take only seconds (tools/docs/commands.py);
-`make test-lab` also runs the slower commands. Prints TAP."""
+(HTML comments) above them. The test also runs those commands of the documents that take only seconds
+(tools/docs/commands.py); `make test-lab` also runs the slower ones. Prints TAP."""
 
 import os
 import re

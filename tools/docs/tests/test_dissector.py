@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """These tests check the following. The Wireshark dissector decodes the frames of the wire protocol correctly. The test
-makes frames independently of the project's code (COBS, CRC-32 and layout as in docs/wire.md) and writes them to a
+makes frames independently of the project's code (COBS, CRC-32 and layout as in docs/wire.md), and writes them to a
 capture file. The program tshark must then print the frames' values, join split frames and report damaged frames. Prints
 TAP."""
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs a part of the test `make importers`, with programs that are built without sanitizers: the readers get the
+"""Runs a part of the test `make importers` with programs that are built without sanitizers; the readers get the
 hand-made files and some hundred mutations of valid files. Prints TAP."""
 
 import os

@@ -1,9 +1,9 @@
-// A checkpoint is a file that holds the state of a search for the best parameters. A search that was stopped
-// continues from its checkpoint, on the same or on another machine, with the same results as if it had never
-// stopped. The file is text. The file begins with a header (version, hash and settings). After the header,
-// the file contains every trial as exact hexadecimal doubles, the archive of the library pagmo, and an end
-// line; a file without this end line counts as incomplete. After every generation, the program writes the
-// checkpoint under a temporary name, and then renames the file to its final name.
+// A checkpoint is a file that holds the state of a search for the best parameters. A stopped search continues
+// from its checkpoint, on this or another machine, with the same results as if it had never stopped. The file
+// is text. The file begins with a header (version, hash and settings). After the header, the file contains
+// every trial as exact hexadecimal doubles, the archive of the library pagmo, and an end line. A checkpoint
+// without an end line is incomplete. After every generation, the program writes the checkpoint under a
+// temporary name, and then renames the file to its final name.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 
@@ -39,8 +39,8 @@ std::uint64_t hash_of(const insertion::Case &c, const Evaluator &evaluator, cons
 // Throws OutputError.
 void write_checkpoint(const std::string &path, std::uint64_t hash, const SearchSettings &settings,
                       const SearchState &state);
-// Throws CheckpointError when the file is incomplete, or when its version, case or settings differ from those
-// on which `hash` is based.
+// Throws CheckpointError when the file is incomplete, or when its version, case or settings do not match
+// `hash`.
 SearchState read_checkpoint(const std::string &path, std::uint64_t hash, std::size_t parameter_count);
 
 } // namespace crn::calibrate

@@ -11,11 +11,11 @@ namespace crn::calibrate
 namespace
 {
 
-// The search range of each parameter contains the value in the instrument file and the value in the thesis'
-// Table 5.1; the following factors extend the range at both ends.
+// The search range of each parameter contains the values of the instrument file and of the thesis' Table 5.1,
+// and extends beyond them by the following factors.
 constexpr double room = 3.0, radius_room = 1.25, alpha_factor = 10.0, alpha_max = 4.0;
-// With the nominal ratio Kp / EI, the directors (the segments' axes) follow bends of the rod that are long
-// compared with 2.2 mm. A larger ratio Kp / EI requires a rod with more mass, because the time step is fixed.
+// With the nominal ratio Kp / EI, the directors (the segments' axes) follow bends of the rod that are much
+// longer than 2.2 mm. A larger ratio Kp / EI would need a rod with more mass, because the time step is fixed.
 constexpr double parallel_over_bend_per_m2 = 2e5;
 constexpr double newton_per_kp = 1e-2; // of the table, as tools/lab/vcsim3/preset.hpp reads it
 constexpr double outside_mm = 30.0;    // length held outside the introducer at the deepest place

@@ -2,8 +2,8 @@
 // is the baseline with which our rod is compared, and the same search fits both rods.
 //
 // Five numbers are fitted, as in section 5.3.3 of the thesis: Young's modulus of the shaft, alpha (the tip's
-// modulus over the shaft's), radius, density and Kp. The instrument file determines how stiffness changes
-// from tip to shaft, the ratio GJ / EI and the tip's shape; the case determines friction and gravity.
+// modulus divided by the shaft's), radius, density and Kp. The instrument file determines how stiffness
+// changes from tip to shaft, the ratio GJ / EI and the tip's shape; the case determines friction and gravity.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/lab/calibrate/corde_rod.hpp"
@@ -12,8 +12,8 @@
 namespace crn::calibrate
 {
 
-// Returns either the default settings or settings without shortcuts; without shortcuts, elements are half as
-// long, the simulated hand moves slowly, and the program waits long for the rod to rest.
+// Returns the default settings, or settings without shortcuts: elements half as long, a slow simulated hand,
+// and a long wait until the rod rests.
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 

@@ -13,10 +13,9 @@ namespace
 using vcsim3::JointProperties, vcsim3::RodProperties;
 
 constexpr double tick_s = 1e-3, radian = std::numbers::pi / 180.0;
-// The constants limit two products: the time step times the highest angular frequency of the points, and the
-// time step times the highest angular frequency of the segments' rotation. The integration is stable while
-// the root of the sum of the squares of the two products is below 2; the margin covers compressed segments
-// and large rotations.
+// The constants limit the time step times the highest angular frequency of the points, and the time step
+// times that of the segments' rotation. The integration is stable while the root of the sum of the squares of
+// these two products is below 2; the margin covers compressed segments and large rotations.
 constexpr double point_ratio = 1.5, turn_ratio = 0.9;
 constexpr double outside_mm = 3.0; // a rod deeper in the wall has passed through it
 
@@ -35,8 +34,8 @@ JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &va
         const double bend_N_m2 = values.bend_N_m2() * std::pow(values.tip_over_shaft, weight);
         bend += 1.0 / (samples * bend_N_m2);
         twist += knot.bend_stiffness_nN_m2 / (samples * bend_N_m2 * knot.twist_stiffness_nN_m2);
-        // If the tip is bent towards the first axis, a rotation about the second axis turns the segment on
-        // the tip's side into the direction of the segment on the hand's side.
+        // A rotation about the second axis bends the tip towards the first axis; this rotation turns the
+        // direction of the tip-side segment into that of the hand-side segment.
         turn_rad += element_mm * 1e-6 / samples *
                     Vector3d(-knot.rest_curvature2_per_m_milli, knot.rest_curvature1_per_m_milli, 0.0);
     }

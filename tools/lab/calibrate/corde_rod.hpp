@@ -1,6 +1,6 @@
 // Makes a rod with the thesis' rod model (tools/lab/vcsim3) from an instrument file; the simulated hand holds
 // one end of the rod. The instrument file gives the distribution of stiffness along the rod and the shape of
-// its tip; the five numbers that the thesis fits give all other properties.
+// its tip; the five fitted numbers of the thesis give everything else.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/lab/calibrate/hand.hpp"
@@ -39,8 +39,8 @@ CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &valu
                        const CordeSettings &settings, double length_mm);
 
 // Returns the direction of the first axis of the instrument's frame while the hand's angle is 0, as in the
-// core. The returned vector is perpendicular to `direction`, and to that coordinate axis of the world which
-// is most nearly perpendicular to `direction`.
+// core. The returned vector is perpendicular to `direction`, and to the coordinate axis that is most nearly
+// perpendicular to `direction`.
 Vector3d zero_turn_axis(const Vector3d &direction);
 
 class CordeRod final : public HeldRod

@@ -10,8 +10,8 @@ using vcsim3::from_q, vcsim3::to_q30;
 
 constexpr double m_of_mm = 1e-3;
 
-// Converts the instrument table as the device does when it receives a table (firmware/app/app_setup.c); the
-// function leaves out balloons, because no calibration uses a balloon.
+// Converts the instrument table as the device does when it receives a table (firmware/app/app_setup.c), but
+// leaves out balloons, because no calibration uses one.
 crn_instrument tool_of(const crn_wire_instrument &table)
 {
     crn_instrument tool{};

@@ -1,5 +1,5 @@
 // Runs the firmware core with a single instrument, using only the functions that an insertion needs. Of all
-// files in this folder, only this header and its .cpp file call the core.
+// files in this folder, only core_rod.hpp and core_rod.cpp call the core.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/lab/calibrate/hand.hpp"
@@ -13,8 +13,8 @@ namespace crn::calibrate
 class CoreRod final : public HeldRod
 {
   public:
-    // The object that `lumen` points to must exist longer than the CoreRod; if `lumen` is nullptr, the rod
-    // moves in free space. Throws TrialRefused when the core rejects the instrument.
+    // The object that `lumen` points to must outlive the CoreRod; if `lumen` is nullptr, the rod moves in
+    // free space. Throws TrialRefused when the core rejects the instrument.
     CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
     // Returns the core's version. Two simulations with equal inputs and with the same version of the core

@@ -1,7 +1,7 @@
-// Defines the parameters that the search fits, and the result of one trial, which simulates an insertion with
-// given values of these parameters. In a trial, the program simulates how an instrument with the trial's
-// values is inserted according to the protocol of the case. `Evaluator` hides the rod, so that the same
-// search can fit another rod than ours, such as the thesis' CoRdE.
+// Defines the parameters that the search fits, and the result of a trial, which simulates an insertion with
+// given parameter values. In a trial, the program simulates how an instrument with the trial's values is
+// inserted according to the protocol of the case. `Evaluator` hides the rod, so that the same search can fit
+// another rod than ours, such as the thesis' CoRdE.
 #pragma once
 #include "tools/lab/case/case.hpp"
 #include <Eigen/Core>
@@ -46,7 +46,7 @@ class TrialRefused : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Several threads may call an Evaluator at once; equal values give results that are equal bit for bit.
+// Several threads may call an Evaluator at once. Equal values give equal results, bit for bit.
 class Evaluator
 {
   public:

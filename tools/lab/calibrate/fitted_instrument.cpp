@@ -30,7 +30,7 @@ toml::table value_of(double from, double to, const std::string &source)
 }
 
 // Converts a whole number of the wire protocol's small units to a decimal number in the units of an
-// instrument file. 14500 nN m^2 becomes 1.45e-05, which is read back exactly.
+// instrument file. For example, 14500 nN m^2 becomes 1.45e-05, which is read back exactly.
 double decimal(std::uint32_t value, double units)
 {
     return static_cast<double>(value) / units;

@@ -9,8 +9,8 @@ namespace crn::calibrate
 {
 
 // Returns the properties at one position of an instrument's table, interpolated linearly between knots. Where
-// the properties in the table change abruptly, the function returns the knot before the change (`is_after`
-// false) or the knot behind it.
+// the properties change abruptly, the function returns the knot before the change (`is_after` false) or the
+// knot behind it.
 crn_wire_knot knot_at(const crn_wire_instrument &table, double arc_mm, bool is_after);
 
 // Returns the text of the fitted instrument's file. `nominal` is "file.toml" or "file.toml:preset", `fitted`

@@ -66,16 +66,16 @@ class Hand
 
   private:
     // Returns the speed at which the hand approaches a depth: the faster of the slow approach speed and the
-    // case's speed, but never more than the normal speed.
+    // case's speed, but at most the normal speed.
     double near_speed_mm_per_s() const
     {
         return std::min(settings_.speed_mm_per_s,
                         std::max(settings_.approach_mm_per_s, case_.speed_mm_per_s));
     }
 
-    // Returns the mean position of each node over the next window of time. The returned list of positions is
-    // empty if the number of nodes changes during the window of time, which happens while the rod still
-    // follows the hand.
+    // Returns the mean position of each node over the next time interval. The returned list of positions is
+    // empty if the number of nodes changes during the averaging, which happens while the rod still follows
+    // the hand.
     std::vector<Vector3d> mean_over_window()
     {
         const double turn_deg = case_.turn_deg_at(hand_mm_);

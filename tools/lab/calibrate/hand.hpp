@@ -1,4 +1,4 @@
-// Simulates the user's hand, which inserts any kind of rod by the protocol of a case.
+// Simulates the hand of a user who inserts any kind of rod by the protocol of a case.
 #pragma once
 #include "tools/lab/calibrate/evaluator.hpp"
 
@@ -10,7 +10,7 @@ class HeldRod
 {
   public:
     virtual ~HeldRod() = default;
-    // Sets the hand's inserted length and angle after the next tick; the length is counted from the
+    // Sets the hand's inserted length and angle after the next tick. The length is counted from the
     // introducer, and the angle is right-handed about the direction of insertion.
     virtual void tick(double hand_mm, double turn_deg) = 0;
 
@@ -26,9 +26,9 @@ class HeldRod
 struct InsertionSettings {
     double start_mm = 5.0;        // inserted length when the hand begins; the core may need slightly more
     double speed_mm_per_s = 40.0; // of the hand; the case's speed where that is faster
-    // Only the last millimetres of the hand's motion affect the friction forces that act after the rod has
-    // come to rest. The hand therefore approaches every depth at the speed `approach_mm_per_s`, or at the
-    // case's speed if that is faster.
+    // Only the last millimetres of the hand's motion affect the friction forces on the resting rod. The hand
+    // therefore approaches every depth at the speed `approach_mm_per_s`, or at the case's speed if that is
+    // faster.
     double approach_mm = 10.0, approach_mm_per_s = 10.0;
     // The rod is at rest when no node's mean position moves by more than `still_um_per_tick` per tick during
     // three times `rest_window_ticks`. We use a mean position, because a soft tip may oscillate on the wall

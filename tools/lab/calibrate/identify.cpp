@@ -1,8 +1,8 @@
 // Moves each fitted number away from its best value in steps that double in size, until the objective rises
 // by more than the noise explains. Then the search bisects the interval between the last two steps. A search
 // that moves only one number at a time does not discover that two numbers compensate each other. Some trials
-// of the search are as good as the best trial and show that numbers compensate each other, so the range of a
-// number is widened to include these trials.
+// of the search are as good as the best one, although their numbers differ; the range of each number is
+// widened to include these trials.
 #include "tools/lab/calibrate/identify.hpp"
 #include <algorithm>
 #include <array>
@@ -35,7 +35,7 @@ std::vector<double> shares_at(const Trial &best, const Side &side, double offset
     return shares;
 }
 
-// Returns the number of trial steps up to the first step that reaches the bound of the parameter; any larger
+// Returns the number of trial steps up to the first one that reaches the bound of the parameter; any larger
 // step would give the same trial.
 std::size_t steps_to_bound(const Trial &best, const Side &side)
 {

@@ -1,6 +1,6 @@
-// Determines, for each fitted number, the range in which it can vary while the objective rises by no more
-// than the measurement noise explains. While one number varies, the other numbers stay constant, or vary as
-// in the trials of the search.
+// Determines, for each fitted number, the range within which the objective rises by no more than the
+// measurement noise explains. While one number varies, the other numbers stay constant, or vary as in the
+// trials of the search.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 

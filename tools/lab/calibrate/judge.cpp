@@ -100,8 +100,8 @@ Verdict Judge::judge(const Insertion &insertion) const
     verdict.error_mm = sum / static_cast<double>(settings_.fit_depths);
     verdict.objective = verdict.error_mm;
     if (force_.empty()) return verdict;
-    // If the simulated and the measured force trace have no inserted length in common, the relative force
-    // error counts as 1, as for a simulated force of zero.
+    // If the simulated and the measured force trace have no common inserted length, the relative force error
+    // counts as 1, as for a simulated force of zero.
     verdict.force_error = force_error_to(insertion, settings_.fit_depths - 1).value_or(1.0);
     verdict.objective += settings_.force_weight_mm * verdict.force_error;
     return verdict;

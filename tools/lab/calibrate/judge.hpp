@@ -19,8 +19,8 @@ Distances distances_of(std::span<const Vector3d> nodes_mm, std::span<const Vecto
 // Returns the relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over
 // the samples of the reference from `from_mm` to `to_mm`. Before the comparison, the function replaces each
 // force by the median of the forces within `smooth_mm` around its sample. A tip that snaps past an edge
-// causes a peak of force, and two models of the rod give this peak at different inserted lengths. Returns
-// nothing when the reference has no sample between `from_mm` and `to_mm`.
+// causes a peak of force; different rod models have this peak at different inserted lengths. Returns nothing
+// when the reference has no sample between `from_mm` and `to_mm`.
 std::optional<double> force_error(std::span<const insertion::ForceSample> simulated,
                                   std::span<const insertion::ForceSample> reference, double from_mm,
                                   double to_mm, double smooth_mm);
@@ -29,8 +29,8 @@ std::optional<double> force_at(std::span<const insertion::ForceSample> trace, do
                                double smooth_mm);
 
 // The search minimises the mean RMS over the fitted depths, in mm, plus `force_weight_mm` times the relative
-// RMS of the force. In a rigid lumen the forces are proportional to EI, so an error of 10 % in EI adds a
-// tenth of `force_weight_mm` to the objective.
+// RMS of the force. In a rigid lumen the forces are proportional to EI, so an error of 10 % in EI adds 0.1
+// times `force_weight_mm` to the objective.
 struct JudgeSettings {
     std::size_t fit_depths = 2; // the first ones; the others serve for validation
     double force_weight_mm = 1.0;
@@ -51,8 +51,7 @@ class Judge
     // Reads the reference centrelines and the reference force trace from the files of the case. Throws Fault.
     Judge(const insertion::Case &c, const JudgeSettings &settings);
     Verdict judge(const Insertion &insertion) const;
-    // Simulates the insertion and returns a Verdict; the function returns a Verdict even if the rod model
-    // refuses the values of the trial.
+    // Simulates the insertion and returns a Verdict, even if the rod model refuses the values of the trial.
     Verdict evaluate(const Evaluator &evaluator, const std::vector<double> &values) const;
 
     bool has_force() const { return !force_.empty(); }

@@ -136,8 +136,8 @@ struct Setup {
     }
 };
 
-// Writes the file depth_N.csv of a case; `nodes_mm` begins at the tip, but the file lists the nodes in the
-// opposite order, from the introducer to the tip.
+// Writes the file depth_N.csv of a case. `nodes_mm` begins at the tip, but the file lists the nodes from the
+// introducer to the tip.
 void write_shape(const Options &options, const insertion::Case &c, std::size_t depth,
                  const std::vector<Vector3d> &nodes_mm)
 {

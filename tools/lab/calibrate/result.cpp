@@ -28,8 +28,8 @@ ParameterResult judged(const Parameter &parameter, double share, const Identifie
     return result;
 }
 
-// Resets the fitted numbers that the data leave undetermined, one after the other, to their values in the
-// instrument file. A number is reset only if the objective then stays within the noise.
+// Resets those fitted numbers that the data leave undetermined to their values in the instrument file, one
+// after the other. A number is reset only if the objective rises by no more than the noise explains.
 Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, const EvaluateShares &evaluate,
                      Verdict best)
 {
@@ -53,8 +53,8 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
 }
 
 // Repeats the simulated insertion with shorter elements and without the other shortcuts. If the core's number
-// format cannot represent the shorter elements, the fit is still valid, and only the result of the insertion
-// without shortcuts is missing.
+// format cannot represent the shorter elements, the fit is still valid, but there is no result without
+// shortcuts.
 std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
                                            std::size_t depth_count)
 {

@@ -12,9 +12,9 @@ namespace
 {
 
 // For EI and alpha the search range extends from the nominal value by a factor of 10 either way. The search
-// range of the density extends by a factor of 8 either way, and that of the radius by a quarter either way.
-// The tip is never more than four times as stiff as the shaft. The core's own limits also restrict the ranges
-// of the fitted values.
+// range of the density extends by a factor of 8 either way, and that of the radius by 25 % either way. The
+// tip is never more than four times as stiff as the shaft. The core's own limits also restrict the ranges of
+// the fitted values.
 constexpr double bend_factor = 10.0, alpha_factor = 10.0, radius_factor = 1.25, density_factor = 8.0;
 constexpr double alpha_max = 4.0;
 constexpr double outside_mm =

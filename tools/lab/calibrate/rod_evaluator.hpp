@@ -12,9 +12,9 @@
 namespace crn::calibrate
 {
 
-// Returns settings without shortcuts: the hand has the case's speed throughout, and the program waits long
-// for the rod to rest. The elements are 0.35 times as long as in the instrument file, if the core accepts
-// this length.
+// Returns settings without shortcuts: the hand moves at the case's speed throughout, and the program waits
+// long for the rod to rest. The elements are 0.35 times as long as in the instrument file, if the core
+// accepts this length.
 InsertionSettings careful_settings();
 
 // Holds the values of the four fitted numbers; a number that is not fitted gets its nominal value.
@@ -22,19 +22,18 @@ struct RodValues {
     double bend_shaft_N_m2 = 0.0, tip_over_shaft = 0.0, radius_mm = 0.0, density_kg_m3 = 0.0;
 };
 
-// Returns the density of the instrument at the shaft, which is its mass per length divided by the metal's
-// cross-section.
+// Returns the density of the shaft, which is its mass per length divided by the metal's cross-section.
 double density_of(const crn_wire_instrument &table, double radius_mm);
 RodValues nominal_values(const crn_wire_instrument &table);
 // Returns a copy of the nominal instrument's table in which the fitted numbers have the given values. The
 // functions of tools/lab/case/stiffness.hpp compute the stiffnesses EI and GJ of the copy. One factor scales
-// the radius along the whole instrument, and another factor scales the mass; the friction is everywhere that
-// of the case.
+// the radius along the whole instrument, and another scales the mass; the friction is that of the case
+// everywhere.
 crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
                                        const insertion::Case &c);
 
-// Returns the part of an instrument within `length_mm` of its tip; the remaining part stays outside the
-// patient and needs no nodes.
+// Returns the part of an instrument within `length_mm` of its tip; the rest stays outside the patient and
+// needs no nodes.
 crn_wire_instrument shortened(const crn_wire_instrument &table, double length_mm);
 
 class RodEvaluator final : public Evaluator

@@ -20,8 +20,8 @@ namespace
 
 using Numbers = std::vector<double>;
 
-// Holds the data that all copies of an optimisation problem use: the requested trials, and the result of each
-// trial.
+// Holds the data that all copies of an optimisation problem share: the requested trials and the result of
+// each trial.
 struct Exchange {
     bool is_collecting = false;
     std::vector<Numbers> asked;
@@ -61,8 +61,8 @@ pagmo::algorithm fresh_algorithm(const SearchSettings &settings)
 {
     switch (settings.method) {
     case Method::genetic:
-        // The genetic algorithm crosses pairs drawn by tournament with probability 0.9 and mutates each
-        // number with probability 1/20; then the best of the parents and children survive.
+        // The genetic algorithm chooses pairs by tournament, crosses them with probability 0.9, and mutates
+        // each number with probability 1/20. The best of the parents and children survive.
         return pagmo::algorithm(
             pagmo::sga(1, 0.9, 10.0, 0.05, 10.0, 2, "sbx", "polynomial", "tournament", settings.seed));
     case Method::differential:

@@ -3,12 +3,12 @@
 // trials. A trial gives the value of each parameter as its position 0 .. 1 in the parameter's range.
 //
 // The algorithms of the library pagmo request one trial after the other. We run each generation twice, so
-// that all its trials can be evaluated in parallel. In the first run, a copy of the algorithm advances with a
+// that all its trials can be evaluated in parallel. In the first run, a copy of the algorithm runs on a
 // problem that only records the requested trials. No trial of a generation depends on the result of another
 // trial of that generation. The workers (threads or processes) evaluate the recorded trials of a generation
 // at the same time. In the second run, pagmo's own algorithm runs the generation and receives the recorded
-// results at once. The outcome of the search equals that of pagmo's algorithm running alone, for any number
-// of workers.
+// results at once. The outcome of the search equals that of pagmo's algorithm alone, for any number of
+// workers.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <cstdint>
@@ -64,8 +64,8 @@ struct GenerationFigures {
 
 using EvaluateShares = std::function<std::vector<Verdict>(const std::vector<std::vector<double>> &)>;
 
-// Runs one more generation. `late` receives the number of trials that pagmo requested although they had not
-// been recorded before; this number is 0 unless pagmo's behaviour has changed.
+// Runs one more generation. `late` receives the number of trials that pagmo requested without having been
+// recorded; this number is 0 unless pagmo's behaviour has changed.
 void advance(const SearchSettings &settings, std::size_t parameter_count, const EvaluateShares &evaluate,
              SearchState &state, std::size_t *late = nullptr);
 
@@ -74,8 +74,8 @@ void advance(const SearchSettings &settings, std::size_t parameter_count, const 
 // generation.
 bool has_converged(const SearchSettings &settings, const SearchState &state);
 
-// Returns the trial with the lowest objective; if several trials are equally good, it returns the first of
-// them. The search's state must contain at least one trial.
+// Returns the trial with the lowest objective; of several equally good trials, it returns the first. The
+// search's state must contain at least one trial.
 const Trial &best_of(const SearchState &state);
 std::vector<GenerationFigures> curve_of(const SearchState &state, unsigned population);
 

@@ -5,12 +5,11 @@
 
 For each instrument, the reference rod makes the true shapes, with a stiffness that differs from the stiffness in the
 instrument file. The true shapes are either scanned virtually and segmented, or converted directly to centrelines with
-noise. Our rod is then fitted without the force trace and with it, and the CoRdE baseline is fitted without the force
-trace. Every finished step leaves a file NAME.done that contains its command, and the program does not repeat a step
-whose command is unchanged. A fit that was stopped continues from its last generation. If a step fails for an
-instrument, the page names the instrument, and the work continues with the other instruments. The page is written again
-after every instrument. The exit code is 0 when every result was made, 1 when a step failed or was stopped, and 2 for a
-usage error.
+noise. Our rod is then fitted without and with the force trace; the CoRdE baseline is fitted without the force trace.
+Every finished step leaves a file NAME.done with its command; a step with an unchanged command is not repeated. A
+stopped fit continues from its last generation. If a step fails for an instrument, the page names the instrument, and
+the work continues with the other instruments. The page is written again after every instrument. The exit code is 0 when
+every result was made, 1 when a step failed or was stopped, and 2 for a usage error.
 """
 
 import argparse
@@ -65,7 +64,7 @@ CORDE = {"full": (None, None), "quick": (12, 8), "fast": None}
 
 
 class Failed(Exception):
-    """Raised when a command fails; the message names the command and quotes its last output."""
+    """Raised when a command fails; the message names the command and quotes its last lines of output."""
 
 
 class Stopped(Exception):
@@ -162,8 +161,8 @@ class Chain:
         return os.path.join(self.options.build, "bin", name)
 
     def case_steps(self, row, case):
-        """Returns the name, announcement and command of each step that makes the true shapes, and of each step that
-        makes the data that the program `calibrate` may read."""
+        """Returns the name, announcement and command of each step that makes the true shapes, or the data that the
+        program `calibrate` may read."""
         depths = [
             word
             for (inserted, name), turn in zip(self.depths, row["turns_deg"])
@@ -230,8 +229,8 @@ class Chain:
         return command
 
     def check_scans(self, row_folder):
-        """Measures how far the segmentation deviates from the true shapes, for the page of results; if the deviation
-        exceeds a limit, the remaining steps still run."""
+        """Measures how far the segmentation deviates from the true shapes. If the deviation exceeds a limit, the
+        remaining steps still run."""
         log = os.path.join(row_folder, "check.log")
         remove(log)
         try:

@@ -100,8 +100,8 @@ def figures_of(result):
 
 
 def recovery_of(result, truth):
-    """Returns for each parameter the ratio of the fitted value to the true value, and whether the fit reports that the
-    data determine the parameter."""
+    """Returns for each parameter the ratio of the fitted to the true value, and whether the fit reports that the data
+    determine it."""
     found = {}
     for parameter in result["parameters"]:
         true = truth.get(TRUE_NAMES.get(parameter["name"]))
@@ -127,8 +127,8 @@ def said(path):
 def collect(rows, output):
     """Adds the results of the fits to each row of the table.
 
-    The added fields are "fits" (kind -> result.json, figures and recovery), "truth", "folder" and "notes" (kind ->
-    reason for a missing fit).
+    The added fields are "fits" (for each kind: result.json, figures and recovery), "truth", "folder" and "notes" (for
+    each kind: the reason for a missing fit).
     """
     collected = []
     for row in rows:
@@ -150,7 +150,7 @@ def collect(rows, output):
 
 
 def averages(rows, kind):
-    """Returns the means of the five values over those rows that have them, and the number of these rows. `kind`: a fit,
+    """Returns the means of the five values over the rows that have them, and the number of these rows. `kind`: a fit,
     or "thesis".
     """
     sets = [
@@ -164,8 +164,8 @@ def averages(rows, kind):
 
 
 def thesis_bend_N_m2(thesis):
-    """Computes EI from a row of Table 5.1; docs/thesis.md states the units of the table, which are E x 1e7 Pa and
-    radius x 1e-4 m."""
+    """Computes EI from a row of Table 5.1. According to docs/thesis.md, the table's units are E x 1e7 Pa and radius x
+    1e-4 m."""
     numbers = thesis["parameters"]
     return numbers["young_1e7"] * 1e7 * math.pi / 4.0 * (numbers["radius_1e3"] * 1e-4) ** 4
 

@@ -1,5 +1,5 @@
-"""Writes the page of `make table51`, which shows Table 5.1 beside our values, the recovery of the true values,
-identifiability, convergence and pictures.
+"""Writes the page of `make table51`: Table 5.1 beside our values, the recovery of the true values, identifiability,
+convergence and pictures.
 
 From equal results, the program always writes a page that is equal byte for byte. The program table51.py imports this
 module.
@@ -67,7 +67,7 @@ def group(words, columns):
 
 # --- Table 5.1 ---
 def figure_cells(key, sets, bar):
-    """Formats three cells of the table for one kind of error: our value, CoRdE's value, and the thesis' value."""
+    """Formats three table cells for one kind of error: our value, CoRdE's value, and the thesis' value."""
     ours, corde, thesis = sets
     words = millimetres(ours.get(key))
     if key in ours and bar is not None:
@@ -249,8 +249,8 @@ def curve_points(curve, most, low, high, box):
 
 
 def convergence_chart(row):
-    """Draws one curve for every search of a table row; the curve shows the best objective after each number of
-    simulated insertions, on a logarithmic scale."""
+    """Draws one curve for every search of a table row: the best objective over the number of simulated insertions, on a
+    logarithmic scale."""
     searches = [
         (kind, search) for kind in FITS if kind in row["fits"] for search in row["fits"][kind]["result"]["searches"]
     ]

@@ -24,8 +24,8 @@ class ThreadPool
 
     unsigned size() const { return static_cast<unsigned>(threads_.size()); }
     void give(std::size_t index, std::vector<double> values);
-    // Returns the results that arrived since the last call; if there is none, waits at most `wait_ms` for the
-    // first result.
+    // Returns the results that have arrived since the last call; if there are none, waits at most `wait_ms`
+    // for the first one.
     std::vector<Done> take(int wait_ms);
     // Discards the trials that no thread has begun to evaluate.
     void clear();

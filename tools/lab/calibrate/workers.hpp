@@ -39,7 +39,7 @@ std::unique_ptr<Workers> thread_workers(unsigned threads, Evaluate evaluate, Sto
 // MPI.
 bool is_mpi_job();
 
-// Initialises and finalises the library MPI. Rank 0 leads; the other ranks evaluate trials until rank 0
+// Initialises and finalises the MPI library. Rank 0 leads; the other ranks evaluate trials until rank 0
 // dismisses them.
 class MpiJob
 {
@@ -51,17 +51,17 @@ class MpiJob
 
     int rank() const { return rank_; }
     int size() const { return size_; }
-    // Ends every rank (process) of the MPI job at once with the given exit status. After a failure, only a
-    // call of this function can end the program, because the other ranks (processes) wait for messages.
+    // Ends every rank (process) of the MPI job at once with the given exit status. After a failure, only this
+    // function can end the program, because the other ranks (processes) wait for messages.
     [[noreturn]] void abort(int status);
 
     // Rank 0 (the leading process) calls the function below; its workers are `threads` threads of rank 0 and
     // all other ranks.
     std::unique_ptr<Workers> workers(unsigned threads, Evaluate evaluate, Stop stop, Progress progress);
-    // The other ranks (processes) call the function below, which evaluates incoming trials until rank 0 sends
-    // the message that no more trials follow.
+    // The other ranks (processes) call the function below, which evaluates incoming trials until rank 0
+    // reports the end of the trials.
     void serve(unsigned threads, const Evaluate &evaluate);
-    // Rank 0 (the leading process) calls the function below to inform the other ranks that no more trials
+    // Rank 0 (the leading process) calls the function below to tell the other ranks that no more trials
     // follow.
     void dismiss();
 

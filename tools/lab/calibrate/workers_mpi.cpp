@@ -1,6 +1,6 @@
 // Distributes trials over the ranks (processes) of an MPI job. Of all files in this folder, only this file
 // uses MPI itself. Only the first thread of each rank (process) exchanges messages with other ranks. The
-// first thread polls for messages and sleeps between the polls, because MPI's own functions that wait keep a
+// first thread polls for messages and sleeps between the polls, because MPI's own waiting functions keep a
 // processor core busy.
 //   trial    rank 0 -> r   { index, values... }
 //   verdict  r -> rank 0   { index, objective, error, force error }

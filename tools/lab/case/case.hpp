@@ -37,8 +37,8 @@ struct ForceSample {
     double axial_mN = 0.0;
 };
 
-// Paths are stored as they are written in the case's file, absolute or relative to the case's folder;
-// path_in() makes them absolute.
+// Paths are stored as written in the case's file, absolute or relative to the case's folder; path_in() makes
+// them absolute.
 struct Case {
     std::string name;
     std::filesystem::path folder;
@@ -61,9 +61,8 @@ struct Case {
     double turn_deg_at(double inserted_mm) const;
 };
 
-// States which parts a case must have: either all parts, or only the parts that are known before the scans
-// are segmented. The command `ct segment` later adds the missing parts, which are scene, surface and
-// mouth_mm.
+// States which parts a case must have: all parts, or only those that are known before the scans are
+// segmented. The command `ct segment` later adds the missing parts, which are scene, surface and mouth_mm.
 enum class CaseParts { all, before_segmentation };
 // Reads FOLDER/case.toml if the argument is a folder, or else the given file. Throws Fault.
 Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted = CaseParts::all);

@@ -87,7 +87,7 @@ std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vec
     return x;
 }
 
-// Extends the centreline with the curvature of its last three millimetres.
+// Extends the centreline with the mean curvature of its last three millimetres.
 void extrapolate(std::vector<Vector3d> &line, double by_mm)
 {
     const double length = length_of(line);
@@ -181,11 +181,10 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
     return result;
 }
 
-// The residuals of the fit do not show errors that displace a whole cross-section of the instrument. In a
-// bend, blur displaces the cross-section of the instrument towards the inside of the bend. If the instrument
-// lies in the plane of the slices, only one or two slices determine the height of its centreline. The weights
-// of the uncertainty in bends and of the uncertainty in slices come from virtual scans of bends of 3 mm
-// radius in 1 mm slices.
+// The residuals of the fit do not show errors that shift a whole cross-section of the instrument. In a bend,
+// blur displaces the cross-section of the instrument towards the inside of the bend. If the instrument lies
+// in the plane of the slices, the height of its centreline follows from only one or two slices. The weights
+// of the uncertainties in bends and in slices come from virtual scans of bends of 3 mm radius in 1 mm slices.
 void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume)
 {
     constexpr double bend_mm2 = 0.4, slice_share = 0.12, flat = 0.5; // flat: sine of the angle to the slice
@@ -203,9 +202,9 @@ void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume
         if (doubt > doubtful_mm && points[i].why.empty())
             points[i].why = in_slice > 0.5 ? "lies in the slice" : "bends sharply";
     }
-    // The function assumes that the tip and the point next to the tip are as uncertain as the points before
-    // them. If the last piece of the instrument lies in the plane of a slice, the tip may be anywhere within
-    // the thickness of this slice.
+    // The tip and the point next to it are assumed to be as uncertain as the points before them. If the last
+    // piece of the instrument lies in the plane of a slice, the tip may be anywhere within the thickness of
+    // this slice.
     const double leads = points[points.size() - std::min<std::size_t>(points.size(), 3)].unsure_mm;
     const Vector3d end = points.back().place_mm - points[points.size() - 2].place_mm;
     const double in_slice = std::max(0.0, 1 - std::abs(end.normalized().dot(across_slices)) / flat);

@@ -28,7 +28,7 @@ bake::Mesh closed_mesh(const fs::path &file)
     return mesh;
 }
 
-// Outside the vessel, the instrument continues straight within the introducer until it leaves the scanned
+// Outside the vessel, the instrument continues straight within the introducer up to the end of the scanned
 // region.
 std::vector<Vector3d> with_inserter(std::vector<Vector3d> line, const insertion::Case &c)
 {

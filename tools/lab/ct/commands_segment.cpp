@@ -49,8 +49,8 @@ SegmentedDepth segment_depth(const insertion::Case &c, const insertion::Depth &d
     return result;
 }
 
-// Writes the results for that part of the instrument which lies beyond the introducer: pictures, a page, and
-// the file depth_N.csv of the case.
+// Writes the results for the part of the instrument beyond the introducer: pictures, a page, and the file
+// depth_N.csv of the case.
 void finish_depth(const insertion::Case &c, SegmentedDepth &found)
 {
     const bool begins_at_mouth = begin_at_mouth(found.line, {c.mouth_mm, c.direction}, found.volume.name);
@@ -61,8 +61,8 @@ void finish_depth(const insertion::Case &c, SegmentedDepth &found)
     insertion::write_centreline(c.path_in(found.depth->centreline), found.line.places());
 }
 
-// Returns the path of a file relative to the case's folder if the file lies inside that folder; otherwise
-// returns the absolute path.
+// Returns the path of a file relative to the case's folder if the file lies in this folder, and otherwise the
+// absolute path.
 fs::path path_from(const fs::path &folder, const fs::path &file)
 {
     const fs::path relative = fs::relative(file, folder.empty() ? fs::path(".") : folder);

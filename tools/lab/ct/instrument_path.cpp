@@ -79,7 +79,7 @@ class Ways
 
   private:
     // Numbers the layers of voxels from the border of the instrument inwards, so that the innermost layer of
-    // a region of saturated voxels has the highest number.
+    // a saturated region has the highest number.
     std::vector<std::uint8_t> depths() const
     {
         std::vector<std::uint8_t> depth(volume_.count(), 0);
@@ -132,7 +132,7 @@ std::string middle_text(const Vector3d &p)
     return formatted("(%.0f, %.0f, %.0f) mm", p.x(), p.y(), p.z());
 }
 
-// If voxels away from the path extend over more than a certain length, they belong to another object.
+// Voxels away from the path belong to another object if they extend over more than a certain length.
 void refuse_branches(const Ways &ways, const std::vector<Vector3d> &path, const Volume &volume)
 {
     Eigen::AlignedBox3d stray;
@@ -180,7 +180,7 @@ std::vector<Vector3d> path_through(const Volume &volume, const Volume &mask, con
     refuse_branches(ways, path, volume);
     // If mouth_mm is given, the path begins at the end of the instrument that is nearest to mouth_mm. If
     // mouth_mm is not given, the path begins at the end of the instrument that leaves the scanned region. If
-    // this rule does not decide, the path begins at the instrument's lower end.
+    // both ends or no end of the instrument leave the scanned region, the path begins at the lower end.
     bool begins_at_mouth = path.front().y() < path.back().y();
     if (options.mouth_mm) {
         begins_at_mouth = (path.front() - *options.mouth_mm).dot(options.direction) <

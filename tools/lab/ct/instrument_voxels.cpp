@@ -1,4 +1,4 @@
-// Selects the instrument's voxels, which are bright voxels connected over a greater length than any streak of
+// Selects the instrument's voxels: bright voxels that are connected over a greater length than any streak of
 // the picture.
 #include "host/base/format.hpp"
 #include "tools/lab/ct/centreline.hpp"

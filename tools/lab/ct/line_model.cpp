@@ -138,7 +138,7 @@ Eigen::Matrix2d LineFit::inverse_spread(const Frame &frame, const LineModel &mod
 }
 
 // Fits the displacement of the centreline and the logarithm of the peak's height by the Levenberg-Marquardt
-// method. The weights of the fit across the centreline reduce the influence of streaks.
+// method. The fit has weights across the centreline, which reduce the influence of streaks.
 AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, const LineModel &model) const
 {
     const std::vector<Sample> samples = samples_at(frames, index, reach_mm, 1.5);
@@ -163,8 +163,8 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
             if (!matrix) continue;
             const double weight = sample.weight / (1 + scaled * scaled) / (sigma * sigma);
             Vector3d derivative(height * pull.x(), height * pull.y(), height);
-            // A voxel at the end of the grey scale (a saturated voxel) gives no upper bound for the model's
-            // value, but shows when this value is too low.
+            // A saturated voxel (at the end of the grey scale) can show that the model's value is too low,
+            // but not that it is too high.
             if (is_cut) derivative *= residual < -0.02 * room ? 0.3 * room / height : 0.0;
             *matrix += weight * derivative * derivative.transpose();
             *slope += weight * residual * derivative;

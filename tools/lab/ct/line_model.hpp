@@ -1,7 +1,7 @@
 // Models the voxels of the blurred instrument, and fits this model across the centreline at one point. Across
-// a straight round instrument, the blurred picture is a Gaussian. The covariance of the blurred picture's
-// Gaussian is the covariance of the point spread plus that of the instrument's own cross-section, as seen
-// along the instrument. The model cuts off the top of the Gaussian at the end of the grey scale.
+// a straight round instrument, the blurred picture is a Gaussian. The covariance of the picture's Gaussian is
+// that of the point spread plus that of the instrument's own cross-section, seen along the instrument. The
+// model cuts off the top of the Gaussian at the end of the grey scale.
 #pragma once
 #include "tools/lab/ct/centreline.hpp"
 

@@ -53,7 +53,7 @@ struct Crests {
 };
 
 // Searches outwards from the centreline of the instrument in 16 directions. In each direction, the wall is
-// taken to be the first peak that is well above the value of the fluid.
+// taken to be the first peak well above the value of the fluid.
 void look_outwards(const Volume &volume, const std::vector<Vector3d> &line, double fluid, double from_mm,
                    Crests &found)
 {
@@ -130,10 +130,10 @@ struct Grower {
     }
 };
 
-// Takes the voxels that may be fluid, and applies a morphological opening with a ball to them. After the
-// morphological opening, no gap that a streak leaves in the wall connects the inside of the lumen with the
-// outside. After the opening, the function keeps the voxels that are connected to the centreline, and adds
-// all voxels that these enclose.
+// Applies a morphological opening with a ball to the voxels that may be fluid. After the morphological
+// opening, gaps that streaks leave in the wall no longer connect the inside of the lumen with the outside.
+// The function then keeps the voxels that are connected to the centreline, and adds all voxels that these
+// enclose.
 Volume grown(const Volume &restored, const Volume &distance, double fluid, double limit)
 {
     Volume dim = restored.like(0);
@@ -178,7 +178,8 @@ Volume grown(const Volume &restored, const Volume &distance, double fluid, doubl
     return mask;
 }
 
-// Closes cracks in the mask, which streaks leave near the instrument, by expanding and shrinking the mask.
+// Streaks near the instrument leave cracks in the mask, which the function closes by expanding and shrinking
+// the mask.
 void close_cracks(Volume &mask, const Volume &distance)
 {
     Volume wide = signed_distance(mask);
@@ -197,8 +198,8 @@ Volume level_of(const Volume &mask, const Volume &restored, double limit, double
     for (std::size_t i = 0; i < level.hu.size(); ++i) {
         const double away = static_cast<double>(level.hu[i]),
                      by_value = (static_cast<double>(restored.hu[i]) - limit) / slope_HU_per_mm;
-        // `away` is the distance from the nearest voxel on the other side of the surface; the surface lies
-        // between this voxel and the voxel at index i.
+        // `away` is the distance from voxel i to the nearest voxel on the other side of the surface; the
+        // surface lies between these two voxels.
         if (std::abs(away) < 1.1 && (by_value < 0) == (mask.hu[i] > 0))
             level.hu[i] = static_cast<float>(std::clamp(by_value, -1.2, 1.2));
     }
@@ -260,8 +261,8 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     for (Volume *part : {&mask, &merged.distance, &merged.filled, &merged.hidden, &lumen.restored})
         *part = cut_out(*part, low, high);
     lumen.hidden = std::move(merged.hidden);
-    // The steepest slope of a smooth edge with the measured contrast is contrast / (sigma sqrt(2 pi)); a
-    // slope of half this size counts as an edge.
+    // The steepest slope of a smooth edge is contrast / (sigma sqrt(2 pi)), with the measured contrast; a
+    // slope of at least half this size counts as an edge.
     const double steepest = contrast / (2.5066 * std::hypot(options.smooth_mm, 0.45));
     lumen.edge_HU_per_mm = 0.5 * steepest;
     lumen.first = level_of(mask, lumen.restored, lumen.edge_HU, steepest);

@@ -7,7 +7,7 @@
 namespace crn::ct
 {
 
-// Within `streak_mm` of the instrument's centreline, values that neither fluid nor silicone can have are
+// Within `streak_mm` of the instrument's centreline, values that are impossible for fluid and silicone are
 // treated as streaks.
 inline constexpr double streak_mm = 9.0;
 
@@ -21,8 +21,8 @@ struct LumenOptions {
     SnakeWeights snake{0.0, 0.15, 0.5, 15};
 };
 
-// Holds one scan of the phantom, and the centrelines of those parts of the instrument that hide the phantom
-// in this scan.
+// Holds one scan of the phantom, and the centrelines of the parts of the instrument that hide the phantom in
+// this scan.
 struct LumenScan {
     const Volume *volume;
     std::vector<Eigen::Vector3d> line;   // the part of the instrument that lies in the lumen
@@ -30,7 +30,7 @@ struct LumenScan {
 };
 
 struct Lumen {
-    // All volumes of the struct cover only that part of the scan which surrounds the lumen.
+    // All volumes of the struct cover only the part of the scan that surrounds the lumen.
     Volume level;    // mm from the wall, negative inside
     Volume restored; // the merged scans without the instrument, smoothed
     Volume hidden;   // 1 where metal hid the voxel in all scans, else 0

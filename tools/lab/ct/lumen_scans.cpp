@@ -14,8 +14,8 @@ namespace
 constexpr double noise_least_HU = 4;
 
 // Estimates the standard deviation of noise and streaks, which varies over the volume. The volume's slices
-// are divided into blocks. The estimate for a block follows from the median difference between the values of
-// two voxels at a distance of two voxels. A wall covers too few voxels of a block to change the median.
+// are divided into blocks. The estimate for a block follows from the median difference of voxel pairs two
+// voxels apart. A wall covers too few voxels of a block to change the median.
 class LocalNoise
 {
   public:

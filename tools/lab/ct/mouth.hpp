@@ -12,7 +12,7 @@ struct Mouth {
 };
 
 // Cuts the centreline where it crosses the plane of the introducer's distal end. Returns false, and adds a
-// note, if the scan shows only that part of the instrument which lies beyond this plane in the vessel. Throws
+// note, if the scan shows only the part of the instrument that lies beyond this plane in the vessel. Throws
 // Fault if the centreline does not pass through the introducer's end; the message names the scan as `name`.
 bool begin_at_mouth(InstrumentLine &line, const Mouth &mouth, const std::string &name);
 
@@ -23,9 +23,9 @@ struct InsertedLine {
     std::string name; // the name of the scan
 };
 // The distance from the tip back along the centreline to the introducer's end is the inserted length. With
-// several depths, the position of the introducer's end is the mean of the positions that the depths give.
-// Throws Fault if the part of the instrument in a scan is shorter than the inserted length, or if the depths
-// give contradictory positions.
+// several depths, the introducer's end is taken as the mean of the positions that the depths give. Throws
+// Fault if the part of the instrument in a scan is shorter than the inserted length, or if the depths give
+// contradictory positions.
 Mouth find_mouth(const std::vector<InsertedLine> &lines);
 
 // Checks that the length of a centreline, from the introducer's end to the tip, equals the inserted length.

@@ -1,5 +1,5 @@
-// Draws pictures of volumes, which show either a slice or the brightest voxels along an axis, with outlines
-// and lines drawn over them.
+// Draws pictures of volumes, with outlines and lines drawn over them. A picture shows a slice, or the
+// brightest voxels along an axis.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/lab/ct/volume/volume.hpp"
@@ -17,11 +17,11 @@ inline constexpr Ink red{230, 40, 40}, green{60, 200, 80}, yellow{250, 210, 60},
 class Picture
 {
   public:
-    // Shows the slice `index`; if index < 0, each pixel shows the brightest value of all slices.
+    // Shows the slice `index`; if index < 0, each pixel shows the brightest value over all slices.
     Picture(const Volume &volume, int axis, int index, double low_HU, double high_HU, double pixel_mm = 0.35);
     // Draws the outline of a surface in the displayed slice; the outline is where `level`, a volume on the
-    // same grid, changes its sign. In a picture of all slices, the function outlines the region of pixels
-    // where `level` is negative (inside) in at least one slice.
+    // same grid, changes its sign. In a picture of all slices, the outline surrounds all pixels at which
+    // `level` is negative (inside) in at least one slice.
     void outline(const Volume &level, Ink ink);
     void line(const std::vector<Eigen::Vector3d> &scene_mm, Ink ink, double width);
     void dot(const Eigen::Vector3d &scene_mm, Ink ink, double width);

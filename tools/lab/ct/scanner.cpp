@@ -22,8 +22,8 @@ constexpr double around_mm = 3;           // margin of air in the picture
 constexpr double photons_least = 2;       // least number of photons that a starved ray counts
 constexpr double electronic_photons = 15; // standard deviation of the read-out
 
-// Returns an independent random number for every ray, by the last step of the generator splitmix64; the order
-// of the calls does not matter.
+// Returns an independent random number for every ray, made by the last step of the generator splitmix64; the
+// order of the calls does not matter.
 std::uint64_t mixed(std::uint64_t value)
 {
     value += 0x9e3779b97f4a7c15u;
@@ -100,7 +100,7 @@ class Scan
         return static_cast<int>(std::ceil(std::hypot(x, y) / pitch_mm)) + 6;
     }
 
-    // Returns the fraction of the signal that remains on each ray through an instrument, and -1 for other
+    // Returns the fraction of the signal that remains on each ray through an instrument, and -1 for all other
     // rays. The list is empty if no ray passes through an instrument. Over the detector's aperture and the
     // slice's thickness, we average the signal and not the lengths of material. Because the signal is
     // averaged, thin metal blooms and causes streaks, as in a real scanner.
@@ -157,8 +157,8 @@ class Scan
         return std::max(photons_least, mean + sigma * normal_number(settings_.seed, number)) / photons_;
     }
 
-    // Returns the number of photons per ray in air with which the picture has the wanted noise at the lumen's
-    // centre in the middle slice.
+    // Returns the number of photons per ray in air that gives the wanted noise at the lumen's centre in the
+    // middle slice.
     double photons_for_noise() const
     {
         std::vector<Edge> edges;

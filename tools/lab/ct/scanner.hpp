@@ -4,9 +4,9 @@
 // For every slice, the scanner computes the line integrals of parallel beams exactly, from chords through the
 // cut meshes and through the instrument's tubes. The line integrals are averaged over the detector's aperture
 // and the slice's profile. The scanner attenuates a polychromatic beam, counts photons, corrects beam
-// hardening for water as real scanners do, and reconstructs the picture by filtered back-projection.
-// Blooming, streaks and photon starvation result from the simulated physics; the program does not draw them
-// artificially. The scanner models neither scatter nor the geometry of a fan beam or a helical scan.
+// hardening for water as real scanners do, and reconstructs by filtered back-projection. Blooming, streaks
+// and photon starvation result from the simulated physics; the program does not draw them artificially. The
+// scanner models neither scatter nor the geometry of a fan beam or a helical scan.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"

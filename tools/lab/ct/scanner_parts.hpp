@@ -9,7 +9,7 @@
 namespace crn::ct
 {
 
-// Describes the parallel rays of one slice: the rays of view v have the direction (-sin, cos), and ray i lies
+// Describes the parallel rays of one slice. The rays of view v have the direction (-sin, cos), and ray i lies
 // at s = (i + 0.5 - bins / 2) pitch along (cos, sin).
 struct Rays {
     Rays(int views, int bins, double pitch_mm);
@@ -54,14 +54,14 @@ class PhantomPlanes
     std::vector<float> field_;
 };
 
-// Adds, for each ray, the mean length in mm over which the ray lies in the region that the edges enclose,
-// multiplied by the edges' value.
+// Adds, for each ray, its mean length in mm inside the region that the edges enclose, multiplied by the
+// edges' value.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums);
 
 inline constexpr int rays_per_bin = 3;
 inline constexpr int beam_energies = 8;
 
-// Holds the length over which one sub-ray of a plane passes through metal or polymer of an instrument.
+// Holds the length over which one sub-ray of a plane passes through the metal or polymer of an instrument.
 struct TubeChord {
     std::uint32_t ray; // view * bins * rays_per_bin + sub-ray
     float length_mm;   // multiplied by `fill`
@@ -121,7 +121,7 @@ class Reconstruction
     void filter(std::vector<float> &lengths_mm) const;
     void project_back(const std::vector<float> &filtered, const Eigen::Vector2d &first,
                       const Eigen::Vector2d &spacing, int columns, int rows, float *out_HU) const;
-    // Returns the standard deviation, in HU, of a pixel at `place`; the rays are independent, and
+    // Returns the standard deviation, in HU, of a pixel at `place`. The rays are independent, and
     // `variance_mm2` holds the variance of each ray in mm2.
     double noise_HU(const std::vector<float> &variance_mm2, const Eigen::Vector2d &place) const;
 

@@ -90,8 +90,8 @@ PhantomPlanes::PhantomPlanes(const bake::Mesh &lumen, const PhantomMaterials &ph
     mark_inside();
 }
 
-// Computes the distance field in the wall and slightly beyond: each triangle lowers the stored distance at
-// every grid point to which this triangle is nearer than all earlier triangles.
+// Computes the distance field in the wall and slightly beyond. Each triangle lowers the stored distance at
+// every grid point to which it is nearer than all earlier triangles.
 void PhantomPlanes::measure_distance()
 {
     const double reach = phantom_.wall_mm + 2;
@@ -120,7 +120,7 @@ void PhantomPlanes::measure_distance()
 }
 
 // Each row of the grid crosses the outline of the cut lumen an even number of times, so the crossings
-// separate points inside from points outside.
+// separate inner from outer points.
 void PhantomPlanes::mark_inside()
 {
     std::vector<Edge> edges;
@@ -184,8 +184,8 @@ void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edg
     };
     for (int j = 0; j + 1 < field_size_[1]; ++j)
         for (int i = 0; i + 1 < field_size_[0]; ++i) {
-            // The corners of a square are counted counter-clockwise. An edge of the outline enters the square
-            // where the level falls below 0, and leaves it where the level rises above 0.
+            // The corners of a grid square are counted counter-clockwise. An edge of the outline enters the
+            // square where the level falls below 0, and leaves it where the level rises above 0.
             const int di[4] = {0, 1, 1, 0}, dj[4] = {0, 0, 1, 1};
             double v[4];
             int inside = 0;
@@ -227,10 +227,10 @@ Vector2d PhantomPlanes::middle_at(double height_mm) const
     return area > 1 ? Vector2d(sum / area) : Vector2d::Zero();
 }
 
-// The chord of a ray is the sum of -t sign(ds) over all edges that the ray crosses, because the ray enters
-// through edges below and leaves through edges above. Along an edge of the outline, the position t along the
-// ray is a linear function of the ray's offset s. The mean of t over a detector bin is therefore the value of
-// t at the middle of that part of the bin which the edge covers.
+// The chord of a ray is the sum of -t sign(ds) over all edges that the ray crosses, because it enters through
+// edges below and leaves through edges above. Along an edge of the outline, the position t along the ray is a
+// linear function of the ray's offset s. The mean of t over a detector bin is therefore t at the middle of
+// the part of the bin that the edge covers.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums)
 {
     const double per_bin = 1 / rays.pitch_mm, half = 0.5 * rays.bins;

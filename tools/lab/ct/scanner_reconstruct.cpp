@@ -26,16 +26,16 @@ Rays::Rays(int views_wanted, int bins_wanted, double pitch)
     : views(views_wanted), bins(bins_wanted), pitch_mm(pitch)
 {
     for (int view = 0; view < views; ++view) {
-        // The angles of the views avoid the axes; otherwise a whole edge of the phantom that is parallel to
-        // an axis could fall between two rays.
+        // The angles of the views avoid the axes; otherwise a whole edge of the phantom parallel to an axis
+        // could fall between two rays.
         const double angle = pi * (view + 0.37) / views;
         cosine.push_back(std::cos(angle));
         sine.push_back(std::sin(angle));
     }
 }
 
-// The aperture (a box of one pitch) and the interpolation (a triangle) already blur the picture, and the
-// filter's roll-off adds the remaining part of the wanted blur.
+// The aperture (a box of one pitch) and the interpolation (a triangle) already blur the picture; the filter's
+// roll-off adds the rest of the wanted blur.
 Reconstruction::Reconstruction(const Rays &rays, double blur_mm) : rays_(rays)
 {
     const double pitch = rays.pitch_mm;
@@ -55,17 +55,17 @@ Reconstruction::Reconstruction(const Rays &rays, double blur_mm) : rays_(rays)
             frequency[static_cast<std::size_t>(i)].real() *
             static_cast<float>(std::exp(-2 * pi * pi * left * cycles_per_mm * cycles_per_mm)));
     }
-    // The gain of the filter for white noise is the mean of |response|^2; linear interpolation, averaged over
-    // all positions between samples, leaves 2/3 of this gain. After the ramp filter, neighbouring noise
-    // values are hardly correlated; a test measures the resulting noise.
+    // The filter's gain for white noise is the mean of |response|^2. Linear interpolation, averaged over all
+    // positions between samples, leaves 2/3 of this gain. After the ramp filter, neighbouring noise values
+    // are hardly correlated; a test measures the resulting noise.
     for (const float value : response_) row_gain_ += static_cast<double>(value * value) / size;
     row_gain_ *= 2.0 / 3;
 }
 
 Reconstruction::~Reconstruction() = default;
 
-// Filters two rows at once, as the real and the imaginary part of one complex row, because the filter's
-// response is real and even.
+// Filters two rows at once, as the real and imaginary part of one complex row, which is possible because the
+// filter's response is real and even.
 void Reconstruction::filter(std::vector<float> &lengths_mm) const
 {
     const std::size_t bins = static_cast<std::size_t>(rays_.bins);

@@ -39,7 +39,7 @@ struct Span {
     double length() const { return std::max(0.0, high - low); }
 };
 
-// Keeps that part of the ray p + t d which lies in front of a plane through q, or behind this plane.
+// Keeps the part of the ray p + t d that lies in front of a plane through q, or the part behind this plane.
 void clip(Span &span, double slope, double beyond, bool wants_positive)
 {
     if (!wants_positive) {
@@ -167,8 +167,8 @@ Beam::Beam(double tube_kV, const std::vector<Material> &materials)
     double below = 0;
     for (int i = 0; i < energy_count; ++i) {
         const double share = signal[static_cast<std::size_t>(i)] / all;
-        // We divide the spectrum of the beam into bins of equal signal; the attenuation of a bin is the mean
-        // attenuation of its photons.
+        // We divide the beam's spectrum into bins of equal signal; the attenuation of a bin is the mean over
+        // its photons.
         const auto bin = std::min<std::size_t>(beam_energies - 1,
                                                static_cast<std::size_t>((below + share / 2) * beam_energies));
         below += share;

@@ -35,8 +35,8 @@ void write_points(const InstrumentLine &line, const fs::path &file)
     write_whole_file(file.string(), text);
 }
 
-// Writes the surface of the instrument itself; the snake (active contour) finds this surface from the
-// instrument's voxels, as it finds the lumen's surface.
+// Writes the surface of the instrument itself. The snake (active contour) finds the instrument's surface from
+// its voxels, in the same way as the lumen's surface.
 void write_instrument(const Volume &volume, const Volume &mask, const InstrumentLine &line,
                       const fs::path &file)
 {
@@ -120,8 +120,8 @@ void show_line(Page &page, const Volume &volume, const InstrumentLine &line)
     }
 }
 
-// Shows slices through a point in the lumen; the pictures show the scan, the speed of the snake (active
-// contour) and the snake's final contour.
+// Shows slices through a point in the lumen: the scan, the speed of the snake (active contour), and its final
+// contour.
 void show_lumen(Page &page, const Lumen &lumen, const Vector3d &place)
 {
     const Vector3d middle = lumen.level.voxel(place);

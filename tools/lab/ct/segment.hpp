@@ -43,15 +43,15 @@ struct Segmentation {
 Segmentation segment_scan(const Volume &volume, const SegmentOptions &options,
                           const std::filesystem::path &folder, const Report &report);
 
-// States how far two polylines are apart: the mean and the maximum of the distances from the first polyline's
-// points to the second polyline, and the distance between the two tips.
+// States how far two polylines are apart: the mean and maximum distance from the first polyline's points to
+// the second polyline, and the distance between the two tips.
 struct Apart {
     double mean_mm = 0, max_mm = 0, tip_mm = 0;
     double offset_mm = 0; // for a surface: mean with its sign, + outside the reference
 };
 Apart lines_apart(const std::vector<Eigen::Vector3d> &line, const std::vector<Eigen::Vector3d> &reference);
-// Returns the mean and the maximum of the distances from points of the first surface to the second surface,
-// which must be closed; the mean is weighted by the first surface's area.
+// Returns the mean and the maximum distance from points of the first surface to the second surface, which
+// must be closed; the mean is weighted by area on the first surface.
 Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference);
 
 } // namespace crn::ct

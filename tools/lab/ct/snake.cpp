@@ -103,8 +103,8 @@ Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights
     filter->SetCurvatureScaling(static_cast<float>(weights.curvature));
     filter->SetAdvectionScaling(static_cast<float>(weights.advection));
     filter->SetMaximumRMSError(0.001);
-    // With the usual larger sigma, the regions of low speed at the two sides of a wall merge, and the snake
-    // (active contour) stops at the wrong side of the wall.
+    // With the usual, larger sigma, the low-speed regions on the two sides of a wall merge, and the snake
+    // (active contour) stops on the wrong side of the wall.
     filter->SetDerivativeSigma(0.3);
     filter->SetNumberOfIterations(static_cast<unsigned>(weights.iterations));
     return run(level, filter);

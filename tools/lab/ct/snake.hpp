@@ -1,4 +1,4 @@
-// Computes level sets on a volume's grid with the library ITK, which this header does not include; the steps
+// Computes level sets on a volume's grid with the library ITK, which this header does not include. The steps
 // are smoothing, edges, distance and the snake (active contour). The snake is ITK-SNAP's name for the
 // geodesic active contour (Caselles, Kimmel and Sapiro 1997). A level is a volume whose values are distances
 // from the surface in mm, negative inside.

@@ -21,7 +21,7 @@ double level_at(const Volume &level, const mesh::Cell &at)
     return here == 0 ? 1e-6 : here;
 }
 
-// Returns true if the surface crosses the block of voxels or its border, and otherwise false.
+// Returns whether the surface crosses the block of voxels or its border.
 bool is_crossed(const Volume &level, const mesh::Cell &low)
 {
     int inside = 0;

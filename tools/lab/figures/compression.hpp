@@ -1,7 +1,7 @@
 // Repeats the compression experiment of section 5.4.2 of the thesis. The hand pushes a rod into the phantom
-// until the rod's tip is at the closed end and further pushing has compressed the rod. At the end, the length
-// of the compressed rod is compared with its unloaded length. All solvers (the modes of the thesis' rod, and
-// our direct solver) simulate the same rod, vessel and motion of the hand.
+// until its tip is at the closed end and further pushing has compressed it. At the end, the length of the
+// compressed rod is compared with its unloaded length. All solvers (the modes of the thesis' rod, and our
+// direct solver) simulate the same rod, vessel and motion of the hand.
 #pragma once
 #include "tools/lab/vcsim3/direct.hpp"
 #include "tools/lab/vcsim3/preset.hpp"
@@ -48,15 +48,15 @@ struct CompressionResult {
     std::vector<std::uint8_t> state; // state at the same moment, for timing: begin_at() or DirectRod::restore
 };
 
-// The program calls a Watch after each tick with the completed fraction of the run; if the Watch returns
+// The program calls a Watch after each tick, with the completed fraction of the run. If the Watch returns
 // false, the run stops and throws Interrupted.
 using Watch = std::function<bool(double)>;
 struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// Returns the rod's properties for our solver: stiffness, radius and friction from the preset, the mass of a
-// real wire, and zero weight, as in the baseline.
+// Returns the rod's properties for our solver: stiffness, radius and friction of the preset, the mass of a
+// real wire, and zero weight as in the baseline.
 DirectProperties direct_of(const Preset &preset, const Protocol &protocol);
 inline constexpr double direct_mass_kg_per_m = 0.005;
 

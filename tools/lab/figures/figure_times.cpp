@@ -1,5 +1,5 @@
-// Draws Figure 5.14 of the thesis twice: with the milliseconds per step that the thesis measured on its
-// machine, and with our microseconds per step on the present machine.
+// Draws Figure 5.14 of the thesis twice: with the milliseconds per step that the thesis measured, and with
+// our microseconds per step on this machine.
 #include "tools/lab/figures/chart.hpp"
 #include "tools/lab/figures/figures.hpp"
 #include "tools/lab/figures/thesis_values.hpp"

@@ -1,5 +1,5 @@
-// Draws the four figures of the thesis as pictures. The pictures show the thesis' values beside our values,
-// with an additional bar for our direct solver.
+// Draws the four figures of the thesis as pictures. The pictures show the thesis' values beside ours, with an
+// additional bar for our direct solver.
 #pragma once
 #include "tools/lab/figures/study.hpp"
 

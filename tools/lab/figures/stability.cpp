@@ -44,7 +44,7 @@ bool survives_crowding(const Preset &preset, const Mode &mode, int substeps)
     settings.substeps = substeps;
     // The tube is oblique to the axes, so that the rod is bent when it reaches the closed end. In a tube
     // along an axis, a single iteration of the global solver does not transmit the wall's force along the
-    // rod, so the first segment is crushed (docs/thesis.md).
+    // rod, so that the first segment is crushed (docs/thesis.md).
     const Vector direction = Vector(1.0, 0.25, 0.1).normalized();
     Simulation simulation(rod_of(preset, elements + 2, preset_element_m), Inserter(Vector::Zero(), direction),
                           tube_wall(tube_radius_m, tube_length_m), settings, start_m);

@@ -1,15 +1,15 @@
 // Determines the number of time steps per millisecond that a preset (an instrument of the thesis) needs. The
 // needed number of time steps is the smallest number with which a short rod stays stable when it is
-// compressed in a closed tube. The number of substeps that a preset states is larger than the needed number
-// by a safety margin.
+// compressed in a closed tube. The number of substeps in a preset exceeds the needed number by a safety
+// margin.
 #pragma once
 #include "tools/lab/figures/compression.hpp"
 
 namespace vcsim3
 {
 
-// Makes a straight tube along +x from the origin that a plane closes at `length_m`; the distances to the
-// tube's wall are exact.
+// Makes a straight tube along +x that begins at the origin and ends at a plane at `length_m`; the distances
+// to its wall are exact.
 Wall tube_wall(double radius_m, double length_m);
 
 // Pushes a rod of 64 elements (96 mm), with the preset's properties, at 0.1 m/s into a tube of 85 mm length.
@@ -17,7 +17,7 @@ Wall tube_wall(double radius_m, double length_m);
 bool survives_crowding(const Preset &preset, const Mode &mode, int substeps);
 
 // Searches by bisection between 1 and twice the preset's number of substeps; returns 0 when the rod is
-// unstable even with twice the number.
+// unstable even at the upper end.
 int smallest_stable_substeps(const Preset &preset, const Mode &mode, const Watch &watch);
 
 } // namespace vcsim3

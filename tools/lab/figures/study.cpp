@@ -11,7 +11,7 @@ namespace vcsim3
 namespace
 {
 
-// Calls work(0) .. work(count - 1) on several threads; if a call throws an exception, the other calls stop
+// Calls work(0) .. work(count - 1) on several threads. If a call throws an exception, the other calls stop
 // and this function rethrows the first exception.
 void in_parallel(int count, int threads, const std::function<void(int)> &work)
 {
@@ -36,7 +36,7 @@ void in_parallel(int count, int threads, const std::function<void(int)> &work)
     if (failure) std::rethrow_exception(failure);
 }
 
-// Computes the completed fraction of the work of many jobs that take different times.
+// Computes the completed fraction of many jobs that take different times.
 class Progress
 {
   public:

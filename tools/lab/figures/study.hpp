@@ -29,9 +29,9 @@ struct StudySettings {
     int threads = 1;
 };
 
-// Receives the name of the current work and the completed fraction of this work; if the fraction is -1, the
-// name is printed as a separate line. Several threads call the report function, but never two of them at the
-// same time. If the report function returns false, all work stops and throws Interrupted.
+// Receives the name of the current work and its completed fraction; if the fraction is -1, the name is
+// printed as a separate line. Several threads call the report function, but never two of them at the same
+// time. If the report function returns false, all work stops and throws Interrupted.
 using Report = std::function<bool(const std::string &, double)>;
 
 Study make_study(const StudySettings &settings, const Vessel &vessel, const Report &report);

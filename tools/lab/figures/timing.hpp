@@ -1,6 +1,5 @@
 // Measures the values of the thesis' Figure 5.14: the duration of one time step, phase by phase, for every
-// mode of the solver. The measurement of each mode starts from the state at the end of the mode's compression
-// run.
+// mode of the solver. The measurement of each mode starts from the state at the end of its compression run.
 #pragma once
 #include "tools/lab/figures/compression.hpp"
 
@@ -18,9 +17,9 @@ struct TimingResult {
     double per_ms_s() const { return total_s() * steps_per_ms; }
 };
 
-// Measures the time of all runs in turn, round after round, so that a disturbance of the machine does not
-// affect one mode alone. For each phase of a step, the function keeps the shortest time of 600 steps. All
-// states in `runs` must have been made with the given preset, vessel and protocol.
+// Measures all runs in turn, round after round, so that a disturbance of the machine does not affect one mode
+// alone. For each phase of a step, the function keeps the shortest time of 600 steps. All states in `runs`
+// must have been made with the given preset, vessel and protocol.
 std::vector<TimingResult> time_steps(const std::vector<CompressionResult> &runs, const Preset &preset,
                                      const Vessel &vessel, const Protocol &protocol, const Watch &watch);
 

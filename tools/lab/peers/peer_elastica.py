@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Simulates the rod of docs/bench.md ("Peers") in PyElastica as a Cosserat rod with explicit time integration, so shear
-waves across the rod's radius limit the time step.
+"""Simulates the rod of docs/bench.md ("Peers") in PyElastica as a Cosserat rod. The time integration of PyElastica is
+explicit, so shear waves across the rod's radius limit the time step.
 
   peer_elastica.py free WARM_STEPS TIMED_STEPS [STEP_us]
 
 Prints one line of key=value pairs. Needs the package pyelastica.
 
-A time step of 0.2 us is stable, and a step of 0.25 us is unstable: length_error_pct then reaches thousands within 8,000
-steps. A simulated second takes minutes. The rod is therefore timed while it starts to fall, and is not simulated until
-it rests; its tip is printed as `nan`, and its accuracy counts as perfect.
+A time step of 0.2 us is stable. A step of 0.25 us is unstable: length_error_pct then reaches thousands within 8,000
+steps. A simulated second takes minutes. The rod is therefore timed while it starts to fall and not at rest; its tip is
+printed as `nan`, and its accuracy counts as perfect.
 """
 
 import importlib.metadata

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Simulates the rod of docs/bench.md ("Peers") in MuJoCo as a 1D flex, which is a discrete elastic rod with one twist
+"""Simulates the rod of docs/bench.md ("Peers") in MuJoCo as a 1D flex, that is, a discrete elastic rod with one twist
 angle per edge.
 
   peer_mujoco.py free|tube SETTLE_TICKS TIMED_TICKS
@@ -7,12 +7,12 @@ angle per edge.
 Prints one line of key=value pairs. The program needs the Python package mujoco (4.x, or 3.17 and later for the rod's
 bending).
 
-All choices favour the peer. The integrator `discrete` treats bending implicitly, and is the only integrator that is
-stable with this rod at time steps of 1 ms. Of MuJoCo's solvers, the Newton solver is the fastest for the rod of the
-benchmark. Eight planes form the tube, because planes are faster than a mesh; for a straight tube, they are also exact.
-The rod is at rest, so the solver starts each step with the correct solution. Equality constraints on the edges of
-MuJoCo's flex keep the length of the rod. With the default impedance of the edges' constraints, the hanging rod is 8 %
-too long; with the `solimp` below, the length error is 0.07 % at the same speed of simulation.
+All choices favour the peer. The integrator `discrete` treats bending implicitly. No other integrator is stable with
+this rod at time steps of 1 ms. Of MuJoCo's solvers, the Newton solver is the fastest for the rod of the benchmark.
+Eight planes form the tube; planes are faster than a mesh, and exact for a straight tube. The rod is at rest, so the
+solver starts each step with the correct solution. Equality constraints on the edges of MuJoCo's flex keep the length of
+the rod. With the default impedance of the edges' constraints, the hanging rod is 8 % too long. With the `solimp` below,
+the rod's length error is 0.07 % at the same speed of simulation.
 """
 
 import math

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The length of an element is 0.5 m / 256, rounded up to a whole micrometre, so the rear part of the last
+/* The length of an element is 0.5 m / 256, rounded up to a whole micrometre, so the rear end of the last
  * element remains in the sheath. */
 enum { ELEMENTS = 256, ELEMENT_um = 1954, LENGTH_um = 500000, SPARE_ELEMENTS = 8, TICKS_MAX = 1000000 };
 static const double young_Pa = 60e9, density_kg_m3 = 7850, radius_m = 0.445e-3, tube_radius_m = 1.5e-3,

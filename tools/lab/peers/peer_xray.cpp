@@ -3,10 +3,10 @@
 //
 //   peer_xray BODIES FOLDER SIZE ROUNDS
 //
-// The program writes the files FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each
-// view, spectrum) and FOLDER/ours_V.f32 (transmissions, row 0 on top). The program also prints one line of
-// key=value pairs. Bodies that lie in other bodies within the skin (marrow, vessels of the lungs) are left
-// out, because gVirtualXray allows only one level of nested bodies.
+// The program writes FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each view,
+// spectrum) and FOLDER/ours_V.f32 (transmissions, row 0 on top). The program also prints one line of
+// key=value pairs. Bodies inside other bodies within the skin (marrow, vessels of the lungs) are left out,
+// because gVirtualXray allows only one level of nested bodies.
 #include "host/base/format.hpp"
 #include "host/xray/detector.hpp"
 #include "host/xray/xray.hpp"
@@ -26,8 +26,8 @@ using namespace crn;
 namespace
 {
 
-// The following photon energies are midpoints of the attenuation table's energy steps, where the program does
-// not interpolate the table; `shares` holds the fraction of the beam's energy at each photon energy.
+// The following photon energies are midpoints of steps in the attenuation table, where no interpolation is
+// needed; `shares` holds the fraction of the beam's energy at each of them.
 constexpr double energies_keV[] = {36.5, 44.5, 52.5, 60.5, 68.5};
 constexpr double shares[] = {0.21, 0.28, 0.26, 0.18, 0.07};
 

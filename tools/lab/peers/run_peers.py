@@ -4,10 +4,10 @@
   run_peers.py --ours build/bench/peer_rod [--environment build/peers] [--repeats 5] [--output out/bench_peers.tsv]
 
 Every simulator runs as a child process on the same processor core, and prints one line of key=value pairs. The
-simulators alternate, so that a slow minute of the machine affects all of them. For our core and MuJoCo, the program
-measures the time per step of 1 ms with the rod at rest; for PyElastica, it measures the time per simulated millisecond.
-The other simulators are installed into a separate virtual environment (tools/lab/peers/peers.txt). The exit code is 1
-when a simulator cannot be measured, when another simulator is more accurate than our core, or when our speed misses a
+simulators run in turn, so that a slow minute of the machine affects all of them. For our core and MuJoCo, the time per
+step of 1 ms is measured with the rod at rest; for PyElastica, it is the time per simulated millisecond. The other
+simulators are installed into a separate virtual environment (tools/lab/peers/peers.txt). The exit code is 1 when a
+simulator cannot be measured, when another simulator is more accurate than our core, or when our speed misses a
 requirement.
 """
 
@@ -78,8 +78,8 @@ def run(command):
 
 
 def fetch(environment, imports, announcement, packages, refusal):
-    """Returns the path of a virtual environment's Python that can import the modules `imports`; makes the environment
-    from the list `packages` if it does not exist. `refusal` explains what this requires."""
+    """Returns the path of a Python in a virtual environment that can import the modules `imports`; makes this
+    environment from the list `packages` if it does not exist. `refusal` explains what this requires."""
     python = os.path.join(environment, "bin", "python")
     probe = [python, "-c", "import " + imports]
     if (
@@ -165,7 +165,7 @@ def merge(rounds):
 
 
 def hanging_tip_mm(bend_N_m2, mass_g_per_m):
-    """Returns the tip's position of an inextensible elastica under its own weight; a shooting method solves EI k' = w
+    """Returns the tip's position of an inextensible elastica under its own weight, by a shooting method for EI k' = w
     (L - s) cos(angle)."""
     length, weight = LENGTH_mm * 1e-3, mass_g_per_m * 1e-3 * GRAVITY_m_s2
 
@@ -197,7 +197,7 @@ def add_tip_error(row):
 
 
 def same_physics(rows):
-    """Yields a message for each physical value that differs between the simulators although it must be equal."""
+    """Yields a message for each physical value that differs between the simulators but should be equal."""
     for key in ("elements", "bend_N_m2", "mass_g_per_m", "friction", "drag_per_s"):
         values = {row[key] for row in rows.values() if not math.isnan(row[key])}
         if max(values) - min(values) > 1e-3 * max(values):

@@ -5,9 +5,9 @@ energies.
   run_xray_peers.py --ours build/bench/peer_xray --bodies out/aorta.bodies [--environment build/xray_peers] [--size 512]
                     [--rounds 5] [--output out/bench_xray_peers.tsv]
 
-Prints the mean relative difference over the pixels inside the patient with a transmission above 1e-4, and the ratio of
-gVirtualXray's time per picture to our time. Our time includes the computation of the whole picture with scatter, noise
-and display. The program prints one ratio for the elapsed time and one ratio for the processor time of all threads. The
+Prints the mean relative difference over the pixels inside the patient with a transmission above 1e-4. Also prints
+gVirtualXray's time per picture divided by our time. Our time is that of the whole picture, with scatter, noise and
+display. The program prints one ratio for the elapsed time and one ratio for the processor time of all threads. The
 requirement applies to the ratio of processor times, because other work on the machine does not change this ratio. The
 program gVirtualXray is installed into a separate virtual environment (tools/lab/peers/xray_peers.txt). The exit code is
 1 when a requirement is missed or when the measurement fails.
@@ -41,7 +41,8 @@ def prepare(environment):
 
 
 def measure(command):
-    """Finds the last line of key=value pairs that the command printed; returns its pairs, with times as numbers."""
+    """Finds the last line of key=value pairs that the command printed, and returns these pairs, with times as
+    numbers."""
     lines = [line for line in run_peers.run(command).splitlines() if line.startswith("code=")]
     pairs = dict(word.partition("=")[::2] for word in lines[-1].split()) if lines else {}
     for key in NUMBERS:

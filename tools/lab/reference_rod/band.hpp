@@ -26,7 +26,7 @@ class Band
     }
 
     // Replaces the matrix by its lower Cholesky factor. Returns false when the matrix is not positive
-    // definite; the entries of the matrix are lost in this case.
+    // definite; its entries are lost in this case.
     bool factor();
     // Replaces the right-hand side of the system by the solution; the caller must call factor() first.
     void solve(Eigen::VectorXd &x) const;

@@ -1,5 +1,5 @@
-// Finds the rod's equilibrium by Newton's method with a shifted band Cholesky factor and backtracking; each
-// iteration uses the friction forces of the previous iteration.
+// Finds the rod's equilibrium by Newton's method with a shifted band Cholesky factor and backtracking. Each
+// Newton iteration uses the friction forces of the previous one.
 #include "tools/lab/reference_rod/equilibrium.hpp"
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace
 {
 
 // Holds the energy, force and stiffness of the wall per length of the rod, as functions of the penetration
-// depth, divided by the wall's stiffness k.
+// depth and divided by the wall's stiffness k.
 struct Press {
     double energy, force, stiffness;
 };
@@ -33,9 +33,8 @@ class Potential
     {
     }
 
-    // Moves the friction limit of every node from its old value towards its value in the given state, by the
-    // fraction `share` of the difference. Returns the largest difference between old and new friction limits
-    // before the change.
+    // Moves every node's friction limit towards its value in the given state, by the fraction `share` of the
+    // difference. Returns the largest difference between old and new friction limits before the change.
     double renew_friction(const State &state, double share)
     {
         double most_N = 0.0;
@@ -144,8 +143,8 @@ void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unkno
     band.solve(direction);
 }
 
-// Returns the longest permitted step along `direction`, as a factor of `direction`. In one iteration no node
-// moves by more than 2 mm, and no edge of the rod turns by more than 0.7 rad.
+// Returns the longest permitted step along `direction`, as a factor of `direction`. No iteration moves a node
+// by more than 2 mm or turns an edge of the rod by more than 0.7 rad.
 double longest(const Eigen::VectorXd &direction, int free)
 {
     constexpr double way_m = 2e-3, turn_rad = 0.7;

@@ -53,8 +53,8 @@ struct Outcome {
 Outcome find_rest(const Rod &rod, const Physics &physics, int free, int count, std::vector<Anchor> &anchors,
                   State &state);
 
-// After a step of the insertion, moves the friction anchor of every node that slid along the wall or left the
-// wall. The friction anchor is the point to which friction pulls a node back.
+// Moves the friction anchor of every node that slid along the wall or left the wall in this step of the
+// insertion. The friction anchor is the point to which friction pulls a node back.
 void drag_anchors(const Rod &rod, const Physics &physics, int free, const State &state,
                   std::vector<Anchor> &anchors);
 

@@ -1,4 +1,4 @@
-// Feeds the reference rod through the introducer sheath, step by step.
+// Feeds the reference rod step by step through the introducer sheath.
 #include "tools/lab/reference_rod/insertion.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -34,8 +34,8 @@ Insertion::Insertion(const Rod &rod, const Physics &physics, const Sheath &sheat
     step(start_m, turn_rad);
 }
 
-// Returns the position of a node after the rod has moved along its own curve by `feed_m`. The position of a
-// node after the step is a point of the rod's curve before the step.
+// Returns the position of a node after the rod has moved along its own curve by `feed_m`. The new position of
+// a node is a point of the rod's curve before the step.
 Vector Insertion::followed(int node, double feed_m) const
 {
     const double arc_m = rod_.arc_m[node] - feed_m;
@@ -79,9 +79,9 @@ void Insertion::place(double inserted_m, double turn_rad)
 }
 
 // A joint of the rod bends over its whole cell, which extends half an edge to either side. The two joints
-// next to the sheath's end may bend only in the part of their cells that is outside the sheath. If the joints
-// next to the sheath's end bent over their whole cells, the rod would behave as if it were clamped up to one
-// edge behind the sheath's end.
+// next to the sheath's end may bend only in those parts of their cells that are outside the sheath. If the
+// joints next to the sheath's end bent over their whole cells, the rod would behave as if it were clamped up
+// to one edge behind the sheath's end.
 void Insertion::stiffen_mouth()
 {
     constexpr double least = 0.02; // of a cell
@@ -96,11 +96,12 @@ double Insertion::cell_front_m(int joint) const
 }
 
 // Returns the sum of two forces on the rod at the sheath's end. One force holds the nodes in the sheath. The
-// other force, EI kappa^2 / 2, is the push of a sleeve on a rod that is bent where it leaves the sleeve
-// (Bigoni et al., Eshelby-like forces acting on elastic structures, 2015). The push of the sleeve arises
-// because every step frees a further part of the rod, which can then bend. Without the push of the sleeve,
-// the work of the hand would not equal the energy that the rod stores. The computed push includes bending
-// alone: twist at the sheath's end would add GJ m^2 / 2 (m is the twist per metre), which is below 1 mN here.
+// other force is the push of a sleeve on a rod that is bent where it leaves the sleeve; this force is EI
+// kappa^2 / 2 (Bigoni et al., Eshelby-like forces acting on elastic structures, 2015). The push of the sleeve
+// arises because every step frees a further part of the rod, which can then bend. Without the push of the
+// sleeve, the work of the hand would not equal the energy that the rod stores. The computed push includes
+// bending alone. Twist at the sheath's end would add GJ m^2 / 2 (m is the twist per metre), which is below 1
+// mN here.
 double Insertion::held_N() const
 {
     double force_N = 0.0;

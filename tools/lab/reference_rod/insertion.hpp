@@ -1,6 +1,6 @@
 // Runs the protocol of an insertion (tools/lab/case/case.hpp) with the reference rod. The simulation feeds
 // the rod in small steps through a straight frictionless sheath that ends at the vessel, and finds the rod's
-// position at rest after each step.
+// rest position after each step.
 #pragma once
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/reference_rod/equilibrium.hpp"
@@ -22,8 +22,8 @@ class Insertion
     Insertion(const Rod &rod, const Physics &physics, const Sheath &sheath, double start_m, double turn_rad);
 
     // Advances the rod to the inserted length `inserted_m`, with the hand at the angle `turn_rad`. The rod
-    // advances in one step, or in several shorter steps if it does not come to rest. Returns false if the rod
-    // does not come to rest even with short steps; the object then holds the state that is nearest to rest.
+    // advances in one step, or in several shorter ones if it does not come to rest. Returns false if the rod
+    // does not come to rest even with short steps; the object then holds the state nearest to rest.
     bool advance(double inserted_m, double turn_rad);
 
     double inserted_m() const { return inserted_m_; }
@@ -62,7 +62,7 @@ class Insertion
 };
 
 // Returns the rod's first material axis d1 at the sheath's end while the hand's angle is 0. As on the device,
-// d1 is perpendicular to `direction` and to that coordinate axis which is least parallel to `direction`.
+// d1 is perpendicular to `direction` and to the coordinate axis that is least parallel to `direction`.
 Vector zero_turn_axis(const Vector &direction);
 
 struct Step {

@@ -1,6 +1,6 @@
-// We first take derivatives with respect to the two edges of a joint, and then convert them to derivatives
-// with respect to the nodes. The rear edge is the vector node - rear node, and the front edge is the vector
-// front node - node.
+// We first take derivatives with respect to the two edges of a joint, and convert them to derivatives with
+// respect to the nodes. The rear edge is the vector node - rear node, and the front edge is the vector front
+// node - node.
 #include "tools/lab/reference_rod/joint.hpp"
 #include <Eigen/Geometry>
 

@@ -24,7 +24,7 @@ struct Joint {
 
 // Computes the curvature of a joint towards d1, its curvature towards t x d1, and its twist. `with_second`
 // requests second derivatives too. The formulas hold for frames that follow their tangents by the smallest
-// rotation (Bergou et al. 2010, appendix; for the twist Panetta et al., X-Shells, 2019).
+// rotation (Bergou et al. 2010, appendix). For the twist, see Panetta et al., X-Shells, 2019.
 void joint_measures(const Joint &joint, bool with_second, Measure &curvature1, Measure &curvature2,
                     Measure &twist);
 

@@ -11,8 +11,8 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-// Rotates the vector `v`, which is perpendicular to `from`, by the smallest rotation that turns `from` into
-// `to` (unit vectors), and returns the result.
+// Applies the smallest rotation that turns `from` into `to` (unit vectors) to the vector `v`, which is
+// perpendicular to `from`, and returns the result.
 Vector carry(const Vector &v, const Vector &from, const Vector &to)
 {
     const Vector b = from.cross(to);
@@ -39,7 +39,7 @@ void set_reference(State &state, int joint, double guess)
 double add_square(const Measure &m, double rest, double weight, int first, Eigen::VectorXd *slope,
                   Band *second)
 {
-    // Gives the index of each unknown of the joint among the rod's unknowns, in which the front node and the
+    // Gives the index of each unknown of the joint among the rod's unknowns; there, the front node and the
     // front edge come first.
     static constexpr int place[11] = {8, 9, 10, 7, 4, 5, 6, 3, 0, 1, 2};
     const double off = m.value - rest;

@@ -82,7 +82,7 @@ void write_parameters(const TruthRequest &request, const Truth &truth)
     write_whole_file((request.folder / "truth" / "parameters.toml").string(), file.str());
 }
 
-// Returns the points of a centreline as a scan without bias would give them: each point has independent
+// Returns the points of a centreline as a scan without bias would give them. Each point has independent
 // noise, except the first point, which is known exactly.
 std::vector<Vector> noisy(const std::vector<Vector> &points_mm, double noise_mm, Noise &noise)
 {

@@ -1,5 +1,5 @@
-// Makes a calibration case whose correct answer is known. The program inserts the reference rod, whose
-// stiffness differs from that in the instrument file, into a baked lumen. The case holds the data that a scan
+// Makes a calibration case whose correct answer is known. The program inserts the reference rod into a baked
+// lumen; the rod's stiffness differs from that in the instrument file. The case holds the data that a scan
 // and a force sensor at the hand would give; the true values are stored separately.
 #pragma once
 #include "tools/lab/case/stiffness.hpp"
@@ -37,10 +37,10 @@ struct Truth {
     Run run;
 };
 
-// Simulates the insertion and writes the following files into FOLDER: case.toml, instrument.toml and scene
-// (copies), surface, force.csv, depth_N.csv if noise is requested, truth/parameters.toml, truth/depth_N.csv
-// and truth/force.csv. The function `progress` is called after each depth; it may be empty. Equal requests
-// give equal files. Throws std::runtime_error (Fault or OutputError), whose message states the remedy.
+// Simulates the insertion and writes these files into FOLDER: case.toml, instrument.toml and scene (copies),
+// surface, force.csv, depth_N.csv if noise is requested, truth/parameters.toml, truth/depth_N.csv and
+// truth/force.csv. The function `progress` is called after each depth; it may be empty. Equal requests give
+// equal files. Throws std::runtime_error (Fault or OutputError), whose message states the remedy.
 Truth make_case(const TruthRequest &request, const std::function<void(const std::string &)> &progress = {});
 
 // Returns the outer radius of the instrument, in mm, at each point of `centreline_mm`, from the sheath's end

@@ -100,7 +100,7 @@ void tip_load(Result &result, bool quick)
 
 // --- weight ---
 
-// Increases the load in steps of 30 %; returns the heaviest load at which the rod comes to rest and no number
+// Increases the load in steps of 30 %. Returns the heaviest load at which the rod comes to rest and no number
 // format is exceeded.
 double heaviest(double bend_N_m2, double from, double to)
 {
@@ -151,9 +151,9 @@ void self_weight(Result &result, bool quick)
 
 // --- three-point bend ---
 
-// Models half of the span of a three-point bending test: by symmetry the middle of the beam is clamped, and
+// Models half of the span of a three-point bending test. By symmetry the middle of the beam is clamped, and
 // each support pushes with P / 2. Returns the load P on the beam divided by the beam's deflection.
-// `mass_factor` multiplies the mass m of the rod. The result for a time step h depends on h only through m /
+// `mass_factor` multiplies the mass m of the rod. For a time step h, the result depends on h only through m /
 // h^2 and the drag. A mass factor of 4 therefore has the same effect as a time step of half the length.
 double bench_stiffness(double bend_N_m2, double span_m, double deflection_m, double mass_factor, int ticks)
 {
@@ -208,8 +208,8 @@ void three_point(Result &result, bool)
 // A rod whose resting shape has the curvature 1/R is held straight by supports on the x axis. The first span
 // (length a) reaches from the clamp at the base to the support `second`. The second span (length d) reaches
 // from the support `second` to the tip. Clapeyron's theorem of three moments gives the moment at the support
-// `second`, in units of the moment EI/R. This moment is near 1 but not equal to 1, because the last span is
-// only supported at its ends.
+// `second`, in units of EI/R (a moment). In units of EI/R, this moment is near 1 but not equal to 1, because
+// the last span has supports but no clamp at its ends.
 double three_moments(double a, double d)
 {
     return (3 * d + 1.5 * a) / (2 * d + 1.5 * a);

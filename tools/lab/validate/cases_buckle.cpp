@@ -31,8 +31,8 @@ constexpr Column columns[] = {{"K_2", End::free, 2, 8},
                               {"K_0.699", End::pinned, 0.699156, 185},
                               {"K_0.5", End::clamped, 0.5, 384}};
 
-// Two supports, `clamp_elements` elements apart from each other, clamp the tip of a column. Supports on
-// neighbouring nodes could not clamp the tip, because the spring of each support would let the tip turn.
+// Two supports that are `clamp_elements` elements apart clamp the tip of a column. Supports on neighbouring
+// nodes could not clamp the tip, because the spring of each support would let the tip turn.
 constexpr unsigned clamp_elements = 8;
 
 // A soft piece of the rod, one element long, serves as a hinge at the introducer.
@@ -83,10 +83,10 @@ double sag(const Rig &rig)
 }
 
 // The ratio of side load to sag falls nearly linearly as the thrust rises, and reaches zero at the critical
-// load (Southwell). The function first increases the thrust by half of its value again and again, until the
-// sag has grown. After the sag has grown, a straight line through the last two points (thrust, ratio) is
-// extended to a ratio of zero, which predicts the critical thrust. In each step the function raises the
-// thrust by 7/10 of the difference to the predicted critical thrust. No theory of buckling enters.
+// load (Southwell). The function first increases the thrust by half again and again, until the sag has grown.
+// The straight line through the last two points (thrust, ratio) then predicts the critical thrust, at which
+// the ratio is zero. In each step the function raises the thrust by 7/10 of the difference to the predicted
+// critical thrust. No theory of buckling enters.
 double measure(const Column &column, Series &series)
 {
     Rig rig = make(column);

@@ -1,5 +1,5 @@
-// Tests tools that lie inside one another: their stiffnesses add up, their shapes combine, and the combined
-// rod does not jump when another tool becomes the one that reaches farthest.
+// Tests tools that lie inside one another. The stiffnesses of such tools must add up, and their shapes must
+// combine. The combined rod must not jump when another tool becomes the one that reaches farthest.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
@@ -80,8 +80,8 @@ void stiffness_adds(Result &result, bool quick)
 
 // --- a straight catheter opens a J ---
 
-// Returns the angle, in degrees, between the direction of the tip and that of the introducer, as the sum of
-// the angles between neighbouring segments.
+// Returns the angle, in degrees, between the directions of the tip and of the introducer, as the sum of the
+// angles between neighbouring segments.
 double opening(const Rig &rig)
 {
     std::vector<Vector3d> points = rig.shape();
@@ -163,8 +163,8 @@ void opens_hook(Result &result, bool quick)
 // --- change of the lead ---
 
 // The test pushes a catheter over a resting wire in a bend until the catheter reaches 20 mm beyond the wire,
-// and then draws the catheter back. We take the largest displacement per tick of any node that the catheter
-// does not cover, and subtract the displacement of the hand that moves the catheter.
+// and then draws the catheter back. We take the largest displacement per tick of any node outside the
+// catheter, and subtract the displacement of the hand that moves the catheter.
 void lead_change(Result &result, bool quick)
 {
     result.title = "Change of the leading tool";

@@ -14,8 +14,8 @@ namespace
 
 constexpr double step_s = 1e-3, drag_per_s = 20; // the core's tick and its mass-proportional drag
 
-// Returns the eigenshape, at position s, of a rod with one clamped end (s = 0) and one free end (s = 1). The
-// value of the eigenshape at the free end is 2.
+// Returns, at position s, the eigenshape of a rod that is clamped at s = 0 and free at s = 1. The value of
+// the eigenshape at the free end is 2.
 double eigenshape(double beta, double s)
 {
     double ratio = (std::cosh(beta) + std::cos(beta)) / (std::sinh(beta) + std::sin(beta));
@@ -27,8 +27,8 @@ struct Oscillation {
     double omega, decay; // rad/s, 1/s
 };
 
-// The samples q of every decaying oscillation satisfy q[n+1] = a q[n] + b q[n-1]. We fit a and b by least
-// squares and take the complex root of the equation z^2 = a z + b.
+// The samples q of every decaying oscillation satisfy q[n+1] = a q[n] + b q[n-1] with two constants. We fit a
+// and b by least squares and take the complex root of the equation z^2 = a z + b.
 Oscillation fit(const std::vector<double> &q, double interval_s)
 {
     double pp = 0, pr = 0, rr = 0, pq = 0, rq = 0;

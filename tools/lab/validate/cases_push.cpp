@@ -1,4 +1,4 @@
-// Tests pushing a rod: the compression at a wall, the force limit at which the hand stops, and the hand's
+// Tests pushing a rod: its compression at a wall, the force limit at which the hand stops, and the hand's
 // work compared with the rod's energy. A further test covers the range of stiffness in which the rod does not
 // vibrate.
 #include "host/base/number_text.hpp"
@@ -22,8 +22,8 @@ struct Pressed {
     Series force_against_way;
 };
 
-// A rod of 256 elements of 3 mm lies in a closed straight tube; the hand pushes its last millimetres in until
-// the force stalls the hand.
+// A rod of 256 elements of 3 mm lies in a closed straight tube. The hand pushes the last millimetres of the
+// rod into the tube until the hand's force limit is reached.
 Pressed press(double axial_N, double stall_N, double friction, double speed_m_s)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});
@@ -175,7 +175,7 @@ struct Calm {
 };
 
 // In this validation case the hand pushes the rod 0.55 m at 0.1 m/s through three bends that do not lie in
-// one plane, and then stops for a second.
+// one plane, and then rests for a second.
 Calm insert(const Tool &tool)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});

@@ -97,7 +97,7 @@ void greenhill_case(Result &result, bool)
 
 // --- ring ---
 
-// Fits a plane that contains the x axis and the introducer's end to the nodes; returns the root mean square
+// Fits to the nodes a plane that contains the x axis and the introducer's end; returns the root mean square
 // distance of the nodes from this plane.
 double warp(const Rig &rig)
 {

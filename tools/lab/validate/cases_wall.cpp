@@ -21,9 +21,9 @@ struct Capstan {
     double mean, low, high; // pull at the hand divided by the load at the tip
 };
 
-// A wire lies along the inner wall of a bend; a load pulls at its tip in the direction of the tube's far end.
-// The hand draws the wire back by 30 mm. The introducer is also placed at the inner wall, so that the wire
-// turns by exactly the angle of the bend.
+// A wire lies along the inner wall of a bend; a load at its tip pulls towards the tube's far end. The hand
+// draws the wire back by 30 mm. The introducer is also placed at the inner wall, so that the wire turns by
+// exactly the angle of the bend.
 Capstan draw(double angle_rad, double friction, double tip_N)
 {
     const double bend_m = 0.1, tube_m = 0.002, lead_m = 0.03, out_m = 0.07, off_m = tube_m - wire_radius_m;
@@ -98,8 +98,8 @@ struct Slope {
 };
 
 // A heavy part of a wire, 250 mm long, lies on the floor of a straight tube. A very soft part of 50 mm
-// (4e-7 N m2) connects the heavy part of the wire with the introducer. The direction of gravity tilts towards
-// the tip by 1 degree per second.
+// (bending stiffness 4e-7 N m2) connects the heavy part of the wire with the introducer. The direction of
+// gravity tilts towards the tip by 1 degree per second.
 Slope tilt(double friction, bool skew)
 {
     Vector3d along(1, 0, 0), up(0, 0, 1);

@@ -108,8 +108,8 @@ double euler_spring_pinned(double spring)
                 1.5 * M_PI);
 }
 
-// The slope-deflection method with stability functions gives s(u) / a + s''(v) / d = 0 for two spans: the far
-// end of one span is clamped, and the far end of the other span is free to turn.
+// The slope-deflection method with stability functions gives s(u) / a + s''(v) / d = 0 for two spans. The far
+// end of one span is clamped, and that of the other is free to turn.
 double euler_two_spans(double a, double d)
 {
     auto stiffness = [&](double q) {
@@ -128,7 +128,7 @@ double greenhill()
 
 Writhe writhe(double slack, double turn_rad, double bend_over_twist)
 {
-    // The equations are slack = sqrt(16 / t (1 - m^2 / 4t)) and turn = m B/C + 4 acos(m / (2 sqrt t)); the
+    // The equations are slack = sqrt(16 / t (1 - m^2 / 4t)) and turn = m B/C + 4 acos(m / (2 sqrt t)). The
     // second equation gives m for a given t.
     auto moment = [&](double t) {
         return root(

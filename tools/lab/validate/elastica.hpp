@@ -13,13 +13,13 @@ struct PlaneShape {
     std::vector<double> x, y, angle; // at s = i / (size - 1)
 };
 
-// Computes the inextensible elastica under a tip load and a load per length, both of which are constant and
-// point towards -y. A shooting method solves theta' = M, M' = (P + w (1 - s)) cos(theta), M(1) = 0. The
-// function raises the loads in steps from zero.
+// Computes the inextensible elastica under a tip load and a load per length, which are constant and point
+// towards -y. A shooting method solves theta' = M, M' = (P + w (1 - s)) cos(theta), M(1) = 0. The function
+// raises the loads in steps from zero.
 PlaneShape elastica(double tip_load, double line_load);
 
-// Computes, in closed form with elliptic integrals, the shape of a cantilever whose tip a constant load,
-// larger than Euler's critical load, presses towards the clamp.
+// Computes, in closed form with elliptic integrals, the shape of a cantilever under a constant tip load
+// towards the clamp that exceeds Euler's critical load.
 struct Buckled {
     double x, y, angle; // of the tip
 };
@@ -32,8 +32,8 @@ double beam_mode(unsigned number);         // beta of a cantilever's mode 1, 2, 
 double euler_clamped_pinned();             // u = L sqrt(P/EI): tan u = u
 double euler_spring_pinned(double spring); // the same with a torsional spring k L / EI at the other end
 // Computes the critical thrust of a rod with two spans. The first span reaches from a clamp to a support at
-// distance `a`; the second span has the length `d` and ends at another support. The rod with two spans is
-// free to turn at each of its two supports. Returns sqrt(P/EI).
+// distance `a`; the second span, of length `d`, ends at another support. The rod with two spans is free to
+// turn at each of its two supports. Returns sqrt(P/EI).
 double euler_two_spans(double a, double d);
 double greenhill(); // M L / B of a rod clamped at both ends
 

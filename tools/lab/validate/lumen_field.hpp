@@ -1,6 +1,6 @@
 // Makes lumens from exact distance functions in closed form, and computes the core's sparse field from these
 // functions in memory. The computed field equals the field that the program `bake` would make. This code does
-// not use the program `bake`, so that a validation case depends on the core alone.
+// not use `bake`, so that a validation case depends on the core alone.
 #pragma once
 #include <Eigen/Geometry>
 #include <functional>

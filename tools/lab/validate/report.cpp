@@ -61,7 +61,7 @@ std::string tolerance_text(const Row &row)
     return row.is_bar() ? number_text(row.tolerance, 4) : "-";
 }
 
-// Returns the error of a row divided by its tolerance, which states how close the row is to failing.
+// Returns the error of a row divided by its tolerance; a value near 1 is close to failing.
 double share(const Row &row)
 {
     return row.tolerance > 0 ? std::fabs(row.error) / row.tolerance : row.passed() ? 0 : 2;

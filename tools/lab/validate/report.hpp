@@ -49,8 +49,8 @@ struct Result {
 std::string tsv(const std::vector<Result> &results);
 std::string html(const std::vector<Result> &results, const std::string &command);
 std::string tap(const std::vector<Result> &results);
-// Returns the table of docs/validation.md, which has one line per case; the line shows that value of the case
-// which is closest to failing.
+// Returns the table of docs/validation.md, with one line per case; the line shows the value of the case that
+// is closest to failing.
 std::string markdown(const std::vector<Result> &results);
 
 } // namespace crn::validate

@@ -1,6 +1,6 @@
 // Runs the core for the validation cases; inputs and outputs are in SI units and double precision. Of all
-// files in this folder, only rig.hpp and rig.cpp call the core, so that only they must change when the core's
-// interface changes.
+// files in this folder, only rig.hpp and rig.cpp call the core, so that a change of the core's interface
+// affects only them.
 //
 // Arc lengths count from the tip of tool 0, and node 0 is the tip of the tool that reaches farthest. The
 // introducer ends at the origin and points along +x unless a validation case states another position or
@@ -60,8 +60,8 @@ struct Start {
 class Rig
 {
   public:
-    // Throws std::runtime_error when the core rejects the tools. The lumen field must exist longer than the
-    // rig, which keeps a pointer to the field.
+    // Throws std::runtime_error when the core rejects the tools. The lumen field must outlive the rig, which
+    // keeps a pointer to it.
     Rig(const std::vector<Tool> &tools, const LumenField *field, const Start &start);
     ~Rig();
     Rig(Rig &&) noexcept;

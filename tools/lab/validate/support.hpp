@@ -1,5 +1,5 @@
-// Provides functions that several validation cases use: the first computes element lengths that fit the
-// introducer, and the second waits until the rod is at rest.
+// Provides functions that several validation cases use: one computes element lengths that fit the introducer,
+// and one waits until the rod is at rest.
 #pragma once
 #include "tools/lab/validate/rig.hpp"
 
@@ -12,7 +12,7 @@ namespace crn::validate
 // the given total length. The element length is rounded up, so that the node at the introducer's end lies
 // just inside the introducer. The cell of the joint at the introducer's end then consists only of the half
 // element that is outside the introducer. If the introducer's end were slightly behind a node, the core would
-// make the cell of a joint too long by a tenth of its length.
+// make the cell of a joint 10 % too long.
 double element_length(double length_m, unsigned count);
 
 // Advances the simulation until no node moves by more than `still_m` in 200 ticks, for at least 400 and at

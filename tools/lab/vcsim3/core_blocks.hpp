@@ -1,5 +1,5 @@
-// Holds the memory of one simulation of the core for use in a double-precision program, and converts the
-// core's number formats.
+// Holds the memory of one simulation of the core for a double-precision program, and converts the core's
+// number formats.
 #pragma once
 #include <cmath>
 #include <cstddef>

@@ -1,6 +1,6 @@
-// Simulates a rod with our own solver for comparison with the baseline; the solver is the firmware core,
-// which receives the same vessel through its public header. Of all files in this folder, only this header and
-// its .cpp file call the core.
+// Simulates a rod with our own solver for comparison with the baseline. The solver is the firmware core,
+// which receives the same vessel through its public header. Of all files in this folder, only direct.hpp and
+// direct.cpp call the core.
 #pragma once
 #include "tools/lab/vcsim3/lumen.hpp"
 #include "tools/lab/vcsim3/rod.hpp"
@@ -23,7 +23,7 @@ struct DirectProperties {
 class DirectRod
 {
   public:
-    // `lumen` must exist longer than this object; the rod enters the lumen at `mouth_m` along the unit vector
+    // `lumen` must outlive this object; the rod enters the lumen at `mouth_m` along the unit vector
     // `direction`. Throws std::runtime_error when the core rejects the rod.
     DirectRod(const DirectProperties &properties, const crn_lumen &lumen, const Vector &mouth_m,
               const Vector &direction, double inserted_m);

@@ -14,8 +14,8 @@ class Inserter
         : mouth_m_(mouth_m), direction_(direction), unturned_(turn_from_z(-direction))
     {
     }
-    // The unit vector `axis`, perpendicular to `direction`, is the first axis of the segments while the
-    // hand's angle is 0; a bent tip points in this direction.
+    // The unit vector `axis`, perpendicular to `direction`, is the first axis of the segments at hand angle
+    // 0; a bent tip points this way.
     Inserter(const Vector &mouth_m, const Vector &direction, const Vector &axis);
 
     // Makes a straight rod at rest; the length `inserted_m`, from 0 to the whole length, is outside the

@@ -34,7 +34,7 @@ class Vessel
   public:
     // Throws std::runtime_error, whose message names the file, the fault and the remedy.
     explicit Vessel(const std::string &path);
-    // Uses a lumen that belongs to another object, which must exist longer than this object.
+    // Uses a lumen that belongs to another object, which must outlive this object.
     Vessel(const crn_lumen &lumen, const Vector &mouth_m, const Vector &direction);
     Vessel(const Vessel &) = delete;
     Vessel &operator=(const Vessel &) = delete;

@@ -1,10 +1,10 @@
-// Provides the nine instruments of the thesis' Table 5.1 as rods; mass and inertia are scaled so that
-// explicit integration of these rods is stable.
+// Provides the nine instruments of the thesis' Table 5.1 as rods. The mass and inertia of the rods are scaled
+// so that explicit integration is stable.
 //
 // The table gives no units. All nine instruments are consistent in these units: E x 1e7 Pa, radius x 1e-4 m,
 // density x 1e5 kg/m^3, and Kp x 10 newtons. With 1e-4 m as the unit of the radius, the table's 8.9 is the
-// 0.89 mm of the Super Stiff. The unit of Kp follows if the table's length is the decimetre (0.89 mm is then
-// 8.9e-3), because Kp / (E radius^2) must be the ratio of the table's own numbers. The document
+// 0.89 mm of the Super Stiff. If the table's length is the decimetre (0.89 mm is then 8.9e-3), the unit of Kp
+// follows, because Kp / (E radius^2) must be the ratio of the table's own numbers. The document
 // docs/thesis.md explains why Table 5.1 must have these units.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
@@ -16,7 +16,7 @@ namespace vcsim3
 struct Preset {
     const char *token;      // for command lines
     const char *instrument; // row of Table 5.1
-    // The values are as printed in the table, without the powers of ten in the header of the table.
+    // The values are as printed in the table, without the powers of ten in its header.
     double young, radius, density, parallel;
     // The same for all modes.
     int substeps;         // steps per millisecond with elements of element_m

@@ -45,7 +45,7 @@ struct RodProperties {
 
 // Node i has a position and a velocity. Segment j has an orientation (from its own axes to the world's axes),
 // and an angular velocity in its own axes. The hand holds the nodes from free_count onwards and their
-// segments, so no function in this file moves them.
+// segments, so no function in this file moves these nodes.
 struct Rod {
     RodProperties properties;
     int free_count = 0; // 0 .. element_count + 1
@@ -65,9 +65,9 @@ struct Rod {
 // Returns the smallest rotation that turns +z into a given direction.
 Quaternion turn_from_z(const Vector &direction);
 
-// Returns the strain that a joint has in its resting shape, if the segment on the hand's side is rotated by
-// `turn_rad` relative to the segment on the tip's side. `turn_rad` is the axis of the rotation times its
-// angle, which must be below 2 pi.
+// Returns the strain that a joint has in its resting shape, if the hand-side segment is rotated by `turn_rad`
+// relative to the tip-side segment. `turn_rad` is the axis of the rotation times its angle, which must be
+// below 2 pi.
 Vector rest_strain(const Vector &turn_rad, double element_m);
 
 // Computes the force on each node and the torque on each segment (in the segment's axes) from weight and from
@@ -91,7 +91,7 @@ void integrate_positions(Rod &rod, double step_s);
 double length_error(const Rod &rod);
 
 // Returns false when a coordinate is not finite, or when a node is farther than `reach_m` from the first node
-// that the hand holds (from the tip if the hand holds no node).
+// that the hand holds (from the tip if there is none).
 bool is_sound_within(const Rod &rod, double reach_m);
 
 } // namespace vcsim3

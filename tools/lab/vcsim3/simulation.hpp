@@ -48,12 +48,12 @@ class Simulation
     Simulation(const RodProperties &properties, const Inserter &inserter, const Wall &wall,
                const SimulationSettings &settings, double inserted_m);
 
-    // Simulates one millisecond, during which the hand pushes the rod in by `feed_m` and turns it by
-    // `turn_rad` (right-handed about the direction of insertion) at constant speed.
+    // Simulates one millisecond at constant speed, in which the hand pushes the rod in by `feed_m` and turns
+    // it by `turn_rad` (right-handed about the direction of insertion).
     void tick(double feed_m, double turn_rad = 0.0);
 
-    // Simulates one step of 1 ms / substeps while the hand stands still; adds the durations of the phases to
-    // `times` if `times` is not null.
+    // Simulates one step of 1 ms / substeps while the hand stands still; unless `times` is null, adds the
+    // durations of the phases to it.
     void step(PhaseTimes *times);
 
     const Rod &rod() const { return rod_; }

@@ -20,8 +20,8 @@ namespace crn::bake
 namespace
 {
 
-// For each face in a file, assimp makes an object with a separate list of corners, so assimp needs tens of
-// times as much memory as the file has bytes.
+// For each face in a file, assimp makes an object with its own list of corners, so assimp needs tens of times
+// as many bytes as the file has.
 constexpr double growth = 64;
 
 std::string ending_of(const std::filesystem::path &file)
@@ -215,7 +215,7 @@ std::vector<MeshPiece> read_mesh_here(const std::filesystem::path &path,
     check_faces(*scene, file);
     check_declared(*scene, declared, file);
     // The code runs only those processing steps of assimp that change no vertex. This project's own code
-    // merges equal vertices, so that the result is the same for every file format.
+    // merges equal vertices, so that every file format gives the same result.
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     if (!scene || !scene->mRootNode) throw Fault(file + ": cannot be made of triangles: export triangles");
     std::vector<Part> parts;

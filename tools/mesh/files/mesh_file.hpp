@@ -48,7 +48,7 @@ struct Declared {
 
 // Each of the next functions reads a whole mesh file strictly. The strict reading checks that the declared
 // counts fit the file's size, that indices name existing vertices, and that numbers can be parsed. Throws
-// Fault. `folder` is the folder that contains the other files to which a .gltf file refers.
+// Fault. `folder` is the folder with the other files to which a .gltf file refers.
 Declared check_ply(std::string_view bytes, const std::string &file);
 Declared check_stl(std::string_view bytes, const std::string &file);
 Declared check_obj(std::string_view bytes, const std::string &file);

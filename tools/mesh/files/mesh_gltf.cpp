@@ -42,8 +42,8 @@ class Gltf
         }
     }
 
-    // Returns the total number of faces of all meshes if all faces are single triangles; returns -1 if the
-    // file has strips or fans of triangles.
+    // Returns the total number of faces of all meshes if all faces are single triangles, or -1 if the file
+    // has strips or fans of triangles.
     std::int64_t faces() const
     {
         std::int64_t faces = 0;
@@ -124,7 +124,7 @@ class Gltf
     }
 
     // Reads a whole number, which must be at least `low`, from a key of the JSON text. If the key is missing,
-    // the function returns the value `otherwise`; if `otherwise` is -1, the key is required.
+    // the function returns `otherwise`; if `otherwise` is -1, the key is required.
     std::int64_t whole(const json &of, const char *key, const std::string &place, std::int64_t low = 0,
                        std::int64_t otherwise = -1) const
     {

@@ -183,7 +183,7 @@ class Body
 
     void check(const Element &element)
     {
-        // The smallest possible size of a record is the sum of the sizes of its numbers; in a text file each
+        // The smallest possible size of a record is the sum of the sizes of its numbers. In a text file each
         // number takes at least a digit and a blank.
         std::size_t least = 0;
         bool has_list = false;
@@ -236,7 +236,7 @@ class Body
         at_ += bytes;
     }
 
-    // Returns the number if its type is a whole number; a number of another type is only checked, and the
+    // Returns the number if its type is a whole number; a number of any other type is only checked, and the
     // function returns 0.
     std::int64_t number(const Type &type, const Element &element)
     {

@@ -1,5 +1,5 @@
 // Stores signed distances on a grid (a level set). The distances come from a mesh or from blocks of numbers;
-// the class can combine two grids, read distances, and make a surface. Every tool that meshes a solid uses
+// the class can combine two grids, return distances, and make a surface. Every tool that meshes a solid uses
 // this room, which is the only one that knows OpenVDB.
 #pragma once
 #include "tools/mesh/level_set/surface.hpp"
@@ -18,35 +18,35 @@ using Cell = std::array<int, 3>; // a voxel or a block, counted from the origin 
 using Block = std::array<double, block_edge * block_edge * block_edge>;
 
 // Holds a voxel inside a closed surface, and the distance from the surface to the middle of this voxel. The
-// middle of the voxel is at `cell` times the length of a voxel's edge.
+// middle of the voxel lies at `cell` times the edge length of a voxel.
 struct InsideVoxel {
     Cell cell;
     float depth_mm;
 };
 
-// Distances are negative inside. The middle of a voxel lies at its cell number times the length of a voxel's
-// edge. The vertices of returned surfaces are rounded to 32-bit floating point.
+// Distances are negative inside. The middle of a voxel lies at its cell number times the edge length of a
+// voxel. The vertices of returned surfaces are rounded to 32-bit floating point.
 class LevelSet
 {
   public:
-    // Makes an empty grid, in which every voxel counts as outside every surface, with the stored distance
-    // `band`. Blocks follow, then fill_signs(). The vertices of surfaces are in the unit of `voxel`; a caller
-    // may use a different unit for the distances.
+    // Makes an empty grid with the stored distance `band`, in which every voxel counts as outside. Blocks
+    // follow, then fill_signs(). The vertices of surfaces are in the unit of `voxel`; a caller may use a
+    // different unit for the distances.
     LevelSet(double voxel, double band);
 
-    // Makes a grid of distances to a closed mesh; the grid reaches from `inside` voxels inside the mesh's
-    // surface to `outside` voxels outside that surface. Voxel (i, j, k) stores the distance at the point (i +
-    // place, j + place, k + place) * voxel_mm in the mesh's coordinates. Coordinates are rounded to 32-bit
-    // floating point, which is 1e-4 voxels at a distance of 1,000 voxels from the origin. After Ctrl-C the
-    // constructor ends early, and the grid is incomplete.
+    // Makes a grid of distances to a closed mesh, from `inside` voxels inside the mesh's surface to `outside`
+    // voxels outside it. Voxel (i, j, k) stores the distance at the point (i + place, j + place, k + place) *
+    // voxel_mm in the mesh's coordinates. Coordinates are rounded to 32-bit floating point; at 1,000 voxels
+    // from the origin, this error is 1e-4 voxels. After Ctrl-C the constructor ends early, and the grid is
+    // incomplete.
     LevelSet(const std::vector<Eigen::Vector3d> &vertices_mm, const std::vector<Triangle> &triangles,
              double voxel_mm, double place, double outside, double inside);
 
     LevelSet(LevelSet &&) noexcept;
     ~LevelSet();
 
-    // Stores only those distances of a block whose magnitude is smaller than the constructor's argument
-    // `band`. The others keep their value.
+    // Stores only the distances of a block with a magnitude below the constructor's argument `band`. The
+    // others keep their value.
     void set_near(const Cell &block, const Block &distances);
     // Stores all distances of a block.
     void set(const Cell &block, const Block &distances);
@@ -61,14 +61,12 @@ class LevelSet
     // Replaces each distance of a block by the value that `change` returns for the voxel and its old
     // distance. Several threads may change different blocks at the same time.
     void change(const Cell &block, const std::function<float(const Cell &, float)> &change);
-    // Returns the distances of a cube of edge^3 voxels, in the order in which x changes fastest, after
-    // dividing each distance by `unit`.
+    // Returns the distances of a cube of edge^3 voxels, divided by `unit`; x changes fastest.
     std::vector<double> read(const Cell &low, int edge, double unit) const;
 
     std::vector<InsideVoxel> inside() const;
 
-    // Returns the surface on which the distance is `at`; it has one vertex in each voxel that the surface
-    // crosses.
+    // Returns the surface of distance `at`, with one vertex in each voxel that the surface crosses.
     QuadSurface surface(double at = 0) const;
 
   private:

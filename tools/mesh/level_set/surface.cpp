@@ -92,8 +92,8 @@ void separate_sheets(std::vector<Eigen::Vector3d> &vertices, std::vector<Triangl
         for (end = i;
              end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high;)
             ++end;
-        // For each edge, the sorted list contains first the backward half edges and then an equal number of
-        // forward half edges. The code pairs the n-th backward half edge with the n-th forward half edge.
+        // For each edge, the sorted list contains first the backward half edges and then equally many forward
+        // half edges. The code pairs the n-th backward half edge with the n-th forward half edge.
         const std::size_t half = (end - i) / 2;
         for (std::size_t n = 0; n < half; ++n) join_across(corners, edges[i + n], edges[i + half + n]);
     }

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """These tests check the following. NOTICE names all parts of the programs that come from outside this repository. The
 SBOM (software bill of materials) is a complete SPDX 2.3 document that lists the parts from outside this repository. The
-test compares the results with the output of ldd for the built programs, with dpkg, and with rules of the SPDX
-specification that this file contains. The test also shows that the checks find errors in programs and tables that are
+test compares the results with ldd's output for the built programs, with dpkg, and with the rules of the SPDX
+specification that are listed here. The test also shows that the checks find errors in programs and tables that are
 wrong on purpose. Prints TAP."""
 
 import collections

@@ -1,8 +1,8 @@
 // These tests check the following. The program `calibrate` compares distances and forces with the reference
-// as equation 19 of the thesis and the documents state; the tests check the results against closed forms. The
-// simulated instrument, and the file that is written from it, have the requested values. A search gives
-// results that are equal bit for bit for any number of workers (threads or processes) and after any number of
-// stops. If the data do not determine a parameter, the result of the fit says so.
+// by equation 19 of the thesis; the tests check the results against closed forms. The simulated instrument,
+// and the file that is written from it, have the requested values. A search gives results that are equal bit
+// for bit for any number of workers (threads or processes) and after any number of stops. If the data do not
+// determine a parameter, the result of the fit says so.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/checkpoint.hpp"
 #include "tools/lab/calibrate/fitted_instrument.hpp"
@@ -39,7 +39,7 @@ void assert_near(double got, double expected, double tolerance)
 }
 
 // The objective of this test is a smooth function like a curved valley, with its lowest point at 0.3, 0.6,
-// ...; it is cheap to compute.
+// ...; its computation is cheap.
 Verdict valley(const std::vector<double> &shares)
 {
     double sum = 0.0;
@@ -100,7 +100,7 @@ void equation_19_is_the_rms_over_the_nodes(void **)
     assert_near(d.max_mm, 4.0, 1e-12);
 }
 
-// A force trace that is 1.2 times the reference everywhere has an error of 0.2; a peak in a single sample
+// A force trace that is 1.2 times the reference everywhere has an error of 0.2. A peak in a single sample
 // does not change this error.
 void the_force_error_is_relative_and_passes_over_single_peaks(void **)
 {
@@ -201,7 +201,7 @@ void a_preset_made_from_another_one_cannot_be_written(void **)
 
 // --- the search ---
 
-// The recording run requests every trial that pagmo's real run requests later, so no trial has to be
+// The recording run must request every trial that pagmo's real run requests later, so that no trial has to be
 // evaluated separately.
 void all_trials_of_a_generation_are_evaluated_together(void **)
 {
@@ -458,7 +458,7 @@ void the_hash_tells_borders_and_numbers(void **)
 // --- what is determined ---
 
 // The objective is |x - 0.4| + 0 y, where x and y are the positions 0 .. 1 of two parameters in their ranges.
-// If the objective may rise by 0.05, x can vary from 0.35 to 0.45; the test permits an error of one halving
+// If the objective may rise by 0.05, x can vary from 0.35 to 0.45. The test permits an error of one halving
 // step (0.04 / 16) in these bounds. The objective |x - 0.4| + 0 y does not bound y.
 void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 {
@@ -479,7 +479,7 @@ void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 }
 
 // The objective is |x - y|, and the optimum is at x = y = 0.5. If only one number varies, its range is
-// bounded; the search's trials along x = y show that both numbers are undetermined.
+// bounded. The search's trials along x = y show that both numbers are undetermined.
 void numbers_that_make_up_for_each_other_are_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};

@@ -138,8 +138,8 @@ void every_trial_gets_a_step_that_is_stable(void **)
     }
 }
 
-// In this test the hand turns an instrument whose tip carries no load. Our rod has elements of another length
-// than CoRdE, so the test compares the curves of the two tips.
+// In this test the hand turns an instrument whose tip carries no load. Our rod's elements differ in length
+// from those of CoRdE, so the test compares the curves of the two tips.
 void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 {
     const Space space;
@@ -232,8 +232,8 @@ void a_fit_finds_the_tips_stiffness_with_the_same_bits_from_any_threads(void **)
     assert_near(found, 0.5, 0.1);
 }
 
-// A checkpoint holds results of trials, so its hash must depend on the kind of rod, and on the version of the
-// core that gave the results.
+// A checkpoint holds results of trials, so its hash must depend on the kind of rod and on the version of the
+// core.
 void settings_name_the_rod_and_the_core(void **)
 {
     const Space space;

@@ -1,6 +1,6 @@
 // These tests check the following. The simulated hand approaches each depth slowly. The hand waits until the
-// rod's mean position no longer moves. The hand does not wait longer because the tip oscillates quickly, and
-// does not stop waiting because a slowly creeping tip pauses. The force on the hand is recorded from the
+// rod's mean position no longer moves. The hand must not wait longer because the tip oscillates quickly, and
+// must not stop waiting because a slowly creeping tip pauses. The force on the hand is recorded from the
 // first millimetre of insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
 #include <cmath>
@@ -117,7 +117,7 @@ void a_still_rod_is_at_rest_after_three_windows(void **)
 
 // The node is displaced by 25 um in every second tick, like a J tip that oscillates on a wall (docs/rod.md).
 // A displacement of 25 um is a hundred times the displacement per tick that still counts as rest. In the next
-// window of time, the displaced ticks and the undisplaced ticks are exchanged. A method that reads only every
+// time interval, the displaced ticks and the undisplaced ticks are exchanged. A method that reads only every
 // second tick would take the exchange of ticks for a real displacement of the rod.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
@@ -139,8 +139,8 @@ void a_creeping_rod_is_waited_for(void **)
     assert_in_range(made.settle_ticks.at(0), 500, 600);
 }
 
-// The node swings to and fro; two windows of equal length, just before and after the turning point of the
-// swing, have equal mean positions.
+// The node swings to and fro. Two time intervals of equal length just before and after the turning point of
+// the swing have equal mean positions.
 void a_swing_is_not_at_rest_where_it_turns_back(void **)
 {
     ScriptedRod rod;
@@ -157,8 +157,8 @@ void a_rod_that_never_rests_is_said_to_be_unsettled(void **)
     assert_int_equal(made.settle_ticks.at(0), 1000);
 }
 
-// A rod counts as resting if its displacement per tick is small enough, whatever the length of the window of
-// time. A rod that moves by 0.3 um per tick is at rest if the limit is 0.4 um per tick.
+// A rod counts as resting if its displacement per tick is small enough, whatever the length of the time
+// interval. A rod that moves by 0.3 um per tick is at rest if the limit is 0.4 um per tick.
 void rest_is_judged_by_the_way_per_tick(void **)
 {
     ScriptedRod rod;

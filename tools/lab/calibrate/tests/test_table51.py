@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Tests the chain of programs that `make table51` runs.
 
-These tests check the following. With the fast preset, the programs fit the Amplatz guidewire to the shapes of a
-rod whose stiffness differs from that in the instrument file, and report their findings. The program that fits all
-nine instruments keeps finished results, names failures, continues after Ctrl-C, and writes the page of results.
-In the second part of the test, programs of a few lines replace the real programs and return the results of the
-first part. Prints TAP."""
+These tests check the following. With the fast preset, the programs fit the Amplatz guidewire to the shapes of a rod
+with another stiffness than in the instrument file, and report their findings. The program that fits all nine
+instruments keeps finished results, names failures, continues after Ctrl-C, and writes the page of results. In the
+second part of the test, programs of a few lines replace the real ones and return the results of the first part. Prints
+TAP."""
 
 import csv
 import json

@@ -1,6 +1,6 @@
-// Passes arbitrary bytes as the header of a scan to the strict functions that read headers before ITK does;
-// this is a fuzz target. The first byte selects the format (NRRD, MetaImage, NIfTI). The target checks that
-// every accepted header states sizes and a finite spacing, and declares as many bytes as its voxels need.
+// Fuzz target: passes arbitrary bytes, as the header of a scan, to the strict functions that read headers
+// before ITK does. The first byte selects the format (NRRD, MetaImage, NIfTI). The target checks that every
+// accepted header states sizes and a finite spacing, and declares enough bytes for its voxels.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>

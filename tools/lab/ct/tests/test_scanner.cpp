@@ -125,7 +125,7 @@ void a_thread_is_blurred_as_stated(void **)
 }
 
 // Metal reaches the end of the grey scale, and the values around it deviate upwards and downwards by more
-// than the noise.
+// than the noise does.
 void steel_blooms_and_streaks(void **)
 {
     const std::vector<Vector3d> line = {{-6, 0.2, 1}, {6, -0.2, 1}};

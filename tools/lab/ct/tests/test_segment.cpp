@@ -1,11 +1,11 @@
-// For a virtual scan with voxels of 0.53 x 0.53 x 1 mm, the segmentation finds the centreline of a J wire
-// that touches the wall. The accuracy of the found centreline is that of the project's requirement 1.
-// Requirement 1 is an error of the centreline of at most 0.2 mm on average and 0.6 mm anywhere, measured in
-// both directions and including the tip of the wire. The surface of the lumen is closed and its mean error is
-// below 0.3 mm; in scans of a catheter with markers, the lumen is equally accurate. The uncertainty that the
-// segmentation reports covers its errors. If a scan shows no instrument, two separate instruments, or two
-// instruments that touch each other, the error message states this fault. The reference is the curve and the
-// mesh from which the test made the scan; the segmentation never reads them.
+// In a virtual scan with voxels of 0.53 x 0.53 x 1 mm, the segmentation finds the centreline of a J wire that
+// touches the wall. The accuracy of the found centreline is that of the project's requirement 1. Requirement
+// 1 is an error of the centreline of at most 0.2 mm on average and 0.6 mm anywhere, measured in both
+// directions and including the tip of the wire. The surface of the lumen is closed and its mean error is
+// below 0.3 mm; in scans of a catheter with markers, the lumen is equally accurate. The errors lie within the
+// uncertainty that the segmentation reports. If a scan shows no instrument, two separate instruments, or two
+// that touch each other, the error message states this fault. The reference is the curve and the mesh from
+// which the test made the scan; the segmentation does not read them.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/ct/mouth.hpp"
@@ -118,8 +118,8 @@ void a_j_wire_and_its_lumen_are_within_the_bars(void **)
         assert_true(std::filesystem::file_size(folder.file(name)) > 100);
     crn::bake::Mesh lumen = result.lumen, reference = tube_mesh(radius_mm, -40, 40, 64);
     crn::bake::check_closed(lumen, crn::bake::Cap::none);
-    // The ends of the scan cut the tube; the surfaces that close the tube at these cuts are not part of the
-    // wall.
+    // The scan ends within the tube; the surfaces that close the tube at the ends of the scan are not part of
+    // the wall.
     std::erase_if(lumen.triangles,
                   [&](const crn::bake::Triangle &t) { return std::abs(lumen.vertices_mm[t[0]].y()) > 12; });
     const Apart wall = surfaces_apart(lumen, reference);

@@ -1,8 +1,8 @@
 // These tests check the following. A volume is read back from every file format with its values and
-// positions. Left-handed grids keep their places. If a scan has wrong spacing, axes or values, or slices that
-// are missing, duplicated, unevenly spaced, mixed or truncated, the error message names this fault. No
-// truncated or damaged file crashes the readers; for every format, the test cuts and damages 2 files at
-// positions that follow from a printed seed.
+// positions. Left-handed grids keep their places. If a scan has wrong spacing, axes or values, the error
+// message names this fault. The same holds for slices that are missing, duplicated, unevenly spaced, mixed or
+// truncated. No truncated or damaged file crashes the readers. For every format, the test cuts and damages 2
+// files at positions that follow from a printed seed.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 
@@ -117,8 +117,8 @@ void the_scene_looks_at_the_patient_as_lps_does(void **)
     assert_true((volume.voxel(volume.scene({2, 3, 1.5})) - Eigen::Vector3d(2, 3, 1.5)).norm() < 1e-9);
 }
 
-// If the third axis of a file runs backwards, the program reads the scan without mirroring it, and a note
-// reports that the axis is reversed.
+// If the third axis of a file runs backwards, the scan is read without mirroring, and a note reports the
+// reversed axis.
 void mirrored_axes_keep_their_places(void **)
 {
     const Folder folder{"mirror"};
@@ -169,8 +169,7 @@ void impossible_grids_are_refused(void **)
     }
 }
 
-// ITK replaces a spacing that it does not understand by 1 mm; lengths would then be measured at a wrong
-// scale.
+// ITK replaces a spacing that it does not understand by 1 mm, so lengths would be measured at a wrong scale.
 void a_scale_that_is_none_is_refused(void **)
 {
     const Folder folder{"scale"};
@@ -194,8 +193,8 @@ void a_scale_that_is_none_is_refused(void **)
     refused(folder.file("a.nrrd"), {"a.nrrd:7", "spacings", "finite"});
 }
 
-// One of the test's files would make ITK search without end, and the other files would make ITK reserve
-// memory without limit.
+// One of the test's files would make ITK search without end; the others would make ITK reserve memory without
+// limit.
 void absurd_numbers_of_axes_and_voxels_are_refused(void **)
 {
     const Folder folder{"axes"};

@@ -1,5 +1,5 @@
-// Provides a phantom for tests, which is a straight closed tube along the axis to the head, and scans of this
-// phantom that take little time.
+// Provides a phantom for tests, a straight closed tube along the axis to the head, and scans of it that take
+// little time.
 #pragma once
 #include "tools/lab/ct/instrument_scan.hpp"
 #include "tools/lab/ct/scanner.hpp"

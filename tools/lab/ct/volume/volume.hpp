@@ -1,7 +1,7 @@
 // A CT volume holds Hounsfield units on a grid with spacing, origin and direction. There are three frames. In
 // the coordinates of the voxels, whole numbers are the middles of voxels. Scanners and ITK use the LPS axes,
 // in mm: +x towards the patient's left, +y towards the back, +z towards the head. The scene's coordinates,
-// also in mm, have +x towards the left, +y towards the head, and +z towards the front. Only the following two
+// also in mm, have +x towards the left, +y towards the head, and +z towards the front. Only the next two
 // functions convert between LPS and the scene's coordinates.
 #pragma once
 #include <Eigen/Core>
@@ -56,7 +56,7 @@ struct Volume {
     {
         return (direction.transpose() * (lps_from_scene(scene_mm) - origin_mm)).cwiseQuotient(spacing_mm);
     }
-    // The following two functions convert a displacement in voxels to the scene's millimetres, and back.
+    // The next two functions convert a displacement in voxels to the scene's millimetres, and back.
     Eigen::Matrix3d scene_per_voxel() const;
     // Interpolates between the nearest eight voxels; outside the volume, the function returns the value at
     // the border.

@@ -1,5 +1,5 @@
-// A separate process reads each volume (host/base/guarded_read.hpp), because ITK trusts the headers of files,
-// and Debian's GDCM is built with assertions that end the process. If a file is damaged, only the child
+// A separate process reads each volume (host/base/guarded_read.hpp), because ITK trusts the headers of files.
+// In addition, Debian's GDCM has assertions that end the process. If a file is damaged, only the child
 // process that reads it ends, and the parent process reports the file's name.
 #include "host/base/guarded_read.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 constexpr double growth = 1100;
 constexpr std::uint64_t file_bytes_max = std::uint64_t{4} << 30, files_max = 4096;
 
-// A number precedes every block of values: the count of the block's values, 0 after the last block, or
-// `fault_follows` if the text of an error follows.
+// A number precedes every block of values: the count of its values, 0 after the last block, or
+// `fault_follows` before the text of an error.
 constexpr std::uint64_t fault_follows = UINT64_MAX;
 
 struct Grid {

@@ -69,9 +69,8 @@ void check_nifti_length(const std::string &file, std::uint64_t value_bytes)
                     " or more; copy or export it again");
 }
 
-// In a DICOM file, the length of the pixel data is written before the pixel data, as a little-endian number;
-// the check handles files with explicit and with implicit value representations. Packed pixels have no
-// length.
+// In a DICOM file, the length of the pixel data, a little-endian number, stands before the pixel data. The
+// check handles files with explicit and with implicit value representations. Packed pixels have no length.
 void check_dicom_length(const std::filesystem::path &file)
 {
     std::ifstream stream(file, std::ios::binary);

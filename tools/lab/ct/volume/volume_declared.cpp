@@ -296,8 +296,8 @@ std::string first_bytes(const fs::path &path)
     return head;
 }
 
-// Checks that compressed values can be decompressed, that their number equals the declared number, and that
-// they match their checksum, because ITK does not check these facts.
+// Checks that compressed values can be decompressed, and that their number and checksum agree with the file;
+// ITK does not check this.
 void check_packed(const DeclaredVolume &declared, std::uint64_t bytes, const fs::path &data,
                   const std::string &file)
 {

@@ -1,6 +1,6 @@
 // Reads, strictly and without ITK, the sizes, the spacing and the amount of data that a volume file declares.
 // ITK replaces a spacing that it does not understand by 1 mm, trusts any number of dimensions, and reserves
-// any amount of memory that is declared. The program therefore compares the data that ITK reads with the
+// any amount of memory that a file declares. The program therefore compares the data that ITK reads with the
 // result of the strict reading.
 #pragma once
 #include "tools/mesh/fault.hpp"

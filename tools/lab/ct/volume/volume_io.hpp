@@ -18,7 +18,7 @@ inline constexpr double spacing_min_mm = 0.01, spacing_max_mm = 10.0;
 // made right-handed (make_right_handed), and a note reports this change. A child process reads the file
 // (volume_apart.cpp), so that a damaged file ends only the child process. Call this before threads start.
 Volume read_volume(const std::filesystem::path &path);
-// The child process delivers the grid first (as a volume without values), then all values in order, in
+// The child process delivers the grid first (as a volume without values), and then all values in order, in
 // blocks. Throws Fault, possibly between blocks.
 using TakeHead = std::function<void(const Volume &head)>;
 using TakeValues = std::function<void(const float *values, std::size_t count)>;
@@ -29,15 +29,16 @@ void read_volume_here(const std::filesystem::path &path, const TakeHead &take_he
 // numbers. If the name has no extension, the function writes a folder with a DICOM series. Throws Fault.
 void write_volume(const Volume &volume, const std::filesystem::path &path);
 
-// Checks that sizes, spacing and axes of a volume are possible; the program checks every volume that it
-// reads. `what` begins the message.
+// Checks that sizes, spacing and axes of a volume are possible. The program applies this check to every
+// volume that it reads. `what` begins the message.
 void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                 const Eigen::Vector3d &origin_mm, const Eigen::Matrix3d &direction, const std::string &what);
 
-// Checks only the sizes and the spacing of a volume; the check does not need the volume's axes.
+// Checks only the sizes and the spacing of a volume, not its axes.
 void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                      const std::string &what);
-// Throws Fault if a value is not finite, if all values are equal, or if no scanner writes such values.
+// Throws Fault if a value is not finite, if all values are equal, or if the values are outside the range of
+// real scanners.
 void check_values(const Volume &volume);
 
 // The functions that read NIfTI and DICOM accept files that end before all declared values; this check

@@ -1,6 +1,6 @@
-// Reads NRRD, NIfTI and MetaImage files, and DICOM series slice by slice, with the ImageIO classes of the
-// library ITK, which are called directly. We do not use ITK's image and pipeline templates, because they take
-// a minute to compile and report less about errors.
+// Reads NRRD, NIfTI and MetaImage files, and DICOM series slice by slice, by direct calls of ITK's ImageIO
+// classes. We do not use ITK's image and pipeline templates, because they take a minute to compile and report
+// less about errors.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
@@ -32,7 +32,7 @@ std::string cause_of(const itk::ExceptionObject &error)
     return text.substr(0, 200);
 }
 
-// Returns the grid of a file, in three dimensions, as the ITK class that reads the file reports it.
+// Returns the grid of a file, in three dimensions, as reported by the ITK class that reads the file.
 struct Head {
     std::array<long, 3> size = {1, 1, 1};
     Eigen::Vector3d spacing_mm = Eigen::Vector3d::Ones(), origin_mm = Eigen::Vector3d::Zero();
@@ -250,8 +250,8 @@ std::vector<Slice> slices_in(const fs::path &folder)
     return slices;
 }
 
-// Checks that the folder has a single series whose slices have equal sizes, and that the series is as
-// complete as it declares.
+// Checks that the folder has a single series with slices of equal size, and that the series is as complete as
+// it declares.
 void check_series(const std::vector<Slice> &slices, const std::string &folder)
 {
     std::map<std::string, std::size_t> series;

@@ -74,8 +74,8 @@ void write_file(const Volume &volume, const fs::path &path, const std::string &e
     describe(*io, volume, -1);
     io->SetUseCompression(ending != ".nii");
     const std::vector<std::int16_t> values = whole_numbers(volume);
-    // ITK's writers check the extension of a file's name, so the temporary name of an unfinished file has the
-    // same extension as its final name.
+    // ITK's writers check the extension of a file's name, so an unfinished file has a temporary name with the
+    // final extension.
     const OpenPending pending = open_pending(path.string(), ending);
     ::close(pending.file);
     try {
@@ -94,7 +94,7 @@ void put(itk::MetaDataDictionary &tags, const std::string &tag, const std::strin
 }
 
 // The identifiers of a DICOM series begin with DICOM's prefix for UUIDs and are derived from the volume, so
-// that a given scan always has the same identifiers.
+// that equal scans have equal identifiers.
 std::string uid_of(const Volume &volume, std::uint64_t kind, std::uint64_t number)
 {
     std::uint64_t hash = 1469598103934665603u;

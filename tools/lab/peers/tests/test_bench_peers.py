@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """These tests check the following. The program tools/lab/peers/run_peers.py compares the values that its programs
-print, and reports errors. The test replaces our programs and the other simulators by small programs, and uses an
-address of a package index that cannot be reached. Prints TAP."""
+print, and reports errors. In the test, small programs replace our programs and the other simulators, and the address of
+the package index cannot be reached. Prints TAP."""
 
 import os
 import subprocess

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """These tests check the following. The program tools/lab/peers/run_xray_peers.py compares pictures and times, and
-reports errors. The test replaces our program and gVirtualXray by small programs, and uses an address of a package
-index that cannot be reached. Prints TAP."""
+reports errors. In the test, small programs replace our program and gVirtualXray, and the address of the package index
+cannot be reached. Prints TAP."""
 
 import os
 import struct

@@ -34,8 +34,8 @@ void assert_below(const char *what, double value, double limit)
     assert_true(value <= limit);
 }
 
-// Makes a tube 8 mm wide, in which two bends of 90 degrees and 30 mm radius follow a straight piece of 20 mm.
-// The bends form an S and do not lie in one plane.
+// Makes a tube that is 8 mm wide: a straight piece of 20 mm, and then two bends of 90 degrees and 30 mm
+// radius. The bends form an S and do not lie in one plane.
 class Tube
 {
   public:
@@ -145,7 +145,7 @@ void field_has_the_derivatives_of_its_value(void **)
 }
 
 // A rod lies on a plane under a load of 0.5 N/m and is pushed along the plane. The force on the hand is mu
-// times the load on that part of the rod which is outside the sheath.
+// times the load on the part of the rod outside the sheath.
 void friction_on_a_plane_is_the_coefficient_times_the_load(void **)
 {
     const double per_m_N = 0.5, friction = 0.2, inserted_m = 0.08;
@@ -193,8 +193,8 @@ void finer_cutting_and_feeding_change_little(void **)
 
 // Without friction the work of the hand equals the energy that the rod stores; the wall stores a thousandth
 // of this energy. The tolerance of 1.5 % covers the error of the trapezium rule in steps in which a node
-// loses contact with the wall. An earlier version lacked the force with which a sleeve pushes a rod that is
-// bent where it leaves the sleeve; the computed work was therefore 13 % too large.
+// loses contact with the wall. An earlier version lacked the force with which a sleeve pushes a bent rod out,
+// so the computed work was 13 % too large.
 void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
 {
     const Rod rod = cut_rod(wire(1.0), 0.1, {0.5e-3, 1e-3});
@@ -213,8 +213,8 @@ void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
     assert_below("work over stored energy, less 1", std::abs(work_J / stored_J - 1.0), 0.015);
 }
 
-// The sheath straightens a J tip. A J tip that leaves the sheath pulls itself out with a force equal to the
-// energy per length that the straightened rod stores in the sheath, EI kappa^2 / 2.
+// The sheath straightens a J tip. A J tip that leaves the sheath pulls itself out. The J tip's force is the
+// energy per length of the straightened rod in the sheath, EI kappa^2 / 2.
 void free_j_pulls_itself_out_of_the_sheath(void **)
 {
     const double bend_N_m2 = 1e-5, curvature_per_m = 100.0;
@@ -234,8 +234,8 @@ void free_j_pulls_itself_out_of_the_sheath(void **)
                  0.01);
 }
 
-// With friction, the hand must push harder than without friction; without friction, the hand's work only
-// increases the energy that the bends of the rod store.
+// With friction, the hand must push harder than without it. Without friction, the hand's work only increases
+// the energy that the rod's bends store.
 void friction_is_felt_by_the_hand(void **)
 {
     assert_true(force_sum_mN(run(1.0, 0.1, coarse, two_mm)) >

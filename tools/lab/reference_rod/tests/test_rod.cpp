@@ -77,10 +77,10 @@ void forces_are_the_slope_of_the_energy(void **)
     }
 }
 
-// In the displaced state the reference frames have moved with the rod, so the matrix of differences of the
-// energy's slope is not quite symmetric. The antisymmetric part of the matrix of differences is the rotation
-// of frames that are carried around a closed loop. We therefore compare the symmetric part, which is the mean
-// of the matrix of differences and its transpose.
+// In the displaced state the reference frames have moved with the rod, so the difference matrix of the
+// energy's slope is not quite symmetric. The antisymmetric part of the difference matrix is the rotation of
+// frames that are carried around a closed loop. We therefore compare the symmetric part, which is the mean of
+// the difference matrix and its transpose.
 void stiffness_is_the_slope_of_the_forces(void **)
 {
     const Crooked c;
@@ -149,9 +149,9 @@ void cantilever_is_the_elastica(void **)
     }
 }
 
-// The tip has a curve of 180 degrees with a radius of 3 mm. The end of the curve lies 6 mm beside the shaft,
-// towards d1, at the same distance along the shaft as the beginning of the curve. Because the edges are 0.5
-// mm long, the circle on which the nodes lie is 0.1 % larger than the given radius of 3 mm.
+// The tip has a curve of 180 degrees with a radius of 3 mm. The end of the curve lies 6 mm beside its
+// beginning, towards d1 and at the same distance along the shaft. Because the edges are 0.5 mm long, the
+// circle on which the nodes lie is 0.1 % larger than the given radius of 3 mm.
 void curved_tip_rests_in_its_circle_where_the_hand_turned_it(void **)
 {
     crn_wire_instrument table{};

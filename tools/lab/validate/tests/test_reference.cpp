@@ -124,7 +124,7 @@ void field_lies_where_its_distance_says(void **)
 }
 
 // Rows pass within their tolerance. A row of the report fails if its error exceeds the tolerance or its value
-// is not a number; a row that is only reported never fails.
+// is not a number. A row that is only reported never fails.
 void report_says_what_passed(void **)
 {
     Result good, bad;

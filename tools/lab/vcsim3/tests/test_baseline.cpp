@@ -243,8 +243,8 @@ void a_free_hook_takes_its_own_shape(void **)
     }
 }
 
-// The whole hook turns right-handed about the direction of insertion; the test compares it point by point
-// with the expected shape.
+// The whole hook turns right-handed about the direction of insertion; the test compares each point with the
+// expected shape.
 void turning_the_hand_turns_the_hook(void **)
 {
     const Vector forward = Vector(0.6, 0.0, 0.8), axis = Vector(0.8, 0.0, -0.6);
@@ -369,8 +369,7 @@ void one_global_iteration_with_baumgarte_1_makes_small_errors_exact(void **)
     distances.solve_global(rod);
     integrate_positions(rod, 1e-3);
     after = worst();
-    // After the iteration, the remaining length error is of second order in the length error before the
-    // iteration.
+    // The length error that remains after the iteration is of second order in the error before it.
     at_most("length error in m", after, 20.0 * before * before / rod.properties.element_m);
     at_most("share that stays", after / before, 0.02);
 }

@@ -1,7 +1,7 @@
 // These tests check the following. The compression experiment of the thesis can be repeated in a short form.
-// In a given lumen, the compressions of the baseline's modes have the order of Figure 5.11, and our direct
-// solver has the least compression. The presets are stable with the number of steps that they state, and
-// become unstable with slightly fewer steps. The rod shows those limitations of the thesis' method that
+// In a given lumen, the compressions of the baseline's modes have the same order as in Figure 5.11, and our
+// direct solver has the least compression. The presets are stable with the number of steps that they state,
+// and become unstable with slightly fewer steps. The rod shows those limitations of the thesis' method that
 // docs/thesis.md states. Everything is deterministic. The lumen is a straight tube closed at both ends.
 #include "tools/lab/figures/study.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
@@ -188,9 +188,9 @@ void preset_is_stable_at_its_steps_and_bursts_with_half(void **)
     }
 }
 
-// The parallel constraint gives the transverse motion of a segment of length |e| the angular frequency 2/|e|
-// sqrt(Kp l/m), so compressed segments need shorter time steps. With a step ratio r (time step times the
-// highest angular frequency), the rod is stable up to a compression of 1 - r/2 of its length. Beyond the
+// By the parallel constraint, the transverse motion of a segment of length |e| has the angular frequency
+// 2/|e| sqrt(Kp l/m), so compressed segments need shorter time steps. With a step ratio r (time step times
+// the highest angular frequency), the rod is stable up to a compression of 1 - r/2 of its length. Beyond the
 // compression of 1 - r/2 the rod becomes unstable, so the compression that a mode shows cannot grow without
 // limit.
 bool stays_straight_when_squeezed(double compression)
@@ -225,8 +225,8 @@ void squeezed_segments_burst_where_the_step_ratio_says(void **)
 }
 
 // When a straight rod is pushed straight into a wall, the wall stops the tip only after the distance
-// constraints have been solved. The next solution of the constraints sets the tip in motion again with the
-// whole rod, so the wall's force never reaches the other parts of the rod.
+// constraints have been solved. The next solution of the constraints lets the whole rod push the tip on, so
+// the wall's force never reaches the rest of the rod.
 void one_global_iteration_does_not_pass_the_walls_force_on(void **)
 {
     const Preset &preset = *find_preset("amplatz");
