@@ -24,8 +24,9 @@
  *
  * VIEWS. Pointers in cournand_pose, cournand_contacts and cournand_picture refer to memory of the library,
  * without a copy. They stay valid until the next call that changes the same world (move, advance, replay,
- * restore, free), or for a picture until the next picture of the same renderer. Texts stay valid until their
- * handle is freed.
+ * restore, free), or for a picture until the next picture of the same renderer. An old view of a world, or of
+ * a renderer whose pictures all have one size, still refers to allocated memory until the handle is freed,
+ * but its numbers change. Texts stay valid until their handle is freed.
  *
  * THREADS. Scenes, tools and recordings do not change, and any number of threads may use them. A world and a
  * renderer belong to one thread at a time; a call while another thread is inside the same one is refused
