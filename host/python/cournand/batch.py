@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -58,12 +58,14 @@ class Batch:
         """Reads `points` points along each leading tip, `spacing_m` apart."""
         if not 0 <= points <= 1000 or not 0.0 <= spacing_m <= 1.0:
             raise ValueError("points is not within 0 and 1000, or spacing_m not within 0 and 1")
-        self._core = _core.Batch(pool._core, len(worlds), points, spacing_m)
+        self._core: Any = _core.Batch(pool._core, len(worlds), points, spacing_m)
         self.count = len(worlds)
         for number, world in enumerate(worlds):
             self.put(number, world)
         self.columns = Columns(
-            slice(0, 3 * points), slice(3 * points, 3 * points + 9), slice(3 * points + 9, 3 * points + 9 + len(FIGURES))
+            slice(0, 3 * points),
+            slice(3 * points, 3 * points + 9),
+            slice(3 * points + 9, 3 * points + 9 + len(FIGURES)),
         )
         self.states: npt.NDArray[np.float32] = self._core.states()
         """float32 [count, columns]."""
@@ -100,8 +102,8 @@ class Batch:
         which: Sequence[int] | None = None,
     ) -> tuple[npt.NDArray[np.uint8] | None, npt.NDArray[np.uint8] | None]:
         """Renders worlds with one view and one seed each, and returns all pictures and label images, uint8 [count,
-        size, size], as views whose rows the next call overwrites. `renderers` are of one size; as many as the pool has
-        threads are in use at once."""
+        size, size], as views whose rows the next call overwrites. `renderers` are of one size: one per world, which
+        keeps its view, or fewer that the worlds share. A renderer takes about 30 MB."""
         flags = (1 if labels else 0) if picture else 16
         self._core.render(
             [one._core for one in renderers], [one.numbers() for one in views], flags, list(seeds), self._which(which)

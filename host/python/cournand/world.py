@@ -107,7 +107,7 @@ class Fault(NamedTuple):
     code: int
     tick_first: int
     tick_last: int
-    count: int
+    times: int
     value1: int
     value2: int
     text: str
@@ -146,7 +146,8 @@ class Patient:
     def inject(self, ml: float, *, ml_per_s: float, position: int = -1, iodine_mg_per_ml: float = 300.0) -> None:
         """Injects contrast medium from the next tick on: 0 .. 200 ml at 0.001 .. 50 ml/s. 0 ml ends an injection.
 
-        `position` is that of the injecting tool; -1 takes the outermost one with a lumen.
+        `position` is that of the injecting tool; -1 takes the outermost one with a lumen. What only shows at its tick,
+        such as a pressure above the syringe's limit, stands in `read().notice`.
         """
         self._world._core.inject(ml, ml_per_s, position, iodine_mg_per_ml)
 
@@ -261,7 +262,7 @@ class World:
 
     def hash(self) -> int:
         """Returns the full hash of the core's state, as `cournand run` prints it."""
-        return self._core.hash()
+        return int(self._core.hash())
 
     def faults(self) -> list[Fault]:
         return [Fault._make(fault) for fault in self._core.faults()]
@@ -275,7 +276,7 @@ class World:
 
     def snapshot(self) -> bytes:
         """Returns the state as bytes with a version and a check, about 37 kB. Worlds with a patient have none."""
-        return self._core.save()
+        return bytes(self._core.save())
 
     def restore(self, snapshot: bytes) -> None:
         """Sets the world to a snapshot of any world with the same scene, tools and options, also of another process or

@@ -7,7 +7,7 @@ import os
 import struct
 import zlib
 from dataclasses import astuple, dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -105,7 +105,7 @@ class XRay:
         """`size` is a multiple of 16 within 64 and 2048."""
         self.scene = scene
         self.size = size
-        self._core = _core.Renderer(scene._core, size, threads)
+        self._core: Any = _core.Renderer(scene._core, size, threads)
 
     def render(
         self,
@@ -154,4 +154,9 @@ def encode_png(pixels: npt.NDArray[np.uint8]) -> bytes:
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
     head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)) + chunk(b"IEND", b"")
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", head)
+        + chunk(b"IDAT", zlib.compress(rows.tobytes(), 6))
+        + chunk(b"IEND", b"")
+    )

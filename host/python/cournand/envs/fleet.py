@@ -25,7 +25,7 @@ STATE_LIMIT = 10.0
 # Push and turn of the actions of a discrete set, in parts of the largest speeds.
 DISCRETE = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1)], dtype=np.float32)
 APPROACH_M_PER_S = 0.06
-OWN_RENDERERS = 64
+OWN_RENDERERS = 16
 
 
 @dataclass
@@ -262,7 +262,8 @@ class Fleet:
                 episode.action,
             ]
         )
-        return np.clip(made, -STATE_LIMIT, STATE_LIMIT).astype(np.float32)
+        limited: npt.NDArray[np.float32] = np.clip(made, -STATE_LIMIT, STATE_LIMIT).astype(np.float32)
+        return limited
 
     # --- snapshots ---
 

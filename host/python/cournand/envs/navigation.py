@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -68,7 +68,7 @@ def _check_render_mode(mode: str | None) -> None:
 class NavigationEnv(gymnasium.Env[Any, Any]):
     """One environment of a task (docs/gymnasium.md)."""
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": FPS}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": FPS}
 
     def __init__(
         self,
@@ -150,7 +150,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     threads.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "render_fps": FPS}
+    metadata = {"render_modes": [], "render_fps": FPS}
 
     def __init__(
         self,
@@ -168,10 +168,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             raise ValueError("num_envs is less than 1")
         self.num_envs = num_envs
         self._mode = AutoresetMode(autoreset_mode)
-        self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}  # type: ignore[misc]
-        self._fleet = Fleet(
-            task, num_envs, threads=threads, observation=observation, size=size, randomise=randomise
-        )
+        self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}
+        self._fleet = Fleet(task, num_envs, threads=threads, observation=observation, size=size, randomise=randomise)
         self._action = action
         self.single_observation_space = _observation_space(self._fleet)
         self.single_action_space = _action_space(self._fleet, action)

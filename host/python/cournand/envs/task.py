@@ -145,4 +145,3 @@ class VesselPaths:
             if other not in on_path and parent >= 0:
                 beyond[other] = abs(self.begins[other] - exits[parent]) + beyond[parent]
         return exits, beyond
-
