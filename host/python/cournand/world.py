@@ -156,6 +156,7 @@ class Patient:
         self._world._core.load_stent()
 
     def read(self) -> PatientReading:
+        """Returns syringe, pressures, heart rate and stents now."""
         return PatientReading._make(self._world._core.read_patient())
 
 
@@ -265,6 +266,7 @@ class World:
         return int(self._core.hash())
 
     def faults(self) -> list[Fault]:
+        """Returns the faults that the device has counted, in the order of their codes."""
         return [Fault._make(fault) for fault in self._core.faults()]
 
     @property
