@@ -31,6 +31,7 @@ from .errors import (
 )
 from .recording import INPUT, Recording, RecordingInfo
 from .scene import Scene, Tool, Vessel
+from .session import Frame, Session
 from .world import Contacts, Fault, Order, Patient, PatientReading, Place, Pose, Reading, World
 from .xray import Label, Picture, View, XRay
 
@@ -52,6 +53,7 @@ __all__ = [
     "DifferentError",
     "Error",
     "Fault",
+    "Frame",
     "InternalError",
     "Label",
     "NoMemoryError",
@@ -67,6 +69,7 @@ __all__ = [
     "RecordingInfo",
     "RefusedError",
     "Scene",
+    "Session",
     "Tool",
     "Vessel",
     "View",

@@ -318,6 +318,21 @@ def a_recorded_world_replays():
         return recording.info.is_complete and recording.info.tick_count == 400 and replayed.tick == 200
 
 
+def a_session_is_led_pulse_by_pulse_and_recorded():
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "c.rec")
+        with cournand.Session(SCENE, [WIRE], pulses_per_s=15, size=64, labels=True, record=path) as session:
+            frames = list(session.lead(lambda frame: (0.03, 0.0), seconds=0.4))
+        plain = world()
+        plain.move(0.03, ticks=400)
+        recording = cournand.Recording(path)
+        return (
+            [frame.tick for frame in frames] == [67, 133, 200, 267, 333, 400]
+            and session.world.hash() == plain.hash() == recording.info.last_hash
+            and all(frame.picture.labels is not None for frame in frames)
+        )
+
+
 def a_child_of_fork_makes_its_own_pool():
     pool = cournand.Pool(2)
     made = world()
@@ -368,6 +383,7 @@ tap.run(
         a_picture_is_kept_while_the_renderer_makes_others,
         a_patient_receives_medium_and_changes_no_hash,
         a_recorded_world_replays,
+        a_session_is_led_pulse_by_pulse_and_recorded,
         a_child_of_fork_makes_its_own_pool,
         the_package_has_types_and_a_version,
         nothing_leaks_at_the_end,
