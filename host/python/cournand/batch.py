@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -58,7 +58,7 @@ class Batch:
         """Reads `points` points along each leading tip, `spacing_m` apart."""
         if not 0 <= points <= 1000 or not 0.0 <= spacing_m <= 1.0:
             raise ValueError("points is not within 0 and 1000, or spacing_m not within 0 and 1")
-        self._core: Any = _core.Batch(pool._core, len(worlds), points, spacing_m)
+        self._core = cast(Any, _core.Batch(pool._core, len(worlds), points, spacing_m))
         self.count = len(worlds)
         for number, world in enumerate(worlds):
             self.put(number, world)

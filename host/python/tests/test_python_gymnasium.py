@@ -12,6 +12,7 @@ import prepare  # noqa: E402
 prepare.enter(os.path.abspath(__file__))
 
 import cournand.envs  # noqa: E402
+import cournand.registration  # noqa: E402
 import gymnasium  # noqa: E402
 import numpy as np  # noqa: E402
 from cournand.envs import AORTA, NavigationEnv, NavigationVectorEnv, Randomise, Task  # noqa: E402
@@ -57,7 +58,7 @@ def gymnasium_accepts_every_kind_of_environment():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", message=".*(not an image|symmetric and normalized|render_modes).*")
-        for name in cournand.envs.TASKS:
+        for name in cournand.registration.TASKS:
             check_env(gymnasium.make(name).unwrapped, skip_render_check=True)
         check_env(gymnasium.make("cournand/Aorta-v0", observation=MIX, size=64, action="discrete").unwrapped)
         check_env(gymnasium.make("cournand/Aorta-v0", observation="labels", size=64).unwrapped)
@@ -243,6 +244,7 @@ def wrong_arguments_are_refused():
         [
             refuses(lambda: NavigationEnv(SHORT, observation="sound")),
             refuses(lambda: NavigationEnv(SHORT, observation=())),
+            refuses(lambda: NavigationEnv("heart")),
             refuses(lambda: NavigationEnv(SHORT, action="wish")),
             refuses(lambda: NavigationEnv(SHORT, size=65)),
             refuses(lambda: NavigationEnv(SHORT, render_mode="human")),

@@ -7,27 +7,9 @@
 The page docs/gymnasium.md is the guide. Gymnasium finds these environments itself when the package is installed.
 """
 
+from ..registration import register
 from .navigation import EnvSnapshot, NavigationEnv, NavigationVectorEnv
-from .task import ARCH_BRANCH, AORTA, Randomise, Task
-
-TASKS = {"cournand/Aorta-v0": AORTA, "cournand/ArchBranch-v0": ARCH_BRANCH}
-
-
-def register() -> None:
-    """Registers the environments; Gymnasium calls it by the package's entry point."""
-    from gymnasium.envs import registration
-
-    for name, task in TASKS.items():
-        if name not in registration.registry:
-            registration.register(
-                name,
-                entry_point="cournand.envs.navigation:NavigationEnv",
-                vector_entry_point="cournand.envs.navigation:NavigationVectorEnv",
-                kwargs={"task": task},
-                order_enforce=False,
-                disable_env_checker=True,
-            )
-
+from .task import AORTA, ARCH_BRANCH, TASKS, Randomise, Task
 
 __all__ = [
     "AORTA",

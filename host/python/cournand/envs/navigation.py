@@ -14,7 +14,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from .fleet import DISCRETE, STATE_LIMIT, Episode, Fleet
-from .task import AORTA, Randomise, Task
+from .task import AORTA, Randomise, Task, task_of
 
 FPS = 7.5
 
@@ -72,7 +72,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
     def __init__(
         self,
-        task: Task = AORTA,
+        task: Task | str = AORTA,
         *,
         observation: str | Sequence[str] = "state",
         action: str = "continuous",
@@ -82,7 +82,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     ) -> None:
         _check_render_mode(render_mode)
         self.render_mode = render_mode
-        self._fleet = Fleet(task, 1, observation=observation, size=size, randomise=randomise)
+        self._fleet = Fleet(task_of(task), 1, observation=observation, size=size, randomise=randomise)
         self._action = action
         self.observation_space = _observation_space(self._fleet)
         self.action_space = _action_space(self._fleet, action)
@@ -155,7 +155,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     def __init__(
         self,
         num_envs: int = 1,
-        task: Task = AORTA,
+        task: Task | str = AORTA,
         *,
         threads: int = 1,
         observation: str | Sequence[str] = "state",
@@ -169,7 +169,9 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.num_envs = num_envs
         self._mode = AutoresetMode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}
-        self._fleet = Fleet(task, num_envs, threads=threads, observation=observation, size=size, randomise=randomise)
+        self._fleet = Fleet(
+            task_of(task), num_envs, threads=threads, observation=observation, size=size, randomise=randomise
+        )
         self._action = action
         self.single_observation_space = _observation_space(self._fleet)
         self.single_action_space = _action_space(self._fleet, action)

@@ -101,6 +101,18 @@ ARCH_BRANCH = Task(
 )
 
 
+TASKS = {"aorta": AORTA, "arch_branch": ARCH_BRANCH}
+
+
+def task_of(given: Task | str) -> Task:
+    """Returns a task by its name, or as it is."""
+    if isinstance(given, Task):
+        return given
+    if given not in TASKS:
+        raise ValueError("there is no task %r: there are %s" % (given, ", ".join(TASKS)))
+    return TASKS[given]
+
+
 class VesselPaths:
     """Distances along the centrelines of a scene's tree of vessels."""
 
