@@ -1,7 +1,7 @@
 // Many worlds that advance together over a pool of threads: the engine of cournand.envs. One call moves the
 // worlds, reads them into arrays, and renders them; no Python code runs in between. What a world computes
 // does not depend on the number of threads.
-#include "pictures.hpp"
+#include "host/python/module/pictures.hpp"
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>

@@ -1,6 +1,6 @@
 // The module cournand._core: scenes, tools, and what makes exceptions of statuses. The classes for people are
 // in host/python/cournand; those here take checked arguments and return tuples.
-#include "module.hpp"
+#include "host/python/module/module.hpp"
 #include <nanobind/stl/pair.h>
 
 namespace cournand_python

@@ -1,7 +1,7 @@
 // What the parts of the Python module share. The module calls the functions of cournand.h and nothing else of
 // the project. It releases the interpreter's lock in every call that takes more than microseconds.
 #pragma once
-#include <cournand.h>
+#include "host/library/cournand.h"
 #include <memory>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>

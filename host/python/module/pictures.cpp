@@ -1,4 +1,4 @@
-#include "pictures.hpp"
+#include "host/python/module/pictures.hpp"
 #include <nanobind/stl/array.h>
 
 namespace cournand_python

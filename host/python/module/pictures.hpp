@@ -1,7 +1,7 @@
 // Renderers of one size. The size never changes, so the memory of a picture keeps its place while the
 // renderer lives, and views of it never dangle.
 #pragma once
-#include "module.hpp"
+#include "host/python/module/module.hpp"
 #include <array>
 
 namespace cournand_python

@@ -1,5 +1,5 @@
 // Recordings: their description, their inputs as an array of bytes, and worlds that can replay them.
-#include "module.hpp"
+#include "host/python/module/module.hpp"
 #include <cstring>
 
 namespace cournand_python

@@ -1,5 +1,5 @@
 // Worlds. Their arrays are views of the library's memory: it keeps its place while the world lives.
-#include "module.hpp"
+#include "host/python/module/module.hpp"
 #include <cmath>
 #include <limits>
 

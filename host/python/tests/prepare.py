@@ -46,8 +46,8 @@ def environment(folder, requirements):
     ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     if ended.returncode != 0:
         sys.exit(
-            "%s\nPyPI could not be reached, or a version of %s is gone. Remedy: run this test once with a network, or set "
-            "PIP_NO_INDEX=1 and PIP_FIND_LINKS=FOLDER for a folder of wheels that `pip download -r` has filled."
+            "%s\nPyPI could not be reached, or a version of %s is gone. Remedy: run this test once with a network, or "
+            "set PIP_NO_INDEX=1 and PIP_FIND_LINKS=FOLDER for a folder of wheels that `pip download -r` has filled."
             % (ended.stdout.decode(errors="replace"), os.path.relpath(requirements, ROOT))
         )
     with open(stamp, "w", encoding="ascii") as file:
