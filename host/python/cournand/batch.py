@@ -78,10 +78,10 @@ class Batch:
         """Replaces the world with this number."""
         self._core.put(number, world._core)
 
-    def move(self, actions: npt.NDArray[np.float32], ticks: int, which: Sequence[int] | None = None) -> None:
+    def move(self, actions: npt.ArrayLike, ticks: int, which: Sequence[int] | None = None) -> None:
         """Moves worlds at steady speeds, and reads them. `actions` is float32 [n, 8]: push at the positions 0, 1, 2 in
         m/s, turn in rad/s, pressure of the inflator in kPa, and 0. `which` names the worlds; None: all."""
-        self._core.step(actions, ticks, self._which(which))
+        self._core.step(np.ascontiguousarray(actions, dtype=np.float32), ticks, self._which(which))
 
     def read(self, which: Sequence[int] | None = None) -> None:
         """Reads worlds into the arrays."""

@@ -17,6 +17,15 @@ namespace
 // Numbers of one world in `states`: points of the leading tip's shape, then for each of three positions
 // length inserted, force and torque of the hand, then what FIGURES in cournand/batch.py names.
 constexpr std::size_t figures = 8, of_hands = 9;
+constexpr std::uint32_t points_max = 1000;
+constexpr std::size_t count_max = 1'000'000;
+
+std::uint32_t within(std::uint32_t points, std::size_t count)
+{
+    if (points > points_max || count > count_max)
+        throw nb::value_error("a batch has at most a million worlds, and 1000 points of each");
+    return points;
+}
 
 Pool *create_pool(std::uint32_t threads)
 {
@@ -30,8 +39,9 @@ class Batch
   public:
     Batch(nb::object pool, std::size_t count, std::uint32_t points, double spacing_m)
         : pool_(std::move(pool)), threads_(nb::cast<const Pool &>(pool_).get()), count_(count),
-          points_(points), spacing_m_(spacing_m), width_(points * 3 + of_hands + figures), worlds_(count),
-          texts_(count), statuses_(count), states_(count * width_), places_(count * 4), vessels_(count, -1)
+          points_(within(points, count)), spacing_m_(spacing_m), width_(points * 3 + of_hands + figures),
+          worlds_(count), texts_(count), statuses_(count), states_(count * width_), places_(count * 4),
+          vessels_(count, -1)
     {
     }
 
