@@ -18,6 +18,7 @@ namespace
 
 constexpr std::uint32_t step_ticks = 133;
 constexpr int steps = 12, rounds = 6, worlds_of_scaling = 8;
+constexpr double tip_element_max_mm = 3.0, fine_mm = 12.0;
 constexpr float push_m_per_s = 0.035f, approach_m_per_s = 0.06f;
 const std::string wire_file = "shared/examples/instruments/j_wire.toml";
 
@@ -52,15 +53,20 @@ cournand_scene *aorta()
     return scene;
 }
 
-// Writes the J wire with equal elements of this length, and short enough for the core's greatest mesh.
+// Writes the J wire with elements of this length, shorter ones in its J where the core asks for them, and
+// short enough for the core's greatest mesh.
 std::string even_wire(double element_mm)
 {
     std::ifstream file(wire_file);
     std::stringstream text;
     text << file.rdbuf();
-    const std::string value = "$1" + std::to_string(element_mm) + ",";
-    std::string made =
-        std::regex_replace(text.str(), std::regex("((tip_mm|shaft_mm) = \\{ value = )[0-9.]+,"), value);
+    const auto set = [](const std::string &in, const std::string &key, double value) {
+        return std::regex_replace(in, std::regex("(" + key + " = \\{ value = )[0-9.]+,"),
+                                  "$01" + std::to_string(value) + ",");
+    };
+    std::string made = set(text.str(), "shaft_mm", element_mm);
+    made = set(made, "tip_mm", std::min(element_mm, tip_element_max_mm));
+    made = set(made, "fine_mm", fine_mm);
     made = std::regex_replace(made, std::regex("to_mm = 1450"), "to_mm = 850");
     const std::string path = folder().file("wire.toml");
     std::ofstream(path) << made;

@@ -1,5 +1,4 @@
-"""Registers the environments with Gymnasium. Gymnasium loads this module while it is imported itself, so nothing here
-imports the environments."""
+"""Registers the environments with Gymnasium when `cournand.envs` is imported."""
 
 from __future__ import annotations
 
@@ -8,7 +7,7 @@ TASKS = {"cournand/Aorta-v0": "aorta", "cournand/ArchBranch-v0": "arch_branch"}
 
 
 def register() -> None:
-    """Registers the environments; the package's entry point `gymnasium.envs` calls it."""
+    """Registers the environments; importing `cournand.envs` calls it."""
     from gymnasium.envs import registration
 
     for name, task in TASKS.items():

@@ -22,7 +22,6 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 sys.path.insert(0, os.path.join(prepare.ROOT, "tools", "check"))
 import tap  # noqa: E402
 
-cournand.envs.register()
 MIX = ("state", "fluoroscopy", "labels")
 SHORT = Task(targets=("right iliac artery",), target_part=(0.5, 0.9), steps=4)
 REACHED = Task(targets=("right iliac artery",), target_part=(0.6, 0.8), steps=60, reach_m=0.02)

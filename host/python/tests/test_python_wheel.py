@@ -113,12 +113,13 @@ def an_empty_environment_has_a_picture_in_a_minute():
         return good and took < LIMIT_S and file.read(8) == b"\x89PNG\r\n\x1a\n"
 
 
-def gymnasium_finds_the_environments():
+def gymnasium_makes_the_environments():
     pins = [line for line in tree.read("host/python/requirements.txt").split("\n") if "==" in line]
     python = os.path.join(EMPTY, "bin", "python")
     needs = [pin for pin in pins if re.match("cloudpickle|Farama|gymnasium|typing", pin)]
     script = (
-        "import gymnasium as g; e = g.make('cournand/Aorta-v0'); e.reset(seed=1); e.step(e.action_space.sample());"
+        "import cournand.envs, gymnasium as g; e = g.make('cournand/Aorta-v0'); e.reset(seed=1); e.step(e.action_space.sample());"
+        "g.make('cournand.envs:cournand/ArchBranch-v0');"
         "v = g.make_vec('cournand/Aorta-v0', num_envs=2, vectorization_mode='vector_entry_point'); v.reset(seed=1)"
     )
     return succeeds([python, "-m", "pip", "install", "--quiet", "--no-deps", *needs]) and succeeds(
@@ -151,7 +152,7 @@ tap.run(
         auditwheel_completes_the_wheel,
         the_wheel_carries_what_it_needs_and_nothing_else,
         an_empty_environment_has_a_picture_in_a_minute,
-        gymnasium_finds_the_environments,
+        gymnasium_makes_the_environments,
         the_notebook_runs,
         the_types_hold,
     ]

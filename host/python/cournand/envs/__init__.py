@@ -1,10 +1,11 @@
-"""Environments for Gymnasium.
+"""Environments for Gymnasium, which this import registers.
 
+    import cournand.envs
     import gymnasium
     env = gymnasium.make("cournand/Aorta-v0", observation=("state", "fluoroscopy"), size=128)
     envs = gymnasium.make_vec("cournand/ArchBranch-v0", num_envs=64, vectorization_mode="vector_entry_point")
 
-The page docs/gymnasium.md is the guide. Gymnasium finds these environments itself when the package is installed.
+The page docs/gymnasium.md is the guide.
 """
 
 from ..registration import register
@@ -20,5 +21,6 @@ __all__ = [
     "NavigationVectorEnv",
     "Randomise",
     "Task",
-    "register",
 ]
+
+register()
