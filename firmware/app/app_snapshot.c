@@ -47,9 +47,9 @@ static void save_coupling(crn_wire_writer *writer, const crn_haptics_spring spri
     for (int i = 0; i < 2; i++) crn_wire_write(writer, (uint32_t)release->from[i], 4);
 }
 
-static void save(crn_app *app)
+static void save(crn_app *app, uint8_t *bytes)
 {
-    crn_wire_writer writer = crn_wire_writer_make(app->core.scratch.spare, CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_wire_writer writer = crn_wire_writer_make(bytes, CRN_APP_SNAPSHOT_HEAD_BYTES);
     crn_wire_write(&writer, SNAPSHOT_VERSION, 4);
     crn_wire_write(&writer, crn_state_tick(&app->core), 4);
     crn_wire_write(&writer, app->setup.tool_count, 4);
@@ -59,7 +59,7 @@ static void save(crn_app *app)
     }
     CRN_REQUIRE(app, !writer.overflowed && writer.length == CRN_APP_SNAPSHOT_HEAD_BYTES, writer.length);
     CRN_REQUIRE(app, crn_state_bytes() == sizeof(crn_state_words), crn_state_bytes());
-    crn_state_save(&app->core, app->core.scratch.spare + CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_state_save(&app->core, bytes + CRN_APP_SNAPSHOT_HEAD_BYTES);
 }
 
 static void send_chunk(crn_app *app, uint32_t offset)
@@ -78,7 +78,7 @@ static void send_chunk(crn_app *app, uint32_t offset)
 void crn_app_snapshot_send(crn_app *app)
 {
     app->session.snapshot_upload.open = false; /* an upload in progress uses the same buffer */
-    save(app);
+    save(app, app->core.scratch.spare);
     const crn_wire_snapshot_begin begin = {
         crn_state_tick(&app->core), CRN_APP_SNAPSHOT_BYTES,
         crn_wire_crc32(0, app->core.scratch.spare, CRN_APP_SNAPSHOT_BYTES)};
@@ -210,9 +210,9 @@ static bool read_release(crn_wire_reader *reader, const crn_haptics_track *track
            is_within(release->from[1], track->torque_limit_uN_m);
 }
 
-static bool read_head(const crn_app *app, snapshot_head *head)
+static bool read_head(const crn_app *app, const uint8_t *bytes, snapshot_head *head)
 {
-    crn_wire_reader reader = crn_wire_reader_make(app->core.scratch.spare, CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_wire_reader reader = crn_wire_reader_make(bytes, CRN_APP_SNAPSHOT_HEAD_BYTES);
     bool ok = crn_wire_read(&reader, 4) == SNAPSHOT_VERSION;
     head->tick = (uint32_t)crn_wire_read(&reader, 4);
     ok = ok && crn_wire_read(&reader, 4) == app->setup.tool_count;
@@ -226,14 +226,14 @@ static bool read_head(const crn_app *app, snapshot_head *head)
     return ok;
 }
 
-/* Restores the snapshot that lies in the scratch memory. Returns false, and changes nothing, if the bytes are
- * not a valid snapshot of this session. */
-static bool restore(crn_app *app)
+/* Restores a snapshot. Returns false, and changes nothing, if the bytes are not a valid snapshot of this
+ * session. */
+static bool restore(crn_app *app, const uint8_t *bytes)
 {
     snapshot_head head;
-    const uint8_t *words = app->core.scratch.spare + CRN_APP_SNAPSHOT_HEAD_BYTES;
+    const uint8_t *words = bytes + CRN_APP_SNAPSHOT_HEAD_BYTES;
     crn_wire_reader core_tick = crn_wire_reader_make(words, 4); /* the state's first word */
-    if (!read_head(app, &head) || crn_wire_read(&core_tick, 4) != head.tick ||
+    if (!read_head(app, bytes, &head) || crn_wire_read(&core_tick, 4) != head.tick ||
         !crn_state_restore(&app->model, &app->core, words))
         return false;
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
@@ -262,12 +262,12 @@ void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length)
     CRN_REJECT_IF(app, type,
                   crn_wire_crc32(0, app->core.scratch.spare, CRN_APP_SNAPSHOT_BYTES) != upload.crc32,
                   CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
-    CRN_REJECT_IF(app, type, !restore(app), CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes,
-                  upload.expected_bytes);
+    CRN_REJECT_IF(app, type, !restore(app, app->core.scratch.spare), CRN_REJECT_SNAPSHOT_INVALID,
+                  upload.received_bytes, upload.expected_bytes);
     crn_app_send_status(app, type);
 }
 
-/* --- for a program that has the device in its own memory --- */
+/* --- for a program that has the device in its own memory: without a copy in the scratch memory --- */
 static bool has_lockstep_session(const crn_app *app)
 {
     return app->mode == CRN_WIRE_MODE_LOCKSTEP &&
@@ -278,8 +278,7 @@ bool crn_app_snapshot_take(crn_app *app, uint8_t *bytes)
 {
     if (!has_lockstep_session(app)) return false;
     app->session.snapshot_upload.open = false;
-    save(app);
-    for (size_t i = 0; i < CRN_APP_SNAPSHOT_BYTES; i++) bytes[i] = app->core.scratch.spare[i];
+    save(app, bytes);
     return true;
 }
 
@@ -287,8 +286,7 @@ bool crn_app_snapshot_put(crn_app *app, const uint8_t *bytes)
 {
     if (!has_lockstep_session(app)) return false;
     app->session.snapshot_upload.open = false;
-    for (size_t i = 0; i < CRN_APP_SNAPSHOT_BYTES; i++) app->core.scratch.spare[i] = bytes[i];
-    if (!restore(app)) return false;
+    if (!restore(app, bytes)) return false;
     app->session.has_stop = false;
     app->session.inflator_raw = 0;
     return true;

@@ -27,7 +27,9 @@
  * VIEWS. Pointers in cournand_pose, cournand_contacts and cournand_picture point to memory of the library;
  * nothing is copied. The pointers in a pose or in contacts stay valid until the next call that changes the
  * same world (move, advance, replay, restore, free). The pointers in a picture stay valid until the next
- * picture of the same renderer. Texts stay valid until their handle is freed.
+ * picture of the same renderer. After that, an old pointer still refers to allocated memory until its handle
+ * is freed, but the numbers there change; a renderer keeps its memory while its pictures have one size. Texts
+ * stay valid until their handle is freed.
  *
  * THREADS. Scenes, tools and recordings do not change, and any number of threads may use them. Only one
  * thread at a time may use a world or a renderer; a call is refused while another thread is inside a call

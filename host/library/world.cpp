@@ -121,6 +121,7 @@ World::World(WorldSettings settings)
         throw with_tool_names(error, settings_.tools, settings_.line);
     }
     tools_now_ = tools_on(settings_.tools, line_now_);
+    reserve_views();
     if (!settings_.has_patient) return;
     PatientSettings of_patient;
     of_patient.bodies_path = settings_.scene->bodies_path();
@@ -128,6 +129,18 @@ World::World(WorldSettings settings)
     of_patient.threads = 1;
     of_patient.line = settings_.line == whole_table(settings_.tools.size()) ? LineNumbers{} : settings_.line;
     patient_ = std::make_unique<Patient>(settings_.scene->anatomy(), settings_.tools, of_patient);
+}
+
+// Views keep their place while the world lives, so that a caller who reads an old one reads memory of this
+// world.
+void World::reserve_views()
+{
+    for (std::vector<float> *rows : {&arcs_m_, &radii_m_}) rows->reserve(CRN_WIRE_MAX_nodes_positions);
+    positions_m_.reserve(3 * CRN_WIRE_MAX_nodes_positions);
+    for (std::vector<float> *of_positions : {&tip_arcs_m_, &inserted_m_})
+        of_positions->reserve(CRN_WIRE_MAX_nodes_inserted_m_q30);
+    contact_nodes_.reserve(CRN_WIRE_MAX_contacts_contacts);
+    forces_N_.reserve(3 * CRN_WIRE_MAX_contacts_contacts);
 }
 
 void World::check_alive() const

@@ -113,6 +113,7 @@ class World
     void resume_recorded(const Recording &recording);
     void put_device(std::span<const std::uint8_t> bytes, std::uint32_t tick);
     void forget_views();
+    void reserve_views();
     void settle(); // brings the patient to this tick
     void command(const RoomCommand &command);
     Patient &need_patient();

@@ -1,0 +1,82 @@
+"""Cournand: guidewires and catheters in living vessels, X-ray pictures with labels, and environments for learning.
+
+    import cournand
+    scene = cournand.Scene("aorta")
+    world = cournand.World(scene, [cournand.Tool("j_wire")])
+    world.move(push=0.06, seconds=2)
+    cournand.XRay(scene).render(world).save("wire.png")
+
+Units are m, s, N, N m, rad, kPa and mg/ml. The patient frame has +x to the patient's left, +y to the head and +z to
+the front. Tools are numbered from the innermost; node 0 is the leading tip. One tick is 1 ms. The page docs/python.md
+is the guide.
+"""
+
+from . import errors
+from ._core import core_version as _core_version
+from ._core import version as _version
+from .batch import Batch, Pool
+from .data import shipped_scenes, shipped_stents, shipped_tools
+from .errors import (
+    BadArgumentError,
+    BadFileError,
+    BadHandleError,
+    BadSnapshotError,
+    BadStateError,
+    BusyError,
+    DifferentError,
+    Error,
+    InternalError,
+    NoMemoryError,
+    RefusedError,
+)
+from .recording import INPUT, Recording, RecordingInfo
+from .scene import Scene, Tool, Vessel
+from .session import Frame, Session
+from .world import Contacts, Fault, Order, Patient, PatientReading, Place, Pose, Reading, World
+from .xray import Label, Picture, View, XRay
+
+__version__: str = _version()
+CORE_VERSION: int = _core_version()
+"""Equal core versions give equal bits from equal inputs, and replay each other's recordings."""
+
+__all__ = [
+    "CORE_VERSION",
+    "INPUT",
+    "BadArgumentError",
+    "BadFileError",
+    "BadHandleError",
+    "BadSnapshotError",
+    "BadStateError",
+    "Batch",
+    "BusyError",
+    "Contacts",
+    "DifferentError",
+    "Error",
+    "Fault",
+    "Frame",
+    "InternalError",
+    "Label",
+    "NoMemoryError",
+    "Order",
+    "Patient",
+    "PatientReading",
+    "Picture",
+    "Place",
+    "Pool",
+    "Pose",
+    "Reading",
+    "Recording",
+    "RecordingInfo",
+    "RefusedError",
+    "Scene",
+    "Session",
+    "Tool",
+    "Vessel",
+    "View",
+    "World",
+    "XRay",
+    "errors",
+    "shipped_scenes",
+    "shipped_stents",
+    "shipped_tools",
+]

@@ -1,0 +1,26 @@
+"""Environments for Gymnasium, which this import registers.
+
+    import cournand.envs
+    import gymnasium
+    env = gymnasium.make("cournand/Aorta-v0", observation=("state", "fluoroscopy"), size=128)
+    envs = gymnasium.make_vec("cournand/ArchBranch-v0", num_envs=64, vectorization_mode="vector_entry_point")
+
+The page docs/gymnasium.md is the guide.
+"""
+
+from ..registration import register
+from .navigation import EnvSnapshot, NavigationEnv, NavigationVectorEnv
+from .task import AORTA, ARCH_BRANCH, TASKS, Randomise, Task
+
+__all__ = [
+    "AORTA",
+    "ARCH_BRANCH",
+    "TASKS",
+    "EnvSnapshot",
+    "NavigationEnv",
+    "NavigationVectorEnv",
+    "Randomise",
+    "Task",
+]
+
+register()

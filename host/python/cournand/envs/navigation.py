@@ -1,0 +1,287 @@
+"""The environments for Gymnasium: one, and many that advance over a pool of threads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Space
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from .fleet import DISCRETE, STATE_LIMIT, Episode, Fleet
+from .task import AORTA, Randomise, Task, task_of
+
+FPS = 7.5
+
+
+@dataclass(frozen=True)
+class EnvSnapshot:
+    """The state of an environment: of its world, and of its episode."""
+
+    world: bytes
+    episode: Episode
+
+    def saved(self) -> tuple[bytes, Episode]:
+        return self.world, self.episode
+
+
+def _observation_space(fleet: Fleet) -> Space[Any]:
+    picture = (fleet.size, fleet.size)
+    spaces: dict[str, Space[Any]] = {}
+    for kind in fleet.kinds:
+        if kind == "state":
+            spaces[kind] = Box(-STATE_LIMIT, STATE_LIMIT, (fleet.state_width,), np.float32)
+        else:
+            spaces[kind] = Box(0, 255 if kind == "fluoroscopy" else 63, picture, np.uint8)
+    return Dict(spaces) if fleet.is_dict else spaces[fleet.kinds[0]]
+
+
+def _action_space(fleet: Fleet, action: str) -> Space[Any]:
+    if action == "continuous":
+        return Box(-1.0, 1.0, (2 * fleet.positions,), np.float32)
+    if action == "discrete":
+        choices = len(DISCRETE)
+        return Discrete(choices) if fleet.positions == 1 else MultiDiscrete([choices] * fleet.positions)
+    raise ValueError("action: %r is neither 'continuous' nor 'discrete'" % (action,))
+
+
+def _parts(fleet: Fleet, action: str, given: Any, count: int) -> npt.NDArray[np.float32]:
+    """Returns pushes, then turns, in parts of the largest speeds, float32 [count, 2 positions]."""
+    if action == "continuous":
+        return np.asarray(given, dtype=np.float32).reshape(count, 2 * fleet.positions)
+    chosen = np.asarray(given, dtype=np.int64).reshape(count, fleet.positions)
+    if np.any((chosen < 0) | (chosen >= len(DISCRETE))):
+        raise ValueError("an action is not within 0 and %d" % (len(DISCRETE) - 1))
+    return np.concatenate([DISCRETE[chosen, 0], DISCRETE[chosen, 1]], axis=1)
+
+
+def _check_render_mode(mode: str | None) -> None:
+    if mode not in (None, "rgb_array"):
+        raise ValueError("render_mode: %r is neither None nor 'rgb_array'" % (mode,))
+
+
+class NavigationEnv(gymnasium.Env[Any, Any]):
+    """One environment of a task (docs/gymnasium.md)."""
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": FPS}
+
+    def __init__(
+        self,
+        task: Task | str = AORTA,
+        *,
+        observation: str | Sequence[str] = "state",
+        action: str = "continuous",
+        size: int = 128,
+        randomise: Randomise | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        _check_render_mode(render_mode)
+        self.render_mode = render_mode
+        self._fleet = Fleet(task_of(task), 1, observation=observation, size=size, randomise=randomise)
+        self._action = action
+        self.observation_space = _observation_space(self._fleet)
+        self.action_space = _action_space(self._fleet, action)
+        self._seed: int | None = None
+        self._episode = 0
+
+    @property
+    def task(self) -> Task:
+        return self._fleet.task
+
+    @property
+    def world(self) -> Any:
+        """The world of this environment; moving it by hand changes the episode."""
+        return self._fleet.worlds[0]
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        super().reset(seed=seed)
+        if seed is not None:
+            self._seed, self._episode = seed, 0
+        elif self._seed is None:
+            self._seed, self._episode = int(self.np_random.integers(2**31)), 0
+        else:
+            self._episode += 1
+        self._fleet.begin([0], [(self._seed, self._episode)])
+        return self._observed(), self._fleet.info(0)
+
+    def _observed(self) -> Any:
+        self._fleet.observe([0])
+        return self._fleet.observation(0)
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        if self._seed is None:
+            raise RuntimeError("the environment has not begun: call reset() first")
+        rewards, terminated, truncated = self._fleet.step(_parts(self._fleet, self._action, action, 1), [0])
+        return self._observed(), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._fleet.info(0)
+
+    def render(self) -> npt.NDArray[np.uint8] | None:
+        """Returns the fluoroscopy of 512 x 512 pixels as a colour picture."""
+        if self.render_mode is None:
+            return None
+        from ..xray import XRay
+
+        if not hasattr(self, "_screen"):
+            self._screen = XRay(self._fleet.scene, 512)
+        grey = self._screen.render(self.world, self._fleet.episodes[0].view).grey
+        assert grey is not None
+        return np.repeat(grey[:, :, None], 3, axis=2)
+
+    def snapshot(self) -> EnvSnapshot:
+        """Returns the state, from which restore() of any environment with the same task and options continues bit for
+        bit."""
+        return EnvSnapshot(*self._fleet.save(0))
+
+    def restore(self, snapshot: EnvSnapshot) -> Any:
+        """Continues from a snapshot, and returns its observation."""
+        self._fleet.load(0, snapshot.saved())
+        self._seed, self._episode = snapshot.episode.seed, snapshot.episode.number
+        return self._observed()
+
+
+class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
+    """Environments of a task that advance over a pool of threads in C.
+
+    Environment i with the seed s does what a NavigationEnv with the seed s + i does, bit for bit, with any number of
+    threads.
+    """
+
+    metadata = {"render_modes": [], "render_fps": FPS}
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        task: Task | str = AORTA,
+        *,
+        threads: int = 1,
+        observation: str | Sequence[str] = "state",
+        action: str = "continuous",
+        size: int = 128,
+        randomise: Randomise | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    ) -> None:
+        if num_envs < 1:
+            raise ValueError("num_envs is less than 1")
+        self.num_envs = num_envs
+        self._mode = AutoresetMode(autoreset_mode)
+        self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}
+        self._fleet = Fleet(
+            task_of(task), num_envs, threads=threads, observation=observation, size=size, randomise=randomise
+        )
+        self._action = action
+        self.single_observation_space = _observation_space(self._fleet)
+        self.single_action_space = _action_space(self._fleet, action)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._seeds: list[int] | None = None
+        self._episodes = [0] * num_envs
+        self._is_done = np.zeros(num_envs, dtype=bool)
+
+    @property
+    def task(self) -> Task:
+        return self._fleet.task
+
+    # --- reset ---
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begins episodes: in all environments, or in those of options["reset_mask"], bool [num_envs]."""
+        mask = np.ones(self.num_envs, dtype=bool)
+        if options and options.get("reset_mask") is not None:
+            mask = np.asarray(options["reset_mask"], dtype=bool)
+            if mask.shape != (self.num_envs,) or not mask.any():
+                raise ValueError("reset_mask is not an array of num_envs truth values, one of them True")
+            if self._seeds is None and not mask.all():
+                raise ValueError("the first reset is that of all environments")
+        which = [int(number) for number in np.flatnonzero(mask)]
+        self._take_seeds(seed, which)
+        self._begin(which)
+        self._is_done[which] = False
+        return self._observed(), self._infos(which)
+
+    def _take_seeds(self, seed: int | Sequence[int | None] | None, which: Sequence[int]) -> None:
+        given = [seed + i for i in range(self.num_envs)] if isinstance(seed, (int, np.integer)) else seed
+        if given is not None and len(given) != self.num_envs:
+            raise ValueError("seed has %d numbers for %d environments" % (len(given), self.num_envs))
+        is_first = self._seeds is None
+        if self._seeds is None:
+            first = int(given[0]) if given is not None and given[0] is not None else None
+            VectorEnv.reset(self, seed=first)
+            self._seeds = [int(self.np_random.integers(2**31)) for _ in range(self.num_envs)]
+        for number in which:
+            if given is not None and given[number] is not None:
+                self._seeds[number], self._episodes[number] = int(given[number]), 0  # type: ignore[arg-type]
+            elif not is_first:
+                self._episodes[number] += 1
+
+    def _begin(self, which: Sequence[int]) -> None:
+        assert self._seeds is not None
+        self._fleet.begin(which, [(self._seeds[number], self._episodes[number]) for number in which])
+        self._fleet.observe(which)
+
+    def _begin_next(self, which: Sequence[int]) -> None:
+        for number in which:
+            self._episodes[number] += 1
+        self._begin(which)
+
+    # --- step ---
+
+    def step(self, actions: Any) -> tuple[Any, npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any], dict[str, Any]]:
+        if self._seeds is None:
+            raise RuntimeError("the environments have not begun: call reset() first")
+        parts = _parts(self._fleet, self._action, actions, self.num_envs)
+        done = [int(number) for number in np.flatnonzero(self._is_done)]
+        if done and self._mode == AutoresetMode.DISABLED:
+            raise RuntimeError("environments %s have ended: reset them by options['reset_mask']" % done)
+        moving = [number for number in range(self.num_envs) if not self._is_done[number]]
+        if moving:
+            rewards, terminated, truncated = self._fleet.step(parts[moving], moving)
+            self._fleet.observe(moving)
+        else:
+            rewards = np.zeros(self.num_envs)
+            terminated, truncated = np.zeros(self.num_envs, dtype=bool), np.zeros(self.num_envs, dtype=bool)
+        if done:  # NEXT_STEP: this step begins their next episode, and their action has no effect
+            self._begin_next(done)
+        self._is_done = terminated | truncated
+        ended = [int(number) for number in np.flatnonzero(self._is_done)]
+        if self._mode != AutoresetMode.SAME_STEP or not ended:
+            return self._observed(), rewards, terminated, truncated, self._infos(range(self.num_envs))
+        finals = [(self._fleet.observation(number), self._fleet.info(number)) for number in ended]
+        self._begin_next(ended)
+        self._is_done[:] = False
+        infos = self._infos(range(self.num_envs))
+        for number, (observation, info) in zip(ended, finals):
+            infos = self._add_info(infos, {"final_obs": observation, "final_info": info}, number)
+        return self._observed(), rewards, terminated, truncated, infos
+
+    def _observed(self) -> Any:
+        """Returns all observations in memory of their own."""
+        each = [self._fleet.observation(number) for number in range(self.num_envs)]
+        if not self._fleet.is_dict:
+            return np.stack(each)
+        return {kind: np.stack([one[kind] for one in each]) for kind in self._fleet.kinds}
+
+    def _infos(self, which: Sequence[int]) -> dict[str, Any]:
+        infos: dict[str, Any] = {}
+        for number in which:
+            infos = self._add_info(infos, self._fleet.info(number), number)
+        return infos
+
+    # --- snapshots ---
+
+    def snapshot(self, number: int) -> EnvSnapshot:
+        """Returns the state of one environment."""
+        return EnvSnapshot(*self._fleet.save(number))
+
+    def restore(self, number: int, snapshot: EnvSnapshot) -> None:
+        """Continues one environment from a snapshot of any environment with the same task and options."""
+        self._fleet.load(number, snapshot.saved())
+        assert self._seeds is not None
+        self._seeds[number], self._episodes[number] = snapshot.episode.seed, snapshot.episode.number
+        self._is_done[number] = False
+        self._fleet.observe([number])

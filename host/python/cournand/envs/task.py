@@ -1,0 +1,159 @@
+"""What an environment asks of its policy, and how far the target is along the vessels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from ..scene import Scene
+from ..xray import View
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Randomise:
+    """Ranges from which every episode draws, evenly; (1, 1) and (0, 0) change nothing.
+
+    Factors on the tools are those of Tool.scaled(). A changed tool needs a new world, which takes milliseconds instead
+    of microseconds, and repeats the approach of the task.
+    """
+
+    bend_stiffness: Range = (1.0, 1.0)
+    twist_stiffness: Range = (1.0, 1.0)
+    mass: Range = (1.0, 1.0)
+    friction: Range = (1.0, 1.0)
+    rest_curvature: Range = (1.0, 1.0)
+    primary_deg: Range = (0.0, 0.0)
+    """Added to the angle of the task's view."""
+    secondary_deg: Range = (0.0, 0.0)
+    dose: Range = (1.0, 1.0)
+    """Factor on the dose of the task's view."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            low, high = getattr(self, field.name)
+            if not low <= high:
+                raise ValueError("Randomise.%s: %r is not (low, high)" % (field.name, (low, high)))
+
+    @property
+    def changes_tools(self) -> bool:
+        return any(getattr(self, name) != (1.0, 1.0) for name in TOOL_FACTORS)
+
+    def draw(self, random: np.random.Generator) -> dict[str, float]:
+        """Draws every number, whether its range is empty or not, so that one range does not change another's draw."""
+        return {field.name: float(random.uniform(*getattr(self, field.name))) for field in fields(self)}
+
+
+TOOL_FACTORS = ("bend_stiffness", "twist_stiffness", "mass", "friction", "rest_curvature")
+
+
+@dataclass(frozen=True)
+class Task:
+    """Bring the tip of the innermost tool to a point, without pressing the wall harder than a limit.
+
+    The tip is there within `reach_m` of the target, a random point of the centrelines of `targets`. The episode then
+    terminates; it is a success only if the peak wall force stayed within `force_limit_N`. It also terminates where
+    physics leaves its range, and is truncated after `steps` steps.
+    """
+
+    targets: tuple[str, ...]
+    """Names of vessels."""
+    scene: str = "aorta"
+    """Path or shipped name."""
+    tools: tuple[str, ...] = ("j_wire",)
+    approach_m: float = 0.0
+    """Length that the tools are pushed at 60 mm/s before the episode begins."""
+    target_part: Range = (0.0, 1.0)
+    """Part of each target vessel, from its beginning in the direction of the blood, in which targets lie."""
+    steps: int = 300
+    ticks: int = 133
+    """Of one step: 7.5 steps per second."""
+    reach_m: float = 0.005
+    force_limit_N: float = 2.0
+    """On the sum of all contact forces, sampled every `contact_ticks`."""
+    contact_ticks: int = 19
+    push_max_m_per_s: float = 0.035
+    turn_max_rad_per_s: float = 3.14
+    view: View = View()
+    """The isocentre is moved to the target, which is therefore in the middle of every picture."""
+    reward_reached: float = 1.0
+    reward_per_m: float = 1.0
+    """For path gained along the vessels."""
+    reward_per_step: float = -0.005
+
+    def __post_init__(self) -> None:
+        if not self.targets or not 1 <= self.steps <= 1_000_000 or not 1 <= len(self.tools) <= 3:
+            raise ValueError("Task: it needs a target, one to three tools, and 1 to 1000000 steps")
+        low, high = self.target_part
+        if not 0.0 <= low <= high <= 1.0:
+            raise ValueError("Task.target_part: %r is not within 0 and 1" % (self.target_part,))
+
+
+AORTA = Task(targets=("descending aorta",), target_part=(0.2, 0.9), steps=300)
+ARCH_BRANCH = Task(
+    targets=("brachiocephalic artery", "left common carotid artery", "left subclavian artery"),
+    target_part=(0.3, 0.7),
+    approach_m=0.55,
+    steps=200,
+)
+
+
+TASKS = {"aorta": AORTA, "arch_branch": ARCH_BRANCH}
+
+
+def task_of(given: Task | str) -> Task:
+    """Returns a task by its name, or as it is."""
+    if isinstance(given, Task):
+        return given
+    if given not in TASKS:
+        raise ValueError("there is no task %r: there are %s" % (given, ", ".join(TASKS)))
+    return TASKS[given]
+
+
+class VesselPaths:
+    """Distances along the centrelines of a scene's tree of vessels."""
+
+    def __init__(self, scene: Scene) -> None:
+        if not scene.vessels:
+            raise ValueError("the scene has no vessels: open its bodies")
+        self._scene = scene
+        self.parents = [vessel.parent for vessel in scene.vessels]
+        self._along: list[npt.NDArray[np.float64]] = []
+        self.begins = []  # where each vessel leaves its parent, along the parent
+        for vessel in scene.vessels:
+            points = vessel.points_m[:, :3].astype(np.float64)
+            steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+            self._along.append(np.concatenate([[0.0], np.cumsum(steps)]))
+            if vessel.parent < 0:
+                self.begins.append(0.0)
+                continue
+            trunk = scene.vessels[vessel.parent].points_m[:, :3].astype(np.float64)
+            nearest = int(np.argmin(np.linalg.norm(trunk - points[0], axis=1)))
+            self.begins.append(float(self._along[vessel.parent][nearest]))
+
+    def point(self, vessel: int, part: float) -> tuple[npt.NDArray[np.float64], float]:
+        """Returns the point of a centreline after a part of its length, and its length to there."""
+        along, points = self._along[vessel], self._scene.vessels[vessel].points_m
+        at = part * along[-1]
+        return np.array([np.interp(at, along, points[:, axis]) for axis in range(3)]), float(at)
+
+    def towards(self, vessel: int, along_m: float) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Returns, for each vessel, where its shortest path to a target leaves it, and the distance from there. A
+        place is abs(along - exits[vessel]) + beyond[vessel] from the target."""
+        exits, beyond = np.zeros(len(self.parents)), np.zeros(len(self.parents))
+        on_path = {vessel}
+        exits[vessel] = along_m
+        child = vessel
+        while self.parents[child] >= 0:  # the vessels through which the target is reached from the root
+            parent = self.parents[child]
+            exits[parent] = self.begins[child]
+            beyond[parent] = exits[child] + beyond[child]
+            on_path.add(parent)
+            child = parent
+        for other, parent in enumerate(self.parents):  # parents have lower numbers
+            if other not in on_path and parent >= 0:
+                beyond[other] = abs(self.begins[other] - exits[parent]) + beyond[parent]
+        return exits, beyond

@@ -1,0 +1,103 @@
+"""Sessions that a Python program leads under fluoroscopy."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Any, NamedTuple, Union
+
+from .scene import Scene, Tool
+from .world import TICKS_PER_S, Place, Reading, World
+from .xray import Picture, View, XRay
+
+Speeds = Union[float, Sequence[float]]
+
+
+class Frame(NamedTuple):
+    """What the operator of a session sees and feels."""
+
+    tick: int
+    reading: Reading
+    tip: Place
+    """Of the tool at position 0."""
+    picture: Picture
+    """With exposure and lag that follow the session's earlier pictures."""
+
+
+class Session:
+    """A world under pulsed fluoroscopy, which a program leads pulse by pulse, and which is recorded on request.
+
+    Scripts of `cournand run` need that program, because they have hands that slip, steering and expectations of their
+    own; `Recording` opens what it records.
+
+        with cournand.Session("aorta", ["j_wire"], record="mine.rec") as session:
+            for frame in session.lead(lambda frame: (0.03, 0.0), seconds=2):
+                print(frame.tip.name, frame.reading.force_N[0])
+    """
+
+    def __init__(
+        self,
+        scene: Scene | str = "aorta",
+        tools: Sequence[Tool | str] = ("j_wire",),
+        *,
+        pulses_per_s: float = 7.5,
+        view: View | None = None,
+        size: int = 512,
+        labels: bool = False,
+        seed: int = 0,
+        record: str | os.PathLike[str] | None = None,
+        **world: Any,
+    ) -> None:
+        """Makes a world with these scene and tools, by object or by name. Other arguments are those of World.
+
+        Without a view, the C-arm is over the introducer. The seed is that of the noise.
+        """
+        if not 0.5 <= pulses_per_s <= 60.0:
+            raise ValueError("pulses_per_s is not within 0.5 and 60")
+        self.scene = scene if isinstance(scene, Scene) else Scene(scene)
+        opened = [tool if isinstance(tool, Tool) else Tool(tool) for tool in tools]
+        self.world = World(self.scene, opened, **world)
+        self.view = view if view is not None else View(isocentre_m=self.scene.entry_m)
+        """The C-arm; assign another View to move it."""
+        self._xray = XRay(self.scene, size)
+        self._labels, self._seed = labels, seed
+        self._ticks = TICKS_PER_S / pulses_per_s
+        self._pulse = 0
+        self._recording = ExitStack()
+        if record is not None:
+            self._recording.enter_context(self.world.record(record))
+
+    def step(self, push: Speeds = 0.0, turn: Speeds = 0.0, *, inflator_kPa: float = 0.0) -> Frame:
+        """Moves the hands at these speeds until the next pulse, and returns what there is to see."""
+        begin, end = round(self._pulse * self._ticks), round((self._pulse + 1) * self._ticks)
+        self.world.move(push, turn, ticks=end - begin, inflator_kPa=inflator_kPa)
+        self._pulse += 1
+        return self.look()
+
+    def look(self) -> Frame:
+        """Returns what there is to see now, without a step."""
+        seed = (self._seed * 1_000_003 + self._pulse) % 2**64
+        picture = self._xray.render(self.world, self.view, labels=self._labels, sequence=True, seed=seed)
+        return Frame(self.world.tick, self.world.read(), self.world.tip(), picture)
+
+    def lead(self, policy: Callable[[Frame], tuple[Speeds, Speeds]], *, seconds: float) -> Iterator[Frame]:
+        """Calls the policy at every pulse for a time; it returns push and turn until the next one. Yields each frame
+        after its step."""
+        frame = self.look()
+        for _ in range(round(seconds * TICKS_PER_S / self._ticks)):
+            frame = self.step(*policy(frame))
+            yield frame
+
+    def close(self) -> None:
+        """Completes the recording. The world can be used further."""
+        self._recording.close()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

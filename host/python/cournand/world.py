@@ -1,0 +1,332 @@
+"""Worlds: a simulated device with its tools, and its patient if there is one."""
+
+from __future__ import annotations
+
+import enum
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from .data import find
+from .recording import INPUT, Recording
+from .scene import Scene, Tool
+
+POSITIONS_MAX = 3
+TICKS_PER_S = 1000
+
+
+class Pose(NamedTuple):
+    """The shape of the tools. Arrays are read-only views of the world's memory, without a copy.
+
+    A view shows the world as it was when the view was made, until the next call that changes the world; copy what must
+    stay (`pose.positions_m.copy()`). The memory of a view lives as long as the view.
+    """
+
+    tick: int
+    positions_m: npt.NDArray[np.float32]
+    """float32 [n, 3], from the leading tip to the first node inside the introducer."""
+    arcs_m: npt.NDArray[np.float32]
+    """float32 [n]: rest arc length from the leading tip."""
+    radii_m: npt.NDArray[np.float32]
+    """float32 [n]: outer radius of the outermost tool there."""
+    tip_arcs_m: npt.NDArray[np.float32]
+    """float32 [positions]: arc length of each tool's tip from the leading tip."""
+    inserted_m: npt.NDArray[np.float32]
+    """float32 [positions]: length beyond the introducer's opening."""
+    positions_q30: npt.NDArray[np.int32]
+    """int32 [n, 3] in 2^-30 m: the exact state."""
+
+
+class Contacts(NamedTuple):
+    """Forces of the wall on the nodes, as views like those of Pose."""
+
+    tick: int
+    nodes: npt.NDArray[np.uint32]
+    """uint32 [count], ascending."""
+    forces_N: npt.NDArray[np.float32]
+    """float32 [count, 3]: normal force and friction."""
+
+
+class Reading(NamedTuple):
+    """What was measured after the last tick; zeros before the first one, except for lengths and phases."""
+
+    tick: int
+    contact_count: int
+    fault_bits: int
+    """Sticky: 1 saturated, 2 hand too fast, 4 step capped, 8 end of the tool, 16 outside."""
+    line: tuple[int, ...]
+    """Number of the tool at each position, from 1; 0: the position is free."""
+    inserted_m: tuple[float, ...]
+    force_N: tuple[float, ...]
+    """On the hands; positive values push back out."""
+    torque_N_m: tuple[float, ...]
+    """On the hands; positive values oppose positive rotation."""
+    penetration_m: float
+    length_error: float
+    wall_force_N: float
+    """Sum of all contact forces in the last sample; 0 without `contact_ticks`."""
+    wall_force_peak_N: float
+    """The largest sample of the last move or advance."""
+    heart_phase: float
+    breath_phase: float
+    balloon_kPa: float
+    balloon_diameter_max_m: float
+    balloon_diameter_min_m: float
+    balloon_wall_N: float
+    balloon_has_burst: bool
+    exchange: int
+    """Answer to an exchange in the last tick: 0 none, 1 done, else docs/faults.md."""
+    out_of_range_tick: int | None
+    """Results since this tick are not valid, because physics left its range; None: all are valid."""
+
+
+class Place(NamedTuple):
+    """Where the tip of a tool is."""
+
+    name: str
+    """Of the vessel; "" if it is not known."""
+    vessel: int
+    """Number in `scene.vessels`; -1: not known."""
+    tip_m: tuple[float, float, float]
+    along_m: float
+    """From the vessel's beginning."""
+    inside_m: float
+    """Along the way from the introducer, beyond the vessel's ostium."""
+    radii: float
+    """Distance from the centreline in radii of the lumen; above 1: outside."""
+
+
+class Fault(NamedTuple):
+    """A fault that the device has counted (docs/faults.md)."""
+
+    code: int
+    tick_first: int
+    tick_last: int
+    times: int
+    value1: int
+    value2: int
+    text: str
+    remedy: str
+
+
+class PatientReading(NamedTuple):
+    """Syringe, pressures, heart rate and stents of a patient."""
+
+    stents_loaded: int
+    injected_ml: float
+    injection_flow_ml_per_s: float
+    pressure_mmHg: float
+    """At the catheter's tip if one lies in the vessels, else in the aorta."""
+    heart_rate_per_min: float
+    stent_stage: str
+    notice: str
+    """The last refusal of syringe and stents; "" for none."""
+
+
+class Order(enum.IntEnum):
+    """Kinds of orders to the core; docs/wire.md lists their values."""
+
+    RHYTHM = 1
+    SCAFFOLD = 2
+    STRUT = 3
+    EXCHANGE = 4
+
+
+class Patient:
+    """The patient of a world that was made with `patient=True`: blood flow, contrast medium, stents, pressures."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+
+    def inject(self, ml: float, *, ml_per_s: float, position: int = -1, iodine_mg_per_ml: float = 300.0) -> None:
+        """Injects contrast medium from the next tick on: 0 .. 200 ml at 0.001 .. 50 ml/s. 0 ml ends an injection.
+
+        `position` is that of the injecting tool; -1 takes the outermost one with a lumen. What only shows at its tick,
+        such as a pressure above the syringe's limit, stands in `read().notice`.
+        """
+        self._world._core.inject(ml, ml_per_s, position, iodine_mg_per_ml)
+
+    def load_stent(self) -> None:
+        """Mounts the next stent of the world on the balloon that is on the line."""
+        self._world._core.load_stent()
+
+    def read(self) -> PatientReading:
+        """Returns syringe, pressures, heart rate and stents now."""
+        return PatientReading._make(self._world._core.read_patient())
+
+
+class World:
+    """A simulated device with one to eight tools, three of them on the line, and its patient if there is one.
+
+    The same scene, tools, options and orders give the same bits on every machine, with any number of threads. A world
+    belongs to one thread at a time; a call while another thread is inside raises BusyError. Long calls release the
+    interpreter's lock.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        tools: Sequence[Tool],
+        *,
+        line: Sequence[int] = (),
+        inserted_m: Sequence[float] = (),
+        patient: bool = False,
+        contact_ticks: int = 0,
+        stents: Sequence[str | os.PathLike[str]] = (),
+    ) -> None:
+        """Makes a world at tick 0. `tools` are in order from the innermost outwards.
+
+        `line` has the number in `tools`, from 1, of the tool at each position; 0: the position is free. Without it the
+        tools are the line, at most three. `inserted_m` has the length beyond the introducer's opening at tick 0 of the
+        tool at each position; NaN takes the scene's start length. `contact_ticks` is the number of ticks between two
+        samples of the wall forces, 1 .. 1000; 0: none. `stents` may be loaded in this order, and need a patient.
+        """
+        self.scene = scene
+        self.tools = tuple(tools)
+        self._options = (
+            list(line),
+            list(inserted_m),
+            patient,
+            contact_ticks,
+            [find("stents", ".toml", stent) for stent in stents],
+        )
+        self._take(_core.World(scene._core, [tool._core for tool in self.tools], *self._options))
+
+    def _take(self, core: Any) -> None:
+        self._core = core
+        self.position_count: int = len(core.read()[3])
+        """Positions of the line, 1 .. 3."""
+
+    # --- advancing ---
+
+    def move(
+        self,
+        push: float | Sequence[float] = 0.0,
+        turn: float | Sequence[float] = 0.0,
+        *,
+        ticks: int | None = None,
+        seconds: float | None = None,
+        inflator_kPa: float = 0.0,
+    ) -> None:
+        """Moves the hands at steady speeds for a number of ticks or for a time.
+
+        `push` is in m/s, -1 .. 1, positive into the patient, and `turn` in rad/s, -100 .. 100, right-handed about the
+        direction of insertion. A single number is for position 0, a sequence for all positions. Hands hold their tools
+        rigidly.
+        """
+        if (ticks is None) == (seconds is None):
+            raise TypeError("move() needs either `ticks` or `seconds`")
+        count = ticks if ticks is not None else round(float(seconds or 0.0) * TICKS_PER_S)
+        action = _per_position(push, "push") + _per_position(turn, "turn") + [float(inflator_kPa), 0.0]
+        self._core.move(action, count)
+
+    def advance(self, inputs: npt.NDArray[Any]) -> None:
+        """Advances by one tick per input. `inputs` is an array of the type `cournand.INPUT`: the exact counts of the
+        hands and orders of every tick, as those of a recording."""
+        given = np.ascontiguousarray(inputs, dtype=INPUT)
+        self._core.advance(given.reshape(-1).view(np.uint8).reshape(given.size, INPUT.itemsize))
+
+    def order(self, kind: Order, *values: int) -> None:
+        """Gives an order to the core for the next tick. The core tries the order first on a copy of its state."""
+        self._core.order(int(kind), list(values))
+
+    def exchange(self, position: int, tool: int) -> None:
+        """Takes tools off the line, and puts the tool with this number (from 1; 0: none) on (docs/session.md)."""
+        self.order(Order.EXCHANGE, position, tool)
+
+    # --- reading ---
+
+    @property
+    def tick(self) -> int:
+        return int(self._core.read()[0])
+
+    def pose(self) -> Pose:
+        """Returns the shape of the tools now, as views."""
+        return Pose._make(self._core.pose())
+
+    def contacts(self) -> Contacts:
+        """Returns the forces of the wall on the nodes now, as views."""
+        return Contacts._make(self._core.contacts())
+
+    def read(self) -> Reading:
+        """Returns forces, lengths, phases and faults after the last tick."""
+        return Reading._make(self._core.read())
+
+    def tip(self, position: int = 0) -> Place:
+        """Returns the vessel in which the tip of a tool lies, and how far inside."""
+        return Place._make(self._core.tip(position))
+
+    def hash(self) -> int:
+        """Returns the full hash of the core's state, as `cournand run` prints it."""
+        return int(self._core.hash())
+
+    def faults(self) -> list[Fault]:
+        """Returns the faults that the device has counted, in the order of their codes."""
+        return [Fault._make(fault) for fault in self._core.faults()]
+
+    @property
+    def patient(self) -> Patient | None:
+        """The patient of a world that was made with `patient=True`, else None."""
+        return Patient(self) if self._options[2] else None
+
+    # --- snapshots ---
+
+    def snapshot(self) -> bytes:
+        """Returns the state as bytes with a version and a check, about 37 kB. Worlds with a patient have none."""
+        return bytes(self._core.save())
+
+    def restore(self, snapshot: bytes) -> None:
+        """Sets the world to a snapshot of any world with the same scene, tools and options, also of another process or
+        machine. It then continues bit for bit."""
+        self._core.restore(snapshot)
+
+    def fork(self) -> World:
+        """Returns another world with the same set-up and state, for a search that branches."""
+        snapshot = self.snapshot()
+        made = World.__new__(World)
+        made.scene, made.tools, made._options = self.scene, self.tools, self._options
+        made._take(_core.World(self.scene._core, [tool._core for tool in self.tools], *self._options))
+        made.restore(snapshot)
+        return made
+
+    # --- recordings ---
+
+    @contextmanager
+    def record(self, path: str | os.PathLike[str], session: str = "python") -> Iterator[None]:
+        """Records the world, which is at tick 0, until the end of the `with` block, for `cournand replay`.
+
+        The file gets its name when it is complete.
+        """
+        self._core.record(os.fspath(path), session)
+        try:
+            yield
+        finally:
+            self._core.end_recording()
+
+    def replay(self, recording: Recording, tick: int | None = None) -> None:
+        """Replays a recording up to a tick, or to its end, and compares every tick with the recording."""
+        self._core.replay(recording._core, recording.info.tick_count if tick is None else tick)
+
+    def __repr__(self) -> str:
+        return "<cournand.World %s in %s>" % (" + ".join(tool.name for tool in self.tools), self.scene.name)
+
+
+def _per_position(given: float | Sequence[float], name: str) -> list[float]:
+    speeds = [float(given)] if isinstance(given, (int, float, np.number)) else [float(one) for one in given]
+    if len(speeds) > POSITIONS_MAX:
+        raise ValueError("%s has %d numbers: a line has at most %d positions" % (name, len(speeds), POSITIONS_MAX))
+    return speeds + [0.0] * (POSITIONS_MAX - len(speeds))
+
+
+def world_of_recording(recording: Recording, scene: Scene, patient: bool) -> World:
+    """Makes the world of Recording.world()."""
+    made = World.__new__(World)
+    made.scene, made.tools = scene, ()
+    made._options = ([], [], patient, 0, [])
+    made._take(recording._core.world(scene._core, patient))
+    return made

@@ -1,0 +1,113 @@
+// The module cournand._core: scenes, tools, and what makes exceptions of statuses. The classes for people are
+// in host/python/cournand; those here take checked arguments and return tuples.
+#include "host/python/module/module.hpp"
+#include <nanobind/stl/pair.h>
+
+namespace cournand_python
+{
+
+namespace
+{
+
+Scene *open_scene(const std::optional<std::string> &path, const std::optional<std::string> &bodies)
+{
+    cournand_scene *scene = nullptr;
+    unlocked([&] {
+        return cournand_scene_open(path ? path->c_str() : nullptr, bodies ? bodies->c_str() : nullptr,
+                                   &scene);
+    });
+    return new Scene(scene);
+}
+
+nb::tuple describe_scene(const Scene &scene)
+{
+    auto info = sized<cournand_scene_info>();
+    check(cournand_scene_describe(scene.get(), &info));
+    return nb::make_tuple(std::string(info.name), info.crc32, tuple_of(info.entry_m, 3),
+                          tuple_of(info.direction, 3), info.start_m, info.vessel_count, info.moves != 0);
+}
+
+nb::tuple vessel_of(nb::handle_t<Scene> self, std::uint32_t number)
+{
+    auto vessel = sized<cournand_vessel>();
+    check(cournand_scene_vessel(nb::cast<const Scene &>(self).get(), number, &vessel));
+    return nb::make_tuple(std::string(vessel.name), vessel.parent,
+                          view(vessel.points_m, {vessel.point_count, 4}, self), vessel.length_m);
+}
+
+std::uint32_t find_vessel(const Scene &scene, const std::string &name)
+{
+    std::uint32_t number = 0;
+    check(cournand_scene_find_vessel(scene.get(), name.c_str(), &number));
+    return number;
+}
+
+Tool *open_tool(const std::string &path)
+{
+    cournand_tool *tool = nullptr;
+    check(cournand_tool_open(path.c_str(), &tool));
+    return new Tool(tool);
+}
+
+nb::tuple describe_tool(const Tool &tool)
+{
+    auto info = sized<cournand_tool_info>();
+    check(cournand_tool_describe(tool.get(), &info));
+    return nb::make_tuple(std::string(info.name), info.is_catheter != 0, info.length_m, info.radius_max_m,
+                          info.has_balloon != 0);
+}
+
+Tool *scaled_tool(const Tool &tool, double bend, double twist, double mass, double friction, double curvature)
+{
+    auto scales = sized<cournand_tool_scales>();
+    scales.bend_stiffness = bend;
+    scales.twist_stiffness = twist;
+    scales.mass = mass;
+    scales.friction = friction;
+    scales.rest_curvature = curvature;
+    cournand_tool *made = nullptr;
+    check(cournand_tool_scaled(tool.get(), &scales, &made));
+    return new Tool(made);
+}
+
+// The class of the exception is looked up when it is needed, so the module keeps no reference to Python
+// objects.
+void raise(const std::exception_ptr &thrown, void *)
+{
+    try {
+        std::rethrow_exception(thrown);
+    } catch (const StatusError &error) {
+        const nb::object kind =
+            nb::module_::import_("cournand.errors").attr("of_status")(static_cast<int>(error.status));
+        PyErr_SetObject(kind.ptr(), nb::str(error.what()).ptr());
+    }
+}
+
+} // namespace
+
+} // namespace cournand_python
+
+NB_MODULE(_core, module)
+{
+    using namespace cournand_python;
+    module.doc() = "The C library of Cournand. Use the classes of the package `cournand` instead.";
+    nb::register_exception_translator(raise);
+    module.def("version", [] { return std::string(cournand_version_text()); });
+    module.def("core_version", &cournand_core_version);
+    module.def("status_name", [](int status) {
+        return std::string(cournand_status_name(static_cast<cournand_status>(status)));
+    });
+    nb::class_<Scene>(module, "Scene")
+        .def(nb::new_(&open_scene), nb::arg("path").none(), nb::arg("bodies").none())
+        .def("describe", &describe_scene)
+        .def("vessel", &vessel_of)
+        .def("find_vessel", &find_vessel);
+    nb::class_<Tool>(module, "Tool")
+        .def(nb::new_(&open_tool), nb::arg("path"))
+        .def("describe", &describe_tool)
+        .def("scaled", &scaled_tool);
+    add_worlds(module);
+    add_recordings(module);
+    add_pictures(module);
+    add_batches(module);
+}

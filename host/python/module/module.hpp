@@ -1,0 +1,95 @@
+// What the parts of the Python module share. The module calls the functions of cournand.h and nothing else of
+// the project. It releases the interpreter's lock in every call that takes more than microseconds.
+#pragma once
+#include "host/library/cournand.h"
+#include <memory>
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace cournand_python
+{
+
+namespace nb = nanobind;
+
+// Becomes the exception of its status in cournand/errors.py.
+class StatusError : public std::runtime_error
+{
+  public:
+    StatusError(cournand_status status_, const std::string &text) : std::runtime_error(text), status(status_)
+    {
+    }
+    cournand_status status;
+};
+
+// Call it in the thread of the refused call, because the library keeps its text for each thread.
+inline void check(cournand_status status)
+{
+    if (status != COURNAND_OK) throw StatusError(status, cournand_error_text());
+}
+
+// Runs a call of the library without the interpreter's lock.
+template <class Call> void unlocked(Call call)
+{
+    const nb::gil_scoped_release release;
+    check(call());
+}
+
+// Holds a handle of the library and frees it. Views refer to memory behind the handle, so the Python object
+// that owns the handle is the owner of its views, and a view keeps the memory.
+template <class Handle, cournand_status (*free)(Handle *)> class Owned
+{
+  public:
+    explicit Owned(Handle *handle) : handle_(handle) {}
+    ~Owned() { free(handle_); }
+    Owned(const Owned &) = delete;
+    Owned &operator=(const Owned &) = delete;
+    Handle *get() const { return handle_; }
+
+  private:
+    Handle *handle_;
+};
+
+using Scene = Owned<cournand_scene, cournand_scene_free>;
+using Tool = Owned<cournand_tool, cournand_tool_free>;
+using World = Owned<cournand_world, cournand_world_free>;
+using Pool = Owned<cournand_pool, cournand_pool_free>;
+using Recording = Owned<cournand_recording, cournand_recording_free>;
+
+// Returns an empty struct of the API with its size.
+template <class Struct> Struct sized()
+{
+    Struct made{};
+    made.struct_bytes = sizeof made;
+    return made;
+}
+
+// Read-only arrays over memory of the library.
+template <class Number> using View = nb::ndarray<nb::numpy, const Number, nb::c_contig>;
+template <class Number> using Given = nb::ndarray<const Number, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+template <class Number>
+nb::object view(const Number *data, std::initializer_list<std::size_t> shape, nb::handle owner)
+{
+    return nb::cast(View<Number>(data, shape, owner), nb::rv_policy::reference);
+}
+
+template <class Number> nb::tuple tuple_of(const Number *numbers, std::size_t count)
+{
+    nb::list list;
+    for (std::size_t i = 0; i < count; i++) list.append(numbers[i]);
+    return nb::tuple(list);
+}
+
+void add_worlds(nb::module_ &module);
+void add_pictures(nb::module_ &module);
+void add_recordings(nb::module_ &module);
+void add_batches(nb::module_ &module);
+
+} // namespace cournand_python

@@ -1,0 +1,28 @@
+// Renderers of one size. The size never changes, so the memory of a picture keeps its place while the
+// renderer lives, and views of it never dangle.
+#pragma once
+#include "host/python/module/module.hpp"
+#include <array>
+
+namespace cournand_python
+{
+
+class Renderer
+{
+  public:
+    Renderer(const Scene &scene, std::uint32_t size, std::uint32_t threads);
+    cournand_renderer *get() const { return handle_.get(); }
+    std::uint32_t size() const { return size_; }
+
+  private:
+    using Handle = Owned<cournand_renderer, cournand_renderer_free>;
+    std::uint32_t size_;
+    Handle handle_;
+};
+
+// Primary and secondary angle, isocentre, distances, field and dose, in the order of cournand_view.
+using ViewNumbers = std::array<double, 9>;
+cournand_view make_view(const ViewNumbers &numbers, std::uint32_t size, std::uint32_t flags,
+                        std::uint64_t seed);
+
+} // namespace cournand_python

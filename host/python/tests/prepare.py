@@ -1,0 +1,113 @@
+"""Builds the Python package for its tests: a virtual environment with the pinned packages of requirements.txt, and the
+module over the static library of the build folder, both below BUILD/python.
+
+A test calls enter(), which continues the test in that environment.
+"""
+
+import fcntl
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import venv
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", ".."))
+BUILD = os.path.join(ROOT, os.environ.get("BUILD", "build"))
+FOLDER = os.path.join(BUILD, "python")
+SITE = os.path.join(FOLDER, "site")
+REQUIREMENTS = os.path.join(ROOT, "host", "python", "requirements.txt")
+
+
+def run(words, **more):
+    """Runs a command quietly; a failure ends the program with its output."""
+    ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, **more)
+    if ended.returncode != 0:
+        sys.exit("%s\n%s: exit code %d" % (ended.stdout.decode(errors="replace"), " ".join(words), ended.returncode))
+    return ended.stdout.decode(errors="replace")
+
+
+def environment(folder, requirements):
+    """Makes a virtual environment with pinned packages, unless it exists, and returns its Python."""
+    python = os.path.join(folder, "bin", "python")
+    stamp = os.path.join(folder, "requirements.sha256")
+    with open(requirements, "rb") as file:
+        wanted = hashlib.sha256(file.read()).hexdigest()
+    if os.path.exists(stamp) and os.path.exists(python):
+        with open(stamp, encoding="ascii") as file:
+            if file.read() == wanted:
+                return python
+    shutil.rmtree(folder, ignore_errors=True)
+    try:
+        venv.create(folder, with_pip=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        sys.exit("no virtual environment: %s. Remedy: sudo apt-get install python3-venv" % error)
+    words = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "-r", requirements]
+    ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    if ended.returncode != 0:
+        sys.exit(
+            "%s\nPyPI could not be reached, or a version of %s is gone. Remedy: run this test once with a network, or "
+            "set PIP_NO_INDEX=1 and PIP_FIND_LINKS=FOLDER for a folder of wheels that `pip download -r` has filled."
+            % (ended.stdout.decode(errors="replace"), os.path.relpath(requirements, ROOT))
+        )
+    with open(stamp, "w", encoding="ascii") as file:
+        file.write(wanted)
+    return python
+
+
+def build(python):
+    """Builds the module, and installs the package into SITE."""
+    module = os.path.join(FOLDER, "module")
+    library = os.path.join(BUILD, "lib", "libcournand.a")
+    if not os.path.exists(library):
+        sys.exit("%s does not exist. Remedy: tools/build.sh release run cournand_library" % library)
+    if not os.path.exists(os.path.join(module, "build.ninja")):
+        words = ["cmake", "-G", "Ninja", "-S", os.path.join(ROOT, "host", "python", "module"), "-B", module]
+        run(words + ["-DPython_EXECUTABLE=" + python, "-DCOURNAND_LIBRARY=" + library])
+    run(["ninja", "-C", module])
+    shutil.rmtree(SITE, ignore_errors=True)
+    run(["cmake", "--install", module, "--prefix", SITE])
+
+
+def prepare():
+    """Builds everything once, also if several tests begin at the same time, and returns the environment's Python."""
+    os.makedirs(FOLDER, exist_ok=True)
+    with open(os.path.join(FOLDER, "lock"), "w", encoding="ascii") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        python = environment(os.path.join(FOLDER, "venv"), REQUIREMENTS)
+        newest = os.path.join(FOLDER, "built.sha256")
+        state = digest()
+        if not os.path.exists(newest) or open(newest, encoding="ascii").read() != state:
+            build(python)
+            with open(newest, "w", encoding="ascii") as file:
+                file.write(state)
+    return python
+
+
+def digest():
+    """Returns a hash of everything that the package is built of."""
+    hashed = hashlib.sha256()
+    places = ["host/python/cournand", "host/python/module", "shared/examples/instruments", "shared/examples/stents"]
+    files = [REQUIREMENTS, os.path.join(BUILD, "lib", "libcournand.a"), os.path.join(ROOT, "host/library/cournand.h")]
+    for place in places:
+        for folder, folders, names in os.walk(os.path.join(ROOT, place)):
+            folders[:] = sorted(one for one in folders if one != "__pycache__")
+            files += [os.path.join(folder, name) for name in sorted(names)]
+    for path in files:
+        with open(path, "rb") as file:
+            hashed.update(hashlib.sha256(file.read()).digest() + path.encode())
+    return hashed.hexdigest()
+
+
+def enter(script):
+    """Continues a test script in the environment of the package, unless it is there already."""
+    if os.environ.get("COURNAND_PYTHON_TEST") == script:
+        return
+    python = prepare()
+    more = dict(os.environ, COURNAND_PYTHON_TEST=script, PYTHONPATH=SITE, PYTHONDONTWRITEBYTECODE="1")
+    sys.stdout.flush()
+    os.execve(python, [python, script] + sys.argv[1:], more)
+
+
+if __name__ == "__main__":
+    print(prepare())
