@@ -36,6 +36,7 @@ class PhysicsThread
     std::shared_ptr<const MonitorPicture> live() const { return pictures_.live(); }
     std::shared_ptr<const MonitorPicture> reference() const { return pictures_.reference(); }
     void show_reference(const ReferenceChoice &choice) { pictures_.show_reference(choice); }
+    void on_picture(std::function<void()> told) { pictures_.on_picture(std::move(told)); }
     // Throws what the thread has thrown, for example because the recording's disk is full.
     void check();
     // Counted pace: carries out what was asked and so many ticks, and waits for their pictures. Throws what

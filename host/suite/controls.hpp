@@ -149,6 +149,7 @@ enum class ScreenControlId : std::uint8_t {
     recording,
     to_rig,
     quit,
+    cabinet,
     begin,
     leave_prep,
     to_replay,

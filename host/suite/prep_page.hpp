@@ -76,6 +76,8 @@ class PrepPage
     PrepPage(Ui &ui, CaseCard card);
 
     PageChoice draw();
+    // Puts a device on the line, or takes it off; a number that the case does not have changes nothing.
+    void toggle(std::size_t device);
     // Returns true if a session can begin.
     bool is_ready() const { return scene_.result() && cabinet_.refusal().empty(); }
     // Returns the session with the chosen devices, as soon as is_ready().
@@ -84,7 +86,7 @@ class PrepPage
     const CaseCard &card() const { return card_; }
 
   private:
-    void draw_patient(const UiRect &place);
+    void draw_patient();
     void draw_goals();
     void draw_cabinet();
     void draw_device(std::size_t device, const std::vector<std::optional<std::size_t>> &line);
