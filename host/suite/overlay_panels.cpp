@@ -24,14 +24,19 @@ struct NoticeLine {
     float x = 0.0f;     // of the next notice
     bool is_empty = true;
 
-    // Draws a notice beside those before it. Returns false if there is no room for it.
-    bool add(ImU32 colour, const std::string &text, bool needs_answer)
+    // Draws a notice beside those before it. If there is no room, it stands in a line of its own, or waits
+    // and is not drawn: then this returns false.
+    bool add(ImU32 colour, const std::string &text, bool needs_answer, bool can_wait)
     {
         const float gap = is_empty ? 0.0f : ui.px(24.0f), button = needs_answer ? ui.px(70.0f) : 0.0f;
         const float wide = ImGui::CalcTextSize(text.c_str()).x + button;
-        if (!is_empty && x + gap + wide > right) return false;
-        if (!is_empty) ImGui::SameLine(0.0f, gap);
-        if (is_empty) ImGui::AlignTextToFramePadding();
+        const bool has_room = x + gap + wide <= right;
+        if (!is_empty && !has_room && can_wait) return false;
+        if (!is_empty && has_room)
+            ImGui::SameLine(0.0f, gap);
+        else
+            x = 0.0f;
+        if (x == 0.0f) ImGui::AlignTextToFramePadding();
         ui.text(colour, "%s", text.c_str());
         ui.note_last_item("notice", text);
         if (needs_answer) {
@@ -117,18 +122,19 @@ void SuiteScreen::draw_alerts(NoticeLine &line)
 {
     const SuiteState &state = *view_->state;
     const DoseMeter &dose = state.room.dose();
-    if (!state.fault.empty()) line.add(tint::red, state.fault + " - R starts again", false);
+    if (!state.fault.empty()) line.add(tint::red, state.fault + " - R starts again", false, false);
     if (dose.unseen_alert())
-        line.add(tint::red, formatted("DOSE ABOVE %g Gy", dose_alert_levels_Gy[*dose.unseen_alert()]), true);
+        line.add(tint::red, formatted("DOSE ABOVE %g Gy", dose_alert_levels_Gy[*dose.unseen_alert()]), true,
+                 false);
     if (dose.has_unseen_reminder())
         line.add(tint::orange,
                  formatted("FLUOROSCOPY %u MIN",
                            static_cast<unsigned>(dose.fluoro_reminders() * fluoro_reminder_ticks / 60'000)),
-                 true);
+                 true, false);
 }
 
 // Notices stand side by side in the line below the picture. A toast that finds no room waits until an older
-// one has gone.
+// one has gone; the oldest is always shown.
 void SuiteScreen::draw_toasts(const UiRect &live)
 {
     const SuiteState &state = *view_->state;
@@ -146,8 +152,9 @@ void SuiteScreen::draw_toasts(const UiRect &live)
     ImGui::PushTextWrapPos(width);
     NoticeLine line{ui_, width, 0.0f, true};
     draw_alerts(line);
-    for (Toast &toast : toasts_) {
-        if (!line.add(tint::orange, toast.text, false)) break;
+    for (std::size_t i = 0; i < toasts_.size(); ++i) {
+        Toast &toast = toasts_[i];
+        if (!line.add(tint::orange, toast.text, false, i > 0)) break;
         if (toast.shown_s < 0.0) toast.shown_s = ImGui::GetTime();
     }
     ImGui::PopTextWrapPos();
