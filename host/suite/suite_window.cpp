@@ -306,7 +306,8 @@ void SuiteWindow::find_copy()
     const auto display = reinterpret_cast<void *(*)()>(glfwGetProcAddress("glXGetCurrentDisplay"));
     const auto drawable = reinterpret_cast<unsigned long (*)()>(glfwGetProcAddress("glXGetCurrentDrawable"));
     const auto copy = reinterpret_cast<CopyPart>(glfwGetProcAddress("glXCopySubBufferMESA"));
-    if (!display || !drawable || !copy) return;
+    query_drawable_ = reinterpret_cast<QueryDrawable>(glfwGetProcAddress("glXQueryDrawable"));
+    if (!display || !drawable || !copy || !query_drawable_) return;
     glx_display_ = display();
     glx_drawable_ = drawable();
     copy_part_ = glx_display_ && glx_drawable_ ? copy : nullptr;
@@ -320,10 +321,33 @@ void SuiteWindow::draw(ScreenSize size)
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
+// Lets Mesa make a back buffer of this size, which it does only after the buffers were swapped. Returns false
+// if the window has another size by now: a part that is shown must not reach beyond the back buffer.
+bool SuiteWindow::fit_back_buffer(ScreenSize size)
+{
+    const auto has_size = [&] {
+        constexpr int glx_width = 0x801D, glx_height = 0x801E;
+        unsigned width = 0, height = 0;
+        query_drawable_(glx_display_, glx_drawable_, glx_width, &width);
+        query_drawable_(glx_display_, glx_drawable_, glx_height, &height);
+        return ScreenSize{static_cast<int>(width), static_cast<int>(height)} == size;
+    };
+    if (!has_size()) return false;
+    glfwSwapBuffers(window_);
+    gl_.Viewport(0, 0, size.width, size.height);
+    gl_.Clear(gl::colour_buffer_bit);
+    return has_size();
+}
+
 // Draws and shows the places that differ from the last screen. The buffers are never swapped, so the back
 // buffer keeps the rest.
 void SuiteWindow::draw_changes(ScreenSize size, const std::vector<Upload> &uploads)
 {
+    if (back_buffer_ != size) {
+        changes_.forget();
+        back_buffer_ = fit_back_buffer(size) ? size : ScreenSize{};
+        if (back_buffer_ != size) return; // the next screen tries again
+    }
     const auto id_of = [](unsigned name) {
         return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(name));
     };
@@ -333,7 +357,7 @@ void SuiteWindow::draw_changes(ScreenSize size, const std::vector<Upload> &uploa
     ImDrawData &data = *ImGui::GetDrawData();
     const std::vector<ScreenRect> places = changes_.take(data, size, fresh);
     keep_places(data, size, places, pictures);
-    gl_.Viewport(0, 0, size.width, size.height); // Mesa looks here whether the window has another size
+    gl_.Viewport(0, 0, size.width, size.height);
     gl_.ClearColor(0.063f, 0.078f, 0.094f, 1.0f);
     gl_.Enable(gl::scissor_test);
     for (const ScreenRect &place : places) {

@@ -84,6 +84,7 @@ class SuiteWindow
     void build_fonts();
     void upload(const Upload &upload);
     void find_copy();
+    bool fit_back_buffer(ScreenSize size);
     void draw(ScreenSize size);
     void draw_changes(ScreenSize size, const std::vector<Upload> &uploads);
     ScreenSize size_now() const;
@@ -112,6 +113,9 @@ class SuiteWindow
     // card, which draws everything in less time than the comparison takes.
     using CopyPart = void (*)(void *display, unsigned long drawable, int x, int y, int width, int height);
     CopyPart copy_part_ = nullptr;
+    using QueryDrawable = int (*)(void *display, unsigned long drawable, int attribute, unsigned *value);
+    QueryDrawable query_drawable_ = nullptr;
+    ScreenSize back_buffer_; // empty: not known
     void *glx_display_ = nullptr;
     unsigned long glx_drawable_ = 0;
     ScreenChanges changes_;
