@@ -1,5 +1,5 @@
-// Draws the live and the reference monitor, and the goals of a case beside the live one. The texts stand beside
-// the pictures, never over the anatomy.
+// Draws the live and the reference monitor, and the goals of a case beside the live one. The texts stand
+// beside the pictures, never over the anatomy.
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/suite/pages.hpp"
