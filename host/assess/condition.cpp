@@ -25,7 +25,7 @@ bool names_a_balloon(Kind kind)
 
 std::string missing_tool(const SessionLog &log, std::size_t tool)
 {
-    return tool < log.tools.size() ? "" : "the session has no tool '" + tool_name(tool) + "'";
+    return tool < log.tools.size() ? "" : "the session has no device '" + tool_name(tool) + "'";
 }
 
 // Returns what this simple condition (atom) needs and the session lacks; vessels are not checked here.
@@ -37,7 +37,7 @@ std::string missing(const ConditionAtom &atom, const SessionLog &log)
     }
     const bool is_about_lumen =
         atom.kind == Kind::pressure_damped || atom.kind == Kind::unaspirated_injection;
-    if (is_about_lumen && !log.has_transducer) return "no tool of the session has a lumen";
+    if (is_about_lumen && !log.has_transducer) return "no device of the session has a lumen";
     if (names_a_balloon(atom.kind) && !log.has_balloon) return "the session has no balloon";
     if (atom.kind == Kind::balloon_above_rated && !log.rated_burst_bar)
         return "the balloon's label states no rated burst pressure";

@@ -239,6 +239,17 @@ void read_texts(const TomlTable &root, Case &lesson)
     lesson.patient = read_patient(root.table("patient"));
 }
 
+void read_assessed(const TomlTable &root, Case &lesson)
+{
+    lesson.has_assessment = root.has("assessment");
+    if (!lesson.has_assessment || !root.table("assessment").has("vessels")) return;
+    for (const TomlValue &value : root.table("assessment").table("vessels").values()) {
+        const std::vector<std::string> names =
+            value.key() == "way" ? value.texts() : std::vector<std::string>{value.words()};
+        for (const std::string &name : names) lesson.assessed_vessels.push_back({name, value.line()});
+    }
+}
+
 } // namespace
 
 Case read_case(const std::string &path)
@@ -265,7 +276,7 @@ Case read_case(const std::string &path)
     scripts.check_keys({"expert", "clumsy"});
     lesson.expert = script_of(scripts, "expert", folder);
     lesson.clumsy = script_of(scripts, "clumsy", folder);
-    lesson.has_assessment = root.has("assessment");
+    read_assessed(root, lesson);
     std::error_code failure;
     const fs::path picture = folder / (root.has("picture") ? root.words("picture") : lesson.name + ".png");
     if (fs::is_regular_file(picture, failure))

@@ -56,6 +56,11 @@ struct CaseStart {
     std::vector<Statement> room;         // the same, parsed
 };
 
+struct NamedVessel {
+    std::string name;
+    int line = 0;
+};
+
 struct Case {
     std::string name; // of the file, without its ending
     std::string file;
@@ -72,6 +77,7 @@ struct Case {
     std::string expert, clumsy;  // paths of the scripts
     std::string picture;         // path of the picture beside the file, or empty if there is none
     bool has_assessment = false; // the table [assessment], which host/assess reads
+    std::vector<NamedVessel> assessed_vessels; // of its table [assessment.vessels]
 };
 
 // Throws a FileError "FILE:LINE:COLUMN: what is wrong", with a suggestion for a misspelt word.

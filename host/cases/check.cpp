@@ -178,6 +178,8 @@ class Checker
                 add(goal.line, "asks for a stent's apposition, but 'stents' names none");
             if (expected.names_vessel()) place(lesson_.file, goal.line, expected);
         }
+        for (const NamedVessel &named : lesson_.assessed_vessels)
+            vessel(lesson_.file, named.line, named.name);
     }
 
     void place(const std::string &file, int line, const Expectation &expected)

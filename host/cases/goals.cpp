@@ -123,6 +123,7 @@ Json case_result(const Case &lesson, const std::vector<GoalResult> &goals, const
         is_reached = is_reached && result.is_reached;
         goal_list.push_back({{"text", goal.text},
                              {"expected", goal.expectation.text()},
+                             {"wanted", goal.expectation.plain_text()},
                              {"when", goal.is_once ? "once" : "end"},
                              {"is_reached", result.is_reached},
                              {"at_s", result.tick ? Json(*result.tick * 1e-3) : Json()},

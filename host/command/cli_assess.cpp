@@ -5,6 +5,7 @@
 #include "host/command/cli.hpp"
 #include "host/command/recorded_score.hpp"
 #include "host/report/session_summary.hpp"
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace crn
@@ -28,24 +29,32 @@ AssessPlan plan_of(const PlanOptions &options, const SessionLog &log)
     return plan;
 }
 
-AssessPlan case_plan(const Case &lesson, const SessionLog &log)
+// A vessel that the case does not name is that of its goals.
+AssessPlan read_case_plan(const Case &lesson, bool has_balloon)
 {
     AssessPlan plan;
     if (lesson.has_assessment) {
         const TomlTable root = read_toml(lesson.file, {"a case file", "a case file (docs/cases.md)"});
-        root.read_sources();
         plan = read_plan(root.table("assessment"));
     } else {
-        plan = standard_plan(log.has_balloon);
-        const std::size_t last = lesson.start.tools.size() - 1;
-        for (const CaseGoal &goal : lesson.goals) {
-            const Expectation &expected = goal.expectation;
-            if (expected.kind != Expectation::Kind::tip) continue;
-            if (expected.tool == 0) plan.vessels.names["target"] = expected.vessel.text;
-            if (expected.tool == last && last > 0 && log.has_balloon)
-                plan.vessels.names["ostium"] = expected.vessel.text;
-        }
+        plan = standard_plan(has_balloon);
     }
+    const std::map<std::string, std::string> named = plan.vessels.names;
+    const std::size_t last = lesson.start.tools.size() - 1;
+    for (const CaseGoal &goal : lesson.goals) {
+        const Expectation &expected = goal.expectation;
+        if (expected.kind != Expectation::Kind::tip) continue;
+        if (expected.tool == 0) plan.vessels.names["target"] = expected.vessel.text;
+        if (expected.tool == last && last > 0 && has_balloon)
+            plan.vessels.names["ostium"] = expected.vessel.text;
+    }
+    for (const auto &[name, vessel] : named) plan.vessels.names[name] = vessel;
+    return plan;
+}
+
+AssessPlan case_plan(const Case &lesson, const SessionLog &log)
+{
+    AssessPlan plan = read_case_plan(lesson, log.has_balloon);
     check_plan(plan, log);
     return plan;
 }

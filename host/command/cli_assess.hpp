@@ -22,9 +22,11 @@ void add_plan(CLI::App &command, PlanOptions &options, const std::string &help);
 // std::runtime_error.
 AssessPlan plan_of(const PlanOptions &options, const SessionLog &log);
 
-// Returns the plan of a case. The plan of a case is the one in the case's table [assessment], or the standard
-// plan for these tools. In the standard plan, `target` is the vessel of the last goal about the innermost
-// tool's tip, and `ostium` is the vessel of the last goal about the guiding catheter's tip. Throws FileError.
+// Returns the plan of a case: its table [assessment], or the standard plan. Where the table does not say
+// otherwise, `target` is the vessel of the last goal about the tip of the innermost tool, and `ostium` that
+// of the last goal about the tip of the guiding catheter. Throws FileError.
+AssessPlan read_case_plan(const Case &lesson, bool has_balloon);
+// The same for a session, with a check of its vessels.
 AssessPlan case_plan(const Case &lesson, const SessionLog &log);
 
 // Observes a session and assesses it.

@@ -12,6 +12,7 @@
 #include "host/cases/check.hpp"
 #include "host/cases/programs.hpp"
 #include "host/command/cli.hpp"
+#include "host/command/cli_assess.hpp"
 #include "host/command/names.hpp"
 #include "host/command/start.hpp"
 #include <algorithm>
@@ -278,9 +279,21 @@ void write_table(const std::string &path, const std::string &rows)
     write_whole_file(path, text);
 }
 
+// Reads the plan of the table [assessment], with its conditions, weights, limits and sources.
+void check_assessment(const Case &lesson, std::vector<std::string> &faults)
+{
+    if (!lesson.has_assessment) return;
+    try {
+        read_case_plan(lesson, false);
+    } catch (const std::runtime_error &error) {
+        faults.emplace_back(error.what());
+    }
+}
+
 bool check_one(const std::string &path, bool plays, std::string &rows)
 {
     std::vector<std::string> faults = case_faults(path);
+    if (faults.empty()) check_assessment(read_case(path), faults);
     std::string said = path + ": good";
     if (faults.empty() && plays) {
         const Case lesson = read_case(path);

@@ -36,8 +36,8 @@ class PhysicsThread
     std::shared_ptr<const MonitorPicture> live() const { return pictures_.live(); }
     std::shared_ptr<const MonitorPicture> reference() const { return pictures_.reference(); }
     void show_reference(const ReferenceChoice &choice) { pictures_.show_reference(choice); }
-    // Throws the exception with which the thread has failed, for example because the recording's disk is
-    // full.
+    void on_picture(std::function<void()> told) { pictures_.on_picture(std::move(told)); }
+    // Throws what the thread has thrown, for example because the recording's disk is full.
     void check();
     // In the pace `counted`, the function carries out the requested actions and then this number of ticks,
     // and waits for the pictures of these ticks. Throws what the session throws.

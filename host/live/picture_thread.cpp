@@ -122,6 +122,12 @@ void PictureThread::draw(RoomPackage package)
     if (pictures_->screen().compose(present_.size, present_.grey)) ++present_.number;
     present_.status = pictures_->screen().status();
     live_.put(std::make_shared<const MonitorPicture>(present_));
+    std::function<void()> told;
+    {
+        const Lock lock(mutex_);
+        told = told_;
+    }
+    if (told) told();
 }
 
 void PictureThread::draw_reference()
@@ -194,6 +200,12 @@ void PictureThread::show_reference(const ReferenceChoice &choice)
         wanted_ = choice;
     }
     changed_.notify_all();
+}
+
+void PictureThread::on_picture(std::function<void()> told)
+{
+    const Lock lock(mutex_);
+    told_ = std::move(told);
 }
 
 void PictureThread::wait_until_idle()

@@ -14,6 +14,7 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -68,6 +69,8 @@ class PictureThread
     std::shared_ptr<const MonitorPicture> live() const { return live_.latest(); }
     std::shared_ptr<const MonitorPicture> reference() const { return reference_.latest(); }
     void show_reference(const ReferenceChoice &choice);
+    // This is called in the thread of the pictures after each picture of the live monitor.
+    void on_picture(std::function<void()> told);
     void wait_until_idle();
     // Draws the pictures that still wait, and ends the thread. Afterwards pictures() may be used.
     void stop();
@@ -97,6 +100,7 @@ class PictureThread
     std::condition_variable changed_;
     std::deque<RoomPackage> waiting_;
     std::optional<ReferenceChoice> wanted_;
+    std::function<void()> told_;
     std::uint64_t left_out_ = 0;
     bool is_ready_ = false, is_busy_ = false, must_end_ = false;
     std::exception_ptr failure_;

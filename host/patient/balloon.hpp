@@ -19,8 +19,8 @@ inline constexpr double balloon_iodine_mg_per_ml = 175.0;
 // Returns the index of the tool with a balloon, counted from the innermost, or no value if no tool has a
 // balloon.
 std::optional<std::size_t> balloon_tool(const std::vector<Instrument> &tools);
-// This message is for a user who commands the inflation of a balloon although no tool has one.
-inline constexpr char no_balloon_text[] = "NO BALLOON - none of the tools has one to inflate";
+// The user gets this message after a command to inflate the balloon if no tool has a balloon.
+inline constexpr char no_balloon_text[] = "NO BALLOON - none of the devices has one to inflate";
 // Returns the middle of the balloon's working length, in mm from the tool's tip; a stent is mounted there.
 double balloon_middle_mm(const Instrument &tool);
 

@@ -57,11 +57,11 @@ std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> insi
     if (needed_kPa <= injection_pressure_max_kPa) return "";
     const double possible_ml_s = flow_ml_s * injection_pressure_max_kPa / needed_kPa;
     return formatted("%g ml/s THROUGH '%s'%s NEEDS %s - at most %.3g ml/s at %.0f psi; inject more slowly%s",
-                     flow_ml_s, tool.name.c_str(), inside.empty() ? "" : " BESIDE THE TOOLS IN IT",
+                     flow_ml_s, tool.name.c_str(), inside.empty() ? "" : " BESIDE THE DEVICES IN IT",
                      needed_kPa < 1e9 ? formatted("%.0f psi", needed_kPa / kPa_per_psi).c_str()
                                       : "AN OPEN LUMEN",
                      possible_ml_s, injection_pressure_max_kPa / kPa_per_psi,
-                     inside.empty() ? " or through a wider tool" : " or withdraw the inner tool to 0 mm");
+                     inside.empty() ? " or through a wider device" : " or withdraw the inner device to 0 mm");
 }
 
 double end_hole_radius_m(const Instrument &tool)
@@ -108,9 +108,9 @@ std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCo
     const std::int32_t asked = command.values[2];
     if (const auto tool = injecting_tool(tools, asked))
         return flow_refusal(tools[*tool], {}, command.values[1] * 1e-3, iodine_mg_per_ml);
-    if (asked == 0) return "NO CATHETER - contrast medium needs a tool with a lumen";
+    if (asked == 0) return "NO CATHETER - contrast medium needs a device with a lumen";
     if (static_cast<std::size_t>(asked) > tools.size())
-        return "NO TOOL " + std::to_string(asked) + " to inject through";
+        return "NO DEVICE " + std::to_string(asked) + " to inject through";
     return "'" + tools[static_cast<std::size_t>(asked) - 1].name + "' HAS NO LUMEN to inject through";
 }
 

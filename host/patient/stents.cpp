@@ -202,7 +202,7 @@ void PatientStents::load(std::uint32_t tick)
     }
     if (!tool_) {
         refusals_.push_back(
-            "NO STENT LOADED - no tool on the line has a balloon: load the balloon catheter first" + at);
+            "NO STENT LOADED - no device on the line has a balloon: load the balloon catheter first" + at);
         return;
     }
     if (tick > 0 && inserted_m_ > folded_end_m_) {

@@ -60,6 +60,13 @@ void print_result(const RunResult &result, const std::vector<Instrument> &tools)
                     printable(expected.text).c_str(), printable(expected.found).c_str());
     for (std::uint16_t i = 0; i < result.faults.entries_count; i++) {
         const crn_wire_fault_entry &fault = result.faults.entries[i];
+        if (fault.code == CRN_FAULT_CODE_CORE_INSERT_END) {
+            std::printf(
+                "notice                a tool was pushed or pulled to the end of its length, first at "
+                "tick %u, %u in all: its hand slipped, and nothing is wrong\n",
+                unsigned{fault.tick_first}, unsigned{fault.count});
+            continue;
+        }
         std::printf("fault                 %s at tick %u, %u in all: %s; remedy: %s\n",
                     crn_wire_fault_name(fault.code), unsigned{fault.tick_first}, unsigned{fault.count},
                     crn_wire_fault_text(fault.code), crn_wire_fault_remedy(fault.code));

@@ -59,7 +59,7 @@ std::string remedy_of(const Expectation &expectation)
     case Expectation::Kind::tip:
         return "steer it there (steer or engage), or mend what the script expects";
     case Expectation::Kind::iodine:
-        return "bring the tip into the vessel (engage) and inject through that tool";
+        return "bring the tip into the vessel (engage) and inject through that device";
     case Expectation::Kind::stenosis:
         return "bring the balloon's middle to the narrowest place and inflate further";
     case Expectation::Kind::apposition:
@@ -104,6 +104,33 @@ std::string Expectation::text() const
     if (std::isfinite(least)) said += " at least " + rounded(least) + unit;
     if (std::isfinite(most)) said += (is_below ? " below " : " at most ") + rounded(most) + unit;
     return said;
+}
+
+std::string Expectation::plain_text() const
+{
+    const std::string unit = kind == Kind::turned ? " degrees" : std::string(" ") + unit_of(kind);
+    std::string amount;
+    if (std::isfinite(least)) amount = "at least " + rounded(least) + unit;
+    if (std::isfinite(most)) {
+        if (!amount.empty()) amount += " and ";
+        amount += (is_below ? "less than " : "at most ") + rounded(most) + unit;
+    }
+    switch (kind) {
+    case Kind::tip:
+        return "the tip of the " + tool_name(tool) + " is " + (amount.empty() ? "" : amount + " ") +
+               "inside the " + vessel.text;
+    case Kind::iodine:
+        return amount + " of the contrast medium has reached the " + vessel.text;
+    case Kind::stenosis:
+        return "the remaining stenosis is " + amount;
+    case Kind::apposition:
+        return amount + " of the stent's struts lie on the wall";
+    case Kind::inserted:
+        return "the " + tool_name(tool) + " is inserted by " + amount;
+    case Kind::turned:
+        break;
+    }
+    return "the " + tool_name(tool) + " has been turned by " + amount;
 }
 
 Expectation parse_expectation(LineParser &line, const ToolChoice &selected)
@@ -208,7 +235,7 @@ Finding find(const Expectation &expectation, std::size_t vessel, const VesselMap
     case Kind::apposition:
         return find_share(witness ? witness->apposition_pct() : none, "no stent was deployed");
     case Kind::inserted:
-        if (expectation.tool >= view.inserted_m.size()) return {{}, "the tool's length was not known"};
+        if (expectation.tool >= view.inserted_m.size()) return {{}, "the device's length was not known"};
         return {view.inserted_m[expectation.tool] * 1e3,
                 "it is " + rounded(view.inserted_m[expectation.tool] * 1e3) + " mm"};
     case Kind::turned:

@@ -32,7 +32,8 @@ struct Expectation {
 
     bool names_vessel() const { return kind == Kind::tip || kind == Kind::iodine; }
     bool allows(double value) const;
-    std::string text() const; // as a script would write it
+    std::string text() const;       // as a script would write it
+    std::string plain_text() const; // as a sentence for people
 };
 
 // Parses the words after "expect" in a line of a script. Throws FileError; the message gives the line's

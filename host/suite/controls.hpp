@@ -152,6 +152,7 @@ enum class ScreenControlId : std::uint8_t {
     recording,
     to_rig,
     quit,
+    cabinet,
     begin,
     leave_prep,
     to_replay,

@@ -223,6 +223,8 @@ constexpr ScreenRows make_screen_rows()
          "Replays the recording with this key."},
         {to_rig, ScreenId::start, "rig", GLFW_KEY_R, GLFW_KEY_R, "R", "Shows which rigs are plugged in."},
         {quit, ScreenId::start, "quit", GLFW_KEY_ESCAPE, GLFW_KEY_ESCAPE, "Esc", "Ends the program."},
+        {cabinet, ScreenId::prep, "device", GLFW_KEY_1, GLFW_KEY_8, "1 to 8",
+         "Puts the device with this number on the line, or takes it off."},
         {begin, ScreenId::prep, "start case", GLFW_KEY_ENTER, GLFW_KEY_ENTER, "Enter",
          "Starts the session, if the anatomy is ready and the devices fit."},
         {leave_prep, ScreenId::prep, "back", GLFW_KEY_ESCAPE, GLFW_KEY_ESCAPE, "Esc",

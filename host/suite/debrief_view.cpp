@@ -17,6 +17,7 @@ namespace
 using Json = nlohmann::ordered_json;
 
 constexpr float timeline_units = 64.0f;
+constexpr float curves_share = 0.22f; // of the window's height
 
 std::string clock_of(const Json &tick)
 {
@@ -47,7 +48,8 @@ class DebriefView
         begin_page(ui_, "debrief", "Debrief", debrief_.title.c_str());
         const float w = ui_.window().width(), h = ui_.window().height();
         const float margin = ui_.px(page_margin), top = ui_.px(108.0f), gap = ui_.px(26.0f);
-        const float bottom = h - ui_.px(timeline_units + 36.0f);
+        const float timeline_y = h - ui_.px(timeline_units + 20.0f), curves = curves_share * h;
+        const float bottom = report_ ? timeline_y - curves - ui_.px(16.0f) : timeline_y;
         const float side = std::min(ui_.px(360.0f), 0.27f * w);
         const float rest = w - 2.0f * margin - side - 2.0f * gap;
         const float left = 0.54f * rest, middle = rest - left;
@@ -55,8 +57,12 @@ class DebriefView
         child("marks", {margin + left + gap, top, middle, bottom - top}, [&] { draw_marks(); });
         child("debrief side", {w - margin - side, ui_.px(34.0f), side, bottom - ui_.px(34.0f)},
               [&] { draw_side(side); });
-        if (report_)
-            draw_timeline({margin, bottom + ui_.px(16.0f), w - 2.0f * margin, ui_.px(timeline_units)});
+        if (report_) {
+            const float width = w - 2.0f * margin;
+            draw_session_curves(ui_, (*report_)["assessment"],
+                                {margin, bottom + ui_.px(8.0f), width, curves});
+            draw_timeline({margin, timeline_y, width, ui_.px(timeline_units)});
+        }
         ui_.end_panel();
         return choice_;
     }
@@ -199,7 +205,7 @@ class DebriefView
                      is_reached ? "\u25cf" : "\u25cb", goal["points"].get<double>(),
                      goal["marks"].get<double>(), goal.value("text", "").c_str());
             if (!is_reached)
-                ui_.small_text(tint::dim, "wanted: %s\nfound: %s", goal.value("expected", "").c_str(),
+                ui_.small_text(tint::dim, "wanted: %s\nfound: %s", goal.value("wanted", "").c_str(),
                                without_remedy(goal.value("found", "")).c_str());
         }
         for (const Json &limit : marks["limits"])

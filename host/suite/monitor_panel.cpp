@@ -1,7 +1,9 @@
-// Draws the live monitor and the reference monitor. The monitors' texts are beside the pictures, never over
-// the anatomy.
+// Draws the live and the reference monitor, and the goals of a case beside the live one. The texts stand
+// beside the pictures, never over the anatomy.
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
+#include "host/suite/pages.hpp"
+#include "host/suite/prep_page.hpp"
 #include "host/suite/suite_screen.hpp"
 #include "host/suite/ui_text.hpp"
 #include <algorithm>
@@ -208,6 +210,46 @@ void SuiteScreen::draw_live_texts(const UiRect &left, const UiRect &right)
     if (room.is_blocked) ui_.text(tint::red, "TABLE IN THE WAY");
     if (room.follows_tip) ui_.small_text(tint::dim, "table follows the tip");
     finish();
+}
+
+// Draws the goals of a case and their state, its limits, and hints on demand. No marks are shown during a
+// session: feedback at its end is remembered better (docs/assessment.md).
+void SuiteScreen::draw_case(const UiRect &place)
+{
+    const Case &lesson = *view_->lesson;
+    ImGui::SetCursorScreenPos({place.x + ui_.px(8.0f), place.y});
+    ImGui::BeginChild("case", {place.width - ui_.px(12.0f), place.height});
+    ImGui::PushTextWrapPos(0.0f);
+    ui_.small_text(tint::dim, "GOALS");
+    for (std::size_t i = 0; i < lesson.goals.size(); ++i) {
+        const CaseGoal &goal = lesson.goals[i];
+        const GoalResult *result = view_->goals && i < view_->goals->size() ? &(*view_->goals)[i] : nullptr;
+        const bool is_reached = result && result->is_reached;
+        ui_.small_text(is_reached ? tint::green : tint::text, "%s %s", is_reached ? "\u25cf" : "\u25cb",
+                       goal.text.c_str());
+        if (result && !result->found.empty())
+            ui_.tooltip("wanted: " + goal.expectation.plain_text() +
+                        "\nnow: " + without_remedy(result->found));
+        const std::string name = "goal " + std::to_string(i + 1);
+        if (is_reached) ui_.note_last_item(name + " reached");
+        ui_.note_last_item(name, result ? without_remedy(result->found) : "");
+    }
+    if (!lesson.limits.empty()) {
+        ui_.small_text(tint::dim, "LIMITS");
+        for (const CaseLimit &limit : lesson.limits)
+            ui_.small_text(tint::dim, "%s", limit_text(limit).c_str());
+    }
+    const std::size_t hints = lesson.hints.size();
+    if (hints > 0) {
+        const std::size_t shown = std::min(view_->hints_shown, hints);
+        if (shown < hints) {
+            const std::string label = formatted("Hint %zu of %zu", shown + 1, hints);
+            ui_.button(ControlId::hint, label.c_str());
+        }
+        for (std::size_t i = 0; i < shown; ++i) ui_.small_text(tint::yellow, "%s", lesson.hints[i].c_str());
+    }
+    ImGui::PopTextWrapPos();
+    ImGui::EndChild();
 }
 
 void SuiteScreen::draw_reference(const UiRect &place)

@@ -11,11 +11,43 @@ namespace crn
 namespace
 {
 
-constexpr double toast_s = 6.0;
+constexpr double toast_s = 6.0, toast_short_s = 2.5; // the latter if others wait
 constexpr std::size_t toasts_max = 4;
 constexpr double slow_factor = 0.97; // below this, the session is announced as slow
 
 } // namespace
+
+// The line of notices below the live picture: a notice that finds no room in it would cover the picture.
+struct NoticeLine {
+    Ui &ui;
+    float right = 0.0f; // pixels
+    float x = 0.0f;     // of the next notice
+    bool is_empty = true;
+
+    // Draws a notice beside those before it. If there is no room, it stands in a line of its own, or waits
+    // and is not drawn: then this returns false.
+    bool add(ImU32 colour, const std::string &text, bool needs_answer, bool can_wait)
+    {
+        const float gap = is_empty ? 0.0f : ui.px(24.0f), button = needs_answer ? ui.px(70.0f) : 0.0f;
+        const float wide = ImGui::CalcTextSize(text.c_str()).x + button;
+        const bool has_room = x + gap + wide <= right;
+        if (!is_empty && !has_room && can_wait) return false;
+        if (!is_empty && has_room)
+            ImGui::SameLine(0.0f, gap);
+        else
+            x = 0.0f;
+        if (x == 0.0f) ImGui::AlignTextToFramePadding();
+        ui.text(colour, "%s", text.c_str());
+        ui.note_last_item("notice", text);
+        if (needs_answer) {
+            ImGui::SameLine();
+            ui.button(ControlId::acknowledge, "Seen");
+        }
+        x += gap + wide;
+        is_empty = false;
+        return true;
+    }
+};
 
 void SuiteScreen::draw_bar(const UiRect &place)
 {
@@ -56,7 +88,7 @@ void SuiteScreen::toast(const RoomNotice &notice)
     if (is_told) return;
     told_.push_back(notice);
     if (told_.size() > 32) told_.erase(told_.begin());
-    toasts_.push_back({without_moment(notice.text), ImGui::GetTime() + toast_s, notice.from});
+    toasts_.push_back({without_moment(notice.text)});
     if (toasts_.size() > toasts_max) toasts_.pop_front();
 }
 
@@ -72,7 +104,11 @@ void SuiteScreen::collect_toasts()
         if (!is_room && (told_.empty() || told_.back().text != text || state.tick > told_.back().from + 4000))
             toast({text, state.tick});
     }
-    while (!toasts_.empty() && toasts_.front().until_s < ImGui::GetTime()) toasts_.pop_front();
+    const bool others_wait =
+        std::any_of(toasts_.begin(), toasts_.end(), [](const Toast &one) { return one.shown_s < 0.0; });
+    const double end_s = ImGui::GetTime() - (others_wait ? toast_short_s : toast_s);
+    while (!toasts_.empty() && toasts_.front().shown_s >= 0.0 && toasts_.front().shown_s < end_s)
+        toasts_.pop_front();
 }
 
 void SuiteScreen::forget_toasts()
@@ -81,47 +117,49 @@ void SuiteScreen::forget_toasts()
     told_.clear();
 }
 
-// Toasts are stacked upwards from the line below the picture; alerts that need an answer stay until the user
-// has answered.
-void SuiteScreen::draw_toasts(const UiRect &live)
+// Alerts that need an answer stay until it is given.
+void SuiteScreen::draw_alerts(NoticeLine &line)
 {
-    struct Line {
-        std::string text;
-        ImU32 colour;
-        bool needs_answer;
-    };
-    std::vector<Line> lines;
     const SuiteState &state = *view_->state;
     const DoseMeter &dose = state.room.dose();
-    if (!state.fault.empty()) lines.push_back({state.fault + " - R starts again", tint::red, false});
-    if (dose.unseen_alert()) {
-        lines.push_back(
-            {formatted("DOSE ABOVE %g Gy", dose_alert_levels_Gy[*dose.unseen_alert()]), tint::red, true});
-    }
-    if (dose.has_unseen_reminder()) {
-        lines.push_back(
-            {formatted("FLUOROSCOPY %u MIN",
-                       static_cast<unsigned>(dose.fluoro_reminders() * fluoro_reminder_ticks / 60'000)),
-             tint::orange, true});
-    }
-    for (const Toast &toast : toasts_) lines.push_back({toast.text, tint::orange, false});
-    if (lines.empty()) return;
+    if (!state.fault.empty()) line.add(tint::red, state.fault + " - R starts again", false, false);
+    if (dose.unseen_alert())
+        line.add(tint::red, formatted("DOSE ABOVE %g Gy", dose_alert_levels_Gy[*dose.unseen_alert()]), true,
+                 false);
+    if (dose.has_unseen_reminder())
+        line.add(tint::orange,
+                 formatted("FLUOROSCOPY %u MIN",
+                           static_cast<unsigned>(dose.fluoro_reminders() * fluoro_reminder_ticks / 60'000)),
+                 true, false);
+}
+
+// Notices stand side by side in the line below the picture. A toast that finds no room waits until an older
+// one has gone; the oldest is always shown.
+void SuiteScreen::draw_toasts(const UiRect &live)
+{
+    const SuiteState &state = *view_->state;
+    const DoseMeter &dose = state.room.dose();
+    const bool has_alert = !state.fault.empty() || dose.unseen_alert() || dose.has_unseen_reminder();
+    if (!has_alert && toasts_.empty()) return;
     ImGui::SetNextWindowPos({live.x + 0.5f * live.width, live.y + live.height}, ImGuiCond_Always,
                             {0.5f, 1.0f});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {ui_.px(9.0f), ui_.px(2.0f)});
     ImGui::Begin("notices", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
     ImGui::BringWindowToDisplayFront(ImGui::GetCurrentWindow());
-    ImGui::PushTextWrapPos(std::min(0.8f * live.width, ui_.px(760.0f)));
-    for (const Line &line : lines) {
-        ui_.text(line.colour, "%s", line.text.c_str());
-        ui_.note_last_item("notice", line.text);
-        if (!line.needs_answer) continue;
-        ImGui::SameLine();
-        ui_.button(ControlId::acknowledge, "Seen");
+    const float width = 0.96f * live.width;
+    ImGui::PushTextWrapPos(width);
+    NoticeLine line{ui_, width, 0.0f, true};
+    draw_alerts(line);
+    for (std::size_t i = 0; i < toasts_.size(); ++i) {
+        Toast &toast = toasts_[i];
+        if (!line.add(tint::orange, toast.text, false, i > 0)) break;
+        if (toast.shown_s < 0.0) toast.shown_s = ImGui::GetTime();
     }
     ImGui::PopTextWrapPos();
     ImGui::End();
+    ImGui::PopStyleVar();
 }
 
 void SuiteScreen::draw_help()

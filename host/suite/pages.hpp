@@ -25,6 +25,7 @@ struct PageChoice {
         cards_on, // the next page of cards
         cards_back,
         practise,   // free practice number `card`
+        toggle,     // device number `card` of the preparation
         start_case, // that is prepared
         again,
         replay,
@@ -83,6 +84,10 @@ struct Debrief {
 };
 // `said` is the last message to the user, such as the names of saved files.
 PageChoice draw_debrief(Ui &ui, const Debrief &debrief, const std::string &said);
+
+// Draws the inserted lengths, the force on the walls and, if one was used, the balloon's pressure, from the
+// entries "tools" and "curves" of an assessment; the scale of time is that of the debrief's timeline.
+void draw_session_curves(Ui &ui, const nlohmann::ordered_json &assessment, const UiRect &place);
 
 struct RigRow {
     std::string name, state;

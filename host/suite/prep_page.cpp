@@ -13,6 +13,7 @@ namespace
 {
 
 constexpr double french_mm = 1.0 / 3.0;
+constexpr float side_text = 190.0f; // units, below the reference picture
 constexpr double unstated_mm = 5.0; // a device at a position that the case begins without
 std::uint64_t pages_opened = 0;     // each page's picture is a new version of the texture
 
@@ -209,20 +210,30 @@ WindowOptions PrepPage::options() const
     return options;
 }
 
+void PrepPage::toggle(std::size_t device)
+{
+    if (device < cabinet_.devices().size()) cabinet_.toggle(device);
+}
+
 PageChoice PrepPage::draw()
 {
     PageChoice choice;
     begin_page(ui_, "prep", card_.name.c_str(), card_.goal.c_str());
     const float w = ui_.window().width(), h = ui_.window().height();
     const float margin = ui_.px(page_margin), top = ui_.px(112.0f), gap = ui_.px(28.0f);
-    const float side = std::min(ui_.px(330.0f), 0.24f * w);
-    const float left = 0.36f * (w - 2.0f * margin - side - 2.0f * gap);
-    const float middle = w - 2.0f * margin - side - 2.0f * gap - left;
     const float height = h - top - ui_.px(24.0f);
-    draw_patient({margin, top, left, height});
-    ImGui::SetCursorScreenPos({margin + left + gap, top});
-    ImGui::BeginChild("task", {middle, height}); // scrolls in a small window
-    draw_goals();
+    const float side = std::min(0.37f * w, height - ui_.px(side_text));
+    ImGui::SetCursorScreenPos({margin, top});
+    ImGui::BeginChild("task", {w - 2.0f * margin - side - gap, height}); // scrolls in a small window
+    if (ImGui::BeginTable("texts", 2, ImGuiTableFlags_SizingStretchProp)) {
+        ImGui::TableSetupColumn("patient", ImGuiTableColumnFlags_WidthStretch, 0.45f);
+        ImGui::TableSetupColumn("goals", ImGuiTableColumnFlags_WidthStretch, 0.55f);
+        ImGui::TableNextColumn();
+        draw_patient();
+        ImGui::TableNextColumn();
+        draw_goals();
+        ImGui::EndTable();
+    }
     ImGui::Dummy({1.0f, ui_.px(14.0f)});
     draw_cabinet();
     ImGui::EndChild();
@@ -231,11 +242,9 @@ PageChoice PrepPage::draw()
     return choice;
 }
 
-void PrepPage::draw_patient(const UiRect &place)
+void PrepPage::draw_patient()
 {
     const Case &lesson = *card_.options.lesson;
-    ImGui::SetCursorScreenPos({place.x, place.y});
-    ImGui::BeginChild("patient", {place.width, place.height});
     ImGui::PushTextWrapPos(0.0f);
     ui_.small_text(tint::dim, "PATIENT (invented)");
     ImGui::PushFont(ui_.fonts().bold);
@@ -255,7 +264,6 @@ void PrepPage::draw_patient(const UiRect &place)
     std::replace(story.begin(), story.end(), '\n', ' ');
     ui_.text(tint::text, "%s", story.c_str());
     ImGui::PopTextWrapPos();
-    ImGui::EndChild();
 }
 
 void PrepPage::draw_goals()
@@ -279,15 +287,19 @@ void PrepPage::draw_device(std::size_t device, const std::vector<std::optional<s
     const auto place = std::find(line.begin(), line.end(), device);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
+    ImGui::AlignTextToFramePadding();
+    const std::string key = screen_key_text(ScreenControlId::cabinet, device);
+    ui_.text(tint::dim, "%s", key.c_str());
+    ImGui::TableNextColumn();
     const std::string name = "device " + std::to_string(device + 1);
     const std::string label = !shown.is_on_line ? "put on the line"
                               : place == line.end()
                                   ? "no position left"
                                   : formatted("on the line: %d", static_cast<int>(place - line.begin()) + 1);
     if (shown.is_on_line) ImGui::PushStyleColor(ImGuiCol_Text, tint::orange);
-    const bool is_pressed =
-        ui_.plain_button(name.c_str(), label.c_str(), 124.0f,
-                         "Puts the device on the line, or takes it off. 1 is the innermost.");
+    const bool is_pressed = ui_.plain_button(
+        name.c_str(), label.c_str(), 124.0f,
+        ("Puts the device on the line, or takes it off. Position 1 is the innermost.\nKey: " + key).c_str());
     if (shown.is_on_line) ImGui::PopStyleColor();
     if (is_pressed) cabinet_.toggle(device);
     const Instrument &tool = shown.instrument;
@@ -315,7 +327,8 @@ void PrepPage::draw_cabinet()
     ui_.small_text(tint::dim,
                    "DEVICES     what is not on the line stays on the device table, and can be loaded later");
     const std::vector<std::optional<std::size_t>> line = cabinet_.positions();
-    if (ImGui::BeginTable("devices", 5, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) {
+    if (ImGui::BeginTable("devices", 6, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) {
+        ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, ui_.px(28.0f));
         ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, ui_.px(130.0f));
         ImGui::TableSetupColumn("device");
         ImGui::TableSetupColumn("outside", ImGuiTableColumnFlags_WidthFixed, ui_.px(76.0f));
@@ -354,7 +367,7 @@ void PrepPage::draw_side(const UiRect &place, PageChoice &choice)
     ImGui::BeginChild("prep side", {place.width, place.height});
     ui_.small_text(tint::dim, "REFERENCE PICTURE (of an expert's run)");
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float edge = std::min(place.width, place.height - ui_.px(190.0f));
+    const float edge = std::min(place.width, place.height - ui_.px(side_text));
     ImDrawList *draw = ImGui::GetWindowDrawList();
     draw->AddRectFilled(at, {at.x + edge, at.y + edge}, IM_COL32(8, 10, 12, 255));
     if (!card_.picture.bytes.empty()) {

@@ -80,7 +80,9 @@ class PrepPage
     PrepPage(Ui &ui, CaseCard card);
 
     PageChoice draw();
-    // Returns true if the session can begin.
+    // Puts a device on the line, or takes it off; a number that the case does not have changes nothing.
+    void toggle(std::size_t device);
+    // Returns true if a session can begin.
     bool is_ready() const { return scene_.result() && cabinet_.refusal().empty(); }
     // Returns the options of a session with the chosen devices; call this function only when is_ready() is
     // true.
@@ -89,7 +91,7 @@ class PrepPage
     const CaseCard &card() const { return card_; }
 
   private:
-    void draw_patient(const UiRect &place);
+    void draw_patient();
     void draw_goals();
     void draw_cabinet();
     void draw_device(std::size_t device, const std::vector<std::optional<std::size_t>> &line);

@@ -59,6 +59,14 @@ void SuiteScreen::draw_strip(const UiRect &place)
 {
     ui_.begin_panel("strip", place, "");
     ImDrawList *draw = ImGui::GetWindowDrawList();
+    if (!view_->has_patient) {
+        const char *text = "Free space: no patient, so there is no ECG, pressure or saturation.";
+        const ImVec2 size = ImGui::CalcTextSize(text);
+        draw->AddText({place.x + 0.5f * (place.width - size.x), place.y + 0.5f * (place.height - size.y)},
+                      tint::dim, text);
+        ui_.note("no patient", place, text);
+        return ui_.end_panel();
+    }
     const PulseMonitor &pulse = view_->state->pulse;
     const float pad = ui_.px(8.0f), width = place.width - ui_.px(numbers_width) - 2.0f * pad;
     const float scale_width = ui_.px(30.0f);

@@ -26,7 +26,8 @@ constexpr auto layout_pause = std::chrono::milliseconds(40); // a file reaches t
 std::string title_of(const WindowOptions &options)
 {
     if (options.lesson) return options.lesson->title;
-    return options.scene.empty() ? "free space" : std::filesystem::path(options.scene).stem().string();
+    if (options.scene.empty()) return "free space, no patient";
+    return std::filesystem::path(options.scene).stem().string() + ", an invented patient";
 }
 
 } // namespace
@@ -95,6 +96,7 @@ void SuiteApp::begin_session()
     reference_run_ = 0;
     hints_shown_ = 0;
     wants_end_ = wants_restart_ = false;
+    host_->physics().on_picture([] { glfwPostEmptyEvent(); }); // ends the wait in keep_rate() at once
 }
 
 void SuiteApp::end_session()
@@ -171,6 +173,7 @@ void SuiteApp::show_suite()
     input_->see_line(view.state->line, host_->table().size());
     view.title = title_of(host_->options());
     view.lesson = host_->options().lesson.get();
+    view.has_patient = !host_->options().scene.empty();
     view.goals = host_->goals();
     view.tips = host_->tips();
     view.hints_shown = hints_shown_;

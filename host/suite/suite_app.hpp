@@ -2,13 +2,13 @@
 // drawing.
 #pragma once
 #include "host/live/picture_rhythm.hpp"
+#include "host/live/suite_timing.hpp"
 #include "host/suite/gamepad.hpp"
 #include "host/suite/pages.hpp"
 #include "host/suite/prep_page.hpp"
 #include "host/suite/replay_page.hpp"
 #include "host/suite/session_host.hpp"
 #include "host/suite/suite_screen.hpp"
-#include "host/suite/suite_timing.hpp"
 #include "host/suite/suite_window.hpp"
 #include "host/suite/ui.hpp"
 #include <memory>

@@ -162,6 +162,9 @@ void SuiteApp::carry_out(const PageChoice &choice)
         card_page_ =
             turned_page(card_page_, choice.kind == PageChoice::Kind::cards_on ? 1 : -1, cards_.size());
         break;
+    case PageChoice::Kind::toggle:
+        prep_->toggle(choice.card);
+        break;
     case PageChoice::Kind::start_case:
         if (prep_->is_ready()) begin_opening(prep_->options());
         break;
@@ -229,6 +232,8 @@ PageChoice SuiteApp::choice_of_key(int key) const
         return {Kind::rig, 0, "", 0};
     case ScreenControlId::quit:
         return {Kind::quit, 0, "", 0};
+    case ScreenControlId::cabinet:
+        return {Kind::toggle, place, "", 0};
     case ScreenControlId::begin:
         return {Kind::start_case, 0, "", 0};
     case ScreenControlId::to_replay:

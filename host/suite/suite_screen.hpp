@@ -27,6 +27,7 @@ struct SuiteView {
     std::shared_ptr<const std::vector<std::string>> tips; // of the case: where they are; null: not known
     std::size_t hints_shown = 0;                          // of the case
     bool shows_help = false, is_pixel_by_pixel = false;
+    bool has_patient = true; // false: free space
     bool is_measured = true; // false: figures that depend on the clock are left out, for tests
 };
 
@@ -44,8 +45,7 @@ struct SuiteActions {
 
 struct Toast {
     std::string text;
-    double until_s = 0.0;
-    std::int64_t from_tick = -1;
+    double shown_s = -1.0; // when it appeared; negative: it waits for its place
 };
 
 // The range of greys that a monitor shows from black to white, as shares of all greys: `window` is the width
@@ -59,6 +59,8 @@ struct GreyRange {
     // picture gets darker; `right` and `up` are shares of the picture's edge.
     void drag(double right, double up);
 };
+
+struct NoticeLine;
 
 class SuiteScreen
 {
@@ -78,7 +80,6 @@ class SuiteScreen
     void draw_live_texts(const UiRect &left, const UiRect &right);
     void draw_grey_range(const UiRect &place);
     void draw_orientation(const UiRect &place, const UiRect &picture);
-    // case_panel.cpp
     void draw_case(const UiRect &place);
     // strip_panel.cpp
     void draw_strip(const UiRect &place);
@@ -104,6 +105,7 @@ class SuiteScreen
     // overlay_panels.cpp
     void draw_bar(const UiRect &place);
     void draw_toasts(const UiRect &live);
+    void draw_alerts(NoticeLine &line);
     void draw_help();
     void collect_toasts();
     void toast(const RoomNotice &notice);

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace crn
@@ -123,6 +124,7 @@ SuiteWindow::SuiteWindow(const std::string &title, WindowSize size, const std::s
         paint_->run([this] {
             glfwSwapInterval(1);
             gl_ = load_functions(ShownContext());
+            find_copy();
         });
         set_up_imgui();
     } catch (...) {
@@ -164,6 +166,9 @@ void SuiteWindow::open(const std::string &title, WindowSize size)
         auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
         if (button == GLFW_MOUSE_BUTTON_LEFT)
             self->button_events_.push_back({action == GLFW_PRESS, self->pointer_x_, self->pointer_y_});
+    });
+    glfwSetWindowRefreshCallback(window_, [](GLFWwindow *window) {
+        static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window))->is_shown_lost_ = true;
     });
     glfwSetWindowFocusCallback(window_, [](GLFWwindow *window, int has_focus) {
         auto *self = static_cast<SuiteWindow *>(glfwGetWindowUserPointer(window));
@@ -262,7 +267,7 @@ void SuiteWindow::begin_frame()
             ImGui_ImplOpenGL3_NewFrame();
             if (!ImGui::GetIO().Fonts->TexID) ImGui_ImplOpenGL3_CreateFontsTexture();
         });
-    are_fonts_new_ = false;
+    if (std::exchange(are_fonts_new_, false)) is_shown_lost_ = true;
     ImGui_ImplGlfw_NewFrame();
     show_button();
     ImGui::NewFrame();
@@ -272,34 +277,113 @@ void SuiteWindow::begin_frame()
 void SuiteWindow::end_frame()
 {
     ImGui::Render();
-    int width = 0, height = 0;
-    glfwGetFramebufferSize(window_, &width, &height);
-    paint_->start([this, width, height, uploads = std::exchange(uploads_, {})] {
+    const bool is_lost = std::exchange(is_shown_lost_, false);
+    paint_->start([this, size = size_now(), is_lost, uploads = std::exchange(uploads_, {})] {
         for (const Upload &picture : uploads) upload(picture);
-        draw(width, height);
-        glfwSwapBuffers(window_);
+        if (is_lost) changes_.forget();
+        if (copy_part_) {
+            draw_changes(size, uploads);
+        } else {
+            draw(size);
+            glfwSwapBuffers(window_);
+        }
         shown_at_ = std::chrono::steady_clock::now();
     });
 }
 
-void SuiteWindow::draw(int width, int height)
+ScreenSize SuiteWindow::size_now() const
 {
-    gl_.Viewport(0, 0, width, height);
+    ScreenSize size;
+    glfwGetFramebufferSize(window_, &size.width, &size.height);
+    return size;
+}
+
+// Without a graphics card Mesa draws in memory, and can show a part of it.
+void SuiteWindow::find_copy()
+{
+    const auto *renderer = reinterpret_cast<const char *>(gl_.GetString(gl::renderer));
+    const std::string_view name = renderer ? renderer : "";
+    const bool is_slow = name.starts_with("llvmpipe") || name.starts_with("softpipe");
+    if (!is_slow || !glfwExtensionSupported("GLX_MESA_copy_sub_buffer")) return;
+    const auto display = reinterpret_cast<void *(*)()>(glfwGetProcAddress("glXGetCurrentDisplay"));
+    const auto drawable = reinterpret_cast<unsigned long (*)()>(glfwGetProcAddress("glXGetCurrentDrawable"));
+    const auto copy = reinterpret_cast<CopyPart>(glfwGetProcAddress("glXCopySubBufferMESA"));
+    query_drawable_ = reinterpret_cast<QueryDrawable>(glfwGetProcAddress("glXQueryDrawable"));
+    if (!display || !drawable || !copy || !query_drawable_) return;
+    glx_display_ = display();
+    glx_drawable_ = drawable();
+    copy_part_ = glx_display_ && glx_drawable_ ? copy : nullptr;
+}
+
+void SuiteWindow::draw(ScreenSize size)
+{
+    gl_.Viewport(0, 0, size.width, size.height);
     gl_.ClearColor(0.063f, 0.078f, 0.094f, 1.0f);
     gl_.Clear(gl::colour_buffer_bit);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-// Draws the last frame once more, and reads OpenGL's back buffer before this buffer is shown; OpenGL returns
-// the lowest row first.
+// Lets Mesa make a back buffer of this size, which it does only after the buffers were swapped. Returns false
+// if the window has another size by now: a part that is shown must not reach beyond the back buffer.
+bool SuiteWindow::fit_back_buffer(ScreenSize size)
+{
+    const auto has_size = [&] {
+        constexpr int glx_width = 0x801D, glx_height = 0x801E;
+        unsigned width = 0, height = 0;
+        query_drawable_(glx_display_, glx_drawable_, glx_width, &width);
+        query_drawable_(glx_display_, glx_drawable_, glx_height, &height);
+        return ScreenSize{static_cast<int>(width), static_cast<int>(height)} == size;
+    };
+    if (!has_size()) return false;
+    glfwSwapBuffers(window_);
+    gl_.Viewport(0, 0, size.width, size.height);
+    gl_.Clear(gl::colour_buffer_bit);
+    return has_size();
+}
+
+// Draws and shows the places that differ from the last screen. The buffers are never swapped, so the back
+// buffer keeps the rest.
+void SuiteWindow::draw_changes(ScreenSize size, const std::vector<Upload> &uploads)
+{
+    if (back_buffer_ != size) {
+        changes_.forget();
+        back_buffer_ = fit_back_buffer(size) ? size : ScreenSize{};
+        if (back_buffer_ != size) return; // the next screen tries again
+    }
+    const auto id_of = [](unsigned name) {
+        return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(name));
+    };
+    std::vector<ImTextureID> fresh, pictures;
+    for (const Upload &picture : uploads) fresh.push_back(id_of(picture.name));
+    for (const Texture &texture : textures_) pictures.push_back(id_of(texture.name));
+    ImDrawData &data = *ImGui::GetDrawData();
+    const std::vector<ScreenRect> places = changes_.take(data, size, fresh);
+    keep_places(data, size, places, pictures);
+    gl_.Viewport(0, 0, size.width, size.height);
+    gl_.ClearColor(0.063f, 0.078f, 0.094f, 1.0f);
+    gl_.Enable(gl::scissor_test);
+    for (const ScreenRect &place : places) {
+        gl_.Scissor(place.left, size.height - place.bottom, place.right - place.left,
+                    place.bottom - place.top);
+        gl_.Clear(gl::colour_buffer_bit);
+    }
+    gl_.Disable(gl::scissor_test);
+    ImGui_ImplOpenGL3_RenderDrawData(&data);
+    for (const ScreenRect &place : places)
+        copy_part_(glx_display_, glx_drawable_, place.left, size.height - place.bottom,
+                   place.right - place.left, place.bottom - place.top);
+}
+
+// Reads OpenGL's back buffer, which has the last frame if the buffers are never swapped, and otherwise gets
+// it once more. OpenGL returns the lowest row first.
 Image SuiteWindow::read_back()
 {
-    Image image{0, 0, 3, {}};
-    glfwGetFramebufferSize(window_, &image.width, &image.height);
+    const ScreenSize size = size_now();
+    Image image{size.width, size.height, 3, {}};
     const std::size_t row = static_cast<std::size_t>(image.width) * 3;
     std::vector<std::uint8_t> upward(row * static_cast<std::size_t>(image.height));
     paint_->run([&] {
-        draw(image.width, image.height);
+        if (!copy_part_) draw(size);
         gl_.PixelStorei(gl::pack_alignment, 1);
         gl_.ReadBuffer(gl::back);
         gl_.ReadPixels(0, 0, image.width, image.height, gl::rgb, gl::type_unsigned_byte, upward.data());
@@ -334,12 +418,13 @@ void SuiteWindow::upload(const Upload &picture)
         gl_.TexParameteri(gl::texture_2d, filter, picture.is_sharp ? gl::nearest : gl::linear);
     for (unsigned wrap : {gl::wrap_s, gl::wrap_t}) gl_.TexParameteri(gl::texture_2d, wrap, gl::clamp_to_edge);
     if (picture.grey.empty()) return;
-    rgb_.resize(picture.grey.size() * 3);
-    for (std::size_t i = 0; i < picture.grey.size(); ++i)
-        std::fill_n(rgb_.begin() + 3 * static_cast<std::ptrdiff_t>(i), 3, picture.grey[i]);
+    // One byte for each pixel: red is shown as all three colours.
+    for (unsigned colour : {gl::swizzle_r, gl::swizzle_g, gl::swizzle_b})
+        gl_.TexParameteri(gl::texture_2d, colour, static_cast<int>(gl::red));
+    gl_.TexParameteri(gl::texture_2d, gl::swizzle_a, static_cast<int>(gl::one));
     gl_.PixelStorei(gl::unpack_alignment, 1);
-    gl_.TexImage2D(gl::texture_2d, 0, gl::rgb8, picture.size, picture.size, 0, gl::rgb,
-                   gl::type_unsigned_byte, rgb_.data());
+    gl_.TexImage2D(gl::texture_2d, 0, gl::r8, picture.size, picture.size, 0, gl::red, gl::type_unsigned_byte,
+                   picture.grey.data());
 }
 
 std::unique_ptr<GlContext> SuiteWindow::context()

@@ -4,6 +4,7 @@
 #pragma once
 #include "host/picture/picture.hpp"
 #include "host/screen/paint_thread.hpp"
+#include "host/suite/screen_changes.hpp"
 #include "host/xray/gl/gl_context.hpp"
 #include <chrono>
 #include <deque>
@@ -84,7 +85,11 @@ class SuiteWindow
     void show_button();
     void build_fonts();
     void upload(const Upload &upload);
-    void draw(int width, int height);
+    void find_copy();
+    bool fit_back_buffer(ScreenSize size);
+    void draw(ScreenSize size);
+    void draw_changes(ScreenSize size, const std::vector<Upload> &uploads);
+    ScreenSize size_now() const;
 
     // A press or a release of the left mouse button, with the position of the pointer at that moment.
     struct ButtonEvent {
@@ -104,8 +109,18 @@ class SuiteWindow
     float scale_ = 0.0f, width_ = 0.0f, height_ = 0.0f;
     std::vector<Texture> textures_;
     std::vector<Upload> uploads_;
-    std::vector<std::uint8_t> rgb_;
     bool are_fonts_new_ = false;
+    bool is_shown_lost_ = false; // the window must be drawn wholly
+    // Shows a part of what was drawn, and keeps the rest (GLX_MESA_copy_sub_buffer). Null with a graphics
+    // card, which draws everything in less time than the comparison takes.
+    using CopyPart = void (*)(void *display, unsigned long drawable, int x, int y, int width, int height);
+    CopyPart copy_part_ = nullptr;
+    using QueryDrawable = int (*)(void *display, unsigned long drawable, int attribute, unsigned *value);
+    QueryDrawable query_drawable_ = nullptr;
+    ScreenSize back_buffer_; // empty: not known
+    void *glx_display_ = nullptr;
+    unsigned long glx_drawable_ = 0;
+    ScreenChanges changes_;
     std::chrono::steady_clock::time_point shown_at_{};
     std::unique_ptr<PaintThread> paint_; // OpenGL belongs to it
 };

@@ -27,6 +27,14 @@ report a_new_case_passes_the_check_and_is_listed $?
 
 refuses a_case_is_not_overwritten 1 "exists already" case new mine
 refuses a_strange_name_is_refused 2 "small letters" case new ../mine
+mine=$XDG_DATA_HOME/cournand/cases/mine.toml
+cp "$mine" "$work/mine.toml"
+printf '\n[assessment]\nplan = "navigation"\n[assessment.vessels]\ntarget = "ascending aorte"\n' >>"$mine"
+refuses a_vessel_of_the_assessment_is_checked 1 "did you mean 'ascending aorta'" case check mine
+cp "$work/mine.toml" "$mine"
+printf '\n[assessment]\nplan = "navigation"\n[assessment.score]\nerrors = 60\n' >>"$mine"
+refuses a_weight_without_a_source_is_refused 1 "source" case check mine
+cp "$work/mine.toml" "$mine"
 refuses a_misspelt_case_is_suggested 1 "did you mean 'first_push'" case play first_pus --script expert
 refuses an_unknown_script_is_refused 1 "there is no session" case play first_push --script nobody
 (unset DISPLAY WAYLAND_DISPLAY && "$tool" case play first_push >"$work/said" 2>&1; [ $? = 2 ]) &&

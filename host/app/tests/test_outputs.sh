@@ -129,5 +129,9 @@ report "its replay says the same, with pictures and without" $?
     grep -q '"wall_clock_s"' "$work/t.json" && ! grep -q wall_clock "$work/alone.json"
 report "what the machine took stands in a file of its own" $?
 
+printf 'withdraw 60 mm at 100 mm/s\n' >"$work/end.session"
+"$tool" run "$work/end.session" --tool shared/examples/instruments/j_wire.toml >"$work/said" 2>&1 &&
+    grep -q "^notice .*end of its length.*nothing is wrong" "$work/said" && ! grep -q CORE_INSERT_END "$work/said"
+report the_end_of_a_tools_length_is_a_notice_and_no_fault $?
 echo "1..$number"
 exit $failed

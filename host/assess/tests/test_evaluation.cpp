@@ -160,7 +160,7 @@ void an_injection_while_the_pressure_is_damped_is_found(void **)
         moment.is_injecting = s >= 3.0 && s < 6.0;
     });
     const crn::AssessPlan plan = plan_with("injecting and pressure damped", 0.1, 3.0);
-    assert_string_equal(crn::evaluate(plan, log).why_not[0].c_str(), "no tool of the session has a lumen");
+    assert_string_equal(crn::evaluate(plan, log).why_not[0].c_str(), "no device of the session has a lumen");
     log.has_transducer = true;
     const crn::Evaluation found = crn::evaluate(plan, log);
     assert_int_equal(found.errors.size(), 1);

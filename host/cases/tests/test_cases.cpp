@@ -82,6 +82,25 @@ void the_template_is_a_good_case(void **)
     for (const std::string &fault : crn::case_faults(lesson.file)) fail_msg("%s", fault.c_str());
 }
 
+void a_goal_is_told_in_plain_words(void **)
+{
+    const crn::Case lesson = crn::read_case(template_case());
+    assert_string_equal(lesson.goals[0].expectation.plain_text().c_str(),
+                        "the tip of the wire is inside the descending aorta");
+    assert_string_equal(lesson.goals[1].expectation.plain_text().c_str(),
+                        "the tip of the wire is at least 20 mm inside the ascending aorta");
+    crn::Expectation goal;
+    goal.kind = crn::Expectation::Kind::stenosis;
+    goal.most = 20.0;
+    goal.is_below = true;
+    assert_string_equal(goal.plain_text().c_str(), "the remaining stenosis is less than 20 %");
+    goal.kind = crn::Expectation::Kind::turned;
+    goal.least = 10.0;
+    goal.is_below = false;
+    assert_string_equal(goal.plain_text().c_str(),
+                        "the wire has been turned by at least 10 degrees and at most 20 degrees");
+}
+
 struct Mistake {
     const char *old, *changed, *said; // `said` is part of the message
 };
@@ -392,6 +411,7 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(the_template_is_a_good_case),
+        cmocka_unit_test(a_goal_is_told_in_plain_words),
         cmocka_unit_test(each_mistake_is_refused_with_its_line),
         cmocka_unit_test(a_mistake_in_a_script_is_told_at_the_script),
         cmocka_unit_test(a_case_may_have_more_tools_than_the_line),

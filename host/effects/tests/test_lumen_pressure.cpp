@@ -156,7 +156,7 @@ void a_wire_in_the_lumen_decides_at_the_tick_of_the_injection(void **)
         assert_true((contrast.injected_ml() > 0.15) == is_out);
         if (is_out) continue;
         assert_int_equal(contrast.refusals()[0].tick, 10);
-        assert_non_null(std::strstr(contrast.refusals()[0].why.c_str(), "withdraw the inner tool"));
+        assert_non_null(std::strstr(contrast.refusals()[0].why.c_str(), "withdraw the inner device"));
     }
 }
 

@@ -221,7 +221,7 @@ void a_hand_exchanges_tools_and_hears_why_not(void **)
     assert_true(exchange(1, 2)->line == (crn::LineNumbers{1, 2}));
     const auto refused = exchange(0, 0); // the wire leads, and lies in the patient
     assert_true(refused->line == (crn::LineNumbers{1, 2}));
-    if (refused->notice.text.find("NO EXCHANGE - the tool at this position is still in the patient") != 0)
+    if (refused->notice.text.find("NO EXCHANGE - the device at this position is still in the patient") != 0)
         fail_msg("it says: %s", refused->notice.text.c_str());
     assert_true(exchange(1, 0)->line == (crn::LineNumbers{1, 0}));
     physics.stop()->finish();

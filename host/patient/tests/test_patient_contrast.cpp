@@ -101,7 +101,7 @@ void without_a_catheter_or_vessels_it_says_so(void **)
     assert_non_null(std::strstr(good.refusal({RoomAction::inject, {1000, 1000, 1}}, 350.0).c_str(),
                                 "'wire' HAS NO LUMEN"));
     assert_non_null(
-        std::strstr(good.refusal({RoomAction::inject, {1000, 1000, 3}}, 350.0).c_str(), "NO TOOL 3"));
+        std::strstr(good.refusal({RoomAction::inject, {1000, 1000, 3}}, 350.0).c_str(), "NO DEVICE 3"));
     assert_true(bare.next_tick() == never && no_tree.next_tick() == never && good.next_tick() == never);
 }
 

@@ -313,7 +313,7 @@ void without_a_balloon_on_the_line_the_refusal_says_what_to_do(void **)
     stents.command(50, load);
     assert_int_equal(stents.loaded(), 0);
     assert_string_equal(stents.refusals().at(0).c_str(),
-                        "NO STENT LOADED - no tool on the line has a balloon: "
+                        "NO STENT LOADED - no device on the line has a balloon: "
                         "load the balloon catheter first (at 50 ms)");
 }
 

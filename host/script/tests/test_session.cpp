@@ -462,7 +462,7 @@ void an_exchange_is_given_in_one_tick_and_waits_for_its_answer(void **)
     assert_true(player.is_done());
     assert_string_equal(
         player.failures()[0].c_str(),
-        "a.session:1: exchange: the tool at this position is still in the patient; withdraw it into "
+        "a.session:1: exchange: the device at this position is still in the patient; withdraw it into "
         "the introducer sheath first");
 }
 

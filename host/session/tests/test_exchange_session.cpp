@@ -118,6 +118,38 @@ void a_script_exchanges_tools_and_the_patient_follows(void **)
     assert_int_equal(answers(recorded.recording, 0), 1);
 }
 
+// Returns the final hash of a wire that is advanced while another tool may lie on the table.
+std::uint64_t hash_beside(const std::string &other)
+{
+    const auto file = [](const std::string &name) { return "shared/examples/instruments/" + name + ".toml"; };
+    std::vector<crn::Instrument> tools = {crn::read_instrument(file("j_wire"))};
+    std::vector<std::string> known = {"j_wire"};
+    if (!other.empty()) {
+        tools.push_back(crn::read_instrument(file(other)));
+        known.push_back(other);
+    }
+    crn::Session session =
+        crn::parse_session("begin with j_wire\nbegin wire inserted 20 mm\nadvance wire 40 mm at 80 mm/s\n"
+                           "rotate wire 90 deg at 360 deg/s",
+                           "a.session");
+    const crn::LineNumbers line = crn::resolve_tools(session, known);
+    crn::Device device(scene, tools, crn::entry_of(scene, line.size(), session.inserted_um), crn::host_rig(),
+                       {}, line);
+    crn::PatientSettings settings;
+    settings.line = line;
+    crn::Patient patient({}, tools, settings);
+    return crn::run_session(device, patient, session, nullptr, nullptr, {}).hash;
+}
+
+// The table shares one mesh: a guiding catheter asks for nothing more than the wire does, a Rosen wire for
+// shorter elements.
+void a_tool_on_the_table_changes_hashes_only_by_its_mesh(void **)
+{
+    const std::uint64_t alone = hash_beside("");
+    assert_true(hash_beside("guide_jl4_6f") == alone);
+    assert_true(hash_beside("rosen") != alone);
+}
+
 void a_recorded_exchange_replays_bit_for_bit(void **)
 {
     const crn::Recording &recording = whole().recording;
@@ -143,9 +175,9 @@ void a_refused_exchange_ends_the_script_by_name(void **)
     assert_int_equal(recorded.result.failures.size(), 1);
     assert_string_equal(
         recorded.result.failures[0].c_str(),
-        "a.session:5: exchange: the tool at this position is still in the patient; withdraw it "
+        "a.session:5: exchange: the device at this position is still in the patient; withdraw it "
         "into the introducer sheath first");
-    assert_true(recorded.notice.find("NO EXCHANGE - the tool at this position is still") == 0);
+    assert_true(recorded.notice.find("NO EXCHANGE - the device at this position is still") == 0);
     assert_true(recorded.recording.ticks.size() < 1000);
 }
 
@@ -188,6 +220,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_script_exchanges_tools_and_the_patient_follows),
         cmocka_unit_test(the_witness_refuses_a_false_line),
+        cmocka_unit_test(a_tool_on_the_table_changes_hashes_only_by_its_mesh),
         cmocka_unit_test(a_recorded_exchange_replays_bit_for_bit),
         cmocka_unit_test(a_refused_exchange_ends_the_script_by_name),
     };

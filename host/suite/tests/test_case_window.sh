@@ -29,7 +29,7 @@ for _ in 1 2 3 4 5 6 7; do # every rate of fluoroscopy and of runs
 done
 keys key Escape
 shows assessed || exit 1  # the recording has been replayed
-shows "phase 1" || exit 1
+shows "phase 1" && shows curves || exit 1
 keys key s
 click "phase 1"
 shows scrub || exit 1
@@ -78,6 +78,9 @@ assert session["trainee"] == "guest", session
 assert "first_push" in json.dumps(session)
 assert figures["case"] == marks, (figures["case"], marks)
 assert figures["assessment"]["errors"] is not None and "<html" in page
+# The weights of the case itself: a wire alone has no result.
+weights = [part["weight"] for part in figures["assessment"]["score"]["parts"]]
+assert weights == [60, 30, 0, 10], weights
 assert 0 < marks["score"] < 100, marks["score"]
 PY
 result $? "the marks of the debrief are those of the command line, and its page and figures are saved"
@@ -98,6 +101,8 @@ click "card 2"
 shows ready || exit 1
 click "device 2"; lacks ready || exit 1  # a second wire does not go through the first one
 click "device 2"; shows ready || exit 1
+keys key 2; lacks ready || exit 1        # the same by its key
+keys key 2; shows ready || exit 1
 click "start case"
 shows "row 1" || exit 1
 recording_begins || exit 1

@@ -21,7 +21,7 @@ keys key Prior
 shows "card 1" && lacks "card 10" || exit 1
 move_to "card 2"; reads story "First push" || exit 1
 keys key c # free space
-shows "row 1" || exit 1
+shows "row 1" && shows "no patient" || exit 1
 recording_begins || exit 1
 keys keydown space keydown Up; ticks_pass "$recording" 3 || stuck; keys keyup space keyup Up
 keys key Escape

@@ -90,7 +90,9 @@ constexpr unsigned one = 1, func_add = 0x8006, blend = 0x0BE2, cull_face = 0x0B4
                    scissor_test = 0x0C11, front_clockwise = 0x0900;
 constexpr unsigned texture_2d = 0x0DE1, min_filter = 0x2801, mag_filter = 0x2800, wrap_s = 0x2802,
                    wrap_t = 0x2803, nearest = 0x2600, linear = 0x2601, clamp_to_edge = 0x812F;
-constexpr unsigned red = 0x1903, rgb = 0x1907, rgba = 0x1908, rgb8 = 0x8051, r32f = 0x822E, rgba32f = 0x8814;
+constexpr unsigned red = 0x1903, rgb = 0x1907, rgba = 0x1908, rgb8 = 0x8051, r8 = 0x8229, r32f = 0x822E,
+                   rgba32f = 0x8814;
+constexpr unsigned swizzle_r = 0x8E42, swizzle_g = 0x8E43, swizzle_b = 0x8E44, swizzle_a = 0x8E45;
 constexpr unsigned type_unsigned_byte = 0x1401, type_unsigned_int = 0x1405, type_float = 0x1406;
 constexpr unsigned array_buffer = 0x8892, element_array_buffer = 0x8893, static_draw = 0x88E4,
                    stream_draw = 0x88E0;

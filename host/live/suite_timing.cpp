@@ -1,4 +1,4 @@
-#include "host/suite/suite_timing.hpp"
+#include "host/live/suite_timing.hpp"
 #include "host/base/pending_file.hpp"
 #include <algorithm>
 #include <nlohmann/json.hpp>
