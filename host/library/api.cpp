@@ -1,6 +1,6 @@
 // Contains the functions of cournand.h for scenes, tools, recordings, pools and renderers. Each function
 // checks its pointers and handles, and does its work inside guarded(). The functions of cournand.h for worlds
-// are in api_world.cpp.
+// (simulated sessions) are in api_world.cpp.
 #include "host/library/pool.hpp"
 #include "host/library/recordings.hpp"
 #include "host/library/renderer.hpp"

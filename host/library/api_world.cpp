@@ -1,5 +1,5 @@
-// Contains the functions of cournand.h for worlds. Each function locks the world for its own thread
-// (with_world), and keeps the text of a refusal in the world.
+// Contains the functions of cournand.h for worlds (simulated sessions). Each function locks the world for its
+// own thread (with_world), and keeps the text of a refusal in the world.
 #include "host/library/recordings.hpp"
 #include "host/library/renderer.hpp"
 

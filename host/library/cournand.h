@@ -21,15 +21,15 @@
  *
  * STRUCTS whose first member is `struct_bytes` can get more members in a later version. Set `struct_bytes`
  * before the call, in C by `cournand_pose pose = {.struct_bytes = sizeof pose};` and in C++ by
- * `cournand_pose pose = {}; pose.struct_bytes = sizeof pose;`. A struct that is larger than the library's is
- * accepted if its additional bytes are zero.
+ * `cournand_pose pose = {}; pose.struct_bytes = sizeof pose;`. A struct that is larger than in the library's
+ * version is accepted if its additional bytes are zero.
  *
  * VIEWS. Pointers in cournand_pose, cournand_contacts and cournand_picture point to memory of the library;
  * nothing is copied. The pointers in a pose or in contacts stay valid until the next call that changes the
  * same world (move, advance, replay, restore, free). The pointers in a picture stay valid until the next
- * picture of the same renderer. After that, an old pointer still refers to allocated memory until its handle
- * is freed, but the numbers there change; a renderer keeps its memory while its pictures have one size. Texts
- * stay valid until their handle is freed.
+ * picture of the same renderer. A pointer that is no longer valid still refers to allocated memory until its
+ * handle is freed, but the numbers there change; a renderer keeps its memory while its pictures have one
+ * size. Texts stay valid until their handle is freed.
  *
  * THREADS. Scenes, tools and recordings do not change, and any number of threads may use them. Only one
  * thread at a time may use a world or a renderer; a call is refused while another thread is inside a call
@@ -196,8 +196,8 @@ typedef struct cournand_world_options {
     uint32_t struct_bytes;
     uint32_t flags; /* COURNAND_WITH_PATIENT */
     /* Holds, for each position of the line (tools that lie one inside another) from the innermost, the number
-     * of its tool in `tools`, from 1, or 0 for a free position. If line_count is 0, the line consists of all
-     * tools, at most three. */
+     * of its tool in `tools`, from 1, or 0 if the position has no tool. If line_count is 0, all tools are in
+     * the line, and there may be at most three tools. */
     uint32_t line_count;
     uint32_t line[COURNAND_POSITIONS_MAX];
     /* Holds, for the tool at each position, its length beyond the introducer's opening at tick 0, 0 .. 2 m.
@@ -226,10 +226,10 @@ COURNAND_API const char *cournand_world_error_text(const cournand_world *world);
 
 /* Moves the hands at constant speeds for `ticks` ticks (1 .. COURNAND_TICKS_MAX). `action` is a float array
  * of COURNAND_ACTION_FLOATS entries. The first three entries of `action` are the pushing speeds of the hands
- * at positions 0, 1 and 2 in m/s (-1 .. 1, + into the patient). The next three entries are the turning speeds
- * in rad/s (-100 .. 100, + right-handed about the direction of insertion). The seventh entry is the pressure
- * of the inflator in kPa (0 .. 4000), and the eighth is 0. Entries of positions that the line does not have
- * must be zero. Hands hold their tools rigidly. */
+ * at positions 0, 1 and 2 in m/s (-1 .. 1, + into the patient). The next three entries of `action`
+ * are the turning speeds in rad/s (-100 .. 100, + right-handed about the direction of insertion). The seventh
+ * entry of `action` is the pressure of the inflator in kPa (0 .. 4000), and the eighth is 0. Entries of
+ * positions that the line does not have must be zero. Hands hold their tools rigidly. */
 COURNAND_API cournand_status cournand_world_move(cournand_world *world, const float *action, uint32_t ticks);
 
 /* Holds an order to the core: an event that happens in one tick, other than the motion of the hands. `values`
@@ -389,9 +389,9 @@ COURNAND_API cournand_status cournand_world_snapshot_bytes(cournand_world *world
  * size of the snapshot. */
 COURNAND_API cournand_status cournand_world_save(cournand_world *world, void *bytes, size_t capacity);
 /* Sets the world to the state in a snapshot. The snapshot may be from any world with the same scene, tools
- * and options, also in another process or on another machine. The world then continues, bit for bit, as the
- * saved world did. The status is BAD_SNAPSHOT if the snapshot is refused, and BAD_STATE while a recording is
- * written. */
+ * and options, also in another process or on another machine. The restored world continues, bit for bit,
+ * as the saved world did. The status is BAD_SNAPSHOT if the snapshot is refused, and BAD_STATE while a
+ * recording is written. */
 COURNAND_API cournand_status cournand_world_restore(cournand_world *world, const void *bytes, size_t count);
 
 /* --- many worlds

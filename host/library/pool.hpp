@@ -1,5 +1,5 @@
-// Provides threads that work on many worlds at the same time. The results do not depend on the number of
-// threads, because one thread computes each world.
+// Provides threads that work on many worlds (simulated sessions) at the same time. The results do not depend
+// on the number of threads, because one thread computes each world.
 #pragma once
 #include "host/library/handles.hpp"
 #include <condition_variable>

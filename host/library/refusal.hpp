@@ -58,7 +58,7 @@ template <class Work> auto with_files(Work work)
     }
 }
 
-// Holds the size that a struct had in the first version of the library, which callers of that version pass.
+// Holds the size of a struct in the first version of the library; callers of that version pass this size.
 // When a struct gets new members, a template specialisation keeps its first size.
 template <class Struct> inline constexpr std::size_t first_bytes = sizeof(Struct);
 inline constexpr std::size_t struct_bytes_max = 4096;

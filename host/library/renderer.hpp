@@ -1,4 +1,5 @@
-// Renders pictures and label images of worlds. The picture is computed by the X-ray room's code (host/xray).
+// Renders pictures and label images of worlds (simulated sessions). The picture is computed by the X-ray
+// room's code (host/xray).
 #pragma once
 #include "host/library/world.hpp"
 #include "host/patient/body_poses.hpp"

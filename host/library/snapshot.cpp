@@ -4,7 +4,8 @@
 //   hands i64 x 6 in 1e-6 counts | inflator i32 | bytes of the tick's result u32 | result of the last tick,
 //   padded | the device's snapshot (docs/wire.md)
 //
-// The checksum covers all bytes behind it. In addition, the device checks its own part of the snapshot.
+// The checksum covers all bytes of the snapshot that follow it. In addition, the device checks its own part
+// of the snapshot.
 #include "host/library/world.hpp"
 #include <algorithm>
 #include <bit>

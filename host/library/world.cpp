@@ -131,8 +131,8 @@ World::World(WorldSettings settings)
     patient_ = std::make_unique<Patient>(settings_.scene->anatomy(), settings_.tools, of_patient);
 }
 
-// Views keep their place while the world lives, so that a caller who reads an old one reads memory of this
-// world.
+// The views (arrays that callers read) stay at the same addresses while the world exists, so that an outdated
+// pointer still refers to memory of this world.
 void World::reserve_views()
 {
     for (std::vector<float> *rows : {&arcs_m_, &radii_m_}) rows->reserve(CRN_WIRE_MAX_nodes_positions);

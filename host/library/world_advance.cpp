@@ -211,8 +211,8 @@ void World::advance(std::span<const cournand_input> given)
                 try_orders({1, {order}});
                 continue;
             }
-            // The core decides whether an exchange of tools is possible only at the tick of the exchange; the
-            // reading then contains the answer.
+            // Only at the tick of an exchange of tools does the core decide whether the exchange is possible;
+            // the reading after that tick contains the answer.
             require(order.exchange.position < positions() && order.exchange.tool <= settings_.tools.size(),
                     "an exchange names a position or a tool that the world does not have");
         }

@@ -54,8 +54,8 @@ class HidRig
     static std::vector<HidEntry> list(const HidApi &api);
 
     // An empty `serial` selects the only rig that is plugged in. Throws LinkError. The constructor refuses a
-    // rig whose reports have another definition, and the error message contains the hashes of both
-    // definitions.
+    // rig whose definition of the reports differs from this program's; the error message contains the hashes
+    // of both definitions.
     HidRig(const HidApi &api, const std::string &serial);
     ~HidRig();
     HidRig(const HidRig &) = delete;

@@ -83,7 +83,7 @@ bool Link::ask_hello(const crn_wire_hello &hello)
 
 // The message HELLO starts the conversation of host and device anew, whatever bytes were lost or cut before.
 // If the device restarted in the middle of a frame, its reply to HELLO follows an incomplete frame and is
-// lost. The host then sends HELLO once more.
+// lost. If the reply to HELLO is lost, the host sends HELLO once more.
 crn_wire_hello_reply Link::hello_once()
 {
     const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};

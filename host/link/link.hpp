@@ -24,8 +24,8 @@
 namespace crn
 {
 
-// `reject` is the device's refusal. If the LinkError has another cause than a refusal, such as silence,
-// another version or a fault, the code in `reject` is 0.
+// `reject` is the device's refusal. The code in `reject` is 0 if the LinkError has a cause other than
+// a refusal, for example a silent device, a fault or a different version.
 class LinkError : public std::runtime_error
 {
   public:

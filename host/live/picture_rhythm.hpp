@@ -18,8 +18,9 @@ class PictureRhythm
         period_ = when - last_;
         last_ = when;
     }
-    // Returns true if drawing a screen of this duration now would probably delay a picture. If a picture is
-    // late by more than a quarter of its period, the window no longer waits for it.
+    // Returns true if drawing a screen now would probably delay a picture; `screen` is the time that the
+    // drawing takes. If a picture is late by more than a quarter of its period, the window no longer waits
+    // for it.
     bool is_picture_near(Time now, Duration screen) const
     {
         if (period_ > period_max) return false;

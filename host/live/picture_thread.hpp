@@ -4,9 +4,9 @@
 // thread shares nothing else with the physics, so the pictures cannot influence the physics.
 //
 // If the machine is too slow, fluoroscopy pulses that wait for their pictures are left out, and only the
-// newest pulse is drawn. All frames of cine and DSA runs are drawn. While many frames of such runs wait,
-// give() waits too, and the session becomes slower than real time. With `keeps_all`, all pulses of
-// fluoroscopy are drawn as well.
+// newest pulse is drawn. All frames of cine and DSA runs are drawn. While many frames of cine and DSA runs
+// wait to be drawn, give() waits too, and the session becomes slower than real time. With `keeps_all`, all
+// pulses of fluoroscopy are drawn as well.
 #pragma once
 #include "host/live/mailbox.hpp"
 #include "host/picture/room_pictures.hpp"
@@ -69,7 +69,7 @@ class PictureThread
     std::shared_ptr<const MonitorPicture> live() const { return live_.latest(); }
     std::shared_ptr<const MonitorPicture> reference() const { return reference_.latest(); }
     void show_reference(const ReferenceChoice &choice);
-    // This is called in the thread of the pictures after each picture of the live monitor.
+    // The function is called in the pictures' thread after each picture of the live monitor.
     void on_picture(std::function<void()> told);
     void wait_until_idle();
     // Draws the pictures that still wait, and ends the thread. Afterwards pictures() may be used.

@@ -45,7 +45,7 @@ void ReplayThread::prepare()
             goes_on = room_->prepare(track_ticks);
         }
     } catch (const std::exception &) {
-        // After this failure, the pictures continue without medium and stents, and are marked as not
+        // If the preparation fails, the pictures continue without medium and stents, and are marked as not
         // prepared.
     }
 }

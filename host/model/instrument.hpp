@@ -85,7 +85,8 @@ Instrument read_instrument(const std::string &path);
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
 // Returns "'Bentson' (0.889 mm) does not pass the lumen of 'Terumo 4F' (0.8 mm, at 30 mm from its tip)", or
-// an empty text if the inner instrument fits. The core uses the same rule when it refuses nested tools.
+// an empty text if the inner instrument fits. The core decides by the same rule whether it refuses nested
+// tools.
 std::string nesting_refusal(const Instrument &inside, const Instrument &outer);
 
 // Returns the number of nodes of the core's mesh (docs/rod.md), for one instrument or for several nested

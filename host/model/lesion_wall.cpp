@@ -162,8 +162,8 @@ LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) c
     return healthy;
 }
 
-// If a point of the healthy wall was farther from the centreline, it moved by a smaller fraction s of the
-// displacement. Exactly one fraction s is therefore consistent with each narrowed position.
+// The farther a point of the healthy wall was from the centreline, the smaller is the fraction s of the
+// displacement by which it moved. Exactly one fraction s is therefore consistent with each narrowed position.
 bool LesionWall::healthy_of(const Vector3d &narrowed_m, Healthy &healthy) const
 {
     if (!reach_m_.contains(narrowed_m)) return false;

@@ -117,9 +117,10 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // Holds the displacements at the keyframes 23, 0 .. 23, 0. The list begins with the displacements of all
-    // points without breath, followed by the difference that a full breath makes. The points of one keyframe
-    // are adjacent in memory, because each moment needs three keyframes of all points.
+    // Holds the displacements at keyframe 23, at keyframes 0 to 23, and at keyframe 0 again, because the
+    // heartbeat is periodic. The list begins with the displacements of all points without breath, followed by
+    // the difference that a full breath makes. The points of one keyframe are adjacent in memory, because
+    // each moment needs three keyframes of all points.
     std::vector<float> ways_um_;
 };
 

@@ -372,12 +372,12 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
             contrast_share(mean / (width * width))};
 }
 
-// Makes two columns per vessel. The first of a vessel's two columns has the vessel's width; its concentration
-// is the one that the inner and the outer layer of blood have in common. The second column of a vessel is
-// narrower and lies on the vessel's axis. The second column of a vessel has the concentration in the inner
-// layer of blood minus that in the outer layer. If the layer of blood along the wall has the higher
-// concentration, both layers are drawn as if they were mixed. Near the tip, where the medium forms a jet, a
-// vessel has only one column, which is thinner than the vessel.
+// Makes two columns per vessel. The first of a vessel's two columns has the vessel's width, and the
+// concentration in the outer layer of blood. The second column of a vessel is narrower and lies on the
+// vessel's axis. The second column of a vessel has the concentration in the inner layer of blood minus that
+// in the outer layer. If the layer of blood along the wall has the higher concentration, both layers are
+// drawn as if they were mixed. Near the tip, where the medium forms a jet, a vessel has only one column,
+// which is thinner than the vessel.
 void PatientContrast::make_curves()
 {
     curves_.clear();

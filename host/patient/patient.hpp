@@ -53,8 +53,8 @@ class Patient
 
     // --- what happens to the patient --- A command takes effect in its own tick, so call command() before
     // look() for that tick. If a command cannot be carried out now, it is kept in refusals() or
-    // stents()->refusals(), and notice() reports it. Throws std::runtime_error if the command is impossible
-    // in any state of the X-ray room (unknown action, or a value out of range).
+    // stents()->refusals(), and notice() reports it. Throws std::runtime_error if no state of the X-ray room
+    // allows the command (unknown action, or a value out of range).
     void command(std::uint32_t tick, const RoomCommand &command);
     // Receives every tick in order, with its input and its result.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);

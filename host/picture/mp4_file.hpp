@@ -41,9 +41,9 @@ class Mp4Index
     std::uint64_t data_bytes_ = 0;
 };
 
-// Every picture is written to a temporary file at once. commit() then moves the pictures back by the length
-// of the index, block by block, and writes the index before them. Every function throws OutputError when
-// writing fails; the destructor deletes a file that was not committed.
+// Every picture is written to a temporary file at once. commit() then moves the pictures towards the file's
+// end by the length of the index, block by block, and writes the index before them. Every function throws
+// OutputError when writing fails; the destructor deletes a file that was not committed.
 class Mp4File
 {
   public:

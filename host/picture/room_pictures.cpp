@@ -84,7 +84,7 @@ void RoomPictures::export_pulse(const RoomEvent &pulse)
     export_->add(std::move(frame));
 }
 
-// If the user presses Ctrl-C during the session, the runs made so far are written nevertheless. Another
+// If the user presses Ctrl-C during the session, the runs made so far are written nevertheless. A second
 // Ctrl-C stops the export between two pieces of a file.
 bool RoomPictures::finish_export(const Patient &patient, std::vector<std::string> &files)
 {

@@ -84,8 +84,8 @@ class Room
 {
   public:
     // The caller must give commands in the order of their ticks. A command for a tick that has already been
-    // processed takes effect at the next tick. Returns the reason why a command cannot be carried out in any
-    // state of the room, or an empty string if it can.
+    // processed takes effect at the next tick. Returns the reason why no state of the room allows a command,
+    // or an empty string if some state allows it.
     std::string give(std::uint32_t tick, const RoomCommand &command);
     // Returns the next tick at which the room must process a command, a pulse, or a check of the tip.
     // UINT32_MAX: none.

@@ -22,8 +22,8 @@ struct BalloonFigures {
                                                 // (docs/balloon.md)
 
     bool is_there = false; // whether some tool has a balloon
-    // This is the highest pressure while these tools were in use; a replacement of tools may have brought
-    // another balloon.
+    // Holds the highest balloon pressure while the same tools were in use; a replacement of tools may have
+    // brought another balloon.
     struct Peak {
         LineNumbers line;
         std::uint32_t pressure_kPa = 0, tick = 0;

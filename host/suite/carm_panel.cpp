@@ -75,8 +75,8 @@ class SpaceView
     float scale_;
 };
 
-// Boxes for a person on the table, which are only drawn for orientation: the interlock does not check the
-// patient.
+// Returns boxes that represent a person on the table; they serve only for orientation, because the interlock
+// does not check the patient.
 std::vector<Box> patient_boxes()
 {
     const auto box = [](double y, double half_x, double half_y, double half_z) {

@@ -54,7 +54,7 @@ std::vector<Lane> lanes_of(const Json &assessment)
     return lanes;
 }
 
-// The title and the names of the curves stand in one line above the lane.
+// The title and the names of the curves are written in one line above the curves.
 void draw_title(Ui &ui, const Lane &lane, const UiRect &place)
 {
     ImDrawList *draw = ImGui::GetWindowDrawList();

@@ -1,5 +1,5 @@
 // Draws the debrief: errors first, then phases, marks, motion, and the learning curve. A click on an error, a
-// phase or the timeline shows the moment of the click in the replay.
+// phase or the timeline shows the corresponding moment in the replay.
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
 #include "host/picture/room_text.hpp"
@@ -89,7 +89,7 @@ class DebriefView
         choice_ = {PageChoice::Kind::replay, 0, debrief_.recording, tick.get<std::uint32_t>()};
     }
 
-    // Draws a row with its time as a button, which shows that moment in the replay.
+    // Draws the time of a moment as a button, which shows this moment in the replay.
     void moment(const std::string &name, const Json &tick)
     {
         if (ui_.plain_button(name.c_str(), clock_of(tick).c_str(), 84.0f, "Shows this moment in the replay."))

@@ -9,8 +9,7 @@ namespace crn
 namespace
 {
 
-// Returns 0 in the middle zone of a stick, in which a resting stick lies; outside this zone the returned
-// value begins at 0.
+// Returns 0 while a stick is near its rest position; outside this zone the returned value rises from 0.
 double stick(float value)
 {
     const double size = std::fabs(value);

@@ -213,7 +213,7 @@ void SuiteScreen::draw_live_texts(const UiRect &left, const UiRect &right)
 }
 
 // Draws the goals of a case and their state, its limits, and hints on demand. No marks are shown during a
-// session: feedback at its end is remembered better (docs/assessment.md).
+// session, because trainees remember feedback better if they get it at the end (docs/assessment.md).
 void SuiteScreen::draw_case(const UiRect &place)
 {
     const Case &lesson = *view_->lesson;

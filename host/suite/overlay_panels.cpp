@@ -17,15 +17,15 @@ constexpr double slow_factor = 0.97; // below this, the session is announced as 
 
 } // namespace
 
-// The line of notices below the live picture: a notice that finds no room in it would cover the picture.
+// Places notices side by side in a line below the live picture, so that they do not cover the picture.
 struct NoticeLine {
     Ui &ui;
     float right = 0.0f; // pixels
     float x = 0.0f;     // of the next notice
     bool is_empty = true;
 
-    // Draws a notice beside those before it. If there is no room, it stands in a line of its own, or waits
-    // and is not drawn: then this returns false.
+    // Draws a notice to the right of the previous one. If the line has no room for a notice that can wait,
+    // draws nothing and returns false; a notice that cannot wait gets a line of its own.
     bool add(ImU32 colour, const std::string &text, bool needs_answer, bool can_wait)
     {
         const float gap = is_empty ? 0.0f : ui.px(24.0f), button = needs_answer ? ui.px(70.0f) : 0.0f;
@@ -78,7 +78,8 @@ void SuiteScreen::draw_bar(const UiRect &place)
     ui_.end_panel();
 }
 
-// A notice of the room, the syringe or the inflator is shown as a toast once, when it appears.
+// Shows each new notice of the X-ray room, the syringe or the inflator once, as a toast (a notice that
+// disappears after some seconds).
 void SuiteScreen::toast(const RoomNotice &notice)
 {
     if (notice.from < 0 || notice.text.empty()) return;
@@ -117,7 +118,7 @@ void SuiteScreen::forget_toasts()
     told_.clear();
 }
 
-// Alerts that need an answer stay until it is given.
+// Draws the alerts; an alert that the user must acknowledge stays until it is acknowledged.
 void SuiteScreen::draw_alerts(NoticeLine &line)
 {
     const SuiteState &state = *view_->state;
@@ -133,8 +134,8 @@ void SuiteScreen::draw_alerts(NoticeLine &line)
                  true, false);
 }
 
-// Notices stand side by side in the line below the picture. A toast that finds no room waits until an older
-// one has gone; the oldest is always shown.
+// Draws the alerts and toasts side by side in the line below the picture. A toast for which the line has no
+// room waits until an older toast has disappeared; the oldest toast is always shown.
 void SuiteScreen::draw_toasts(const UiRect &live)
 {
     const SuiteState &state = *view_->state;

@@ -15,7 +15,8 @@ namespace crn
 {
 
 inline constexpr float page_margin = 60.0f; // units, at the left of the screens
-// Indices of the window's textures for the preparation and the case cards; the monitors use lower indices.
+// These are the indices of the textures for the preparation and the case cards; the monitors use lower
+// indices.
 inline constexpr std::size_t prep_slot = 4, card_slot = 8;
 
 struct PageChoice {
@@ -85,8 +86,9 @@ struct Debrief {
 // `said` is the last message to the user, such as the names of saved files.
 PageChoice draw_debrief(Ui &ui, const Debrief &debrief, const std::string &said);
 
-// Draws the inserted lengths, the force on the walls and, if one was used, the balloon's pressure, from the
-// entries "tools" and "curves" of an assessment; the scale of time is that of the debrief's timeline.
+// Draws curves from the entries "tools" and "curves" of an assessment: the inserted lengths, the force on the
+// walls, and the pressure of the balloon if there was one. The scale of time is that of the debrief's
+// timeline.
 void draw_session_curves(Ui &ui, const nlohmann::ordered_json &assessment, const UiRect &place);
 
 struct RigRow {

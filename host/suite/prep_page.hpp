@@ -25,8 +25,8 @@ struct CabinetDevice {
 };
 
 // Holds the devices that a case offers, and those of them that the trainee has chosen for the start. There
-// are as many positions as the case has at its start. A device with which the case begins keeps its position,
-// if the other devices permit it.
+// are as many positions (places for nested devices) as the case has at its start. A device with which the
+// case begins keeps its position, if the other devices permit it.
 class DeviceCabinet
 {
   public:
@@ -41,7 +41,8 @@ class DeviceCabinet
     std::vector<std::string> paths() const; // of the whole table
     // Returns the device at each position, from the innermost; a position without a device has no value.
     std::vector<std::optional<std::size_t>> positions() const;
-    // Returns the words of the option --line: the number in the table of the device at each position.
+    // Returns the words of the option --line: for each position, the number that its device has in the
+    // session's table.
     std::vector<std::string> line_words() const;
     std::vector<double> inserted_mm() const; // where the device at each position begins
 
@@ -80,7 +81,8 @@ class PrepPage
     PrepPage(Ui &ui, CaseCard card);
 
     PageChoice draw();
-    // Puts a device on the line, or takes it off; a number that the case does not have changes nothing.
+    // Chooses a device for the start of the session, or undoes this choice; a number that no device of the
+    // case has changes nothing.
     void toggle(std::size_t device);
     // Returns true if a session can begin.
     bool is_ready() const { return scene_.result() && cabinet_.refusal().empty(); }

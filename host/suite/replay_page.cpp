@@ -227,8 +227,8 @@ void ReplayPage::draw_sides(const CArm &carm, const UiRect &picture)
     letter(x + out, y, view.right);
 }
 
-// Writes beside the expert's picture the progress of computing the expert's run, or the time at which the
-// expert was finished.
+// Writes a text beside the expert's picture: how much of the expert's run has been computed, or the time at
+// which the run ended.
 void ReplayPage::draw_expert_text()
 {
     const ReplayThread *thread = expert();

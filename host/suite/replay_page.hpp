@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// A handling error of the assessment, with its tick on the time bar.
+// Describes a handling error that the assessment found, and its tick on the time bar.
 struct ReplayError {
     std::uint32_t tick = 0;
     int weight = 3; // 3 moderate, 4 serious, 5 life-threatening

@@ -11,7 +11,7 @@ namespace
 
 constexpr std::size_t places_max = 24; // more are drawn as one
 
-// The vertices and indices of a draw list, whether ImGui's own or a copy.
+// Refers to the vertices and indices of an ImGui draw list, or of a copy of it.
 struct Mesh {
     const ImDrawVert *vertices;
     const ImDrawIdx *indices;
@@ -21,8 +21,8 @@ struct Mesh {
     }
 };
 
-// Returns the pixels to which the drawing code of ImGui limits a command. It rounds the corner and the size
-// of the rectangle separately, from the lowest row upwards.
+// Returns the rectangle of pixels to which ImGui's drawing code limits a drawing command. ImGui's drawing
+// code rounds the rectangle's corner and its size separately, and counts rows from the bottom.
 ScreenRect limits_of(const ImDrawCmd &command, ScreenSize size)
 {
     const ImVec4 &clip = command.ClipRect;
@@ -57,7 +57,8 @@ bool is_like(const ImDrawCmd &a, const ImDrawCmd &b)
            std::memcmp(&a.ClipRect, &b.ClipRect, sizeof a.ClipRect) == 0;
 }
 
-// Returns the place of the triangles that differ between two commands with the same number of triangles.
+// Returns the rectangle around the triangles that differ between two drawing commands with equally many
+// triangles.
 ScreenRect difference(const Mesh &before, const ImDrawCmd &old, const Mesh &after, const ImDrawCmd &command,
                       ScreenSize size)
 {
@@ -74,7 +75,7 @@ ScreenRect difference(const Mesh &before, const ImDrawCmd &old, const Mesh &afte
     return common(place, limits_of(command, size));
 }
 
-// Adds a place, and joins all that overlap, so that no pixel is drawn twice.
+// Adds a rectangle to the list, and joins rectangles that overlap, so that no pixel is drawn twice.
 void add(std::vector<ScreenRect> &places, ScreenRect place)
 {
     if (place.is_empty()) return;
@@ -89,7 +90,7 @@ void add(std::vector<ScreenRect> &places, ScreenRect place)
     places.push_back(place);
 }
 
-// Returns the parts of a place that another one leaves free.
+// Returns the parts of the rectangle `place` that the rectangle `other` does not cover.
 std::vector<ScreenRect> without(const ScreenRect &place, const ScreenRect &other)
 {
     const ScreenRect hole = common(place, other);
@@ -102,7 +103,8 @@ std::vector<ScreenRect> without(const ScreenRect &place, const ScreenRect &other
     return parts;
 }
 
-// Returns the pixels that an upright picture covers wholly; empty if the command draws something else.
+// Returns the rectangle of pixels that an opaque picture covers completely; it is empty if the command draws
+// no such picture.
 ScreenRect covered_by(const Mesh &mesh, const ImDrawCmd &command, ScreenSize size,
                       const std::vector<ImTextureID> &pictures)
 {
@@ -178,8 +180,8 @@ std::vector<ScreenRect> ScreenChanges::take(const ImDrawData &data, ScreenSize s
     return places;
 }
 
-// Goes through the commands from the last to the first. A picture takes its pixels away from all that is
-// drawn before it.
+// The drawing commands are processed from the last to the first. Commands before a
+// picture draw nothing in the pixels that the picture covers.
 void keep_places(ImDrawData &data, ScreenSize size, const std::vector<ScreenRect> &places,
                  const std::vector<ImTextureID> &pictures)
 {

@@ -120,7 +120,8 @@ CardsState draw_cards(Ui &ui, const std::vector<CaseCard> &cards, std::size_t pa
     return state;
 }
 
-// Draws which cards are shown, and the buttons that show others; draws nothing if one page holds all cards.
+// Writes which cards are shown, and draws the buttons that show other cards; draws nothing if one page holds
+// all cards.
 void draw_pager(Ui &ui, const StartView &view, float right, PageChoice &choice)
 {
     const std::size_t count = view.cases->size(), first = view.page * cards_per_page();

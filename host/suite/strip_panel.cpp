@@ -11,7 +11,7 @@ namespace crn
 namespace
 {
 
-// Alarm limits; they are assumed values, usual for adults at rest.
+// The alarm limits are assumed values, usual for adults at rest.
 constexpr double rate_low = 40.0, rate_high = 130.0, systolic_low = 80.0, systolic_high = 180.0;
 constexpr float numbers_width = 300.0f, saturation_width = 84.0f;
 constexpr std::size_t gap_samples = 24; // between the newest and the oldest sample

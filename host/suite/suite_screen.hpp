@@ -48,15 +48,15 @@ struct Toast {
     double shown_s = -1.0; // when it appeared; negative: it waits for its place
 };
 
-// The range of greys that a monitor shows from black to white, as shares of all greys: `window` is the width
-// of the range, and `level` its middle.
+// Describes the range of greys that a monitor stretches from black to white, in shares of all greys: `window`
+// is the width of the range, and `level` its middle.
 struct GreyRange {
     double window = 1.0, level = 0.5;
     bool is_whole() const { return window == 1.0 && level == 0.5; }
     // Returns the picture with this range of greys stretched from black to white.
     std::vector<std::uint8_t> shown(const std::vector<std::uint8_t> &grey) const;
-    // Dragging to the right widens the window of greys, and dragging upwards raises its level, so that the
-    // picture gets darker; `right` and `up` are shares of the picture's edge.
+    // Dragging to the right widens the range of greys, and dragging upwards raises its middle, which makes
+    // the picture darker. `right` and `up` are shares of the length of the picture's edge.
     void drag(double right, double up);
 };
 

@@ -38,7 +38,7 @@ class HiddenContext final : public GlContext
     GLFWwindow *window_;
 };
 
-// The context of the visible window, which is always current in the thread that draws.
+// Represents the OpenGL context of the visible window; this context is always current in the drawing thread.
 class ShownContext final : public GlContext
 {
   public:
@@ -256,7 +256,8 @@ void SuiteWindow::show_button()
     io.MouseDown[ImGuiMouseButton_Left] = is_button_down_;
 }
 
-// Makes the texture of the letters again, because ImGui itself makes it only once, together with its shaders.
+// If the fonts have changed, makes the texture of the letters again, because ImGui itself makes this texture
+// only once.
 void SuiteWindow::begin_frame()
 {
     paint_->finish();
@@ -273,7 +274,7 @@ void SuiteWindow::begin_frame()
     ImGui::NewFrame();
 }
 
-// ImGui keeps its lists of drawing commands until the next frame begins.
+// ImGui keeps its drawing commands until the next frame begins, so the drawing thread can use them.
 void SuiteWindow::end_frame()
 {
     ImGui::Render();
@@ -298,7 +299,7 @@ ScreenSize SuiteWindow::size_now() const
     return size;
 }
 
-// Without a graphics card Mesa draws in memory, and can show a part of it.
+// Without a graphics card, Mesa draws into main memory, and can copy a part of the drawn frame to the window.
 void SuiteWindow::find_copy()
 {
     const auto *renderer = reinterpret_cast<const char *>(gl_.GetString(gl::renderer));
@@ -323,8 +324,8 @@ void SuiteWindow::draw(ScreenSize size)
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-// Lets Mesa make a back buffer of this size, which it does only after the buffers were swapped. Returns false
-// if the window has another size by now: a part that is shown must not reach beyond the back buffer.
+// Makes Mesa allocate a back buffer of this size, by swapping the buffers once. Returns false if the window's
+// size has changed meanwhile, because a part that is copied must not reach beyond the back buffer.
 bool SuiteWindow::fit_back_buffer(ScreenSize size)
 {
     const auto has_size = [&] {
@@ -341,8 +342,8 @@ bool SuiteWindow::fit_back_buffer(ScreenSize size)
     return has_size();
 }
 
-// Draws and shows the places that differ from the last screen. The buffers are never swapped, so the back
-// buffer keeps the rest.
+// Draws and shows only those parts of the window that differ from the last frame. The buffers are not
+// swapped, so the back buffer keeps all other parts.
 void SuiteWindow::draw_changes(ScreenSize size, const std::vector<Upload> &uploads)
 {
     if (back_buffer_ != size) {
@@ -374,8 +375,8 @@ void SuiteWindow::draw_changes(ScreenSize size, const std::vector<Upload> &uploa
                    place.right - place.left, place.bottom - place.top);
 }
 
-// Reads OpenGL's back buffer, which has the last frame if the buffers are never swapped, and otherwise gets
-// it once more. OpenGL returns the lowest row first.
+// Reads the last frame from OpenGL's back buffer. If the buffers are swapped for every frame, the last frame
+// is first drawn again. OpenGL returns the lowest row first.
 Image SuiteWindow::read_back()
 {
     const ScreenSize size = size_now();
@@ -394,7 +395,7 @@ Image SuiteWindow::read_back()
     return image;
 }
 
-// Nothing is being drawn at this moment, because a frame is being composed.
+// The drawing thread is idle during this call, because a frame is being composed.
 void *SuiteWindow::texture(std::size_t slot, int size, const std::vector<std::uint8_t> &grey,
                            std::uint64_t version, bool is_sharp)
 {
@@ -418,7 +419,7 @@ void SuiteWindow::upload(const Upload &picture)
         gl_.TexParameteri(gl::texture_2d, filter, picture.is_sharp ? gl::nearest : gl::linear);
     for (unsigned wrap : {gl::wrap_s, gl::wrap_t}) gl_.TexParameteri(gl::texture_2d, wrap, gl::clamp_to_edge);
     if (picture.grey.empty()) return;
-    // One byte for each pixel: red is shown as all three colours.
+    // The texture has one byte per pixel, in its red channel, which is shown as red, green and blue.
     for (unsigned colour : {gl::swizzle_r, gl::swizzle_g, gl::swizzle_b})
         gl_.TexParameteri(gl::texture_2d, colour, static_cast<int>(gl::red));
     gl_.TexParameteri(gl::texture_2d, gl::swizzle_a, static_cast<int>(gl::one));

@@ -91,7 +91,8 @@ class SuiteWindow
     void draw_changes(ScreenSize size, const std::vector<Upload> &uploads);
     ScreenSize size_now() const;
 
-    // A press or a release of the left mouse button, with the position of the pointer at that moment.
+    // Describes a press or a release of the left mouse button, with the position of the pointer at that
+    // moment.
     struct ButtonEvent {
         bool is_down = false;
         float x = 0.0f, y = 0.0f;
@@ -111,8 +112,8 @@ class SuiteWindow
     std::vector<Upload> uploads_;
     bool are_fonts_new_ = false;
     bool is_shown_lost_ = false; // the window must be drawn wholly
-    // Shows a part of what was drawn, and keeps the rest (GLX_MESA_copy_sub_buffer). Null with a graphics
-    // card, which draws everything in less time than the comparison takes.
+    // Copies a part of the back buffer to the window (GLX_MESA_copy_sub_buffer). The pointer is null if there
+    // is a graphics card, which draws the whole window faster than the program could find the changed parts.
     using CopyPart = void (*)(void *display, unsigned long drawable, int x, int y, int width, int height);
     CopyPart copy_part_ = nullptr;
     using QueryDrawable = int (*)(void *display, unsigned long drawable, int attribute, unsigned *value);

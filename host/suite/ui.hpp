@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// Colours of Okabe and Ito, which people with colour blindness can distinguish, and greys.
+// Defines greys and the colours of Okabe and Ito, which people with colour blindness can distinguish.
 namespace tint
 {
 inline constexpr ImU32 background = IM_COL32(16, 20, 24, 255), panel = IM_COL32(30, 36, 43, 255),
@@ -48,9 +48,9 @@ class Ui
     void begin_panel(const char *name, const UiRect &place, const char *title);
     void end_panel();
     // Draws the button of a control. `label` replaces the control's name, and is shown with a capital letter
-    // at its beginning. A button that is lit shows that the state of its control is on. `width` is in layout
-    // units; 0 means as wide as the label, and a negative value means the whole remaining width. If the label
-    // of a button does not fit into its fixed width, the layout file (for tests) says so.
+    // at its beginning. If `is_lit` is true, the button shows that its control is switched on. `width` is in
+    // layout units; 0 means as wide as the label, and a negative value means the whole remaining width. If
+    // the label of a button does not fit into its fixed width, the layout file (for tests) says so.
     void button(ControlId id, const char *label = nullptr, float width = 0.0f, bool is_lit = false);
     // Draws the button of a screen's control; a wide button also shows its key. Returns true if the user
     // pressed the button.

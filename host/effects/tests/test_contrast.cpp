@@ -138,10 +138,11 @@ void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
     within("core over wall", core_ml / wall_ml, 3.0, 1e-6);
 }
 
-// The two layers of blood move at U(1 +- 1/2), and the difference between their concentrations falls by
-// U/lambda per second. A pulse of contrast medium then spreads with the dispersion D = U lambda / 4. The
-// upwind rule with cells of length L adds U L / 2 to the dispersion, and the time step removes a part of this
-// addition. With L = 1.5 mm, the upwind rule and the time step together add 3 % to the dispersion.
+// The two layers of blood move at U(1 +- 1/2), where U is the mean speed, and the difference of their
+// concentrations falls at the rate U/lambda, where lambda is the mixing length. A pulse of contrast medium in
+// these two layers spreads with the dispersion D = U lambda / 4. The upwind rule with cells of length L adds
+// U L / 2 to the dispersion, and the time step removes a part of this addition. With L = 1.5 mm, the upwind
+// rule and the time step together add 3 % to the dispersion.
 void a_pulse_spreads_as_the_two_layers_say(void **)
 {
     const VesselTree tree{{straight("tube", {0, 0, 0}, {1900, 0, 0}, 3.0, 10.0)}};

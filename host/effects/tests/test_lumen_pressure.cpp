@@ -1,7 +1,7 @@
 // These tests check the following. The pressure of an injection follows from the viscosity on the label: by
-// Hagen-Poiseuille's law in an empty lumen, and by the law for an annulus beside a guidewire. An injection
-// that would need more than 1200 psi, with the tools then in the lumen, is refused at that tick, so that no
-// part of it enters the vessel.
+// Hagen-Poiseuille's law in an empty lumen, and by the law for an annulus beside a guidewire. An injection is
+// refused if it would need more than 1200 psi with the tools that lie in the lumen at its tick; no part of it
+// then enters the vessel.
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/units.hpp"
 #include "host/patient/contrast.hpp"
@@ -129,8 +129,8 @@ void a_lumen_that_is_too_narrow_is_refused_before_the_session(void **)
 }
 
 // An injection of 0.2 ml/s of 350 mg/ml needs 550 psi through the empty 0.42 mm lumen, and 60,000 psi or more
-// beside the guidewire. The decision depends only on the inserted lengths of the tools at the tick of the
-// injection; here the guidewire is pulled out one tick earlier.
+// beside the guidewire. Whether an injection is refused depends only on the inserted lengths of the tools at
+// its tick; here the guidewire is pulled out one tick earlier.
 void a_wire_in_the_lumen_decides_at_the_tick_of_the_injection(void **)
 {
     const RoomCommand inject{RoomAction::inject, {1000, 200, 2}};

@@ -1,7 +1,7 @@
-// Tests the results of worlds in the C library: the state hash of `cournand run` for the same orders, equal
-// results with any number of threads, snapshots that continue bit for bit, readings in SI units, tips in
-// named vessels, recordings, and replays. The tests of refusals are in test_library_refusals.cpp, and the
-// tests of pictures in test_library_pictures.cpp.
+// Tests the worlds (simulated sessions) of the C library. A world must give the state hash that `cournand
+// run` gives for the same orders, with any number of threads, and snapshots must continue bit for bit. The
+// tests also cover readings in SI units, tips in named vessels, recordings and replays. The tests of refusals
+// are in test_library_refusals.cpp, and the tests of pictures in test_library_pictures.cpp.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -195,8 +195,8 @@ void a_snapshot_in_memory_is_that_of_the_wire(void **)
     assert_true(link.read_hash64().hash == other.read_hash64().hash);
 }
 
-// A search program restores the same snapshot for every branch of its search. The printed time is only for
-// information (docs/library.md).
+// This test restores one snapshot many times, as a search program does for every branch of its search. The
+// printed time is only for information (docs/library.md).
 void a_snapshot_gives_the_same_world_however_often_it_is_restored(void **)
 {
     cournand_world *restored = world(aorta());

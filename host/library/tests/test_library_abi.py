@@ -6,11 +6,12 @@ the header with the committed description.
   test_library_abi.py            prints TAP
   test_library_abi.py --write    writes the description of the present header
 
-The description is made from a small object file that contains only variables. There is one variable with the type of
-each function; for every constant, an array of as many bytes as its value; for every member of a struct, one variable of
-its type, and an array of as many bytes as its offset. In the types of functions, structs that begin with struct_bytes
-are opaque, because later versions may add members at their end. The size of every other struct must not change. The
-test of the installed library checks that this library exports exactly the functions of the header."""
+The description is made from a small object file that contains only variables. For each function, the object file has
+one variable of the function's type. For each constant, it has an array of as many bytes as the constant's value. For
+each member of a struct, it has one variable of the member's type, and an array of as many bytes as the member's offset.
+In the types of functions, structs that begin with struct_bytes are opaque, because later versions may add members at
+their end. The size of every other struct must not change. The test of the installed library checks that this library
+exports exactly the functions of the header."""
 
 import os
 import re
@@ -72,8 +73,8 @@ def interface(header):
 
 
 def describe(header, path):
-    """Writes the description of the interface in a header's text. Returns the compiler's message if the header cannot
-    be compiled."""
+    """Writes the description of the interface that a header's text declares. Returns the compiler's message if the
+    header cannot be compiled."""
     with tempfile.TemporaryDirectory() as folder:
         for file, text in zip(("calls.c", "values.c"), interface(header)):
             with open(os.path.join(folder, file), "w", encoding="utf-8") as out:

@@ -1,4 +1,5 @@
-// Tests that the C library refuses wrong calls with a text, and that such calls do not change the world.
+// Tests that the C library refuses wrong calls, that every refusal has a text, and that a refused call does
+// not change its world.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>

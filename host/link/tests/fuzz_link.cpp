@@ -80,7 +80,7 @@ class FuzzedDevice final : public crn::Transport
   public:
     explicit FuzzedDevice(Input &in) : in_(in) {}
 
-    // The host's frames are valid. The first bytes of such a frame, after decoding from COBS, show which
+    // The host's frames are valid. The first bytes of a request's frame, after decoding from COBS, show which
     // answer the host expects.
     void write(std::span<const std::uint8_t> bytes) override
     {

@@ -114,8 +114,8 @@ bool contains(const std::string &text, const char *part)
 }
 
 // In this test the device restarted in the middle of a frame. The host's decoder holds the first half of the
-// interrupted frame. The device's reply follows directly, without the zero byte that would have ended that
-// frame.
+// interrupted frame. The device's reply follows directly, without the zero byte that would have ended the
+// interrupted frame.
 void hello_finds_the_device_behind_half_a_frame(void **)
 {
     TalkingDevice device;
@@ -227,8 +227,8 @@ void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
     assert_true(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5));
 }
 
-// A snapshot must have the size that the device announced, and this size must not exceed that of any correct
-// device.
+// A snapshot must have the size that the device announced, and must not be larger than the largest snapshot
+// of a correct device.
 void a_snapshot_beyond_its_size_is_refused(void **)
 {
     TalkingDevice device;

@@ -71,8 +71,9 @@ void the_same_view_twice_is_the_same_picture(void **)
 {
     crn::ReplayRoom room(path, "", small_pictures());
     assert_true(room.ticks() > 8000);
-    // The test first uses the recording's snapshots, without a track. The test then goes forwards and back,
-    // and also uses the snapshots of the track.
+    // The test first uses only the recording's snapshots, without a track (the list of prepared states). The
+    // test then goes forwards and back in time, and also uses the snapshots of the track (the list of
+    // prepared states).
     const crn::ReplayPicture first = room.picture(moment(6300, 30.0));
     room.picture(moment(7000));
     assert_true(room.picture(moment(6300, 30.0)).grey == first.grey);

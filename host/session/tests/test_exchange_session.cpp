@@ -118,7 +118,8 @@ void a_script_exchanges_tools_and_the_patient_follows(void **)
     assert_int_equal(answers(recorded.recording, 0), 1);
 }
 
-// Returns the final hash of a wire that is advanced while another tool may lie on the table.
+// Returns the final hash of a session that advances a wire; the session's table of tools may have another
+// tool that is not in use.
 std::uint64_t hash_beside(const std::string &other)
 {
     const auto file = [](const std::string &name) { return "shared/examples/instruments/" + name + ".toml"; };
@@ -141,8 +142,8 @@ std::uint64_t hash_beside(const std::string &other)
     return crn::run_session(device, patient, session, nullptr, nullptr, {}).hash;
 }
 
-// The table shares one mesh: a guiding catheter asks for nothing more than the wire does, a Rosen wire for
-// shorter elements.
+// All tools of a session's table share one mesh. A guiding catheter needs no finer mesh than the wire,
+// whereas a Rosen wire needs shorter elements.
 void a_tool_on_the_table_changes_hashes_only_by_its_mesh(void **)
 {
     const std::uint64_t alone = hash_beside("");

@@ -1,6 +1,7 @@
 // Tests the controls of the suite (the window of a live session). Every control must have a key, a sentence
-// and a row in docs/suite.md; keys, buttons and pedals must act in the same way; a control that is pressed
-// and released between two drawings of the window must still act; and every standard view must be reachable.
+// and a row in docs/suite.md, and keys, buttons and pedals must act in the same way. A control that is
+// pressed and released between two drawings of the window must still act. Every standard view must have a
+// control.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>

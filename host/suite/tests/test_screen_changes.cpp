@@ -1,6 +1,6 @@
-// Claims about the parts of a screen that are drawn again: nothing is drawn if nothing has changed; what has
-// changed, moved or gone is covered; and a screen of which only these parts are drawn has the same pixels as
-// one that is drawn wholly.
+// Tests which parts of a window are drawn again: nothing if nothing has changed, and otherwise every part
+// that has changed, moved or disappeared. If only these parts are drawn, the window must have the same pixels
+// as one that is drawn completely.
 #include "host/suite/screen_changes.hpp"
 #include <array>
 #include <csetjmp>
@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-// This header comes last, because its macros (fail, ...) would change other headers.
+// The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -145,7 +145,8 @@ void a_texture_with_another_picture_is_drawn(void **)
     assert_true(covers(changes(screen, image, {picture}), {10, 10, 30, 30}));
 }
 
-// A screen of numbers: what is drawn over a pixel changes its number, and an opaque picture sets it.
+// Simulates a window with one number per pixel: drawing over a pixel changes its number, and an opaque
+// picture replaces it.
 using Pixels = std::array<std::uint32_t, std::size_t{size.width} * size.height>;
 
 void paint(Pixels &pixels, const ImDrawData &data, std::uint32_t shown)

@@ -268,8 +268,8 @@ static void a_blocked_arm_is_free_to_go_back(void **)
 }
 
 // The expected gap between C-arm and table in the AP view follows from the dimensions of tube and table. The
-// tube's housing ends 25 cm in front of the focal spot, which is 50 cm below the isocentre. The underside of
-// the table is 13 + 6 cm below the patient's origin.
+// tube's housing ends 25 cm in front of the focal spot, and therefore 50 cm below the isocentre. The
+// underside of the table is 13 + 6 cm below the patient's origin.
 static void the_gap_under_the_table_is_the_one_of_the_drawing(void **)
 {
     const double gap_m = table_clearance_m({0, 0, 0, 0, 0, 1.05, 0.75});
