@@ -38,7 +38,7 @@ class PulseMonitor
         float ecg_mV = 0.0f, pressure_mmHg = 0.0f;
     };
 
-    // Receives every tick. After this call the curve shows the aortic pressure.
+    // Receives every tick. After a call of tick(), the curve shows the aortic pressure.
     void tick(const crn_wire_tick_state &state);
     // The next two functions together do the same as tick(), for a curve that shows the pressure of another
     // transducer: advance() computes the aortic pressure, and show() receives the measured pressure of the

@@ -54,7 +54,7 @@ class ReplayRoom
     std::vector<ReplayMark> marks() const;
 
     // Continues the track (the list of states over the session) by at most this number of ticks. Returns
-    // false when the track is complete. One thread at a time.
+    // false when the track (the list of states over the session) is complete. One thread at a time.
     bool prepare(std::uint32_t ticks);
     std::uint32_t prepared() const { return prepared_; }
     // Computes a picture; equal requests give pictures that are equal bit for bit. Only one thread at a time

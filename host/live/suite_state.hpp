@@ -27,7 +27,7 @@ struct SuiteState {
     LineNumbers line;   // the tools at the positions of the line
     SessionFrame frame; // the shape and the readings of the tools, at most 20 ms old
     double contrast_ml = 0.0, contrast_ml_s = 0.0;
-    // Holds the pressure that an injection of 1 ml/s needs with the present tools; it is empty if no tool can
+    // Holds the pressure that an injection of 1 ml/s needs with the present tools, or no value if no tool can
     // inject. The flow is laminar, so the pressure grows in proportion to the flow.
     std::optional<double> injection_kPa_per_ml_s;
     double inflator_kPa = 0.0; // as set by the user

@@ -77,9 +77,9 @@ inline constexpr std::uint32_t inserted_unstated = 0xffffffffu;
 struct Session {
     std::string file;
     SessionNeeds needs;
-    // This member holds the inserted length of each tool at the start of the session. The statement `begin
-    // inserted` sets the inserted length of all tools that no other `begin` statement names. If no statement
-    // sets a tool's inserted length, the start length of the scene applies.
+    // Holds the inserted length of each tool at the start of the session. The statement `begin inserted` sets
+    // the inserted length of all tools that no other `begin` statement names. If no statement sets a tool's
+    // inserted length, the start length of the scene applies.
     std::uint32_t inserted_um[session_tools_max] = {inserted_unstated, inserted_unstated, inserted_unstated};
     std::vector<std::string> line_names{}; // of `begin with`: name or number of the tool at each position
     int line_names_line = 0;
