@@ -20,13 +20,11 @@ import sys
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 WORDS_MIN = 6  # shorter ones are labels
 ENDS = re.compile(r"(?<=[a-z0-9)`%\"'”])[.!?](?=\s+[A-Z`\"(]|\s*$)")
-# Matches a comment of whole lines; a comment after code, with its continuation far to the right; and a docstring, but
-# no other long string.
+# Matches a comment of whole lines, and a comment after code, with its continuation far to the right.
 COMMENT = re.compile(
-    r"^[ \t]*//[^\n]*(?:\n[ \t]*//[^\n]*)*|(?<!:)//[^\n]*(?:\n[ \t]{20,}//[^\n]*)*"
-    r"|/\*.*?\*/|^[ \t]*\"\"\".*?\"\"\"",
-    re.S | re.M,
+    r"^[ \t]*//[^\n]*(?:\n[ \t]*//[^\n]*)*|(?<!:)//[^\n]*(?:\n[ \t]{20,}//[^\n]*)*|/\*.*?\*/", re.S | re.M
 )
+DOCSTRING = re.compile(r"^[ \t]*\"\"\".*?\"\"\"", re.S | re.M)  # and no other long string
 GENERATED = re.compile(r"<!-- (?:begin|table of).*?<!-- end.*?-->", re.S)
 NOTATION = re.compile(r"Format: |[{\[]")  # number formats and JSON are skipped like tables
 
@@ -57,12 +55,17 @@ def of_document(text):
         yield from split(re.sub(r"^(- |\d+\. )", "", " ".join(lines)).replace("**", ""))
 
 
-def of_source(text):
+def of_source(text, comments=COMMENT):
     """Yields the sentences in the comments of a source file; indented examples in the comments are left out."""
-    for comment in COMMENT.findall(text):
+    for comment in comments.findall(text):
         lines = [re.sub(r"^[ \t]*(///?|/\*+|\*/|\*)?|\*/$|\"\"\"", "", line) for line in comment.split("\n")]
         for paragraph in re.split(r"\n\s*\n", "\n".join(line for line in lines if not line.startswith("   "))):
             yield from split(paragraph)
+
+
+def of_script(text):
+    """Yields the sentences in the docstrings of a Python file."""
+    return of_source(text, DOCSTRING)
 
 
 def sentences(prefixes=("",)):
@@ -74,7 +77,8 @@ def sentences(prefixes=("",)):
             continue
         with open(os.path.join(ROOT, path), encoding="utf-8") as file:
             text = file.read()
-        found += [(path, one) for one in (of_document(text) if path.endswith(".md") else of_source(text))]
+        of_text = {".md": of_document, ".py": of_script}.get(os.path.splitext(path)[1], of_source)
+        found += [(path, one) for one in of_text(text)]
     return found
 
 

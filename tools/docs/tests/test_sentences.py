@@ -34,6 +34,7 @@ int b; // the number of late ticks since the last start of the program
 """
 SCRIPT = '''"""A docstring is read as any other comment is read."""
 TEXT = """Text that a program prints is no comment of ours."""
+PATHS = glob("/lib/*/bin/one"); each of these paths names a program of the server. OTHER = "*/"
 '''
 
 
@@ -73,7 +74,7 @@ def main():
         ]
         else found,
     )
-    found = list(sentences.of_source(SCRIPT))
+    found = list(sentences.of_script(SCRIPT))
     report.check("and docstrings", [] if found == ["A docstring is read as any other comment is read."] else found)
     one, again, other = run("--seed", "3"), run("--seed", "3"), run("--seed", "4")
     report.check(
