@@ -93,7 +93,7 @@ static inline bool crn_has_tool(const crn_state_words *words, uint32_t position)
     return words->exchange.line[position] != 0;
 }
 
-/* Returns the position of the tool around tool k, which is k + 1 unless no tool is at the position k + 1. The
+/* Returns the position of the next tool around tool k, which is k + 1 unless that position has no tool. The
  * caller ensures that k is not the outermost position. */
 static inline uint32_t crn_tool_around(const crn_model *model, const crn_state_words *words, uint32_t k)
 {
