@@ -169,8 +169,8 @@ static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair,
 }
 
 /* Computes, for every edge of a pair of tools, the limit mu N r of the friction torque and the friction's
- * stiffness against turning. The function also sums the friction mu N over the edges, which limits sliding.
- */
+ * stiffness against turning. The function also sums the friction mu N over the edges; this sum limits
+ * sliding. */
 static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     uint32_t na = state->words.free_count;
