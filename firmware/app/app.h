@@ -154,8 +154,8 @@ typedef struct crn_app_faults {
     crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
 } crn_app_faults;
 
-/* Messages being read and written. After a request or a timer edge has been handled, only the contents of the
- * buffer `ticks` are still needed. */
+/* Messages being read and written. Once a request or a timer edge has been handled, only the buffer `ticks`
+ * is still needed. */
 typedef struct crn_app_buffers {
     union {
         crn_wire_scene_chunk scene_chunk;
@@ -209,7 +209,7 @@ void crn_app_init(crn_app *app, const crn_port *port);
 void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count);
 
 /* A host may also send requests without frames, as HID reports. The app checks a HID request as if it had
- * come in a frame. A frame of which only a part has arrived is not disturbed by a HID request. The app
+ * come in a frame. A HID request does not disturb a frame that has arrived only in part. The app
  * answers a HID request by a frame whose field `answers` is 0, because a HID request has no frame number. */
 
 /* The function accepts only STOP and RESET, and returns true when the state is then no longer RUNNING, or is

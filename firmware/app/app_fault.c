@@ -14,7 +14,7 @@ static bool fault_stops(crn_fault_code code)
     return false;
 }
 
-/* The fault log has one entry for each fault code, with the ticks of the first and the last occurrence, the
+/* The fault log has one entry for each fault code: the ticks of the fault's first and last occurrence, the
  * number of occurrences, and the last values. */
 void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {

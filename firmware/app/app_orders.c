@@ -36,8 +36,8 @@ static bool take_strut(const crn_app *app, const crn_wire_order *order, crn_app_
     return wire->number != 0 && crn_strut_order_is_valid(&taken->strut);
 }
 
-/* This function checks only the numbers in an order to exchange tools, because the state of the tick decides
- * whether the exchange is possible. */
+/* Checks only the numbers in an order to exchange tools; whether the exchange is possible depends on the
+ * state at its tick. */
 static bool take_exchange(const crn_app *app, const crn_wire_order *order, crn_app_order_set *taken)
 {
     taken->has_exchange = true;

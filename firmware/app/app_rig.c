@@ -41,9 +41,9 @@ static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t k
 /* The condition b > G (K (T / 2 + t) + B) limits a spring K and a damper B that are computed once in each
  * tick of length T. The damping b is that of the rig itself; the motor's force acts after the lag t and is
  * multiplied by G (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N s/m, G in 1/1000; both sides in
- * 1e-9 N s/m. Overflow is impossible: G is below 2^32 (4 000 x 5 x 10^5, the range of scales), and 10^5 x
- * 2^32 x 20 500 and 10^6 x 2^32 are below 2^63. For a track without a virtual coupling, the condition on
- * spring and damper does not apply. */
+ * 1e-9 N s/m. Overflow is impossible: G is below 2^32 (at most a gain of 4 000 times a scale factor of 5 x
+ * 10^5), and 10^5 x 2^32 x 20 500 and 10^6 x 2^32 are below 2^63. For a track without a virtual coupling, the
+ * condition on spring and damper does not apply. */
 static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us,
                        uint64_t factor_milli)
 {
@@ -228,7 +228,7 @@ void crn_app_track_default(crn_app_track *track, const crn_port *port)
     (void)track_set(track, &wire, (track_rights){true, true}, &field);
 }
 
-/* The request is checked as a whole before a single track changes. */
+/* The whole request is checked before any track changes. */
 void crn_app_rig_take(crn_app *app, const crn_wire_rig *wire)
 {
     const uint16_t type = CRN_WIRE_TYPE_rig;

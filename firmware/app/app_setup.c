@@ -118,7 +118,7 @@ static void tool_from_wire(const crn_wire_instrument *wire, crn_instrument *tool
 }
 
 /* Refuses a set-up request because the core could not build a model; the reply names the core's reason, the
- * tool and the knot. */
+ * tool, and the knot (entry of the tool's table of properties). */
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place)
 {
     static const uint16_t codes[] = {
@@ -135,9 +135,9 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
 
 static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}};
 
-/* If a message does not say which tools are nested at the start, all tools of the table are, in the table's
- * order. Returns the number of positions for nested tools (the line), or 0 if there would be too many
- * tools. */
+/* If a message does not say which tools are nested at the start, all tools of the table are nested, in the
+ * table's order. Returns the number of places for nested tools, or 0 if this number would exceed
+ * CRN_TOOL_MAX. */
 static uint32_t line_from_wire(const crn_wire_tools *wire, uint32_t line[CRN_TOOL_MAX])
 {
     const uint16_t count = wire->line_count > 0 ? wire->line_count : wire->tools_count;

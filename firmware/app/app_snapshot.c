@@ -175,8 +175,8 @@ static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, c
 }
 
 /* The app refuses a snapshot in which a hand is farther ahead of its tool than the coupling allows, or in
- * which the estimate of the tool's stiffness exceeds its largest value. Because the app limits the hand's
- * lead and the estimate of the stiffness in a snapshot, no product of a later tick can overflow. */
+ * which the estimate of the tool's stiffness exceeds its largest value. Because the app limits the stiffness
+ * and the hand's distance ahead of the tool in a snapshot, no product of a later tick can overflow. */
 static bool read_spring(crn_wire_reader *reader, const crn_haptics_axis *axis, crn_haptics_spring *spring)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);

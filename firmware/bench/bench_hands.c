@@ -1,8 +1,8 @@
 /* This benchmark runs a million ticks in which random hand motions move tools in a vessel that forks. A third
  * of the benchmark's ticks has one tool, a third has two tools, and a third has three. Each row of the
  * results gives the largest length error of the tools, in percent. A row of the benchmark fails when a length
- * error exceeds 0.6 %. A row also fails when more than one tick in 10,000 has a length error above 0.45 %, or
- * a tool that is more than 1 mm beyond the wall. */
+ * error exceeds 0.6 %. A row also fails when, in more than one tick in 10,000, the length error exceeds 0.45
+ * % or a tool lies more than 1 mm beyond the wall. */
 #include "firmware/bench/bench.h"
 #include "firmware/tests/reference/random_hands.h"
 

@@ -121,8 +121,8 @@ typedef struct crn_hand_pose {
 /* Commands a stent to hold the points `first` to `last` of a lesion open to the extent `open_q30`. */
 typedef struct crn_scaffold {
     uint32_t lesion, first, last;
-    int32_t open_q30; /* The value 0 means that the command has no effect, and the value 1 in Q30 opens the
-                         points completely. An order for a station that does not exist has no effect */
+    int32_t open_q30; /* An extent of 0 has no effect, and an extent of 1 (in Q30) opens the points
+                         completely. A command for a point that does not exist has no effect */
 } crn_scaffold;
 
 /* Commands the position of one strut ring of a deployed stent. A ring is a circle in the lumen's reference
@@ -194,8 +194,8 @@ size_t crn_state_size(void);
 
 /* Derives all constants of `tool_count` tools, which are listed from the innermost to the outermost. The
  * pointer `lumen` may be NULL (free space), and its target must exist as long as the model; the tools are
- * copied. If the status is not CRN_BUILD_OK, the model must not be used, and *place names the tool and the
- * knot that caused the refusal. */
+ * copied. If the status is not CRN_BUILD_OK, the model must not be used, and *place names the tool, and the
+ * knot of its table of properties, that caused the refusal. */
 crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, uint32_t tool_count,
                                  const crn_lumen *lumen, const crn_entry *entry, crn_build_place *place);
 
@@ -214,7 +214,7 @@ crn_build_status crn_model_build_table(crn_model *model, const crn_instrument *t
 
 /* Makes a state in which nothing moves. The length inserted_um[k] of each tool k lies beyond the introducer
  * sheath, straight along the sheath's axis. The inserted length of the tool that reaches farthest is limited
- * to the range that the tools allow, which begins at the length of a few elements. */
+ * to the allowed range, which begins at the length of a few elements. */
 void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *inserted_um);
 
 /* Advances the state by one tick. The function crn_step never fails: a value that its number format cannot
@@ -225,7 +225,7 @@ void crn_step(const crn_model *model, crn_state *state, const crn_input *input, 
  * that has none, or does both at once. A tool that joins the nested tools begins with its tip in the
  * introducer sheath, CRN_WITHDRAWN behind the sheath's end. A tool can be removed from the nested tools only
  * after its tip was withdrawn into the sheath. The leading tool cannot be removed without a replacement, and
- * is replaced only when the nested tools are inserted as little as possible. */
+ * is replaced only when the nested tools have their shortest allowed inserted length. */
 typedef struct crn_exchange_order {
     uint32_t position; /* 0: innermost */
     uint32_t tool;     /* number in the table, from 1; 0: the tool at this position leaves the line */

@@ -71,8 +71,8 @@ static void build_cells(crn_model *model)
 
 /* Chooses the lengths of the mesh's elements. The elements are short at the tip. Each element is at most 1.5
  * times as long as its neighbour nearer to the tip, up to the element length of the shaft. The lengths of the
- * elements never decrease towards the base. Because the element lengths never decrease towards the base, |W|
- * = |V - I| stays at most 2 in the solve (rod_solve.c). The mesh ends at the last whole element. */
+ * elements never decrease towards the base. This order of lengths keeps the magnitude of the matrix W = V - I
+ * of the solve (rod_solve.c) at most 2. The mesh ends at the last whole element. */
 static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 {
     int32_t length = plan->tip;
@@ -109,8 +109,9 @@ static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 
 /* --- tools ---------------------------------------------------------------------------------------------- */
 
-/* Converts the values of a knot to the formats of crn_property. The conversion factors are 2^35 / 1e9 from nN
- * m^2 to Q35, 2^20 / 1000 from milli/m to Q20, and 2^34 / 1e6 from mg/m to Q34 kg/m. */
+/* Converts the properties given at a knot (a point along the tool) to the formats of crn_property. The
+ * conversion factors are 2^35 / 1e9 from nN m^2 to Q35, 2^20 / 1000 from milli/m to Q20, and 2^34 / 1e6 from
+ * mg/m to Q34 kg/m. */
 static void knot_values(const crn_knot *knot, int32_t values[CRN_PROPERTY_COUNT])
 {
     values[CRN_BEND_N_M2_Q35] = scaled(knot->bend_stiffness_nN_m2, (uint64_t)1 << 35, 1000000000u);
@@ -213,8 +214,8 @@ static int32_t own_stiffness(const crn_tool *tool, int32_t arc_m_q30)
     return bend_at(tool, i, arc_m_q30);
 }
 
-/* Holds the CRN_TOOL_MAX largest values among all tools of the table, in descending order; no more tools can
- * be nested at once. */
+/* Holds the CRN_TOOL_MAX largest values among all tools of the table, in descending order; at most
+ * CRN_TOOL_MAX tools can be nested at once. */
 typedef struct largest_values {
     int32_t values[CRN_TOOL_MAX];
 } largest_values;
@@ -405,8 +406,8 @@ static void build_base_axes(crn_model *model)
 }
 
 /* Derives the constants of every tool of the table. If the table has more tools than can be nested at once,
- * and the mesh would have too many elements, the elements of the shaft become longer. The function also
- * chooses the number format of the matrix so that any tools of the table can be nested. */
+ * and the mesh would have too many elements, the function makes the elements of the shaft longer. The
+ * function also chooses the number format of the matrix so that any tools of the table can be nested. */
 static crn_build_status build_table(crn_model *model, const crn_instrument *table, crn_build_place *place)
 {
     enum { STEPS = 16 }; /* from 4 mm to more than 8 mm */

@@ -64,7 +64,8 @@ static crn_build_status check_tool(const crn_instrument *tool, crn_build_place *
 }
 
 /* Returns whether the thickest part of the tool `inner` fits through the narrowest part of the tool `outer`.
- * *knot receives the number of the narrowest knot. */
+ * *knot receives the number of the knot (point of the table of properties) at which the outer tool is
+ * narrowest. */
 static bool fits_inside(const crn_instrument *inner, const crn_instrument *outer, uint32_t *knot)
 {
     uint32_t thickest_um = 0;

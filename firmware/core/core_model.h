@@ -176,7 +176,8 @@ enum {
 
 /* The functions of this header check the tools of the table (number and ranges of their values), the tools
  * that the line begins with (their numbers, nesting and balloons) and the place of entry. *place receives the
- * tool and the knot that caused a refusal. The nested tools are checked after the tools of the table. */
+ * tool and the knot (entry of its table of properties) that caused a refusal. The nested tools are checked
+ * after the tools of the table. */
 crn_build_status crn_check_table(const crn_instrument *table, uint32_t table_count, crn_build_place *place);
 /* Returns whether the line (a list of nested tools) has at least one tool, contains only the number 0 and
  * numbers of tools in the table, and contains no tool twice. */

@@ -175,8 +175,7 @@ static bool edge_is_valid(const crn_model *model, const crn_node_state *node, ui
 }
 
 /* Nodes in the introducer sheath must lie on the sheath's axis, where place_inside() of rod_feed.c puts them.
- * The position of a node in the introducer sheath may differ from the position on the axis only by a rounding
- * error of the last tick. */
+ * A node in the introducer sheath may lie off the sheath's axis only by a rounding error of the last tick. */
 static bool held_is_valid(const crn_model *model, const crn_node_state *node, int32_t beyond_m_q30)
 {
     enum { ROUNDING = 16 };

@@ -243,9 +243,8 @@ crn_exchange_status crn_exchange_check(const crn_model *model, const crn_state *
 /* --- an exchange ---------------------------------------------------------------------------------------- */
 
 /* Clears everything that the state contains about the tool at a position, except the angle at which the hand
- * holds the tool. The elastic friction displacement against the inner tool is not cleared while the inner
- * tool still reaches beyond the sheath. The friction displacement is bounded, and the new tool's first slip
- * replaces it. */
+ * holds the tool. While the inner tool reaches beyond the sheath, the elastic friction displacement against
+ * this tool is kept. The friction displacement is bounded, and the new tool's first slip replaces it. */
 static void forget_tool(const crn_model *model, crn_state_words *words, uint32_t position)
 {
     crn_tool_state *tool = &words->tools[position];

@@ -24,8 +24,8 @@ uint64_t crn_divide_u64(uint64_t a, uint64_t b)
     uint64_t quotient = 0;
     uint64_t rest = 0;
     for (int bit = 63; bit >= 0; bit--) {
-        /* Before each step, the remainder `rest` is at most the number that the top (63 - bit) bits of a
-         * represent, so the shift loses no bits. */
+        /* Before each step, `rest` is no greater than the number formed by the top (63 - bit) bits of `a`, so
+         * the shift loses no bits. */
         rest = (rest << 1) | ((a >> bit) & 1u);
         if (rest >= b) {
             rest -= b;

@@ -15,10 +15,10 @@
  *                           (x fastest), one level down. At most CRN_LUMEN_LEVELS - 1 refinements.
  * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of the distance phi. The
  * coefficients are int8 numbers in units of voxel/32, saturated at +-127, that is +-3.97 voxels. Coefficient
- * (i,j,k) belongs to the sample at (i-1, j-1, k-1) + 1/2 voxels from the corner of the coefficient's brick,
- * so that bricks overlap by one sample on every side. The distances at the sample points themselves are never
- * stored. The program that bakes a scene filters the distances beforehand, so that the spline passes through
- * the true distances.
+ * (i,j,k) belongs to the point that lies (i - 1/2, j - 1/2, k - 1/2) voxels from the brick's corner.
+ * Neighbouring bricks therefore overlap by one sample on every side. The distances at the sample points
+ * themselves are never stored. The program that bakes a scene filters the distances beforehand, so that the
+ * spline passes through the true distances.
  *
  * The code in shared/scene validates the data before use, because they may come from an attacker. */
 #ifndef CRN_LUMEN_H
@@ -40,8 +40,8 @@ enum {
 struct crn_motion;
 
 /* A lesion that a balloon can open (lesion.h) is described by points along the healthy centreline, called
- * stations, at a spacing of 2^spacing_log2_q30 by arc length. The lesion's points (stations) are read
- * directly from the bytes of a scene. */
+ * stations. Their spacing along the centreline is 2^spacing_log2_q30, in units of 2^-30 m. The lesion's
+ * points (stations) are read directly from the bytes of a scene. */
 typedef struct crn_lesion_station {
     int32_t healthy_m_q30[3], healthy_radius_m_q30;
     int32_t channel_m_q30[3], channel_radius_m_q30; /* remaining channel, in the plane across the vessel */

@@ -139,8 +139,8 @@ static inline found find(const crn_lattice *lattice, crn_motion_field *field, co
 
 /* Finds the tetrahedron of a lattice cell that contains the point. A path along edges of the lattice cell
  * defines the tetrahedron; the path starts at the corner of the cell with the smallest coordinates. The path
- * leads first along the axis with the point's largest fraction, then along the axis with the next largest
- * fraction. */
+ * leads first along the axis on which the point's coordinate within the cell is largest, then along the axis
+ * with the next largest coordinate. */
 static inline uint32_t tetrahedron_at(const int32_t *p_q31)
 {
     return (p_q31[1] >= p_q31[2] ? 4u : 0u) | (p_q31[2] >= p_q31[4] ? 2u : 0u) |
@@ -381,7 +381,7 @@ enum {
 }; /* bounds the quotients here and in crn_motion_contact, for distances up to 15.6 mm */
 
 /* Computes the distance to the wall for a point that lies within a lattice. The distance within a lattice is
- * computed in a separate function, so that a node outside both lattices costs no time. */
+ * computed in a separate function, so that a node outside both lattices takes no additional time. */
 CRN_APART static int32_t distance_inside(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose, const crn_vec3 *world_m_q30,
                                          int32_t shrink_q30, int32_t far_m_q30)

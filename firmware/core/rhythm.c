@@ -66,8 +66,8 @@ static void place_premature(crn_rhythm *rhythm)
     rhythm->bits |= CRN_RHYTHM_NEXT_PREMATURE;
 }
 
-/* The interval before a premature beat is short, and the pause after it brings the rhythm back into step: the
- * two intervals together are as long as two mean intervals. */
+/* The interval before a premature beat is short and the pause after this beat is long: the two intervals
+ * together are as long as two mean intervals. */
 static void begin_premature(crn_rhythm *rhythm)
 {
     uint32_t before = rhythm->interval_ms;

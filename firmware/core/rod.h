@@ -54,8 +54,8 @@ static inline int64_t crn_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q
 
 /* Returns the axial spring stiffness EA / length of an edge. W is the bending stiffness of the softer of the
  * edge's two joints. The result is limited to the largest axial stiffness of the model and to 512 W a^2. With
- * a much larger axial stiffness, the determinant of a block would lose its significant bits. The result has
- * the unit N/m with 8 fractional bits. */
+ * an axial stiffness far above 512 W a^2, the determinant of a matrix block would lose its significant bits.
+ * The result has the unit N/m with 8 fractional bits. */
 static inline int64_t crn_axial_spring_q8(const crn_model *model, uint32_t edge, int32_t bend_N_m_q26)
 {
     int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;
@@ -93,7 +93,7 @@ static inline bool crn_has_tool(const crn_state_words *words, uint32_t position)
     return words->exchange.line[position] != 0;
 }
 
-/* Returns the position of the tool around tool k, which is k + 1 unless no tool is at the position k + 1. The
+/* Returns the position of the next tool around tool k, which is k + 1 unless that position has no tool. The
  * caller ensures that k is not the outermost position. */
 static inline uint32_t crn_tool_around(const crn_model *model, const crn_state_words *words, uint32_t k)
 {

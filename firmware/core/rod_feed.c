@@ -14,10 +14,10 @@ enum {
     TURN32_TO_Q30_RAD = 1686629713, /* pi / 2 in Q30 */
 };
 
-/* Returns the feed at which the force H on a tool's handle reaches its limit F_max. The feed is (F_max - H)
- * times the combined compliance of the free part of the tool and the wall. If the force exceeds its limit,
- * the feed is negative, and the tool slips back slowly through the hand. Format: N Q22 x m/N Q40 -> m Q30.
- * Overflow: the feed saturates at the largest feed that is permitted in a tick. */
+/* Returns the feed at which the force H on a tool's handle reaches its limit F_max. The feed is the remaining
+ * force F_max - H times the combined compliance of the wall and the tool's free part. If the force exceeds
+ * its limit, the feed is negative, and the tool slips back slowly through the hand. Format: N Q22 x m/N Q40
+ * -> m Q30. Overflow: the feed saturates at the largest feed that is permitted in a tick. */
 static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 {
     const int32_t slip_max = CRN_FEED_MAX_M_Q30 / 16;
@@ -132,7 +132,7 @@ static void feed_tools(const crn_model *model, crn_state *state, const crn_input
 }
 
 /* Turns the tools' material frames in the introducer sheath towards the angles of the user's hands. In each
- * tick the frames turn by a quarter of the remaining difference, and at most at 20 rad/s. */
+ * tick the frames turn by a quarter of the angle by which they lag behind the hand, at most at 20 rad/s. */
 static void turn_bases(const crn_model *model, crn_state *state, const crn_input *input)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
@@ -201,8 +201,8 @@ static void add_weight(const crn_model *model, const crn_line_node *line, weight
 }
 
 /* Frees a node from the introducer sheath in this tick. The freed node's predicted position x* is on the
- * sheath's axis at the new feed, its previous position is x* less the slide, and its weight acts from now on.
- */
+ * sheath's axis at the new feed, its previous position is x* less the slide, and its weight acts from this
+ * tick on. */
 static void free_node(crn_state *state, uint32_t i)
 {
     crn_work *work = &state->scratch.nodes[i];
@@ -228,8 +228,8 @@ static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 
 
 /* Computes the slide T / T^2 ds of a node in a fold (a sharp bend). The slide in a fold moves the node along
  * each of its two edges as far as the other end of this edge moves. For bends of a right angle or more, the
- * slide in a fold is limited to twice the slide of a straight tool. Overflow is impossible, because a slide
- * of 0.5 mm becomes at most 0.71 mm. */
+ * slide in a fold is limited to twice the slide of a straight tool. Overflow is impossible, because a fold
+ * increases a slide of 0.5 mm to at most 0.71 mm. */
 CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 {
     const int32_t factor_q28 = square_q28 > 1 << 27 ? crn_quotient(1 << 28, square_q28, 28) : 1 << 29;
@@ -288,7 +288,7 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
     fold->is_passed |= is_fold;
 }
 
-/* Moves nodes 0 .. count-1 by the slide -T ds. The first `rigid` nodes move like node `rigid`. The first
+/* Moves nodes 0 .. count-1 by the slide -T ds. Nodes 0 .. rigid-1 move like node `rigid`. The first
  * `rigid` nodes also move by the displacement that the tip's rotation causes and that the scratch memory
  * contains. The loop over the nodes runs from the hand towards the tip. In a fold of the tool, the nodes
  * nearer to the tip follow the edges behind them. */

@@ -31,11 +31,11 @@ static inline int32_t bristle_limit(int32_t limit_N_q22)
 }
 
 /* Returns the limit of the friction force on a slipping node. In each tick the friction limit of a slipping
- * node is CRN_FRICTION_GROWTH times k_t |z|, plus CRN_FRICTION_FRESH. If mu times the force at the predicted
- * depth were the limit, a node that hops on the wall by micrometres would rub with many times its real force
- * (5 mN for each micrometre). When the friction limits followed from the predicted depth, neighbouring nodes
- * also hopped, and feeding a soft wire at 40 mm/s took six times the push that correct friction needs.
- * Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
+ * node is CRN_FRICTION_GROWTH times k_t |z|, plus CRN_FRICTION_FRESH. If the limit were mu times the force at
+ * the predicted depth, a node that hops on the wall by micrometres would rub with many times its real force,
+ * because each micrometre of depth adds 5 mN. When the friction limits followed from the predicted depth,
+ * neighbouring nodes also hopped, and feeding a soft wire at 40 mm/s took six times the push that correct
+ * friction needs. Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
 static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_q22)
 {
     const int64_t last_m_q33 = length_at_most(&node->bristle_m_q33);

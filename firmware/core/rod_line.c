@@ -3,8 +3,8 @@
  *
  * Node i lies at arc length S behind the leading tip, where tool k is at its own arc length S - offset(k).
  * Within a node's cell (half an edge to either side of the node), the code averages the compliance, not the
- * stiffness ("series"). Arithmetic averages of the stiffness across a tool's tip or a step in stiffness give
- * force spikes at the handle.
+ * stiffness ("series"). Averaging the stiffness itself, across a tool's tip or an abrupt change of stiffness,
+ * would give force spikes at the handle.
  *   1/W = integral ds / EI,  EI = sum EI_k;   turn_k = integral (EI_k / EI) kappa_k ds
  * A node's cell that contains a tool's tip is summed piece by piece, so all values change smoothly as the
  * tools slide. */
@@ -352,8 +352,8 @@ static void build_surface(walk *w, uint32_t i, cell c)
     node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
-/* Sets the axial stiffness EA of edge i to the value that the softer of its two joints permits in the number
- * format, but at most to the model's largest axial stiffness. */
+/* Sets the axial stiffness EA of edge i to the largest value that the number format permits beside the softer
+ * of the edge's two joints, but at most to the model's largest axial stiffness. */
 static void build_edge(walk *w, uint32_t i)
 {
     crn_line_node *node = &w->line->nodes[i];

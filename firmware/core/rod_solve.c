@@ -130,8 +130,8 @@ static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigne
     z->v[2] = row_apply(n[XZ], n[YZ], n[ZZ], r, shift);
 }
 
-/* Computes P = kb D^-1 in Q29. Overflow is impossible: P is at most 1, because kb is the bending part of D's
- * smallest eigenvalue. */
+/* Computes P = kb D^-1 in Q29. Overflow is impossible: P is at most 1, because kb is at most the smallest
+ * eigenvalue of D. */
 static inline void second_neighbour(const inverse3 *inverse, int32_t second, crn_sym3 *p_q29)
 {
     unsigned shift = inverse->exponent - 29;

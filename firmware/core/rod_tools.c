@@ -169,8 +169,8 @@ static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair,
 }
 
 /* Computes, for every edge of a pair of tools, the limit mu N r of the friction torque and the friction's
- * stiffness against turning. The function also sums the friction mu N over the edges, which limits sliding.
- */
+ * stiffness against turning. The function also sums the friction mu N over the edges; this sum limits
+ * sliding. */
 static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     uint32_t na = state->words.free_count;
@@ -417,10 +417,10 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
 
 /* Bent tools push on the introducer sheath along its axis with EI kappa^2 / 2 at the distal end, because the
  * part that is fed in has to be straight. The push of bent tools on the sheath is the configurational force
- * of a sliding sleeve (Bigoni et al. 2014, Mechanics Research Communications). For the joint whose cell the
- * sheath's distal end cuts, `part` is the length of the cell outside the sheath. The joint whose cell the
- * sheath's end cuts has W = EI / part, and the angle between its edges is kappa times part. Format: Q26 N m x
- * Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
+ * of a sliding sleeve (Bigoni et al. 2014, Mechanics Research Communications). The sheath's distal end cuts
+ * the cell of one joint, and `part` is the length of this cell outside the sheath. A joint with a cut cell
+ * has W = EI / part, and the angle between its edges is kappa times part. Format: Q26 N m x Q30^2 -> Q30 N m,
+ * / Q30 m -> Q22 N. */
 static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;

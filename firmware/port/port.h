@@ -84,7 +84,7 @@ typedef struct crn_port {
     /* Queues one whole frame for the host; returns false, and queues nothing, if there is no space for it. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
     size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
-    /* Samples the rig; false without a rig: the app then uses `input` messages and powers no motor. */
+    /* Samples the rig; without a rig returns false, and the app uses `input` messages and powers no motor. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */

@@ -51,8 +51,8 @@ static volatile uint32_t *model_place(uint32_t base, uint32_t offset)
     return cell(offset);
 }
 
-/* Transfer descriptors hold only 32 bits of an address. The model completes the 32 bits of an address in a
- * descriptor to the address that is nearest to the model's own memory. */
+/* Transfer descriptors hold only 32 bits of an address. The model chooses the missing upper bits of an
+ * address so that the address lies as near as possible to the model's own memory. */
 static uint8_t *address_of(uint32_t low)
 {
     uintptr_t here = (uintptr_t)&memory;

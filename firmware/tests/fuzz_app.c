@@ -476,8 +476,7 @@ enum {
     FREE = CRN_WIRE_ACTION_FREE_RUN
 };
 
-/* Makes one operation of a fuzz input: a `command` message with the given action, and with code and tick 0.
- */
+/* Makes one operation of a fuzz input: a `command` message with the given action, code 0 and tick 0. */
 #define COMMAND(action) 0x16, CRN_WIRE_BYTES_command, action, 0, 0, 0, 0, 0, 0, 0, 0
 
 /* Makes a fuzz input that brings the device into the state READY and then sends one long set-up message, so

@@ -221,7 +221,7 @@ static void forces_that_give_energy_are_reduced(void **state)
     assert_true(least_mN < begin_mN / 4);
 }
 
-/* In this test the hand does not stop shaking. After 100 ticks in a row in which the hand gains energy, the
+/* In this test the hand shakes without end. After 100 ticks in a row in which the hand gains energy, the
  * motor power is removed, because the oscillation would never end by itself. */
 static void energy_that_a_track_gives_for_100_ms_takes_the_power(void **state)
 {

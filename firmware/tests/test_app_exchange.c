@@ -253,7 +253,7 @@ static void start_coupled(void)
     start_lockstep();
 }
 
-/* A hand pulls with some newtons at a tool that has already been withdrawn completely. When the tool is
+/* A hand pulls with a few newtons on a tool that is already completely withdrawn. When the tool is
  * removed, the force on the hand goes to zero in 32 ticks. The force falls by at most a tenth of its first
  * value per tick, and stays zero while the hand moves on. */
 static void the_force_on_the_hand_ramps_to_zero(void **state)

@@ -168,7 +168,7 @@ static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(vo
 }
 
 /* One wrong value in the message causes the refusal of the whole set of tools, and the refusal names the tool
- * and the knot. */
+ * and the knot (the entry of its table of properties). */
 static void a_wrong_value_names_its_tool_and_knot(void **state)
 {
     (void)state;

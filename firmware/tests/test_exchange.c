@@ -218,7 +218,7 @@ static void withdraw_exactly(rig *r)
 }
 
 /* A wire is withdrawn and removed, another wire is put in its place and removed, and the first wire is put in
- * again. From then on, the state is bit for bit as if the first wire had stayed all the time. */
+ * again. After the last exchange, the state is bit for bit as if the first wire had stayed all the time. */
 static void tool_that_came_by_exchange_is_the_tool_that_stayed(void **context)
 {
     (void)context;

@@ -142,7 +142,7 @@ static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **sta
     }
 }
 
-/* The force sensor may be wrong by a quarter, so the hand may hold up to a third more than the measured
+/* The force sensor may be wrong by a quarter, so the hand may exert up to a third more than the measured
  * force; the code assumes this larger force. */
 static void a_force_that_a_hand_holds_stays(void **state)
 {

@@ -6,7 +6,7 @@
 // Every kind of fault belongs to one of the groups link, host, device and rig. A fault happens either at the
 // n-th frame that goes in the given direction, or at the tick with the given number. Frames and ticks are
 // numbered from the START message, or, if the fault's line of text contains `session=setup`, from the first
-// HELLO message. A fault may have one value.
+// HELLO message. A fault has at most one parameter, its `value`.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -49,7 +49,7 @@ AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t 
 // Returns an element length for the wire's shaft, in um, at which the wire has at most `elements` elements.
 std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements);
 
-// Returns the number that the fraction `quantile` (0 to 1) of `values` does not exceed.
+// Returns the given quantile (0 to 1) of `values`; 0.5 gives the median.
 double quantile_of(std::vector<double> values, double quantile);
 
 } // namespace hil

@@ -126,8 +126,7 @@ void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &
     report.add(text("slipped by %.1f mm, %.2f N at most", slipped_m * 1e3, most_N));
 }
 
-// Requests and answers alternate for a second of wall-clock time: the device must answer every request, and
-// no answer may be lost.
+// Requests and answers alternate for a second of wall-clock time, and no answer may be missing.
 void every_question_is_answered(Level &level, const CaseOptions &, Report &report)
 {
     using Clock = std::chrono::steady_clock;

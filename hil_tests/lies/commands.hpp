@@ -1,6 +1,7 @@
 // Runs the commands of the program cournand that communicate with a device. Each command runs in this process
 // from its command line to its exit code, with a device on the simulated bus that sends false messages
-// (lies). The header also declares a function that checks whether the recordings of these commands are true.
+// (lies). The header also declares a function that compares the recordings of these commands with the results
+// of this machine's core.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include <functional>

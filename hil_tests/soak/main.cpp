@@ -111,8 +111,8 @@ void check(Options &options)
         };
 }
 
-// Returns a text (the key) that depends on everything on which the results depend. If the program, a scene,
-// an instrument or a limit changes, the key changes, and the program begins a new file of results.
+// Returns the key, a text that changes when anything changes that affects the results. The key changes with
+// the program, a scene, an instrument or a limit; with a new key, the program begins a new file of results.
 std::string key_of(const Options &options, const soak::Catalogue &catalogue)
 {
     std::uint32_t crc = 0;

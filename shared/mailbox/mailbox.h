@@ -6,9 +6,9 @@
  *
  * Host and device exchange one token at a time, as on a real USB bus. The host never waits longer than its
  * deadline for a device that is busy. Each half has one writer. Every field of the mailbox is a little-endian
- * 32-bit word; the numbers that order the exchange are written with release and read with acquire semantics.
- * Host and device do not trust each other: each reads a length once and then limits it. A flag of the mailbox
- * simulates lost handshakes, because the shared memory itself never loses anything.
+ * 32-bit word; the sequence numbers are written with release and read with acquire semantics. Host and device
+ * do not trust each other: each reads a length once and then limits it. A flag of the mailbox simulates lost
+ * handshakes, because the shared memory itself never loses anything.
  *
  * C11 (gcc, clang). */
 #ifndef CRN_MAILBOX_H

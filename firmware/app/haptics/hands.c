@@ -69,8 +69,8 @@ static int32_t feed_m_q30(int64_t counts, uint64_t m_q46_per_count)
     return crn_limited(crn_rshift_round64(counts * (int64_t)m_q46_per_count, 16), -feed_max, feed_max);
 }
 
-/* Format: counts x 2^-48 turn -> 2^-32 turn modulo one turn. Overflow: the angle wraps on purpose, because
- * whole turns do not matter. */
+/* Format: counts x 2^-48 turn -> 2^-32 turn modulo one turn. Overflow: the angle wraps around on purpose,
+ * because whole turns do not matter. */
 static uint32_t turn32(int64_t counts, uint64_t turn48_per_count)
 {
     uint64_t turn48 = (uint64_t)counts * turn48_per_count;

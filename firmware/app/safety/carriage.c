@@ -11,8 +11,8 @@ enum {
     LOOSE_GRACE_ticks = 12, /* a hand meets a wall with as much: the force that brakes it is not held yet */
     LOOSE_FADE_ticks = 20,
     /* When a carriage moves in the direction of its motor's force, the motor gives the full requested force
-     * up to the speed DRIVEN_FULL_um_s. From the speed DRIVEN_NONE_um_s on, the motor gives only as much
-     * force as the hand holds. During the tick and the motor lag that pass before the force ends, the
+     * up to the speed DRIVEN_FULL_um_s. At the speed DRIVEN_NONE_um_s and above, the motor gives only as much
+     * force as the hand resists. During the tick and the motor lag that pass before the force ends, the
      * carriage may still accelerate to 0.25 m/s. */
     DRIVEN_FULL_um_s = 30000,
     DRIVEN_NONE_um_s = 100000,
@@ -64,7 +64,7 @@ enum { SHARE_ONE = 4096 };
 
 /* If no hand balances a force, only a fraction of the force may remain. The function computes the permitted
  * fraction of the force from `value`, which is a speed or a time. The permitted fraction is one (the whole
- * force) up to the value `full`, and zero from the value `none` on. */
+ * force) up to the value `full`, and zero at the value `none` and above. */
 static int32_t share_of(int32_t value, int32_t full, int32_t none)
 {
     if (value <= full) return SHARE_ONE;

@@ -8,8 +8,8 @@
  * The stream carries the wire. By HID, a host can read the state, send STOP and RESET, and read and write
  * calibration and force limits, as by the messages `command` and `rig` of the wire protocol. The app applies
  * the same checks to HID reports as to the wire protocol, so a HID report cannot do anything that the wire
- * protocol would refuse. The app answers a HID report by a message in the stream of bytes, marked as a
- * message that answers no request of the stream. */
+ * protocol would refuse. The app answers a HID report by a message in the byte stream, whose field `answers`
+ * is 0. */
 #ifndef CRN_RIG_USB_H
 #define CRN_RIG_USB_H
 

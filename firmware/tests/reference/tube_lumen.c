@@ -71,8 +71,9 @@ static double point_distance_squared(const double *p, const double *q)
     return square;
 }
 
-/* Returns the distance to the nearest of every eighth point of the path, which is an upper bound of the
- * distance to the path. The jump from the first branch to the second branch is not a segment of the path. */
+/* Tests every eighth point of the path and returns the distance to the nearest one, which is an upper bound
+ * of the distance to the path. The jump from the first branch to the second branch is not a segment of the
+ * path. */
 static double bound_m(const reference_tube *tube, const double *p, uint32_t from, uint32_t to)
 {
     double best = 1e18;

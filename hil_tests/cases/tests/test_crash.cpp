@@ -139,8 +139,8 @@ class Patient
     }
     // Turns the processor's interrupts off and runs an endless loop, so that the device hangs. While its
     // interrupts are off, the processor cannot be in the handler of a millisecond when the watchdog acts. The
-    // watchdog acts one minute after the last sign of life, and a minute is a whole number of milliseconds.
-    // The watchdog may therefore act just after a millisecond has begun, while the processor runs that
+    // watchdog acts one minute after it was last reset, and a minute is a whole number of milliseconds. The
+    // watchdog may therefore act just after a millisecond has begun, while the processor runs that
     // millisecond's handler.
     void hang()
     {

@@ -154,7 +154,7 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
     }
 }
 
-// The host keeps the inputs of at most about free_run_kept_max ticks. If the host resumes a session with more
+// The host keeps the inputs of about free_run_kept_max ticks. If the host resumes a session that is longer
 // than about free_run_kept_max ticks, the resumed session begins with a snapshot, which the recording
 // contains.
 void a_long_session_resumes_from_a_snapshot(void **)

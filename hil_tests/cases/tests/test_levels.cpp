@@ -42,8 +42,8 @@ void run(void **state)
 }
 
 // On the emulated device of level 1, ten trials of the haptic loop take a minute, and the test case with
-// every fault of the rig takes half a minute. Under the sanitizers, the trials take as long at level 0 as
-// they take at level 1 without sanitizers. This test therefore runs only a part of the trials and faults, and
+// every fault of the rig takes half a minute. With sanitizers, the trials at level 0 take as long as the
+// trials at level 1 without sanitizers. This test therefore runs only a part of the trials and faults, and
 // `make hil` runs all of them.
 std::uint32_t spread_of(const hil::Case &one, bool is_image)
 {

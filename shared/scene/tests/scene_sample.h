@@ -74,7 +74,8 @@ static inline size_t sample_scene(uint8_t *file, size_t capacity)
     return sample_scene_starting(0, file, capacity);
 }
 
-/* Returns the offset in the MOTION section of keyframe column `i` of component `k` of node `node`. */
+/* Returns where, in the MOTION section, the number for keyframe column `i`, component `k` and node `node`
+ * begins. */
 static inline size_t sample_motion_at(int node, int k, int i)
 {
     return 32 + 2 * (size_t)((node * 3 + k) * CRN_SCENE_MOTION_ROW + i);

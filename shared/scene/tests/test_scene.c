@@ -13,9 +13,9 @@
 
 /* Scene sections begin at bytes 80 (META), 336 (ENTRY) and 368 (LUMEN), and bodies at bytes 336 and 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
-/* A vessel tree adds a table row. In TREE, branches begin at bytes 16 and 80, and points at byte 144. */
+/* A vessel tree adds a row to the section table. TREE has branches at bytes 16 and 80, points at byte 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
-/* Lesions add another table row, and the section LESIONS begins after the section TREE of 224 bytes. */
+/* Lesions add a row to the section table, and LESIONS begins after the section TREE of 224 bytes. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
 /* In the moving scene, LUMEN lies at bytes 400 .. 3468, and MOTION lies at bytes 3472 .. 7716. */
 enum { MOTION_AT = 3472, BREATH_AT = 7728 };
