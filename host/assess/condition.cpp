@@ -182,8 +182,8 @@ std::string Condition::bind(const SessionLog &log, const PlanVessels &vessels)
         const std::string why = missing(atom_, log);
         return why.empty() ? bind_vessels(atom_, log, vessels) : why;
     }
-    // If it is enough that one of several conditions holds, the conditions that do not apply to the session
-    // are left out.
+    // If one true condition of several is enough, the conditions that do not apply to the session are left
+    // out.
     std::vector<Condition> applying;
     std::string why;
     for (Condition &part : parts_) {

@@ -6,8 +6,8 @@
 //   run_session(device, patient, session, recorder, &observer, settings);
 //   const SessionLog &log = observer.log();
 //
-// In FREE_RUN a rig sends the shape of the tools at irregular times, so a session on a rig is assessed by a
-// replay of its recording.
+// In FREE_RUN, in which the rig's timer starts the ticks, the shape of the tools arrives at irregular times.
+// A session on a rig is therefore assessed by a replay of its recording.
 #pragma once
 #include "host/assess/session_log.hpp"
 #include "host/patient/patient.hpp"
@@ -20,8 +20,8 @@ namespace crn
 class AssessObserver final : public FrameSink
 {
   public:
-    // `tools` lists the session's tools; the patient knows which of these tools are nested in the vessels at
-    // present. `patient` and `tips` must live longer than the observer.
+    // `tools` lists the session's tools; `patient` states which of these tools are in the vessels at present.
+    // `patient` and `tips` must live longer than the observer.
     AssessObserver(Patient &patient, const std::vector<Instrument> &tools, const TipPlaces &tips);
 
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state) override;

@@ -35,7 +35,7 @@ inline CLI::Validator name_or_path(const ExampleKind &kind)
     return replaced_by([kind](const std::string &word) { return named_path(kind, word); });
 }
 
-// The returned validator accepts only these words, and suggests one of them if the user mistyped a word.
+// The returned validator accepts only the given words, and suggests one of them if the user mistyped a word.
 inline CLI::Validator one_of(const std::vector<std::string> &words)
 {
     std::string list;

@@ -52,9 +52,9 @@ std::vector<std::string> example_names(const ExampleKind &kind);
 // of an existing file or folder; ":preset" may follow.
 bool is_path(const std::string &word);
 
-// Returns the path to which a word of the command line refers. A word that is_path() stays. Any other word is
-// the name of a file of this kind; if ":preset" follows the name, it also follows the returned path. Throws
-// as example_path.
+// Returns the path to which a word of the command line refers. A word that is_path() stays. A word that is
+// not a path is the name of a file of this kind; if ":preset" follows the name, it also follows the returned
+// path. Throws as example_path.
 std::string named_path(const ExampleKind &kind, const std::string &word);
 
 } // namespace crn

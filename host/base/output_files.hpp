@@ -1,5 +1,5 @@
-// Checks the paths of all output files before a program begins its work. No output file may be one of the
-// program's inputs or another output; it must be a regular file that can be written.
+// Checks the paths of all output files before a program begins its work. An output file may be neither one of
+// the program's inputs nor another output; it must be a regular file that can be written.
 #pragma once
 #include <stdexcept>
 #include <string>

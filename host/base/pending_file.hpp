@@ -34,7 +34,7 @@ struct OpenPending {
 };
 OpenPending open_pending(const std::string &path, const std::string &ending = "");
 
-// Throws the same exceptions as open_pending would throw for this path, and leaves no file behind.
+// Throws the exceptions that open_pending would throw for this path, and leaves no file behind.
 void probe_output(const std::string &path);
 
 // Renames a complete, closed pending file to its final name. The bytes of the file reach the disk before its

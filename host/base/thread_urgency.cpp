@@ -28,8 +28,8 @@ struct SchedulingRequest {
 
 constexpr std::uint64_t flag_reset_on_fork = 1; // threads that this thread starts are ordinary
 
-// Requests ordinary scheduling with time slices of this length; 0 means the kernel's default length. The nice
-// value stays.
+// Requests ordinary scheduling with time slices of the given length; 0 means the kernel's default length. The
+// nice value stays.
 bool request_shares_of(std::uint64_t slice)
 {
     SchedulingRequest wanted;

@@ -1,6 +1,7 @@
-// Measures worlds of the C library as environments use them (docs/bench.md): steps of 7.5 Hz with a wire that
-// is being inserted and the state read after each, on one core; how two threads share many worlds; restoring
-// a snapshot; pictures with masks. The anatomy is the shipped aorta.
+// Measures the C library's simulations as reinforcement learning uses them (docs/bench.md). The first case
+// inserts a wire in steps of 7.5 Hz on one core, and reads the state after each step. Further cases measure
+// two threads that share many simulations, the restoring of a snapshot, and X-ray pictures with masks. The
+// anatomy is the shipped aorta.
 #include "firmware/bench/bench.h"
 #include "host/base/tests/folder.hpp"
 #include "host/cases/unpack.hpp"
@@ -53,8 +54,8 @@ cournand_scene *aorta()
     return scene;
 }
 
-// Writes the J wire with elements of this length, shorter ones in its J where the core asks for them, and
-// short enough for the core's greatest mesh.
+// Writes a J wire whose elements have the given length. The elements in the J are shorter where the core
+// needs this, and the wire is short enough for the largest number of elements that the core permits.
 std::string even_wire(double element_mm)
 {
     std::ifstream file(wire_file);
@@ -73,8 +74,8 @@ std::string even_wire(double element_mm)
     return path;
 }
 
-// argument: the number of elements in the body while the wire is being inserted; 0: the shipped mesh, at the
-// same depth.
+// `elements` is the number of elements in the body while the wire is being inserted. If `elements` is 0, the
+// wire has the elements of the shipped file.
 cournand_world *world_of(int elements)
 {
     const std::string path = elements == 0 ? wire_file : even_wire(600.0 / elements);
@@ -103,7 +104,7 @@ std::uint32_t read_state(cournand_world *world)
     return pose.node_count;
 }
 
-// Pushes the wire until half of the steps that are measured lie before 0.6 m.
+// Pushes the wire almost to a depth of 0.6 m, so that half of the measured steps end before this depth.
 std::vector<std::uint8_t> approached(cournand_world *world)
 {
     const double before_m = 0.6 - 0.5 * steps * step_ticks * 1e-3 * push_m_per_s;
@@ -156,7 +157,7 @@ double run_simulated(const bench_case *self)
     return steps_per_s(self->argument) * step_ticks * 1e-3;
 }
 
-// Returns how much of a second processor many worlds use: 100 if two threads take half the time of one.
+// Returns how well two threads share many simulations: 100 (in %) if two threads take half the time of one.
 double run_scaling(const bench_case *)
 {
     std::vector<cournand_world *> worlds;
@@ -192,7 +193,8 @@ double run_restore(const bench_case *)
     return least_us;
 }
 
-// argument: pixels along an edge. The picture has noise and masks, and the C-arm rests.
+// The benchmark's argument is the number of pixels along an edge of the picture. The picture has noise and
+// masks, and the C-arm rests.
 double run_picture(const bench_case *self)
 {
     cournand_world *world = world_of(0);

@@ -51,8 +51,8 @@ Bodies made_here()
     return bodies;
 }
 
-// Replaces every material of the shipped anatomy, which has eight, by one of the four for which docs/xray.md
-// limits the computing time.
+// Replaces the eight materials of the shipped anatomy by four, because docs/xray.md limits the computing time
+// for four materials.
 const char *one_of_four(const std::string &name)
 {
     const Material material = material_from_name(name).value_or(Material::soft_tissue);

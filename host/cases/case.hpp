@@ -19,7 +19,7 @@ inline constexpr double case_expert_least = 90.0;                 // score of th
 inline constexpr double case_clumsy_most = 60.0;                  // score of the clumsy script, at most
 inline constexpr double case_marks_standard = 10;                 // of a goal or limit that states no marks
 
-// The patient is invented, and every case file states this.
+// The patient of a case is fictitious, and every case file states this.
 struct CasePatient {
     std::string name, sex, indication, history;
     int age_years = 0;
@@ -46,7 +46,7 @@ struct CaseLimit {
 };
 
 // Describes which tools are nested in the vessels when the case begins. The lists have one entry for each
-// position on the line, from the innermost to the outermost.
+// position on the line (the nested tools), from the innermost to the outermost.
 struct CaseStart {
     int line = 0;
     std::vector<std::string> tools; // paths, maybe with ":preset"; empty at a free position
@@ -91,8 +91,8 @@ std::vector<std::string> case_paths();
 // case, followed by the script's own statements. The session begins with the case's tools in the vessels,
 // with their inserted lengths; the session's table holds the offered tools.
 Session case_session(const Case &lesson, const std::string &script);
-// Returns the words of a `begin with` statement for these tools on the line, given by their numbers in the
-// table.
+// Returns the words of a `begin with` statement for nested tools, which are given by their numbers in the
+// session's table of tools.
 std::vector<std::string> line_words(const LineNumbers &numbers);
 
 // Returns a case file with comments as a template, which a teacher can change. The template passes the check

@@ -43,8 +43,8 @@ bool is_free(const Instrument &tool)
     return tool.table.knots_count == 0;
 }
 
-// Returns an empty string if the tool at a position fits through the next tool outside it. If the tool at a
-// position does not fit, returns the reason.
+// Returns an empty string if the tool at a position fits into the tool around it. If the tool at a position
+// does not fit, returns the reason.
 std::string fit_refusal(const std::vector<Instrument> &line, std::size_t position)
 {
     const auto outer = std::find_if(line.begin() + static_cast<std::ptrdiff_t>(position) + 1, line.end(),

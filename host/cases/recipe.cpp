@@ -67,7 +67,7 @@ void add_vessels(Digest &digest, std::string path)
 
 // Adds to the digest the release of the programs that make scenes, and the version of the scene format. The
 // tests of `bake` compare whole scenes, so every change of the scenes needs a new release or a new version of
-// the scene format. Two releases that make the same scenes may still have different keys.
+// the scene format. Two releases that make equal scenes may still give them different keys.
 void add_bakers(Digest &digest)
 {
     for (const char *name : {"anatomy", "bake"}) sibling_program(name); // throws if it is missing

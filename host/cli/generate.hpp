@@ -18,9 +18,9 @@ std::string man_file(const CLI::App &app);
 std::string completion_script(const std::string &program, const std::string &shell);
 
 // Carries out `--generate WHAT [FOLDER]`, where words[0] is `--generate`. WHAT is bash, zsh or fish for a
-// completion script on stdout. With man, FOLDER receives the man pages of the program and all its commands.
-// With share, FOLDER receives the scripts and the pages as they are installed below PREFIX/share. Returns the
-// exit code.
+// completion script on stdout. If WHAT is man, FOLDER receives the man pages of the program and all its
+// commands. If WHAT is share, FOLDER receives the scripts and the pages as they are installed below
+// PREFIX/share. Returns the exit code.
 int generate(const CLI::App &app, const std::vector<std::string> &words);
 
 } // namespace crn

@@ -77,9 +77,9 @@ std::vector<Instrument> read_tools(const std::string &instrument, const std::vec
 // Returns the names by which a script and the option --line refer to the tools; these are the file names
 // without folder and ending.
 std::vector<std::string> tool_words(const std::string &instrument, const std::vector<std::string> &tools);
-// Returns the tools that the words of the option --line name. If no words are given, the result is empty,
-// which stands for all tools. Throws UsageError if a word names no tool, or if the option --line is missing
-// although there are too many tools for one line.
+// Returns the tools that the option --line names. If no words are given, the result is empty, which stands
+// for all tools. Throws UsageError if a word names no tool, or if the option --line is missing although the
+// session has too many tools to nest all of them.
 LineNumbers line_numbers(const std::vector<std::string> &words, const std::string &instrument,
                          const std::vector<std::string> &tools);
 // Returns the point where the tools enter the patient, with their inserted lengths. The user may give no
@@ -112,8 +112,8 @@ void check_core(const RecordingHeader &header, const crn_wire_hello_reply &ident
 RunResult run_result(const ReplayResult &replayed);
 
 // Adds the name of the vessel branch to the place at which the physics left its valid range; the names come
-// from the scene's bodies. Does nothing if the physics stayed in its valid range, or if the bodies cannot be
-// read.
+// from the scene's bodies. If the physics stayed in its valid range, or if the bodies cannot be read, `range`
+// stays unchanged.
 void name_range_branch(RangeWatch &range, const std::string &bodies_path);
 // If the physics left its valid range, prints a message about this on stderr and returns the exit code 3;
 // otherwise returns 0.

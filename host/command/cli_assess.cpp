@@ -29,7 +29,7 @@ AssessPlan plan_of(const PlanOptions &options, const SessionLog &log)
     return plan;
 }
 
-// A vessel that the case does not name is that of its goals.
+// The plan's vessels that the case does not name are those of the case's goals.
 AssessPlan read_case_plan(const Case &lesson, bool has_balloon)
 {
     AssessPlan plan;

@@ -26,7 +26,8 @@ AssessPlan plan_of(const PlanOptions &options, const SessionLog &log);
 // otherwise, `target` is the vessel of the last goal about the tip of the innermost tool, and `ostium` that
 // of the last goal about the tip of the guiding catheter. Throws FileError.
 AssessPlan read_case_plan(const Case &lesson, bool has_balloon);
-// The same for a session, with a check of its vessels.
+// Returns the plan of a case as read_case_plan() does, after checking that the session has the plan's
+// vessels.
 AssessPlan case_plan(const Case &lesson, const SessionLog &log);
 
 // Observes a session and assesses it.

@@ -50,8 +50,8 @@ Listed all_cases()
     return listed;
 }
 
-// The key of a recipe depends on the programs that make scenes. Without the programs that make scenes, no
-// recipe counts as ready.
+// The key of a recipe depends on the programs that make scenes. If the programs that make scenes are missing,
+// no recipe counts as ready.
 bool is_ready(const Case &lesson)
 {
     try {

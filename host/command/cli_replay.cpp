@@ -61,7 +61,7 @@ RunResult run_result(const ReplayResult &replayed)
 namespace
 {
 
-// Returns the tools on the line at the end of the replay, as `run` reports them.
+// Returns the tools that are in the vessels at the end of the replay, as `run` reports them.
 std::vector<Instrument> named_tools(const RecordingHeader &header, const LineNumbers &line)
 {
     const LineNumbers &at_end = line.empty() ? header.line : line;

@@ -35,7 +35,7 @@ struct RecipeScene {
 constexpr RecipeScene recipe_scenes[] = {
     {"heart", "heart", ""}, {"lad_pci", "heart", "lad_middle"}, {"renal_pci", "aorta", "renal_ostium"}};
 
-// Lists the scenes that need data from elsewhere; they are made only if the user asks for this.
+// Lists the scenes that need data from other sources; these scenes are made only if the user asks for them.
 struct MadeScene {
     const char *name, *target, *minutes;
 };

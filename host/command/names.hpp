@@ -23,8 +23,8 @@ namespace crn
 std::string scene_path(const std::string &word);
 
 // Makes the scene of a recipe, unless it is in the cache, and shows the progress on stderr. On a terminal the
-// program rewrites one line; otherwise it prints one line per stage. `who` names what needs the scene. Ctrl-C
-// ends it. Throws as prepare_scene() does.
+// program rewrites one line; otherwise it prints one line per stage. `who` names the case or scene for the
+// progress messages. Ctrl-C ends it. Throws as prepare_scene() does.
 PreparedScene prepare_told_scene(const Recipe &recipe, const std::string &who, bool is_quiet);
 
 // Returns the path of the recording to which a word refers. The word `last` means the newest recording that

@@ -1,4 +1,4 @@
-// Determines what `cournand` does when it is called without further words.
+// Determines what `cournand` does when it is called without arguments.
 #pragma once
 #include <string>
 

@@ -54,7 +54,7 @@ struct WindowOptions {
 
 // Opens the window and returns the exit code.
 using RunWindow = std::function<int(WindowOptions)>;
-// Opens the window that the program shows if it is called without any other word, and returns the exit code.
+// Opens the window that the program shows if it is called without arguments, and returns the exit code.
 using OpenStart = std::function<int()>;
 
 } // namespace crn

@@ -14,9 +14,9 @@ namespace
 /* GAP_MM is the smallest permitted distance between neighbouring bodies of the anatomy. GAP_MM is larger than
  * the sum of the errors that mesh simplification may cause on two facing surfaces. */
 constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
-/* The meshes of thin bones are simplified less than those of other bones. In an X-ray picture along the iliac
- * wing, whose cortex is 2 mm thick, a patch of the surface that is tilted wrongly by 3 degrees appears as a
- * streak. */
+/* The meshes of thin bones are simplified less than those of other bones. An X-ray picture along the iliac
+ * wing, whose cortex is 2 mm thick, shows a patch of the surface as a streak if its direction is wrong by
+ * 3 degrees. */
 constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
 /* The inner surface of the cortex is uneven by GRAIN_MM, or by THIN_BONE_GRAIN_MM in thin bones, so that
  * bones look grainy in the X-ray picture. */
@@ -94,8 +94,8 @@ MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
 
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness)
 {
-    // The vertices of each frame are rounded to a micrometre in the file. Rounding would make some triangles
-    // face the opposite direction if the mesh had edges hardly longer than a micrometre.
+    // The vertices of each frame are rounded to a micrometre in the file. If the mesh had edges of about a
+    // micrometre, rounding would turn some triangles over.
     constexpr double SHORTEST_MM = 0.02;
     const double scale = fineness.body_scale;
     const BoneGroup groups[] = {{"spine", spine_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},

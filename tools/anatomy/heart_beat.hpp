@@ -45,17 +45,16 @@ class HeartBeat
   public:
     /* Prepares the map of the heart's motion. The part of `aorta` behind the heart does not move. */
     explicit HeartBeat(const Vessel &aorta);
-    /* Returns, for every frame, the position of the tissue that is at `point` at the end of diastole and of
+    /* Returns the position in every frame of the tissue that is at `point` at the end of diastole and of
      * expiration. Frame k is at k / BEAT_FRAMES of BEAT_MS. */
     std::vector<Vec3> frames(const Vec3 &point) const;
     /* Takes the tissue that is at `point` after expiration, and returns its position after inspiration; both
      * positions are at the end of diastole. */
     Vec3 inhaled(const Vec3 &point) const;
-    /* Divides each of many small volumes of tissue in each frame by its volume at the end of diastole, and
-     * returns the smallest of these ratios. The small volumes of tissue lie on a grid through and around the
-     * heart. If the smallest ratio is above 0, the map of the heart's motion nowhere turns the tissue inside
-     * out. If the map folds nowhere, surfaces that do not cross at the end of diastole do not cross in any
-     * frame. */
+    /* Returns the smallest ratio between the volume of a small piece of tissue in any frame and its volume at
+     * the end of diastole. The pieces of tissue lie on a grid through and around the heart. If the smallest
+     * ratio is above 0, the map of the heart's motion nowhere turns the tissue inside out. If the map folds
+     * nowhere, surfaces that do not cross at the end of diastole do not cross in any frame. */
     double least_volume_factor() const;
 
   private:

@@ -61,7 +61,7 @@ Slice slice_of(const MovingBody &body, double low, double high, size_t frame)
 }
 
 /* Holds the centre towards which the vertices of the left ventricle move. The centre minimises the summed
- * squares of those displacement components that point neither towards nor away from it. `radial_share` is the
+ * squares of the displacement components perpendicular to the line towards the centre. `radial_share` is the
  * share of the summed squared displacements that is due to motion towards or away from the centre. */
 struct Centre {
     Vec3 place = Vec3::Zero();

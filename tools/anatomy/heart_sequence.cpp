@@ -17,8 +17,8 @@ std::string numbered(const char *stem, int frame, const char *ending)
     return crn::formatted("%s_%02d%s", stem, frame, ending);
 }
 
-/* Returns the text of an OBJ file that has one object per body of the heart. If `frame` is -1, the function
- * returns the heart's shape at the end of inspiration. */
+/* Returns the text of an OBJ file that has one object per body of the heart. If `frame` is -1, the text
+ * describes the heart's shape at the end of inspiration. */
 std::string frame_text(const HeartSequence &sequence, int frame)
 {
     std::string text;

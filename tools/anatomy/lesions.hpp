@@ -1,5 +1,5 @@
-/* Turns the lesions on the command line into [[lesion]] tables of the scene text. From the [[lesion]] tables
- * the program `bake` makes the lesions (docs/lesions.md). */
+/* Turns the lesions on the command line into [[lesion]] tables of the scene text. The program
+ * `bake` makes the lesions from these [[lesion]] tables (docs/lesions.md). */
 #pragma once
 #include "tools/anatomy/build.hpp"
 

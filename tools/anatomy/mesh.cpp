@@ -38,8 +38,7 @@ crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
     constexpr int GROUP = 2;
     const double voxel = request.voxel_mm, band = BAND_VOXELS * voxel;
     // A group of points counts as far from the surface if the estimated distance at its middle exceeds `far`.
-    // The value `far` is half the group's diagonal plus a voxel's diagonal, times the largest slope of an
-    // estimated distance.
+    // The value `far` is STEEPEST times the sum of half the group's diagonal and one voxel's diagonal.
     const double far = STEEPEST * (0.5 * (GROUP - 1) + 1.0) * std::sqrt(3.0) * voxel;
     const Distance distance = request.distance_in(block_box(block, voxel), band);
     const Vec3 origin = Vec3(block[0], block[1], block[2]) * BLOCK;
@@ -67,7 +66,7 @@ crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
  * multiplied by the edge length of a voxel. */
 crn::mesh::LevelSet level_set(const MeshRequest &request)
 {
-    // All blocks in a column of the grid use one distance function for their centres.
+    // For the centres of all blocks in a column of the grid, the code uses one distance function.
     const double block_mm = BLOCK * request.voxel_mm;
     crn::mesh::LevelSet level(1.0, BAND_VOXELS * request.voxel_mm);
     const double reach_mm = STEEPEST * (0.5 * std::sqrt(3.0) * block_mm) + request.voxel_mm;

@@ -28,7 +28,7 @@ class Shape
   public:
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
-    /* Returns a shape that is cheaper to evaluate and has the same distances as this shape near the box;
+    /* Returns a shape that has the same distances near the box but needs less computation than this shape;
      * returns null when there is no such shape. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;

@@ -34,8 +34,8 @@ LocalDistance outline_distance(const Solid &bones)
     };
 }
 
-/* Returns the distance to the layer of the trunk that is deeper than `depth_mm` below the outer surface of
- * the skin. Where a bone comes near the skin, this layer of the trunk still covers the bone. */
+/* Returns the distance to the part of the trunk that lies deeper than `depth_mm` below the outer surface of
+ * the skin. Where a bone comes near the skin, this part of the trunk still covers the bone. */
 LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
 {
     return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,

@@ -46,8 +46,8 @@ class MonotoneCubic
 };
 
 /* Returns samples, about step_mm apart, of the curve through `points` with the radii `radii_mm`. There must
- * be as many radii as points, and at least two of each. Every given point is one of the samples, including
- * both ends. */
+ * be as many radii as points, and at least two of each. Every given point, also the first and the last, is
+ * one of the samples. */
 Curve sample_curve(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double step_mm);
 
 /* Returns the unit tangent of a sampled curve at one of its samples. */

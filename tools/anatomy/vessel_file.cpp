@@ -29,7 +29,7 @@ constexpr NumberRange Y_MM = {-POSITION_MAX_MM, POSITION_MAX_MM}, DIAMETER_MM = 
                       CORONARY_FILLET_MM = {0, 3}, HEIGHT = {0, 1.2}, ANGLE_DEG = {-360, 360},
                       FROM_END_MM = {0, LENGTH_MAX_MM};
 
-/* Holds the content of a vessel file, and whether the file's positions are in the patient's frame. */
+/* Holds the content of a vessel file, and states whether the file's positions are in the patient's frame. */
 struct File {
     TomlTable root;
     bool is_in_patient = true;

@@ -53,9 +53,9 @@ VesselTree read_vessels(const std::string &file);
 
 /* Returns the path of the shipped vessel file `NAME`. The shipped vessel files are in
  * shared/examples/anatomies, and `make install` puts them into share/cournand/examples/anatomies. The
- * program looks for the shipped vessel files in all folders above its own, and for
- * shared/examples/anatomies also in the working folder. Throws std::runtime_error when the file of vessels
- * is in none of the searched folders. */
+ * program searches for the shipped vessel files in all folders above its own; it also looks for
+ * shared/examples/anatomies in the working folder. Throws std::runtime_error when the file of vessels is in
+ * none of the searched folders. */
 std::string shipped_vessel_file(const std::string &name);
 
 /* Reads the shipped vessel file NAME.toml. */

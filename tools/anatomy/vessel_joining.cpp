@@ -24,7 +24,7 @@ std::string rounded(double value)
 }
 
 /* Returns the index of the vessel that has the given name, or the size of the list when no vessel has this
- * name. Two vessel names count as equal if the files of these vessels would have the same name. */
+ * name. Two vessel names count as equal if they would give the vessels' files the same name. */
 size_t index_of(const std::vector<GivenVessel> &vessels, const std::string &name)
 {
     size_t i = 0;

@@ -45,10 +45,10 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
     return entry;
 }
 
-// Finds the longest start length, in whole millimetres up to `start_default_mm`, for which a straight tool of
-// 8 F stays off the wall. In a vessel that is too narrow for a tool of 8 F, the tool's radius is taken as
-// 80 % of the distance from the entry point to the wall. The check of the start length uses the core's own
-// distance function, as the device does.
+// Finds the longest start length (the inserted length of a tool at the start), in whole millimetres up to
+// `start_default_mm`, for which a straight tool of 8 F does not touch the wall. In a vessel that is too
+// narrow for a tool of 8 F, the tool's radius is taken as 80 % of the distance from the entry point to the
+// wall. The check of the start length uses the core's own distance function, as the device does.
 double clear_start_mm(const crn_lumen &lumen, const CurvePoint &entry)
 {
     const auto room_mm = [&](double mm) {
@@ -74,7 +74,7 @@ std::uint32_t start_um(const EntryText &text, const crn_lumen &lumen, const Curv
     return mm == start_default_mm ? 0 : static_cast<std::uint32_t>(std::lround(mm * 1e3));
 }
 
-// Narrows the mesh of the lumen, or of the blood in the lumen, wherever a lesion lies. Returns a list that
+// Narrows the mesh of the lumen, or of the blood in the lumen, wherever a lesion lies. The returned list
 // states for each vertex whether it moved; the list is empty if the tree has no lesion.
 std::vector<bool> narrow(Mesh &mesh, const VesselTree &tree)
 {

@@ -59,8 +59,8 @@ void attach(VesselBranch &branch, const VesselTree &tree, std::size_t parent)
 {
     const VesselFoot foot = vessel_foot(tree.branches[parent], branch.points_m.front());
     std::size_t point = foot.point + (foot.share < 0.5 ? 0 : 1);
-    // A branch that would leave at the very first point of its parent is joined to the grandparent instead,
-    // where the parent leaves it.
+    // A branch that would begin at the first point of its parent instead becomes a child of its parent's
+    // parent.
     while (point == 0 && tree.branches[parent].parent >= 0) {
         point = tree.branches[parent].parent_point;
         parent = static_cast<std::size_t>(tree.branches[parent].parent);

@@ -10,11 +10,10 @@ namespace crn::bake
 // as "right_renal_artery" for ".../right_renal_artery.mrk.json".
 std::string branch_name(const std::filesystem::path &file);
 
-// The root of the tree begins at the inlet of the blood. Every branch except the root has two ends, and
-// begins at the end that lies deeper in a vessel that is already joined. If a branch leaves its parent within
-// one radius of the parent's end, it is joined to the end itself. Throws Fault for a centreline that touches
-// no other, for a name that is used twice, and for a name in `text` that no centreline has; the message gives
-// the name.
+// The root of the tree begins at the inlet of the blood. Every branch except the root begins at that one of
+// its two ends that lies deeper in an already joined vessel. If a branch leaves its parent within one radius
+// of the parent's end, it is joined to the end itself. Throws Fault for a centreline that touches no other,
+// for a name that is used twice, and for a name in `text` that no centreline has; the message gives the name.
 VesselTree join_branches(const std::vector<Curve> &lines, const TreeText &text);
 
 // Returns the line of the report that describes the tree, "vessels 11 branches, ...".

@@ -18,9 +18,9 @@ struct BakedBody {
 };
 
 // The functions below check the bytes that they return with the scene reader of shared/scene, and throw Fault
-// if it rejects them. `motion` is nullptr when the lumen does not move. `tree` holds the lesions of the
-// field; it is nullptr when the scene has no lesion that a balloon can open. `start_um` is the start length,
-// 0 if the scene states none.
+// if it rejects them. `motion` is nullptr when the lumen does not move. `tree` holds the lesions; it is
+// nullptr when the scene has no lesion that a balloon can open. `start_um` is the start length, 0 if the
+// scene states none.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr,
                   std::uint32_t start_um = 0);

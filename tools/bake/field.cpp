@@ -53,9 +53,8 @@ mesh::LevelSet distances(const Mesh &mesh, int level, Progress &progress)
 
 // When the library OpenVDB computes distances from a mesh, it keeps only one triangle per voxel. Where
 // triangles are smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute
-// the distances exactly near the wall, and also in all voxels of the bricks that will be stored. A block of
-// the grid has the same 8^3 voxels as a brick, so we recompute the brick's own block and the blocks around
-// it.
+// the distances exactly near the wall, and also in all voxels of the bricks that will be stored. Each brick
+// covers the same 8^3 voxels as one block of the grid, so we recompute this block and the blocks around it.
 void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
                 Progress &progress)
 {
@@ -95,8 +94,8 @@ std::array<double, 2 * filter_reach + 1> prefilter()
     return taps;
 }
 
-// Filters along one axis. `size` holds the number of values along each of the three axes; the filter needs
-// neighbours on both sides, so it leaves fewer values along `axis`.
+// Filters along one axis. `size` holds the number of values along each of the three axes. The filter needs
+// neighbours on both sides, so its result has fewer values along `axis`.
 void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis)
 {
     static const auto taps = prefilter();
@@ -236,8 +235,8 @@ std::vector<Brick> octants(const std::vector<Brick> &bricks)
 
 // --- the lattice ---
 
-// Returns one index entry per brick: the mark for "far from the wall", or the table row of the brick's finer
-// bricks (counted from `row`), or the next free position in `samples`.
+// Returns one index entry per brick. An entry is either the mark for "far from the wall", the table row of
+// the finer bricks (counted from `row`), or the next free position in `samples`.
 std::vector<std::uint16_t> number(const std::vector<Brick> &bricks, int level, std::uint32_t row,
                                   Field &field)
 {

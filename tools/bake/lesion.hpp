@@ -28,9 +28,9 @@ Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii);
 // its branch, position or length, or another lesion in the same place.
 void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions);
 
-// Divides the mesh's edges near a lesion until they are shorter than 0.6 times the narrowest radius and than
-// a twentieth of the lesion's length. Edges shorter than a quarter of a millimetre are not divided. Existing
-// corners keep their numbers.
+// Divides the mesh's edges near a lesion until they are shorter than 0.6 times the narrowest radius, and also
+// shorter than a twentieth of the lesion's length. Edges shorter than a quarter of a millimetre are not
+// divided. Existing corners keep their numbers.
 void refine_lesions(Mesh &mesh, const VesselTree &tree);
 
 // Moves vertices from the healthy wall to the narrowed wall; the returned list is true for each vertex that
@@ -38,8 +38,8 @@ void refine_lesions(Mesh &mesh, const VesselTree &tree);
 std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, const VesselTree &tree);
 
 // Returns a copy of the vessel tree that keeps only those lesions whose vessel runs through the given body.
-// In this copy, lesions of vessels outside a space (such as a chamber of the heart) do not narrow the blood
-// in the space.
+// Lesions of vessels outside the body (such as a chamber of the heart) thus do not narrow the blood in the
+// body.
 VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 
 // Returns the regions in which the field must resolve the narrowed wall, even where the scene's text permits

@@ -79,7 +79,7 @@ class Divider
     }
 
     // Replaces a triangle by one to four triangles, depending on how many of its edges are divided.
-    // Neighbouring triangles use the same midpoint of their common edge, so no crack opens between them.
+    // Neighbouring triangles use the same midpoint of their common edge, so the surface stays closed.
     void divide(const Triangle &t, std::vector<Triangle> &out) const
     {
         std::array<std::int64_t, 3> middle; // of the edge that follows each corner; -1: not divided

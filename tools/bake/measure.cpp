@@ -178,8 +178,8 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
 
 // Returns the radius of the largest ball that touches the wall at p from inside and has no wall inside it.
 // The ball's centre lies on the inward normal at p. The radius of the ball is reduced step by step (shrinking
-// balls: Ma, Bae & Choi 2012). Returns `limit` if the ball touches the wall only at p, or if no wall is near
-// the point of the ball opposite to p.
+// balls: Ma, Bae & Choi 2012). Returns `limit` if the ball touches the wall at p only, or if no wall is near
+// the ball's point opposite to p.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
                    double limit)
 {

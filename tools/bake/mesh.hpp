@@ -28,7 +28,7 @@ std::string place_text(const Eigen::Vector3d &p_mm); // "(1.0, 2.0, 3.0) mm"
 
 // Reads a mesh (mesh_file.hpp), converts it to the patient's coordinates, and merges vertices at equal
 // positions. Throws Fault for a mesh that is unreadable, empty or too large, has infinite numbers or missing
-// corners, or seems to have another unit.
+// corners, or has a size that suggests another unit.
 Mesh load_mesh(const MeshText &text);
 
 // Checks that the mesh has a plausible size, has only finite coordinates, and is not empty. The advice in the

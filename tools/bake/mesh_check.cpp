@@ -123,7 +123,8 @@ std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
     return count;
 }
 
-// An opening is stored as the list of its corners, in the order in which a closing polygon would list them.
+// An opening is stored as the list of its corners, in the corner order of a polygon that would close the
+// opening.
 using Loop = std::vector<std::uint32_t>;
 
 std::vector<Loop> openings(const std::vector<Side> &sides)

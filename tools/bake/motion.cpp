@@ -118,8 +118,7 @@ Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacin
 }
 
 // Penalises bending and tension of the displacement field at the free nodes of the lattice. The graph
-// Laplacian compares each node with the mean of its six neighbours; nodes on the boundary have the value 0 in
-// it.
+// Laplacian compares each node with the mean of its six neighbours; it takes the value at the boundary as 0.
 Sparse smoothing(const Lattice &lattice)
 {
     std::vector<Eigen::Triplet<double>> entries;

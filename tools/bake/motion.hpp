@@ -51,8 +51,9 @@ struct Frames {
 // first frame differs from the scene's lumen; the message gives the file or the place of the difference.
 Frames load_frames(const MotionText &text, const LumenText &lumen);
 
-// Returns the keyframe whose longest displacement to any other keyframe is smallest. Measured from the middle
-// pose of the motion, the displacements and their gradients are half as large as from one end of the motion.
+// Returns the keyframe whose longest displacement to any other keyframe is smallest. Displacements and their
+// gradients are half as large when they are measured from the middle pose as when they are measured from one
+// end of the motion.
 std::size_t middle_pose(const Sequence &sequence);
 
 struct Motion {
@@ -90,7 +91,7 @@ struct FrameError {
 constexpr double small_vessel_mm = 2.3;
 
 // `left_out` marks vertices that the comparison skips, because a lesion makes the scene's lumen differ from
-// the frames there. If the list is empty, no vertex is skipped.
+// the frames there. If `left_out` is empty, no vertex is skipped.
 std::vector<FrameError> measure_motion(const crn_lumen *lumen, const crn_motion *motion, const Frames &frames,
                                        const std::vector<bool> &left_out = {});
 

@@ -1,4 +1,4 @@
-// Writes the lesions that a balloon can open as the core needs them, which is a list of points ("stations")
+// Writes, in the form that the core needs, the lesions that a balloon can open: a list of points ("stations")
 // along each lesion. A station is a point along a lesion; it holds centre and radius of the healthy vessel
 // and of the narrowed channel (docs/lesions.md). The stations (points along each lesion) are given in the
 // same pose as the lumen.

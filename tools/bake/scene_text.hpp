@@ -136,7 +136,7 @@ struct SceneText {
     std::vector<BodyText> bodies;
 };
 
-// A path in the scene's text may begin with a prefix that stands for one of these folders.
+// A path in the scene's text may begin with a prefix that stands for one of the following two folders.
 struct Folders {
     std::filesystem::path data;    // "data:", anatomy that does not ship
     std::filesystem::path shipped; // "shipped:", the meshes that `anatomy` has made

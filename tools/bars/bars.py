@@ -88,8 +88,8 @@ def from_bench(options, wanted):
 
 
 def validation_values(text):
-    """Returns how many figures exceed their tolerance, and for each case the largest ratio of an error to its
-    tolerance."""
+    """Returns how many values of the validation suite exceed their tolerance, and for each case the largest ratio of an
+    error to its tolerance."""
     values = collections.defaultdict(float)
     beyond = 0
     for line in text.splitlines()[1:]:
@@ -140,7 +140,7 @@ def from_golden(options, _):
 
 
 def counted_values(counts):
-    """Returns the three values that the table of `hil` shows: the median, the value that 1 tick in 1,000 exceeds, and
+    """Returns three values of the ticks' costs, as the table of `hil` shows them: the median, the 99.9th percentile and
     the largest value."""
     counts = sorted(counts)
     last = len(counts) - 1

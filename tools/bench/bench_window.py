@@ -1,4 +1,5 @@
-"""Starts the program's window on a virtual display, gives it the keyboard focus, and waits for what the window shows.
+"""Starts the program's window on a virtual display, gives it the keyboard focus, and waits until the window shows a
+given control.
 The scripts that measure the window use this file."""
 
 import contextlib
@@ -26,8 +27,8 @@ def display():
 @contextlib.contextmanager
 def window_of(options, words, has_layout=False, **more):
     """Runs the window on a virtual display; yields the window's process, its environment and its folder. With
-    `has_layout`, the window lists the controls on its screen in the file `layout` of its folder. A window that is
-    measured does not write this file."""
+    `has_layout`, the window lists the controls on its screen in the file `layout` of its folder. A script
+    that measures the speed of the window leaves this file out."""
     with tempfile.TemporaryDirectory() as folder:
         server, number = display()
         environment = dict(os.environ, DISPLAY=number, XDG_STATE_HOME=folder, XDG_DATA_HOME=folder)

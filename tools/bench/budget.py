@@ -8,8 +8,8 @@ QEMU with -icount shift=0 counts each instruction as one nanosecond. The stack o
 bytes along a path through the compiler's call graph. The sizes of code and data come from the object files. The exit
 code is 1 when a measured value is more than 3 % above its row in budget.tsv, when budget.tsv lacks a row, or when the
 image calls a forbidden helper function. Soft-float helpers, divide helpers and heap functions are forbidden. The option
---accept writes the measured values into budget.tsv. The option --profile prints the instructions of two ticks of a
-case, function by function, and measures nothing else.
+--accept writes the measured values into budget.tsv. The option --profile only prints, for each function, how many
+instructions two ticks of a case execute.
 """
 
 import argparse
@@ -272,8 +272,8 @@ def memory_sizes():
 
 
 def forbidden_symbols(image):
-    """Returns the names of the forbidden functions that the firmware image contains. A test shows that the search for
-    forbidden functions finds a forbidden name."""
+    """Returns the names of the forbidden functions that the firmware image contains. The test test_budget.py checks
+    that this search finds a forbidden name."""
     names = [line.split()[-1] for line in run(["arm-none-eabi-nm", image]).splitlines()]
     return sorted(name for name in names if is_forbidden(name))
 
@@ -308,8 +308,8 @@ def innermost_loops(lines):
 
 
 def estimate(body):
-    """Returns the processor cycles that llvm-mca computes for one pass of the loop, in order of address and without
-    cache misses and branches."""
+    """Returns the processor cycles that llvm-mca computes for one pass of the loop. Cache misses and branches are not
+    counted."""
     kept = [
         text
         for text in body

@@ -4,10 +4,10 @@ code, divide helper or heap.
 
   image_report.py --build build --port mps2_an500
 
-The worst stack is the largest sum of stack bytes along a path from main() through the compiler's call graph, plus one
-exception with its handler. Calls through function pointers reach only functions of the port, and this program has a
-list of these functions. The exit code is 1 when RAM or stack exceed their limits, or when the image contains a
-forbidden function.
+The worst stack is the largest sum of stack bytes along a path from main() through the compiler's call graph, plus the
+stack of one exception and its handler. Calls through function pointers reach only functions of the port, and this
+program has a list of these functions. The exit code is 1 when RAM or stack exceed their limits, or when the image
+contains a forbidden function.
 """
 
 import argparse

@@ -88,7 +88,7 @@ class Screen:
 
 
 class Hand:
-    """Presses keys and the mouse, and counts the actions."""
+    """Presses keys and mouse buttons, and counts these actions."""
 
     def __init__(self, screen, environment, is_quiet):
         self.screen, self.environment, self.is_quiet = screen, environment, is_quiet
@@ -231,8 +231,8 @@ def show_artery(hand):
 
 def push_gently(hand):
     """Pushes the wire slowly until its tip is beyond the narrow place, has entered a vessel other than the target
-    artery, or is stuck. Returns whether the tip was beyond the narrow place when the push ended. The heart moves the
-    wire, so a later measurement may give a smaller length."""
+    artery, or is stuck. Returns whether the tip was beyond the narrow place when the push ended. The wire moves with
+    the heartbeat, so the tip may be in front of the narrow place again at a later moment."""
     screen = hand.screen
     seen = {"best_mm": 0.0, "since_s": screen.clock_s(), "is_across": False}
 

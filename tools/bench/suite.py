@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures the performance of the program's window on two processors of this machine, without a graphics card, under a
 virtual display. Keys are real events. The script writes the values suite.keys_to_case, suite.tick_late_pct,
-suite.pictures_per_s and suite.hand_to_picture_ms of docs/bench.md. With --pci it also writes suite.pci_actions
+suite.pictures_per_s and suite.hand_to_picture_ms of docs/bench.md. With --pci the script also writes suite.pci_actions
 (pci_by_hand.py)."""
 
 import argparse
@@ -62,8 +62,8 @@ def delays_ms(sent, figures):
 
 
 def measure(options, size, pulses, taps):
-    """Runs the window for as long as the option --seconds states. Returns its figures or, with `taps`, the delays from
-    the keys to the pictures."""
+    """Runs the window for as long as the option --seconds states. With `taps`, returns the delays from the keys to the
+    pictures; otherwise returns the window's figures."""
     words = ["--scene", options.scene, "--tool", WIRE, "--size", str(size), "--fluoro", "--no-record"]
     with window_of(options, words, preexec_fn=lambda: os.sched_setaffinity(0, processors())) as run:
         window, environment, folder = run

@@ -45,8 +45,8 @@ double number_of(std::string_view word);
 // Returns a name that is valid in every format: it has at most 63 bytes and contains only letters, digits,
 // blanks and _-.().
 std::string plain_name(const std::string &name);
-// Files give lengths in millimetres with `file_decimals` decimals, which is far more exact than a micrometre;
-// trailing zeros are left out.
+// Lengths in files are in millimetres with `file_decimals` decimals, so that rounding errors are far below a
+// micrometre; trailing zeros are left out.
 inline constexpr int file_decimals = 6;
 
 } // namespace crn::centreline

@@ -17,8 +17,8 @@ struct Joint {
     double depth = INFINITY; // smaller is deeper; INFINITY: it lies in no branch
 };
 
-// Returns how deep the first or last point of a curve lies in a branch of the tree; a smaller value is
-// deeper.
+// Returns a number for the depth of a curve's first or last point in a branch of the tree; a smaller number
+// means deeper.
 using DepthOf = std::function<double(std::size_t curve, bool is_last, std::size_t branch)>;
 
 // Joins `count` curves to a tree, one after another. The tree begins with the curve `first`. In each further
@@ -29,8 +29,8 @@ using DepthOf = std::function<double(std::size_t curve, bool is_last, std::size_
 void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
                const std::function<void(const Joint &)> &place);
 
-// Makes a vessel tree from the curves of 3D Slicer or VMTK, which store one curve per file or per outlet. If
-// a root begins inside another branch, it becomes a child of that branch. The part of the root that runs
+// Makes a vessel tree from the curves of 3D Slicer or VMTK, which store one curve per file or per outlet. A
+// root that begins inside another branch becomes a child of that branch. The part of this root that runs
 // along the branch's centreline is cut off. The trunk is the curve with the end nearest to `inlet_mm`;
 // without `inlet_mm` it is the widest curve. A single curve is not changed, and neither is a tree whose file
 // states the parent of each branch.

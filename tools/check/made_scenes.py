@@ -1,5 +1,5 @@
-"""Makes the scenes of the shipped anatomies for tests, and keeps each scene below the build folder, so that one run
-serves every test. A scene is made anew when a program that makes it or an input of the scene changes."""
+"""Makes the scenes of the shipped anatomies for tests, and keeps them below the build folder, so that each scene is
+made only once for all tests. A scene is made anew when a program that makes it or an input of the scene changes."""
 
 import fcntl
 import glob

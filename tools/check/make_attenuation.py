@@ -9,8 +9,8 @@ The script computes mass attenuation by xraylib's function CS_Total, and mass en
 functions use cross-sections of EPDL97 and of NIST's XCOM (Schoonjans et al., Spectrochimica Acta B 66 (2011) 776). A
 mixture that is given by a name is one of NIST's compounds in xraylib. The densities of tissues come from ICRU 44, those
 of metals are the densities of the pure substances, and those of products are nominal values (see MATERIALS). This
-program computes no X-ray spectra and no filters, and chooses no photon energies for pictures. The files
-host/xray/spectrum.cpp and host/xray/beam_table.cpp do this.
+program computes no X-ray spectra and no filters, and chooses no photon energies for pictures. Spectra, filters and
+photon energies are the work of host/xray/spectrum.cpp and host/xray/beam_table.cpp.
 """
 
 import ctypes

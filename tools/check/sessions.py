@@ -154,7 +154,7 @@ CASES = {  # session: tools
 
 
 def aorta(run, test):
-    """Calls the function `test`, which is run.reaches or run.misses, for every session in the aorta or without a scene.
+    """Calls the function `test` (run.reaches or run.misses) for every session that is in the aorta or has no scene.
     Returns the path of the shipped scene."""
     scene = unpack_shipped(run.folder)
     test("sessions/free_space", "", AORTA)
@@ -176,7 +176,7 @@ def angioplasty(run, test):
 
 
 def heart(run, test):
-    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart except the
+    """Calls the function `test` (run.reaches or run.misses) for every session in the beating heart except the
     angioplasty. Returns the path of the heart's scene."""
     scene = run.scene("heart", "lad_middle")
     test("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])

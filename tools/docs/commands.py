@@ -11,8 +11,8 @@ A line of an indented or fenced block is a command if it begins with `make`, a p
 repository or a tool from Debian. If a command's line ends with `\\`, the next line continues the command. If lines of a
 block begin with `$`, only these lines are commands, and the other lines show the output of the commands.
 
-A marker (an HTML comment) above the block states what this program cannot find out about the commands itself. Without
-it, a command has the class `short`, or `make` when it begins with this word:
+A marker (an HTML comment) above the block states facts about the commands that this program cannot find out itself.
+Without it, a command has the class `short`, or `make` when it begins with this word:
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 

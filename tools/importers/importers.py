@@ -6,11 +6,11 @@
   importers.py --program build/bin/importers --files 3600 -o out/importers.tsv
 
 The files are pseudo-random mutations of valid files (see --seed), and a list of hand-made files. The program
-`importers` runs the real readers. If a reader accepts a file, strict.py also reads this file, and the two must read the
-same content. If the two readings of a file differ, the project's reader has misread the file without reporting an
-error. The output has the rows importers.files, importers.crashes, importers.over_20s, importers.over_2GB and
-importers.silently_wrong. A crash means that the program ended, or that a sanitizer found an error in our code. The exit
-code is 0 if the values of all rows except the first are 0, and otherwise 1.
+`importers` runs the same file readers as the project's other programs. If a reader accepts a file, strict.py also reads
+this file, and the two must read the same content. If the two readings differ, the project's reader has misread the file
+without reporting an error. The output has the rows importers.files, importers.crashes, importers.over_20s,
+importers.over_2GB and importers.silently_wrong. A crash means that the program ended, or that a sanitizer found an
+error in our code. The exit code is 0 if the values of all rows except the first are 0, and otherwise 1.
 """
 
 import argparse
@@ -85,7 +85,7 @@ class Reader:
 
 def reports(folder):
     """Returns the sanitizers' reports about this project's code. Reports about a library's parser are left out, because
-    such an error ends only the child process."""
+    an error in such a parser ends only the child process."""
     found = []
     for path in glob.glob(os.path.join(folder, "report*")):
         with open(path, encoding="utf-8", errors="replace") as file:

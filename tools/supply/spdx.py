@@ -1,6 +1,6 @@
 """Writes the external parts that supply.py finds as an SPDX 2.3 document in JSON; SPDX 2.3 is the successor of ISO/IEC
 5962. From the same source tree, the script writes the same bytes whenever it runs on the same machine. The time in the
-document is that of the commit, and its name space is a hash of the document itself."""
+document is that of the commit, and its documentNamespace contains a hash of the document."""
 
 import datetime
 import hashlib

@@ -209,8 +209,8 @@ void each_tool_covers_the_line_from_its_own_tip(void **)
     }
 }
 
-// Makes a straight set of three nested tools along x, 200 mm above the table. The three nested tools have
-// nodes every 4 mm, and the tips of the tools lie between nodes.
+// Makes a straight set of three nested tools along x, 200 mm above the patient table. The three nested tools
+// have nodes every 4 mm, and the tips of the tools lie between nodes.
 crn::WireFrame line_frame()
 {
     crn::WireFrame wire;

@@ -1,8 +1,8 @@
 """Plays an angioplasty with simulated hands of experts and novices (`cournand run --hands`), for tests that compare the
 two groups with published studies.
 
-The scene is a straight artery of 3 mm with a side branch and a lesion, which can be simulated quickly. All simulated
-people play the same script; the model `host/script/hand_model.cpp` makes their hands, feet and eyes differ.
+The scene is a straight artery of 3 mm diameter with a side branch and a lesion, which can be simulated quickly. All
+simulated people play the same script; the model `host/script/hand_model.cpp` makes their hands, feet and eyes differ.
 """
 
 import json

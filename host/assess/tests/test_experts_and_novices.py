@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests that the assessment separates 20 scripted experts from 20 scripted novices. The differences must have the
+"""Tests that the assessment distinguishes 20 scripted experts from 20 scripted novices. The differences must have the
 direction and the order of magnitude that studies published. A measured difference must lie between a third of the
 published difference and three times that difference. The residual stenosis of the two groups must not differ. The
 script test_few_experts_and_novices.py runs a small sample of this test.

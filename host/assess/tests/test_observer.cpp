@@ -1,6 +1,6 @@
 // Tests that the observer of an assessment follows which tools are on the line (nested in the vessels). A
-// session may have more tools than there are positions on the line, and every moment has one entry for each
-// position.
+// session may have more tools than can be nested in each other; every recorded moment has one entry for each
+// position on the line (the nested tools).
 #include "host/assess/observer.hpp"
 #include "host/session/run.hpp"
 #include <csetjmp>
@@ -16,7 +16,7 @@ extern "C" {
 namespace
 {
 
-// In the table, the order of the tools differs from their order on the line.
+// In the session's table of tools, the order of the tools differs from that in the vessels.
 const std::vector<std::string> &names()
 {
     static const std::vector<std::string> list = {"balloon_3x20", "guide_jl4_6f", "terumo_4f", "coronary_014",

@@ -1,6 +1,6 @@
-// These tests check the following. Before it parses a text, the reader refuses one on which the parser would
-// recurse too deeply, and names line and column. A text within the limits must be parsed, traversed and
-// destroyed without a deep stack.
+// These tests check the following. Before parsing, the reader refuses a text on which the parser would
+// recurse too deeply; the message names line and column. A text within the limits must be parsed, traversed
+// and destroyed without a deep stack.
 #include "host/base/toml.hpp"
 
 #include <csetjmp>

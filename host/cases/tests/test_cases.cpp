@@ -324,9 +324,9 @@ struct Counter final : crn::FrameSink {
     void frame(const crn::SessionFrame &) override { ++frames; }
 };
 
-// The observer that makes pictures reads the X-ray events of the patient's last update. If this observer does
-// not get a frame, an X-ray pulse has no picture. The first version of the cases lost such frames, so their
-// cine runs had no pictures.
+// The observer that makes pictures reads the X-ray events of the patient's last update. If the observer that
+// makes pictures does not get a frame, an X-ray pulse has no picture. An earlier version lost such frames, so
+// its cine runs had no pictures.
 void pictures_get_every_frame_that_the_goals_ask_for(void **)
 {
     const crn::TipPlaces tips(tube(), {});

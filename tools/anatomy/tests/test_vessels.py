@@ -86,6 +86,7 @@ stations = [
 ]
 """
 # Each entry has a valid file's text, the words to replace, the new words, and expected words of the error message.
+
 # In the expected words, "LINE" or "LINE #" stands for the file's name and the line of the replaced words.
 MISTAKES = (
     (OWN, "fillet_mm", "filet_mm", "LINE:12: unknown key 'filet_mm', did you mean 'fillet_mm'?"),

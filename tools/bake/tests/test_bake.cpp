@@ -199,8 +199,8 @@ void axes_and_offset_move_the_surface(void **)
         {folder.path, {}});
     std::string report;
     const Mesh mesh = lumen_surface(text, report, progress);
-    // The first vertex of the mesh file is (56, 0, 0). The patient's left is the file's y, which is 0 for the
-    // first vertex, and the direction to the head is the file's -x.
+    // The first vertex of the mesh file is (56, 0, 0). The patient's left is the file's y axis, and the
+    // direction to the head is the file's -x axis; y is 0 for the first vertex.
     assert_true((mesh.vertices_mm.size() == 8000) &&
                 std::abs(volume_mm3(mesh) / (turn * turn / 2 * 25 * 9) - 1) < 0.01);
     Eigen::AlignedBox3d box;

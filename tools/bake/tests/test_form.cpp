@@ -219,8 +219,8 @@ Mesh folded_plate()
 }
 
 // An earlier report stated that lungs, heart and airway "reached 96 mm into" the shoulders, although they lie
-// between the two thin shoulder blades. An earlier version took a point outside a shoulder blade for a point
-// inside if the nearest part of the blade was its folded edge.
+// between the two thin shoulder blades. An earlier version misjudged a point outside a shoulder blade as
+// inside when the nearest part of the blade was its folded edge.
 void fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside(void **)
 {
     Mesh sheets = joined(folded_plate(), moved(cube(10), {90, 0, -5}));

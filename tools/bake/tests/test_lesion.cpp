@@ -141,9 +141,8 @@ void the_surface_goes_with_the_tree(void **)
     }
 }
 
-// A guidewire of 0.18 mm radius must touch the wall of the mesh and the wall of the core at the same
-// position, all round the vessel. On the axis of a narrow channel, the spline rounds off the peak of the
-// distance field.
+// All round the vessel, a guidewire of 0.18 mm radius must touch the wall at the same position in the mesh
+// and in the core. On the axis of a narrow channel, the spline rounds off the peak of the distance field.
 void the_field_knows_the_narrowed_wall(void **)
 {
     VesselTree tree = tree_of_tube();

@@ -183,7 +183,7 @@ void hip_bone_becomes_one_solid_within_its_stated_error(void **)
     if (report.find("decimated         hip_left") == std::string::npos) fail_msg("%s", report.c_str());
     const Deviation found = deviation(load_mesh(body("hip_left").mesh), mesh, 2000);
     // The prepared bone has lost the inner walls between ilium, ischium and pubis. Only the mean distance
-    // between its surface and the original surface can therefore show that the bone is unchanged.
+    // between the prepared and the original surface can therefore show that the bone is unchanged.
     if (found.mean_mm > 1.5) fail_msg("%.2f mm from the atlas's bone on average", found.mean_mm);
     // In the atlas, the bone's volume is the volume of its shells of compact bone plus that of the spongy
     // bone inside, as computed from their faces. Our solid has no gap between compact and spongy bone, and

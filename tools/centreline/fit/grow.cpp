@@ -140,8 +140,8 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
         cut_at_last_sphere(lumen, branch.spheres);
         std::reverse(branch.spheres.begin(), branch.spheres.end());
     }
-    // After a branch is cut at its ends, its first and last spheres have other distances to their neighbours,
-    // so the code spaces all spheres again.
+    // When a branch has been cut at its ends, its spheres are no longer evenly spaced, so the code spaces all
+    // of them again.
     branch.spheres = spaced(lumen, centres(branch.spheres), wish.spacing);
     if (way.parent >= 0) branch.spheres.front() = tree.branches[way.parent].spheres[branch.parent_sphere];
     branch.spheres.front().is_manual |= way.is_first_given && way.parent < 0;

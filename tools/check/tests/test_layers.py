@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""These tests check the following. A source file includes only files from the folders that this test permits, from
-higher layers to lower ones. Prints TAP."""
+"""These tests check the following. A source file includes only files of lower layers, from the folders that this test
+permits. Prints TAP."""
 
 import os
 import re
@@ -444,7 +444,7 @@ def check_quoted(path, line, target, row, exists):
 
 
 def check_file(path, text, exists):
-    """Yields a finding for each include of one file that the table does not permit."""
+    """For one file, yields a finding for each include that the table ALLOWED does not permit."""
     row = row_of(path, ALLOWED)
     if row is None:
         yield "%s: its folder has no row in ALLOWED (tools/check/tests/test_layers.py)" % path

@@ -13,9 +13,9 @@ namespace
 using vcsim3::JointProperties, vcsim3::RodProperties;
 
 constexpr double tick_s = 1e-3, radian = std::numbers::pi / 180.0;
-// The constants limit the time step times the highest angular frequency of the points, and the time step
-// times that of the segments' rotation. The integration is stable while the root of the sum of the squares of
-// these two products is below 2; the margin covers compressed segments and large rotations.
+// The constants limit two products: the time step times the highest angular frequency of the points, and the
+// time step times that of the segments' rotation. The integration is stable while the root of the sum of the
+// squares of these two products is below 2; the margin covers compressed segments and large rotations.
 constexpr double point_ratio = 1.5, turn_ratio = 0.9;
 constexpr double outside_mm = 3.0; // a rod deeper in the wall has passed through it
 

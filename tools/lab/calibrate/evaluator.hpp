@@ -39,7 +39,7 @@ struct Insertion {
 };
 
 // A TrialRefused is thrown when an instrument with the given values cannot be simulated, because the core
-// rejects the values or the rod became unstable. The text gives the reason.
+// rejects the values or the rod becomes unstable. The text gives the reason.
 class TrialRefused : public std::runtime_error
 {
   public:

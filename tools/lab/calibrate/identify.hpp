@@ -1,5 +1,5 @@
 // Determines, for each fitted number, the range within which the objective rises by no more than the
-// measurement noise explains. While one number varies, the other numbers stay constant, or vary as in the
+// measurement noise explains. The other numbers stay constant while one number varies, or they vary as in the
 // trials of the search.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"

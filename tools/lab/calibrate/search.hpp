@@ -23,8 +23,8 @@ std::optional<Method> method_of(const std::string &token);
 // By default one search has the budget of the thesis, which is 50 generations of 50 trials.
 constexpr unsigned trial_budget = 2500;
 // Returns the number of trials per generation that suits a method. A generation has 50 trials, as in the
-// thesis; for CMA-ES, a generation has a third of 50. CMA-ES learns from every generation, so it needs few
-// trials per generation to fit up to five numbers (docs/calibrate.md, "Search").
+// thesis, or 16 trials with CMA-ES. CMA-ES learns from every generation, so it needs few trials per
+// generation to fit up to five numbers (docs/calibrate.md, "Search").
 unsigned default_population(Method method);
 
 struct SearchSettings {
@@ -64,8 +64,8 @@ struct GenerationFigures {
 
 using EvaluateShares = std::function<std::vector<Verdict>(const std::vector<std::vector<double>> &)>;
 
-// Runs one more generation. `late` receives the number of trials that pagmo requested without having been
-// recorded; this number is 0 unless pagmo's behaviour has changed.
+// Runs one more generation. `late` receives the number of trials that pagmo requested although they had not
+// been recorded; this number is 0 unless pagmo's behaviour has changed.
 void advance(const SearchSettings &settings, std::size_t parameter_count, const EvaluateShares &evaluate,
              SearchState &state, std::size_t *late = nullptr);
 

@@ -55,8 +55,8 @@ class MpiJob
     // function can end the program, because the other ranks (processes) wait for messages.
     [[noreturn]] void abort(int status);
 
-    // Rank 0 (the leading process) calls the function below; its workers are `threads` threads of rank 0 and
-    // all other ranks.
+    // Rank 0 (the leading process) calls the function below; its workers are all other ranks, and `threads`
+    // threads of rank 0.
     std::unique_ptr<Workers> workers(unsigned threads, Evaluate evaluate, Stop stop, Progress progress);
     // The other ranks (processes) call the function below, which evaluates incoming trials until rank 0
     // reports the end of the trials.

@@ -57,7 +57,7 @@ struct Case {
     std::filesystem::path force;                          // empty: no force was measured
 
     std::filesystem::path path_in(const std::filesystem::path &path) const;
-    // Returns the angle to which the hand is turned at the given inserted length.
+    // Returns the angle of the hand at the given inserted length.
     double turn_deg_at(double inserted_mm) const;
 };
 

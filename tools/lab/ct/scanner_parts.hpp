@@ -33,8 +33,8 @@ class PhantomPlanes
     PhantomPlanes(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                   const Eigen::AlignedBox3d &box_lps, const Eigen::Vector3d &centre);
     void edges_at(double height_mm, std::vector<Edge> &edges) const;
-    // Returns the middle of the lumen in the plane at the given height, or the point on the scanner's axis if
-    // the plane does not cut the lumen.
+    // Returns the middle of the lumen in the plane at the given height. If the plane does not cut the lumen,
+    // returns the point on the scanner's axis.
     Eigen::Vector2d middle_at(double height_mm) const;
 
   private:

@@ -33,8 +33,8 @@ struct ShapeNode {
 
 // Positive percentages are compression. If a rod has become unstable, is_sound is false and the other values
 // of the result are meaningless. A rod counts as unstable if a coordinate is not finite or is more than half
-// a metre away from the first node that the hand holds. A rod also counts as unstable if the relative error
-// of its length is more than half.
+// a metre away from the first node that the hand holds. A rod also counts as unstable if the error of its
+// length exceeds 50 % of its length.
 struct CompressionResult {
     std::string name, token; // "25 Local", "local25"; "Direct", "direct"
     bool is_sound = true;

@@ -144,8 +144,8 @@ void draw_convergence(const Study &study, const std::string &path)
             const double y = chart.y_of(values[k]);
             if (last[k][0] > 0.0) canvas.line(last[k][0], last[k][1], x, y, 2.0, colours[k]);
             canvas.disc(x, y, 5.0, colours[k]);
-            // Our numbers are written below our curve, and the thesis' numbers above its curve, because both
-            // curves fall.
+            // Our numbers are written below our curve, and the thesis' numbers above the thesis' curve,
+            // because both curves fall.
             canvas.text(x, k == 0 ? y + 10 : y - 22, short_number(values[k]), small_text, colours[k],
                         Align::centre);
             last[k][0] = x;

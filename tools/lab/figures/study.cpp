@@ -114,7 +114,7 @@ void add_stability(Study &study, const StudySettings &settings, const Report &re
     in_parallel(static_cast<int>(presets().size()), settings.threads, [&](int job) {
         const Preset &preset = presets()[job];
         const Watch watch = progress.watch(job);
-        // Each of the three calls below does a third of the work for a preset.
+        // Each of the three calls below does a third of the work of a preset.
         const auto measure = [&](Mode::Kind kind, int iterations, double third) {
             return smallest_stable_substeps(preset, {kind, iterations},
                                             [&](double share) { return watch((third + share) / 3.0); });

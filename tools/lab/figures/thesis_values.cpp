@@ -1,5 +1,5 @@
 // The values come from section 5.4.2 of the thesis and from the table under Figure 5.14. Section 5.4.2 states
-// compressions of 0.45, 2.98 and 1.40 %. For 100 and 200 iterations it states 0.41 and 0.79 % less
+// compressions of 0.45, 2.98 and 1.40 %. For 100 and 200 iterations section 5.4.2 states 0.41 and 0.79 % less
 // compression than for 50 iterations.
 #include "tools/lab/figures/thesis_values.hpp"
 #include <map>

@@ -12,7 +12,7 @@ this rod at time steps of 1 ms. Of MuJoCo's solvers, the Newton solver is the fa
 Eight planes form the tube; planes are faster than a mesh, and exact for a straight tube. The rod is at rest, so the
 solver starts each step with the correct solution. Equality constraints on the edges of MuJoCo's flex keep the length of
 the rod. With the default impedance of the edges' constraints, the hanging rod is 8 % too long. With the `solimp` below,
-the rod's length error is 0.07 % at the same speed of simulation.
+the rod's length error is only 0.07 %, and the simulation is no slower.
 """
 
 import math

@@ -5,7 +5,7 @@ energies.
   run_xray_peers.py --ours build/bench/peer_xray --bodies out/aorta.bodies [--environment build/xray_peers] [--size 512]
                     [--rounds 5] [--output out/bench_xray_peers.tsv]
 
-Prints the mean relative difference over the pixels inside the patient with a transmission above 1e-4. Also prints
+Prints the mean relative difference over those pixels inside the patient whose transmission is above 1e-4. Also prints
 gVirtualXray's time per picture divided by our time. Our time is that of the whole picture, with scatter, noise and
 display. The program prints one ratio for the elapsed time and one ratio for the processor time of all threads. The
 requirement applies to the ratio of processor times, because other work on the machine does not change this ratio. The

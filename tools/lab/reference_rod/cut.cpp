@@ -42,8 +42,8 @@ double curves_m(const crn_wire_instrument &table)
     return end_m;
 }
 
-// The parts of a joint's cell act as springs in series, so the compliances of the parts add up. Curvature
-// adds over the cell.
+// The parts of the rod that a joint represents (its cell) act as springs in series, so their compliances add
+// up. Curvature adds over the cell.
 void fill_cell(const crn_wire_instrument &table, double from_m, double to_m, int node, Rod &rod)
 {
     constexpr int samples = 16;

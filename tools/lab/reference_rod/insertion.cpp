@@ -78,10 +78,9 @@ void Insertion::place(double inserted_m, double turn_rad)
     stiffen_mouth();
 }
 
-// A joint of the rod bends over its whole cell, which extends half an edge to either side. The two joints
-// next to the sheath's end may bend only in those parts of their cells that are outside the sheath. If the
-// joints next to the sheath's end bent over their whole cells, the rod would behave as if it were clamped up
-// to one edge behind the sheath's end.
+// A joint represents the rod over half an edge to either side (its cell). The two joints next to the sheath's
+// end may bend only where their cells are outside the sheath. If these two joints could bend over their whole
+// cells, the rod would behave as if it were clamped up to one edge behind the sheath's end.
 void Insertion::stiffen_mouth()
 {
     constexpr double least = 0.02; // of a cell

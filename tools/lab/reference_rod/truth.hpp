@@ -43,8 +43,8 @@ struct Truth {
 // equal files. Throws std::runtime_error (Fault or OutputError), whose message states the remedy.
 Truth make_case(const TruthRequest &request, const std::function<void(const std::string &)> &progress = {});
 
-// Returns the outer radius of the instrument, in mm, at each point of `centreline_mm`, from the sheath's end
-// to the tip, as a scanner sees it.
+// Returns the outer radius, in mm, that a scanner sees at each point of `centreline_mm`, from the sheath's
+// end to the tip.
 std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector<Vector> &centreline_mm);
 
 // Generates independent normally distributed numbers with standard deviation 1; the numbers are identical on

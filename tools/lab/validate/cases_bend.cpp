@@ -208,8 +208,8 @@ void three_point(Result &result, bool)
 // A rod whose resting shape has the curvature 1/R is held straight by supports on the x axis. The first span
 // (length a) reaches from the clamp at the base to the support `second`. The second span (length d) reaches
 // from the support `second` to the tip. Clapeyron's theorem of three moments gives the moment at the support
-// `second`, in units of EI/R (a moment). In units of EI/R, this moment is near 1 but not equal to 1, because
-// the last span has supports but no clamp at its ends.
+// `second`, in units of EI/R (a moment). The moment at the support `second` is near EI/R but not equal to it,
+// because the last span has supports but no clamp at its ends.
 double three_moments(double a, double d)
 {
     return (3 * d + 1.5 * a) / (2 * d + 1.5 * a);

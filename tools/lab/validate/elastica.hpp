@@ -18,8 +18,8 @@ struct PlaneShape {
 // raises the loads in steps from zero.
 PlaneShape elastica(double tip_load, double line_load);
 
-// Computes, in closed form with elliptic integrals, the shape of a cantilever under a constant tip load
-// towards the clamp that exceeds Euler's critical load.
+// Computes the shape of a cantilever in closed form, with elliptic integrals. The constant tip load points
+// towards the clamp and exceeds Euler's critical load.
 struct Buckled {
     double x, y, angle; // of the tip
 };

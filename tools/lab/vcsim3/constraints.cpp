@@ -30,9 +30,11 @@ void DistanceConstraints::sweep_local(Rod &rod)
     }
 }
 
-// The function eliminates the following equations from tip to hand: (1/m[j] + 1/m[j+1]) p[j] -
-// (n[j].n[j+1])/m[j+1] p[j+1] - (n[j-1].n[j])/m[j] p[j-1] = lacking[j]. Each pivot stays positive, because
-// the matrix is J M^-1 J^T of independent constraints.
+// The function eliminates the following equations from tip to hand:
+//
+//    (1/m[j] + 1/m[j+1]) p[j] - (n[j].n[j+1])/m[j+1] p[j+1] - (n[j-1].n[j])/m[j] p[j-1] = lacking[j]
+//
+// Each pivot stays positive, because the matrix is J M^-1 J^T of independent constraints.
 void DistanceConstraints::solve_global(Rod &rod)
 {
     share_.resize(count());

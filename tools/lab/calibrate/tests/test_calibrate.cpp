@@ -101,7 +101,7 @@ void equation_19_is_the_rms_over_the_nodes(void **)
 }
 
 // A force trace that is 1.2 times the reference everywhere has an error of 0.2. A peak in a single sample
-// does not change this error.
+// does not change the error of a force trace.
 void the_force_error_is_relative_and_passes_over_single_peaks(void **)
 {
     std::vector<insertion::ForceSample> reference, simulated;

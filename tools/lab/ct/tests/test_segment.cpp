@@ -1,11 +1,11 @@
 // In a virtual scan with voxels of 0.53 x 0.53 x 1 mm, the segmentation finds the centreline of a J wire that
-// touches the wall. The accuracy of the found centreline is that of the project's requirement 1. Requirement
-// 1 is an error of the centreline of at most 0.2 mm on average and 0.6 mm anywhere, measured in both
-// directions and including the tip of the wire. The surface of the lumen is closed and its mean error is
-// below 0.3 mm; in scans of a catheter with markers, the lumen is equally accurate. The errors lie within the
-// uncertainty that the segmentation reports. If a scan shows no instrument, two separate instruments, or two
-// that touch each other, the error message states this fault. The reference is the curve and the mesh from
-// which the test made the scan; the segmentation does not read them.
+// touches the wall. The error of the found centreline meets the project's requirement 1. Requirement 1 limits
+// the error of the centreline to 0.2 mm on average and 0.6 mm anywhere, measured in both directions and
+// including the tip of the wire. The surface of the lumen is closed and its mean error is below 0.3 mm; in
+// scans of a catheter with markers, the lumen is equally accurate. The errors lie within the uncertainty that
+// the segmentation reports. If a scan shows no instrument, two separate instruments, or two that touch each
+// other, the error message states this fault. The reference is the curve and the mesh from which the test
+// made the scan; the segmentation does not read them.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/ct/mouth.hpp"

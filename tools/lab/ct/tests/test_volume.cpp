@@ -1,8 +1,8 @@
 // These tests check the following. A volume is read back from every file format with its values and
 // positions. Left-handed grids keep their places. If a scan has wrong spacing, axes or values, the error
-// message names this fault. The same holds for slices that are missing, duplicated, unevenly spaced, mixed or
-// truncated. No truncated or damaged file crashes the readers. For every format, the test cuts and damages 2
-// files at positions that follow from a printed seed.
+// message names this fault. The error message also names slices that are missing, duplicated, unevenly
+// spaced, mixed or truncated. No truncated or damaged file crashes the readers. For every format, the test
+// cuts and damages 2 files at positions that follow from a printed seed.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 

@@ -41,7 +41,7 @@ void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spa
 // real scanners.
 void check_values(const Volume &volume);
 
-// The functions that read NIfTI and DICOM accept files that end before all declared values; this check
+// The functions that read NIfTI and DICOM accept files that hold fewer values than they declare; this check
 // refuses such files. Throws Fault.
 void check_nifti_length(const std::string &file, std::uint64_t value_bytes);
 void check_dicom_length(const std::filesystem::path &file);
