@@ -214,8 +214,9 @@ static int32_t own_stiffness(const crn_tool *tool, int32_t arc_m_q30)
     return bend_at(tool, i, arc_m_q30);
 }
 
-/* Holds the CRN_TOOL_MAX largest values among all tools of the table, in descending order; at most
- * CRN_TOOL_MAX tools can be nested at once. */
+/* Holds, in descending order, the CRN_TOOL_MAX largest values of one property (bending stiffness or mass per
+ * length) among the tools of the table. At most CRN_TOOL_MAX tools can be nested, so the sum of these largest
+ * values is an upper limit for any set of nested tools. */
 typedef struct largest_values {
     int32_t values[CRN_TOOL_MAX];
 } largest_values;

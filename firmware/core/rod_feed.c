@@ -2,8 +2,8 @@
  * code computes the length by which each tool is fed in this tick, and which nodes this feed frees from the
  * introducer sheath or captures in it. The code also computes the position that every node would have if the
  * tools only slid along their centreline: x* = x - T ds, where ds is the displacement of the leading tip. The
- * solve finds each node's deviation from the slide, so a fast feed adds no force of its own to the right side
- * of the linear system (docs/rod.md, "feed"). */
+ * linear system is then solved only for the deviation of each node from its predicted position x*, so a fast
+ * feed adds no force to the right side of the linear system (docs/rod.md, "feed"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -288,10 +288,11 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
     fold->is_passed |= is_fold;
 }
 
-/* Moves nodes 0 .. count-1 by the slide -T ds. Nodes 0 .. rigid-1 move like node `rigid`. The first
- * `rigid` nodes also move by the displacement that the tip's rotation causes and that the scratch memory
- * contains. The loop over the nodes runs from the hand towards the tip. In a fold of the tool, the nodes
- * nearer to the tip follow the edges behind them. */
+/* Moves nodes 0 .. count-1 by the slide -T ds. Nodes 0 .. rigid-1 move like node `rigid`. The first `rigid`
+ * nodes also move by the displacement that the tip's rotation causes and that the scratch memory contains. In
+ * a fold (a sharp bend), the function also keeps the lengths of the edges: the change that corrects an edge's
+ * length shifts all nodes between this edge and the tip. The loop over the nodes therefore runs from the hand
+ * towards the tip. */
 static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count, uint32_t rigid)
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;

@@ -158,9 +158,9 @@ class Shrinker
     Shrunk best_;
 };
 
-// Returns a part of the script without the given tool. The function removes this tool's name, and gives every
-// tool that lies outside this tool the name of the next inner tool. The result is an empty text if the part
-// contained only statements for the removed tool.
+// Returns a statement of a session script in the form that it needs after the given tool has been removed
+// from the session. The result is an empty text if the statement names the removed tool. In all other
+// statements, each tool outside the removed tool gets the name or number of the next inner tool.
 std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);

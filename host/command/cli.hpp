@@ -94,8 +94,8 @@ std::vector<RoomCommand> entry_commands(const SceneFile &scene);
 // motors will get power. The function then asks the user for confirmation, unless `yes` is set. Throws
 // RigStopped when the user does not confirm.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
-// Reads the stents that fit these tools, and adds them to the settings of a session's pictures. Throws
-// FileError.
+// Reads the stent files `paths`, and stores the stents in `settings`. Throws FileError if there are too many
+// stent files, if a file is not a valid stent file, or if no tool has a balloon on which the stent fits.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
                  const std::vector<Instrument> &tools);
 // The returned command puts the first stent on its balloon when the session begins.

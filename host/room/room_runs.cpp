@@ -70,7 +70,9 @@ void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
     run.window_width = std::max(*high - dark, 1.0);
 }
 
-// Fills in the run's description that files contain, from the first frame of the run.
+// Sets the collimator, the filters, the focal spot and the display window of an X-ray run. `beam` and
+// `picture` belong to the first frame of the run. Exported files of the run contain the values that this
+// function sets.
 void describe_beam(XrayRun &run, const XrayBeam &beam, const XrayPicture &picture)
 {
     run.collimator = collimator_of(beam, picture.size);

@@ -85,8 +85,9 @@ void SuiteScreen::take_drag(std::size_t tool)
     const ImGuiIO &io = ImGui::GetIO();
     const double slow = io.KeyShift ? slow_share : 1.0;
     const double units = 1.0 / static_cast<double>(ui_.px(1.0f));
-    // The drag is measured from the point where the button was pressed, because the pointer may have moved to
-    // that point in the same frame.
+    // The code measures the drag from the point where the button was pressed. ImGui's motion of the pointer
+    // per frame (`io.MouseDelta`) is unsuitable: in the frame in which the button is pressed, `io.MouseDelta`
+    // may also contain the pointer's motion before the press.
     const ImVec2 way = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0.0f);
     if (ImGui::IsItemActive() && (way.x != 0.0f || way.y != 0.0f)) {
         actions_.drags.push_back(

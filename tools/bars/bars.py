@@ -9,8 +9,9 @@ sizes, hashes, physics); such a value beyond its bar is a failure. If another co
 reads that command's output file. Without this file the program prints "not measured here". If the value is a time, the
 program only prints its ratio to the bar; a time never counts as a failure. Writes out/bars.tsv. The program's last
 lines, `bars.held<TAB>N` and `bars.red<TAB>N`, give the number of bars that are kept and of bars that fail ("red"). The
-exit code is 1 if a bar fails or could not be measured. With --tap the program prints one TAP line per bar instead of
-the table, without times and without values that other commands measure.
+exit code is 1 if a value (other than a time) is beyond its bar, that is, its limit, or if this program could not
+measure a value. With --tap the program prints one TAP line per bar instead of the table, without times and without
+values that other commands measure.
 """
 
 import argparse

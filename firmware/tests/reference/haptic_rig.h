@@ -30,9 +30,9 @@ typedef struct haptic_rig {
 
 enum { HAPTIC_MASS_g = 80, HAPTIC_DAMPING_mN_s_m = 1000, HAPTIC_FRICTION_mN = 20, HAPTIC_MOTOR_LAG_us = 500 };
 
-/* Begins a session with powered motors in `lumen` (NULL: free space) with one wire on the given track; a
- * length of `inserted_um` of the wire lies beyond the introducer sheath. Returns false if the device refused
- * one of the messages. */
+/* Begins a session in the vessel `lumen` (NULL: free space) with one wire on the given track, and powers the
+ * track's motors. At the start of the session, the wire protrudes from the introducer sheath by
+ * `inserted_um`. Returns false if the device refused one of the messages. */
 bool haptic_begin(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instrument *wire,
                   uint32_t inserted_um, const crn_wire_track *track, const haptic_hand *hand);
 

@@ -36,8 +36,9 @@ void curves_that_touch_become_a_tree(void **)
         if (branch.name != "b" && branch.name != "c") continue;
         ++found;
         assert_int_equal(branch.parent, 0);
-        // The branch must leave the trunk at the sphere beside the curve's end, and must run away from the
-        // trunk.
+        // The end of curve b inside the trunk's tube is nearest to sphere 10 of the trunk, and that of curve
+        // c is nearest to sphere 20. Branches b and c must leave the trunk at these two spheres, and the last
+        // sphere of each of the two branches must lie outside the trunk.
         assert_int_equal(branch.parent_sphere, branch.name == "b" ? 10 : 20);
         assert_true(std::abs(branch.spheres.back().centre_mm.x()) > 10);
     }

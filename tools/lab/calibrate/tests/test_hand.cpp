@@ -116,9 +116,10 @@ void a_still_rod_is_at_rest_after_three_windows(void **)
 }
 
 // The node is displaced by 25 um in every second tick, like a J tip that oscillates on a wall (docs/rod.md).
-// A displacement of 25 um is a hundred times the displacement per tick that still counts as rest. In the next
-// time interval, the displaced ticks and the undisplaced ticks are exchanged. A method that reads only every
-// second tick would take the exchange of ticks for a real displacement of the rod.
+// A displacement of 25 um is a hundred times the displacement per tick that still counts as rest. In each
+// following time interval of 50 ticks, the displaced and the undisplaced ticks change places. A program that
+// read the node's position only in every second tick would therefore see the node jump by 25 um between two
+// time intervals. The mean position of the node is nearly the same in all time intervals.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
     ScriptedRod rod;
