@@ -11,6 +11,34 @@
 using namespace crn;
 using namespace crn::library;
 
+namespace
+{
+
+// Keeps the statuses of many worlds, and the texts of their refusals, which the library has for each thread.
+struct Outcomes {
+    explicit Outcomes(std::size_t count) : statuses(count, COURNAND_OK), texts(count) {}
+    void take(std::size_t i, cournand_status status) noexcept
+    {
+        statuses[i] = status;
+        if (status == COURNAND_OK) return;
+        try {
+            texts[i] = last_text();
+        } catch (const std::bad_alloc &) { // the status tells enough
+        }
+    }
+    void throw_first() const
+    {
+        for (std::size_t i = 0; i < statuses.size(); i++)
+            if (statuses[i] != COURNAND_OK)
+                throw Refused(static_cast<cournand_status>(statuses[i]),
+                              "world " + std::to_string(i) + ": " + texts[i]);
+    }
+    std::vector<std::int32_t> statuses;
+    std::vector<std::string> texts;
+};
+
+} // namespace
+
 const char *cournand_status_name(cournand_status status)
 {
     static constexpr const char *names[] = {"OK",        "BAD_ARGUMENT", "BAD_HANDLE", "BAD_STATE",
@@ -164,8 +192,7 @@ cournand_status cournand_pool_run(cournand_pool *pool, size_t count,
 cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *worlds, size_t count,
                                    const float *actions, uint32_t ticks, int32_t *statuses)
 {
-    cournand_status worst = COURNAND_OK;
-    const cournand_status status = guarded([&] {
+    return guarded([&] {
         const auto with = object_of(pool);
         require(count <= 1000000, "count is above a million");
         require(count == 0 || (worlds != nullptr && actions != nullptr), "worlds or actions is NULL");
@@ -173,21 +200,18 @@ cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *w
         std::sort(sorted.begin(), sorted.end());
         require(std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end(), "worlds has a world twice");
         const OneAtATime::Inside inside(with->door, "pool");
-        std::vector<std::int32_t> results(count, COURNAND_OK);
-        with->run(count, [&](std::size_t i) {
-            results[i] = cournand_world_move(worlds[i], actions + i * COURNAND_ACTION_FLOATS, ticks);
-        });
-        if (statuses) std::copy(results.begin(), results.end(), statuses);
-        const auto bad =
-            std::find_if(results.begin(), results.end(), [](std::int32_t one) { return one != 0; });
-        if (bad == results.end()) return;
-        worst = static_cast<cournand_status>(*bad);
-        const auto index = static_cast<std::size_t>(bad - results.begin());
-        const char *why = cournand_world_error_text(worlds[index]);
-        throw Refused(worst, "world " + std::to_string(index) + ": " +
-                                 (*why ? why : "the handle is NULL, freed, or of another kind"));
+        Outcomes outcomes(count);
+        const auto end = [&] {
+            if (statuses) std::copy(outcomes.statuses.begin(), outcomes.statuses.end(), statuses);
+            outcomes.throw_first();
+        };
+        const auto row = [&](std::size_t i) { return actions + i * COURNAND_ACTION_FLOATS; };
+        for (std::size_t i = 0; i < count; i++) outcomes.take(i, check_move(worlds[i], row(i), ticks));
+        end(); // before any world moves
+        with->run(count,
+                  [&](std::size_t i) { outcomes.take(i, cournand_world_move(worlds[i], row(i), ticks)); });
+        end();
     });
-    return status;
 }
 
 // --- pictures ---

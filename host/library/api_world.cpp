@@ -79,6 +79,14 @@ cournand_status cournand_world_move(cournand_world *world, const float *action, 
     });
 }
 
+cournand_status crn::library::check_move(const cournand_world *world, const float *action,
+                                         std::uint32_t ticks) noexcept
+{
+    return with_world(world, [&](const World &moved) {
+        moved.checked_speeds({action, COURNAND_ACTION_FLOATS}, ticks);
+    });
+}
+
 cournand_status cournand_world_order(cournand_world *world, const cournand_order *order)
 {
     return with_world(world, [&](World &ordered) {

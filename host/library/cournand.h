@@ -389,9 +389,10 @@ COURNAND_API cournand_status cournand_world_snapshot_bytes(cournand_world *world
  * size of the snapshot. */
 COURNAND_API cournand_status cournand_world_save(cournand_world *world, void *bytes, size_t capacity);
 /* Sets the world to the state in a snapshot. The snapshot may be from any world with the same scene, tools
- * and options, also in another process or on another machine. The restored world continues, bit for bit,
- * as the saved world did. The status is BAD_SNAPSHOT if the snapshot is refused, and BAD_STATE while a
- * recording is written. */
+ * and options, also in another process or on another machine. The restored world continues, bit for bit, as
+ * the saved world did, and reads the same values, including the wall forces. Snapshots of version 1, which
+ * lack the wall forces, are refused. The status is BAD_SNAPSHOT if the snapshot is refused, and BAD_STATE
+ * while a recording is written. */
 COURNAND_API cournand_status cournand_world_restore(cournand_world *world, const void *bytes, size_t count);
 
 /* --- many worlds
@@ -407,8 +408,9 @@ COURNAND_API cournand_status cournand_pool_free(cournand_pool *pool);
 
 /* Moves `count` different worlds in parallel, each as cournand_world_move() does. `actions` is float
  * [count][COURNAND_ACTION_FLOATS], contiguous. `statuses` is NULL, or int32 [count], which receives the
- * status of each world. Returns OK if every world has moved. If a world has not moved, returns the first
- * status that is not OK; the other worlds have moved. */
+ * status of each world. Returns OK if every world has moved. If a handle, an action or `ticks` is refused, or
+ * another thread is inside a world, no world moves. If a world fails while it moves, the other worlds have
+ * moved. Both return the first status that is not OK. */
 COURNAND_API cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *worlds,
                                                 size_t count, const float *actions, uint32_t ticks,
                                                 int32_t *statuses);

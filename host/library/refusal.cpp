@@ -15,7 +15,9 @@ thread_local char failure_text[text_bytes] = "";
 
 cournand_status keep(cournand_status status, const char *text) noexcept
 {
-    const std::size_t count = std::min(std::strlen(text), text_bytes - 1);
+    std::size_t count = std::min(std::strlen(text), text_bytes - 1);
+    while (count > 0 && (static_cast<unsigned char>(text[count]) & 0xc0u) == 0x80u) // cut between characters
+        count--;
     std::memcpy(failure_text, text, count);
     failure_text[count] = '\0';
     return status;

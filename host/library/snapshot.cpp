@@ -1,11 +1,12 @@
 // Snapshots of worlds. All numbers are little-endian:
 //
 //   magic u32 | version u32 | bytes u32 | out of range: tick + 1, or 0, u32 | fingerprint u64 | check u64 |
-//   hands i64 x 6 in 1e-6 counts | inflator i32 | bytes of the tick's result u32 | result of the last tick,
-//   padded | the device's snapshot (docs/wire.md)
+//   hands i64 x 6 in 1e-6 counts | inflator i32 | bytes of the tick's result u32 | wall force of the last
+//   sample and largest one of the last move f64 x 2 in N | result of the last tick, padded | the device's
+//   snapshot (docs/wire.md)
 //
-// The checksum covers all bytes of the snapshot that follow it. In addition, the device checks its own part
-// of the snapshot.
+// Snapshots of version 1 lack the wall forces of the saved world, so they are refused. The checksum covers
+// all bytes of the snapshot that follow it. In addition, the device checks its own part of the snapshot.
 #include "host/library/world.hpp"
 #include <algorithm>
 #include <bit>
@@ -17,8 +18,9 @@ namespace
 {
 
 constexpr std::uint32_t magic = 0x534e5243; // "CRNS"
-constexpr std::uint32_t version = 1;
-constexpr std::size_t head_bytes = 32, hands_bytes = 6 * 8 + 4 + 4;
+constexpr std::uint32_t version = 2;
+constexpr std::size_t head_bytes = 32, hands_bytes = 6 * 8 + 4 + 4 + 2 * 8;
+constexpr double wall_max_N = 1e9; // far above what a tool can press
 constexpr std::size_t state_bytes = (CRN_WIRE_BYTES_tick_state + 7u) / 8u * 8u;
 // The positions of the hands stay within this limit even in the longest session; beyond it, sums could
 // overflow.
@@ -85,6 +87,8 @@ void World::save(std::span<std::uint8_t> bytes)
     crn_wire_writer result = crn_wire_writer_make(state, sizeof state);
     crn_wire_put_tick_state(&result, &state_);
     crn_wire_write(&hands, result.length, 4);
+    for (const double force_N : {wall_N_, wall_peak_N_})
+        crn_wire_write(&hands, std::bit_cast<std::uint64_t>(force_N), 8);
     std::copy_n(state, result.length, bytes.data() + head_bytes + hands_bytes);
     crn_wire_writer head = crn_wire_writer_make(bytes.data(), head_bytes);
     crn_wire_write(&head, magic, 4);
@@ -100,11 +104,17 @@ void World::restore(std::span<const std::uint8_t> bytes)
     if (patient_)
         throw Refused(COURNAND_BAD_STATE, "a world with a patient has no snapshots: make it without one");
     if (recorder_) throw Refused(COURNAND_BAD_STATE, "the world is being recorded: end its recording first");
-    if (bytes.size() != snapshot_bytes())
+    const auto refuse_size = [&] {
         refuse("has " + std::to_string(bytes.size()) + " bytes, not " + std::to_string(snapshot_bytes()));
+    };
+    if (bytes.size() < head_bytes) refuse_size();
     crn_wire_reader head = crn_wire_reader_make(bytes.data(), head_bytes);
     if (crn_wire_read(&head, 4) != magic) refuse("is none of this library");
-    if (crn_wire_read(&head, 4) != version) refuse("has another version: save it with this release");
+    const std::uint64_t saved_version = crn_wire_read(&head, 4);
+    if (saved_version != version)
+        refuse("has version " + std::to_string(saved_version) + ", and this release reads version " +
+               std::to_string(version) + ": save it with this release");
+    if (bytes.size() != snapshot_bytes()) refuse_size();
     if (crn_wire_read(&head, 4) != bytes.size()) refuse("is damaged: its size differs");
     const auto range_tick = static_cast<std::uint32_t>(crn_wire_read(&head, 4));
     if (crn_wire_read(&head, 8) != fingerprint_)
@@ -119,6 +129,11 @@ void World::restore(std::span<const std::uint8_t> bytes)
     }
     const auto inflator = static_cast<std::int32_t>(crn_wire_read(&hands, 4));
     const std::uint64_t result_bytes = crn_wire_read(&hands, 4);
+    double walls_N[2];
+    for (double &force_N : walls_N) {
+        force_N = std::bit_cast<double>(crn_wire_read(&hands, 8));
+        if (!(force_N >= 0.0 && force_N <= wall_max_N)) refuse("is damaged: a wall force is out of range");
+    }
     crn_wire_tick_state state{};
     if (result_bytes > state_bytes || inflator < 0 || inflator > 4000)
         refuse("is damaged: a number is out of range");
@@ -138,7 +153,9 @@ void World::restore(std::span<const std::uint8_t> bytes)
     range_ = {};
     out_of_range_tick_.reset();
     if (range_tick != 0) out_of_range_tick_ = range_tick - 1;
-    wall_N_ = wall_peak_N_ = 0.0;
+    const bool samples_wall = settings_.contact_ticks > 0;
+    wall_N_ = samples_wall ? walls_N[0] : 0.0;
+    wall_peak_N_ = samples_wall ? walls_N[1] : 0.0;
 }
 
 } // namespace crn::library

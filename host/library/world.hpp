@@ -54,6 +54,12 @@ class World
     void check_alive() const;
 
     // --- advancing (world_advance.cpp) ---
+    struct Speeds { // of the hands in 1e-6 counts per tick
+        std::int64_t push[COURNAND_POSITIONS_MAX] = {}, turn[COURNAND_POSITIONS_MAX] = {};
+        std::int32_t inflator_kPa = 0;
+    };
+    // Throws Refused as move() would.
+    Speeds checked_speeds(std::span<const float> action, std::uint32_t ticks) const;
     void move(std::span<const float> action, std::uint32_t ticks);
     void order(const cournand_order &order);
     void advance(std::span<const cournand_input> inputs);
@@ -169,6 +175,9 @@ class World
     std::shared_ptr<const Recording> replayed_; // whose commands the patient receives
     std::size_t replayed_command_ = 0;          // the next one
 };
+
+// Returns the status that cournand_world_move() would refuse these arguments with.
+cournand_status check_move(const cournand_world *world, const float *action, std::uint32_t ticks) noexcept;
 
 template <> struct HandleOf<cournand_world> {
     using Object = World;

@@ -129,10 +129,10 @@ void World::take_hands(const crn_wire_tick_input &input)
     inflator_kPa_ = input.inflator_raw;
 }
 
-void World::move(std::span<const float> action, std::uint32_t ticks)
+World::Speeds World::checked_speeds(std::span<const float> action, std::uint32_t ticks) const
 {
     check_ticks(ticks);
-    std::int64_t push[COURNAND_POSITIONS_MAX] = {}, turn[COURNAND_POSITIONS_MAX] = {}; // parts per tick
+    Speeds speeds;
     for (std::size_t k = 0; k < COURNAND_POSITIONS_MAX; k++) {
         const bool has = k < positions();
         const double push_m_per_s =
@@ -140,16 +140,23 @@ void World::move(std::span<const float> action, std::uint32_t ticks)
         const double turn_rad_per_s =
             entry(action, COURNAND_POSITIONS_MAX + k, has ? -turn_max_rad_per_s : 0.0,
                   has ? turn_max_rad_per_s : 0.0, "a turn in rad/s");
-        push[k] = std::llround(push_m_per_s * 1e3 * parts_per_count);
-        turn[k] = std::llround(turn_rad_per_s * (65.536 / (2.0 * std::numbers::pi)) * parts_per_count);
+        speeds.push[k] = std::llround(push_m_per_s * 1e3 * parts_per_count);
+        speeds.turn[k] = std::llround(turn_rad_per_s * (65.536 / (2.0 * std::numbers::pi)) * parts_per_count);
     }
     const float kPa = entry(action, 6, 0.0, 4000.0, "a pressure in kPa");
     entry(action, 7, 0.0, 0.0, "unused");
-    inflator_kPa_ = static_cast<std::int32_t>(std::lround(kPa));
+    speeds.inflator_kPa = static_cast<std::int32_t>(std::lround(kPa));
+    return speeds;
+}
+
+void World::move(std::span<const float> action, std::uint32_t ticks)
+{
+    const Speeds speeds = checked_speeds(action, ticks);
+    inflator_kPa_ = speeds.inflator_kPa;
     const Fill fill = [&](std::uint32_t, crn_wire_tick_input &input) {
         for (std::size_t k = 0; k < positions(); k++) {
-            push_[k] += push[k];
-            turn_[k] += turn[k];
+            push_[k] += speeds.push[k];
+            turn_[k] += speeds.turn[k];
         }
         input = present_input();
     };

@@ -199,8 +199,12 @@ void a_snapshot_in_memory_is_that_of_the_wire(void **)
 // printed time is only for information (docs/library.md).
 void a_snapshot_gives_the_same_world_however_often_it_is_restored(void **)
 {
-    cournand_world *restored = world(aorta());
-    push(restored, 300);
+    auto options = sized<cournand_world_options>();
+    options.contact_ticks = 19;
+    cournand_world *restored = world(aorta(), {"j_wire"}, &options);
+    push(restored, 2000);
+    const cournand_reading before = reading(restored);
+    assert_true(before.wall_force_N > 0.0f && before.wall_force_peak_N >= before.wall_force_N);
     const std::vector<std::uint8_t> bytes = saved(restored);
     double least_us = 1e9;
     for (int branch = 0; branch < 20; branch++) {
@@ -211,6 +215,9 @@ void a_snapshot_gives_the_same_world_however_often_it_is_restored(void **)
         const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begin;
         least_us = std::min(least_us, took.count());
         assert_true(saved(restored) == bytes);
+        const cournand_reading after = reading(restored);
+        assert_true(after.wall_force_N == before.wall_force_N); // bit for bit
+        assert_true(after.wall_force_peak_N == before.wall_force_peak_N);
     }
     print_message("restore: %.1f us, %zu bytes\n", least_us, bytes.size());
     done(cournand_world_free(restored));

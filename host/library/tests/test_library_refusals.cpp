@@ -126,6 +126,19 @@ void wrong_inputs_and_orders_change_nothing(void **)
     done(cournand_world_free(kept));
 }
 
+void long_texts_are_cut_between_characters(void **)
+{
+    for (const std::string path : {"/", "/x", "/xy", "/xyz"}) {
+        std::string name = path;
+        for (int i = 0; i < 2000; i++) name += "\u00f6"; // two bytes each
+        cournand_tool *made = nullptr;
+        assert_int_equal(cournand_tool_open(name.c_str(), &made), COURNAND_BAD_FILE);
+        const std::string text = cournand_error_text();
+        assert_true(text.size() >= 1000 && text.size() < 1024);
+        assert_int_equal(static_cast<unsigned char>(text.back()), 0xb6); // the second byte
+    }
+}
+
 void damaged_snapshots_change_nothing(void **)
 {
     cournand_world *kept = world(free_space());
@@ -141,6 +154,10 @@ void damaged_snapshots_change_nothing(void **)
         refused(cournand_world_restore(kept, bad.data(), bad.size()), COURNAND_BAD_SNAPSHOT, "snapshot");
     }
     refused(cournand_world_restore(kept, good.data(), good.size() - 1), COURNAND_BAD_SNAPSHOT, "bytes");
+    std::vector<std::uint8_t> old = good;
+    old[4] = 1;
+    old.resize(old.size() - 16); // version 1 had no wall forces
+    refused(cournand_world_restore(kept, old.data(), old.size()), COURNAND_BAD_SNAPSHOT, "version 1");
     refused(cournand_world_restore(kept, nullptr, good.size()), COURNAND_BAD_ARGUMENT, "NULL");
     std::vector<std::uint8_t> small(10);
     refused(cournand_world_save(kept, small.data(), small.size()), COURNAND_BAD_ARGUMENT, "smaller");
@@ -280,6 +297,16 @@ void a_world_and_a_pool_refuse_a_second_thread(void **)
     refused(cournand_pool_move(pool, one_missing, 2, actions, 1, statuses), COURNAND_BAD_HANDLE, "world 1");
     assert_int_equal(statuses[0], COURNAND_OK);
     assert_int_equal(statuses[1], COURNAND_BAD_HANDLE);
+    cournand_world *second = world(free_space());
+    cournand_world *both[] = {shared, second};
+    float one_wrong[2 * COURNAND_ACTION_FLOATS] = {0.01f};
+    one_wrong[COURNAND_ACTION_FLOATS] = NAN;
+    const std::uint32_t before = reading(shared).tick;
+    refused(cournand_pool_move(pool, both, 2, one_wrong, 5, statuses), COURNAND_BAD_ARGUMENT, "world 1");
+    assert_int_equal(statuses[1], COURNAND_BAD_ARGUMENT);
+    assert_int_equal(reading(shared).tick, before); // no world has moved
+    assert_int_equal(reading(second).tick, 0);
+    done(cournand_world_free(second));
     refused(cournand_pool_create(0, &pool), COURNAND_BAD_ARGUMENT, "threads");
     refused(cournand_pool_create(100000, &pool), COURNAND_BAD_ARGUMENT, "threads");
     done(cournand_world_free(shared));
@@ -334,6 +361,7 @@ int main()
         cmocka_unit_test(a_world_lives_on_when_its_scene_and_tools_are_freed),
         cmocka_unit_test(wrong_actions_change_nothing),
         cmocka_unit_test(wrong_inputs_and_orders_change_nothing),
+        cmocka_unit_test(long_texts_are_cut_between_characters),
         cmocka_unit_test(damaged_snapshots_change_nothing),
         cmocka_unit_test(structs_of_another_size_are_refused_unless_the_rest_is_zero),
         cmocka_unit_test(wrong_options_make_no_world),

@@ -80,7 +80,10 @@ class Batch:
 
     def move(self, actions: npt.ArrayLike, ticks: int, which: Sequence[int] | None = None) -> None:
         """Moves worlds at steady speeds, and reads them. `actions` is float32 [n, 8]: push at the positions 0, 1, 2 in
-        m/s, turn in rad/s, pressure of the inflator in kPa, and 0. `which` names the worlds; None: all."""
+        m/s, turn in rad/s, pressure of the inflator in kPa, and 0. `which` names the worlds; None: all.
+
+        If a number or `ticks` is refused, or another thread is inside one of the worlds, no world moves. If a world
+        fails later, the exception is that of the first such world, and the others have moved."""
         self._core.step(np.ascontiguousarray(actions, dtype=np.float32), ticks, self._which(which))
 
     def read(self, which: Sequence[int] | None = None) -> None:
@@ -88,7 +91,8 @@ class Batch:
         self._core.observe(self._which(which))
 
     def restore(self, snapshots: Sequence[bytes], which: Sequence[int] | None = None) -> None:
-        """Restores one snapshot per world, and reads the worlds."""
+        """Restores one snapshot per world, and reads the worlds. The exception is that of the first world that refuses
+        its snapshot; the others are restored."""
         self._core.restore(list(snapshots), self._which(which))
 
     def render(
@@ -102,13 +106,14 @@ class Batch:
         which: Sequence[int] | None = None,
     ) -> tuple[npt.NDArray[np.uint8] | None, npt.NDArray[np.uint8] | None]:
         """Renders worlds with one view and one seed each, and returns all pictures and label images, uint8 [count,
-        size, size], as views whose rows the next call overwrites. `renderers` are of one size: one per world, which
-        keeps its view, or fewer that the worlds share. A renderer takes about 30 MB."""
+        size, size], as views whose rows the next call overwrites; None for those that were not asked for. `renderers`
+        are of one size: one per world, which keeps its view, or fewer that the worlds share. A renderer takes about
+        30 MB. The first pictures decide the size of all pictures of the batch."""
         flags = (1 if labels else 0) if picture else 16
         self._core.render(
             [one._core for one in renderers], [one.numbers() for one in views], flags, list(seeds), self._which(which)
         )
-        return self._core.grey(), self._core.labels()
+        return (self._core.grey() if picture else None), (self._core.labels() if labels or not picture else None)
 
     def _which(self, which: Sequence[int] | None) -> list[int]:
         return list(range(self.count)) if which is None else [int(one) for one in which]

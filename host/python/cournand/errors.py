@@ -33,7 +33,7 @@ class BadStateError(Error, RuntimeError):
 
 
 class BusyError(Error, RuntimeError):
-    """Another thread is inside the same world, renderer or pool."""
+    """Another thread is inside the same world, batch, renderer or pool."""
 
     status = "BUSY"
 

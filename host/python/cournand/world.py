@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -188,18 +188,15 @@ class World:
         """
         self.scene = scene
         self.tools = tuple(tools)
-        self._options = (
-            list(line),
-            list(inserted_m),
-            patient,
-            contact_ticks,
-            [find("stents", ".toml", stent) for stent in stents],
-        )
-        self._take(_core.World(scene._core, [tool._core for tool in self.tools], *self._options))
+        paths = [find("stents", ".toml", stent) for stent in stents]
+        cores = [tool._core for tool in self.tools]
+        options = (list(line), list(inserted_m), patient, contact_ticks, paths)
+        self._make(lambda: _core.World(scene._core, cores, *options), patient)
 
-    def _take(self, core: Any) -> None:
-        self._core = core
-        self.position_count: int = len(core.read()[3])
+    def _make(self, make_core: Callable[[], Any], has_patient: bool) -> None:
+        self._make_core, self._has_patient = make_core, has_patient
+        self._core = make_core()
+        self.position_count: int = len(self._core.read()[3])
         """Positions of the line, 1 .. 3."""
 
     # --- advancing ---
@@ -226,10 +223,12 @@ class World:
         self._core.move(action, count)
 
     def advance(self, inputs: npt.NDArray[Any]) -> None:
-        """Advances by one tick per input. `inputs` is an array of the type `cournand.INPUT`: the exact counts of the
-        hands and orders of every tick, as those of a recording."""
-        given = np.ascontiguousarray(inputs, dtype=INPUT)
-        self._core.advance(given.reshape(-1).view(np.uint8).reshape(given.size, INPUT.itemsize))
+        """Advances by one tick per input. `inputs` is an array [ticks] of the type `cournand.INPUT`: the exact counts
+        of the hands and orders of every tick, as those of a recording. An array of another type raises TypeError."""
+        if not isinstance(inputs, np.ndarray) or inputs.dtype != INPUT or inputs.ndim != 1:
+            raise TypeError("inputs is not an array with one axis and the type cournand.INPUT")
+        given = np.ascontiguousarray(inputs)
+        self._core.advance(given.view(np.uint8).reshape(given.size, INPUT.itemsize))
 
     def order(self, kind: Order, *values: int) -> None:
         """Gives an order to the core for the next tick. The core tries the order first on a copy of its state."""
@@ -272,7 +271,7 @@ class World:
     @property
     def patient(self) -> Patient | None:
         """The patient of a world that was made with `patient=True`, else None."""
-        return Patient(self) if self._options[2] else None
+        return Patient(self) if self._has_patient else None
 
     # --- snapshots ---
 
@@ -289,8 +288,8 @@ class World:
         """Returns another world with the same set-up and state, for a search that branches."""
         snapshot = self.snapshot()
         made = World.__new__(World)
-        made.scene, made.tools, made._options = self.scene, self.tools, self._options
-        made._take(_core.World(self.scene._core, [tool._core for tool in self.tools], *self._options))
+        made.scene, made.tools = self.scene, self.tools
+        made._make(self._make_core, self._has_patient)
         made.restore(snapshot)
         return made
 
@@ -327,6 +326,5 @@ def world_of_recording(recording: Recording, scene: Scene, patient: bool) -> Wor
     """Makes the world of Recording.world()."""
     made = World.__new__(World)
     made.scene, made.tools = scene, ()
-    made._options = ([], [], patient, 0, [])
-    made._take(recording._core.world(scene._core, patient))
+    made._make(lambda: recording._core.world(scene._core, patient), patient)
     return made

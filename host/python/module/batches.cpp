@@ -1,8 +1,9 @@
 // Many worlds that advance together over a pool of threads: the engine of cournand.envs. One call moves the
 // worlds, reads them into arrays, and renders them; no Python code runs in between. What a world computes
-// does not depend on the number of threads.
+// does not depend on the number of threads. One thread at a time is inside a batch.
 #include "host/python/module/pictures.hpp"
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
@@ -40,8 +41,7 @@ class Batch
     Batch(nb::object pool, std::size_t count, std::uint32_t points, double spacing_m)
         : pool_(std::move(pool)), threads_(nb::cast<const Pool &>(pool_).get()), count_(count),
           points_(within(points, count)), spacing_m_(spacing_m), width_(points * 3 + of_hands + figures),
-          worlds_(count), texts_(count), statuses_(count), states_(count * width_), places_(count * 4),
-          vessels_(count, -1)
+          worlds_(count), states_(count * width_), places_(count * 4), vessels_(count, -1)
     {
     }
 
@@ -64,9 +64,26 @@ class Batch
     nb::object labels(nb::handle self) const { return pictures(labels_, self); }
 
   private:
+    // A second thread is refused, as by a world; it would overwrite what the first one reads.
+    class Inside
+    {
+      public:
+        explicit Inside(std::atomic_flag &is_busy) : is_busy_(is_busy)
+        {
+            if (is_busy_.test_and_set(std::memory_order_acquire))
+                throw StatusError(COURNAND_BUSY, "another thread is inside this batch: wait for it");
+        }
+        ~Inside() { is_busy_.clear(std::memory_order_release); }
+        Inside(const Inside &) = delete;
+        Inside &operator=(const Inside &) = delete;
+
+      private:
+        std::atomic_flag &is_busy_;
+    };
+
     nb::object pictures(const std::vector<std::uint8_t> &pixels, nb::handle self) const
     {
-        if (pixels.empty()) return nb::none();
+        if (size_ == 0 || pixels.empty()) return nb::none();
         return view(pixels.data(), {count_, size_, size_}, self);
     }
     cournand_world *world(std::size_t index) const
@@ -90,6 +107,7 @@ class Batch
     // Calls work(i) for each i below `count` in the pool, without the interpreter's lock, and throws the
     // first refusal.
     template <class Work> void run(std::size_t count, const Work &work);
+    void read_all(const std::vector<std::size_t> &which, const std::vector<cournand_world *> &worlds);
 
     nb::object pool_;
     cournand_pool *threads_;
@@ -98,31 +116,35 @@ class Batch
     double spacing_m_;
     std::size_t width_;
     std::vector<nb::object> worlds_;
-    std::vector<std::string> texts_; // of refusals
-    std::vector<cournand_status> statuses_;
+    std::atomic_flag is_busy_ = ATOMIC_FLAG_INIT;
     // Allocated once for each size of pictures, so that views keep their memory.
     std::vector<float> states_, places_;
     std::vector<std::int32_t> vessels_;
     std::vector<std::uint8_t> grey_, labels_;
-    std::size_t size_ = 0;
+    std::size_t size_ = 0; // of the pictures; 0 before the first ones
 };
 
 template <class Work> void Batch::run(std::size_t count, const Work &work)
 {
     struct Task {
-        Batch *batch;
         const Work *work;
-    } task{this, &work};
-    if (count > count_) throw nb::value_error("there are more numbers than worlds");
+        std::vector<cournand_status> statuses;
+        std::vector<std::string> texts; // of refusals
+    } task{&work, std::vector<cournand_status>(count), std::vector<std::string>(count)};
     const nb::gil_scoped_release release;
     const auto one = [](void *context, std::size_t i) {
-        const Task &todo = *static_cast<Task *>(context);
-        todo.batch->statuses_[i] = (*todo.work)(i);
-        if (todo.batch->statuses_[i] != COURNAND_OK) todo.batch->texts_[i] = cournand_error_text();
+        Task &todo = *static_cast<Task *>(context);
+        todo.statuses[i] = (*todo.work)(i);
+        if (todo.statuses[i] != COURNAND_OK) todo.texts[i] = cournand_error_text();
     };
     check(cournand_pool_run(threads_, count, one, &task));
     for (std::size_t i = 0; i < count; i++)
-        if (statuses_[i] != COURNAND_OK) throw StatusError(statuses_[i], texts_[i]);
+        if (task.statuses[i] != COURNAND_OK) throw StatusError(task.statuses[i], task.texts[i]);
+}
+
+void Batch::read_all(const std::vector<std::size_t> &which, const std::vector<cournand_world *> &worlds)
+{
+    run(which.size(), [&](std::size_t i) { return read(which[i], worlds[i]); });
 }
 
 // Interpolates the positions of points at equal distances from the leading tip.
@@ -171,23 +193,32 @@ void Batch::step(const Given<float> &actions, std::uint32_t ticks, const std::ve
 {
     if (actions.shape(0) != which.size() || actions.shape(1) != COURNAND_ACTION_FLOATS)
         throw nb::value_error("actions has one row of 8 numbers per world");
+    const Inside inside(is_busy_);
     const auto worlds = handles(which);
-    const float *rows = actions.data();
-    run(which.size(), [&](std::size_t i) {
-        const auto status = cournand_world_move(worlds[i], rows + i * COURNAND_ACTION_FLOATS, ticks);
-        return status ? status : read(which[i], worlds[i]);
+    // The caller may write to its array meanwhile, so what is checked would not be what is used.
+    const std::vector<float> rows(actions.data(), actions.data() + actions.size());
+    unlocked([&] {
+        return cournand_pool_move(threads_, worlds.data(), worlds.size(), rows.data(), ticks, nullptr);
     });
+    try {
+        read_all(which, worlds);
+    } catch (const StatusError &error) {
+        if (error.status != COURNAND_BUSY) throw;
+        // Another batch uses the pool now, and these worlds have moved: this thread reads them.
+        for (std::size_t i = 0; i < which.size(); i++) check(read(which[i], worlds[i]));
+    }
 }
 
 void Batch::observe(const std::vector<std::size_t> &which)
 {
-    const auto worlds = handles(which);
-    run(which.size(), [&](std::size_t i) { return read(which[i], worlds[i]); });
+    const Inside inside(is_busy_);
+    read_all(which, handles(which));
 }
 
 void Batch::restore(const std::vector<nb::bytes> &snapshots, const std::vector<std::size_t> &which)
 {
     if (snapshots.size() != which.size()) throw nb::value_error("there is one snapshot per world");
+    const Inside inside(is_busy_);
     const auto worlds = handles(which);
     struct Bytes {
         const void *data;
@@ -208,6 +239,7 @@ void Batch::render(const nb::list &renderers, const std::vector<ViewNumbers> &vi
 {
     if (views.size() != which.size() || seeds.size() != which.size() || renderers.size() == 0)
         throw nb::value_error("there is one view and one seed per world, and at least one renderer");
+    const Inside inside(is_busy_);
     const auto worlds = handles(which);
     std::vector<cournand_renderer *> all;
     for (const nb::handle one : renderers) all.push_back(nb::cast<const Renderer &>(one).get());
@@ -217,7 +249,10 @@ void Batch::render(const nb::list &renderers, const std::vector<ViewNumbers> &vi
     for (const nb::handle one : renderers)
         if (nb::cast<const Renderer &>(one).size() != size) throw nb::value_error("renderers differ in size");
     if (size_ != 0 && size_ != size) throw nb::value_error("a batch has pictures of one size");
-    size_ = size;
+    if (size_ == 0) { // an earlier call may have been refused after it had taken memory
+        grey_.clear();
+        labels_.clear();
+    }
     const std::size_t pixels = std::size_t{size} * size;
     if (grey_.empty() && !(flags & COURNAND_VIEW_LABELS_ONLY)) grey_.resize(count_ * pixels);
     if (labels_.empty() && (flags & (COURNAND_VIEW_LABELS | COURNAND_VIEW_LABELS_ONLY)))
@@ -244,6 +279,7 @@ void Batch::render(const nb::list &renderers, const std::vector<ViewNumbers> &vi
         }
         return status;
     });
+    size_ = size;
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 // The module cournand._core: scenes, tools, and what makes exceptions of statuses. The classes for people are
 // in host/python/cournand; those here take checked arguments and return tuples.
 #include "host/python/module/module.hpp"
+#include <cstring>
 #include <nanobind/stl/pair.h>
 
 namespace cournand_python
@@ -45,7 +46,7 @@ std::uint32_t find_vessel(const Scene &scene, const std::string &name)
 Tool *open_tool(const std::string &path)
 {
     cournand_tool *tool = nullptr;
-    check(cournand_tool_open(path.c_str(), &tool));
+    unlocked([&] { return cournand_tool_open(path.c_str(), &tool); });
     return new Tool(tool);
 }
 
@@ -79,7 +80,11 @@ void raise(const std::exception_ptr &thrown, void *)
     } catch (const StatusError &error) {
         const nb::object kind =
             nb::module_::import_("cournand.errors").attr("of_status")(static_cast<int>(error.status));
-        PyErr_SetObject(kind.ptr(), nb::str(error.what()).ptr());
+        // A text may quote bytes of a path or of a file that are no UTF-8.
+        const char *text = error.what();
+        const auto decoded =
+            nb::steal(PyUnicode_DecodeUTF8(text, static_cast<Py_ssize_t>(std::strlen(text)), "replace"));
+        if (decoded.is_valid()) PyErr_SetObject(kind.ptr(), decoded.ptr());
     }
 }
 

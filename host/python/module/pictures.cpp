@@ -14,6 +14,14 @@ cournand_renderer *create(const Scene &scene, std::uint32_t threads)
     return renderer;
 }
 
+// The library takes 0 for its usual size; a caller of Python states every size.
+std::uint32_t stated(std::uint32_t size)
+{
+    if (size == 0)
+        throw StatusError(COURNAND_BAD_ARGUMENT, "size is 0, not a multiple of 16 within 64 and 2048");
+    return size;
+}
+
 template <class Number> nb::object picture_view(const Number *pixels, std::size_t size, nb::handle owner)
 {
     if (pixels == nullptr) return nb::none();
@@ -37,7 +45,7 @@ nb::tuple render(nb::handle_t<Renderer> self, const World &world, const ViewNumb
 nb::tuple matrix(const ViewNumbers &numbers, std::uint32_t size)
 {
     double entries[12];
-    const cournand_view view = make_view(numbers, size, 0, 0);
+    const cournand_view view = make_view(numbers, stated(size), 0, 0);
     check(cournand_view_matrix(&view, entries));
     return tuple_of(entries, 12);
 }
@@ -45,7 +53,7 @@ nb::tuple matrix(const ViewNumbers &numbers, std::uint32_t size)
 } // namespace
 
 Renderer::Renderer(const Scene &scene, std::uint32_t size, std::uint32_t threads)
-    : size_(size), handle_(create(scene, threads))
+    : size_(stated(size)), handle_(create(scene, threads))
 {
     double entries[12]; // refuses a wrong size now, not at the first picture
     const cournand_view view = make_view({}, size, 0, 0);

@@ -187,7 +187,7 @@ void add_worlds(nb::module_ &module)
         .def("restore", &restore)
         .def("record",
              [](const World &w, const std::string &path, const std::string &session) {
-                 check(cournand_world_record(w.get(), path.c_str(), session.c_str()));
+                 unlocked([&] { return cournand_world_record(w.get(), path.c_str(), session.c_str()); });
              })
         .def("end_recording",
              [](const World &w) { unlocked([&] { return cournand_world_end_recording(w.get()); }); })

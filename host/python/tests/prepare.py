@@ -84,16 +84,22 @@ def prepare():
     return python
 
 
-def digest():
-    """Returns a hash of everything that the package is built of."""
-    hashed = hashlib.sha256()
+def sources():
+    """Returns the path of every file that the package is built of."""
     places = ["host/python/cournand", "host/python/module", "shared/examples/instruments", "shared/examples/stents"]
-    files = [REQUIREMENTS, os.path.join(BUILD, "lib", "libcournand.a"), os.path.join(ROOT, "host/library/cournand.h")]
+    single = ["host/library/cournand.h", "shared/version.h", "shared/examples/scenes/aorta.tar.xz"]
+    files = [REQUIREMENTS, os.path.join(BUILD, "lib", "libcournand.a")] + [os.path.join(ROOT, one) for one in single]
     for place in places:
         for folder, folders, names in os.walk(os.path.join(ROOT, place)):
             folders[:] = sorted(one for one in folders if one != "__pycache__")
             files += [os.path.join(folder, name) for name in sorted(names)]
-    for path in files:
+    return files
+
+
+def digest():
+    """Returns a hash of everything that the package is built of."""
+    hashed = hashlib.sha256()
+    for path in sources():
         with open(path, "rb") as file:
             hashed.update(hashlib.sha256(file.read()).digest() + path.encode())
     return hashed.hexdigest()

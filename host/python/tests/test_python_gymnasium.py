@@ -15,7 +15,7 @@ import cournand.envs  # noqa: E402
 import cournand.registration  # noqa: E402
 import gymnasium  # noqa: E402
 import numpy as np  # noqa: E402
-from cournand.envs import AORTA, NavigationEnv, NavigationVectorEnv, Randomise, Task  # noqa: E402
+from cournand.envs import AORTA, EnvSnapshot, NavigationEnv, NavigationVectorEnv, Randomise, Task  # noqa: E402
 from cournand.envs.task import VesselPaths  # noqa: E402
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
@@ -189,6 +189,113 @@ def a_snapshot_branches_bit_for_bit():
     )
 
 
+def a_restored_environment_has_the_observation_of_the_snapshot():
+    task = Task(**{**AORTA.__dict__, "ticks": 10, "contact_ticks": 7})  # steps and samples at different ticks
+    single, draw, good, forces = NavigationEnv(task), np.random.default_rng(5), True, 0
+    single.reset(seed=4)
+    for _ in range(120):
+        single.step(np.array([1.0, 0.5]))
+    for _ in range(30):
+        seen = single.step(np.array([1.0, 0.5]))
+        forces += single.world.read().wall_force_N > 0
+        snapshot, action = single.snapshot(), draw.uniform(-1.0, 1.0, 2)
+        after = single.step(action)
+        good = good and same(single.restore(snapshot), seen[0])
+        again = single.step(action)
+        good = good and same(again[0], after[0]) and again[1:4] == after[1:4]
+    return good and forces > 10
+
+
+def a_snapshot_of_an_ended_episode_has_ended():
+    one = NavigationEnv(SHORT)
+    one.reset(seed=5)
+    for _ in range(4):
+        one.step(np.zeros(2))
+    envs = NavigationVectorEnv(2, SHORT)
+    envs.reset(seed=5)
+    for _ in range(4):
+        envs.step(np.zeros((2, 2)))
+    ended = envs.snapshot(0)
+    first = envs.step(np.zeros((2, 2)))
+    other = NavigationVectorEnv(2, SHORT)
+    good = True
+    for snapshot in (ended, one.snapshot()):
+        other.reset(seed=99)
+        other.restore(0, snapshot)
+        seen = other.step(np.ones((2, 2)))
+        good = good and snapshot.is_done and same(seen[0][0], first[0][0]) and seen[1][0] == 0
+        good = good and not seen[3][0] and seen[4]["episode"][0] == 1
+    return good
+
+
+def a_refusal_changes_no_episode():
+    envs, other = NavigationVectorEnv(2, SHORT), NavigationVectorEnv(2, SHORT)
+    unbegun = NavigationVectorEnv(2, SHORT)
+    good = refuses(lambda: unbegun.restore(0, EnvSnapshot(b"", None)), RuntimeError)
+    good = good and refuses(lambda: unbegun.snapshot(0), RuntimeError)
+    good = good and refuses(lambda: unbegun.step(np.zeros((2, 2))), RuntimeError)
+    for one in (envs, other):
+        one.reset(seed=5)
+        one.step(np.ones((2, 2)))
+    bad = [-3, 2**63, 2**32, 2**32 - 1, [1, -1], [1, 2**32], [1], [0, 2, 3]]  # 2**32 - 1 leaves none for the second
+    good = good and all(refuses(lambda seed=seed: envs.reset(seed=seed)) for seed in bad)
+    good = good and refuses(lambda: envs.reset(seed=[1, 0.5]), TypeError)
+    nan = np.ones((2, 2))
+    nan[1, 0] = np.nan
+    good = good and refuses(lambda: envs.step(nan)) and [one.tick for one in envs._fleet.worlds] == [133, 133]
+    good = good and refuses(lambda: envs.restore(1, EnvSnapshot(b"", envs.snapshot(0).episode)))
+    stepped = [one.step(np.ones((2, 2))) for one in (envs, other)]
+    good = good and same(stepped[0][0], stepped[1][0]) and [one.step for one in envs._fleet.episodes] == [2, 2]
+    again = [one.reset() for one in (envs, other)]
+    return good and same(again[0][0], again[1][0]) and list(again[0][1]["episode"]) == [1, 1]
+
+
+def an_environment_whose_tools_are_refused_keeps_its_episode():
+    varied = NavigationVectorEnv(2, SHORT, randomise=Randomise(mass=(0.9, 1.1)))
+    before = varied.reset(seed=5)[0]
+    varied._fleet.randomise = Randomise(mass=(100.0, 100.0))
+    good = refuses(lambda: varied.reset()) and [one.number for one in varied._fleet.episodes] == [0, 0]
+    varied._fleet.randomise = Randomise(mass=(0.9, 1.1))
+    return good and same(varied.reset(seed=5)[0], before)
+
+
+def the_largest_seed_is_one_of_its_own():
+    single = NavigationEnv(SHORT)
+    largest = single.reset(seed=2**32 - 1)[1]
+    return largest["seed"] == 2**32 - 1 and refuses(lambda: single.reset(seed=2**32)) and single._seed == 2**32 - 1
+
+
+def actions_have_the_shape_and_the_type_of_their_space():
+    several, discrete = Task(**{**SHORT.__dict__, "tools": ("j_wire", "terumo_5f")}), "discrete"
+    made = [NavigationEnv(SHORT), NavigationEnv(SHORT, action=discrete), NavigationEnv(several, action=discrete)]
+    made += [NavigationVectorEnv(2, SHORT), NavigationVectorEnv(2, SHORT, action=discrete)]
+    right = [np.zeros(2), 1, np.array([1, 2]), np.zeros((2, 2)), np.array([1, 2])]
+    shapes = [(2, 1), (1,), (1, 2), (4,), (2, 1)]
+    good = True
+    for env, action, shape in zip(made, right, shapes):
+        env.reset(seed=1)
+        good = good and refuses(lambda: env.step(np.zeros(shape, dtype=env.action_space.dtype)))
+        good = good and refuses(lambda: env.step(np.zeros(np.shape(action), dtype=bool)), TypeError)
+        if np.asarray(action).dtype.kind == "i":
+            good = good and refuses(lambda: env.step(np.asarray(action, dtype=np.float32)), TypeError)
+        env.step(action)
+    return good
+
+
+def a_picture_is_rendered_on_request():
+    single = NavigationEnv(SHORT, render_mode="rgb_array")
+    single.reset(seed=1)
+    picture = single.render()
+    single.step(np.array([1.0, 0.0]))
+    return (
+        picture.shape == (512, 512, 3)
+        and picture.dtype == np.uint8
+        and picture.std() > 5
+        and not same(picture, single.render())
+        and NavigationEnv(SHORT).render() is None
+    )
+
+
 def observations_have_memory_of_their_own():
     envs = NavigationVectorEnv(2, SHORT, observation=MIX, size=64)
     first, _ = envs.reset(seed=1)
@@ -229,14 +336,16 @@ def paths_go_through_the_tree_of_vessels():
     return abs(over - 0.15) < 0.01 and abs(above - 0.2) < 0.01 and abs(exits[left] - 0.1) < 1e-12
 
 
-def wrong_arguments_are_refused():
-    def refuses(call, kind=ValueError):
-        try:
-            call()
-        except kind as error:
-            return len(str(error)) > 10
-        return False
+def refuses(call, kind=ValueError):
+    """Returns True if the call raises this exception with a text."""
+    try:
+        call()
+    except kind as error:
+        return len(str(error)) > 10
+    return False
 
+
+def wrong_arguments_are_refused():
     single = NavigationEnv(SHORT, action="discrete")
     envs = NavigationVectorEnv(2, SHORT)
     return all(
@@ -249,6 +358,10 @@ def wrong_arguments_are_refused():
             refuses(lambda: NavigationEnv(SHORT, render_mode="human")),
             refuses(lambda: NavigationVectorEnv(0, SHORT)),
             refuses(lambda: Task(targets=())),
+            refuses(lambda: Task(targets=("nose",), contact_ticks=0)),
+            refuses(lambda: Task(targets=("nose",), ticks=10)),
+            refuses(lambda: Task(targets=("nose",), force_limit_N=0.0)),
+            refuses(lambda: Task(targets=("nose",), force_limit_N=float("nan"))),
             refuses(lambda: Randomise(mass=(2.0, 1.0))),
             refuses(lambda: NavigationEnv(Task(targets=("nose",)))),
             refuses(lambda: single.step(0), RuntimeError),
@@ -271,6 +384,13 @@ tap.run(
         the_next_episode_begins_by_the_chosen_mode,
         a_mask_begins_some_environments_again,
         a_snapshot_branches_bit_for_bit,
+        a_restored_environment_has_the_observation_of_the_snapshot,
+        a_snapshot_of_an_ended_episode_has_ended,
+        a_refusal_changes_no_episode,
+        an_environment_whose_tools_are_refused_keeps_its_episode,
+        the_largest_seed_is_one_of_its_own,
+        actions_have_the_shape_and_the_type_of_their_space,
+        a_picture_is_rendered_on_request,
         observations_have_memory_of_their_own,
         randomised_tools_and_views_reproduce,
         paths_go_through_the_tree_of_vessels,

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ..batch import FIGURES, Batch, Pool
 from ..scene import Scene, Tool
-from ..world import World
+from ..world import TICKS_PER_S, World
 from ..xray import View, XRay
 from .task import TOOL_FACTORS, Randomise, Task, VesselPaths
 
@@ -43,6 +43,7 @@ class Episode:
     action: npt.NDArray[np.float32] = None  # type: ignore[assignment]
     view: View = View()
     drawn: dict[str, float] = None  # type: ignore[assignment]
+    is_done: bool = False
 
     def copy(self) -> Episode:
         return replace(self, action=self.action.copy())
@@ -74,9 +75,10 @@ class Fleet:
         self.targets = [self.scene.find_vessel(name) for name in task.targets]
         self.tools = [Tool(name) for name in task.tools]
         self.positions = len(self.tools)
-        self.start = self._approached(self.tools).snapshot()
+        self.pool = Pool(threads)
+        self.start = self._approached([self.tools])[0].snapshot()
         worlds = [self._world(self.tools) for _ in range(count)]
-        self.batch = Batch(Pool(threads), worlds, points=POINTS, spacing_m=SPACING_M)
+        self.batch = Batch(self.pool, worlds, points=POINTS, spacing_m=SPACING_M)
         self.worlds = worlds
         self.episodes = [Episode() for _ in range(count)]
         self.renderers = self._renderers(threads) if self.has_pictures else []
@@ -100,40 +102,40 @@ class Fleet:
     def _world(self, tools: Sequence[Tool]) -> World:
         return World(self.scene, tools, contact_ticks=self.task.contact_ticks)
 
-    def _approached(self, tools: Sequence[Tool]) -> World:
-        world = self._world(tools)
-        if self.task.approach_m > 0.0:
-            world.move([APPROACH_M_PER_S] * len(tools), seconds=self.task.approach_m / APPROACH_M_PER_S)
-        return world
+    def _approached(self, tools: Sequence[Sequence[Tool]]) -> list[World]:
+        """Makes a world for each of these sets of tools, and pushes all in to where the task begins."""
+        worlds = [self._world(one) for one in tools]
+        ticks = round(self.task.approach_m / APPROACH_M_PER_S * TICKS_PER_S)
+        if ticks > 0:
+            actions = np.zeros((len(worlds), 8), dtype=np.float32)
+            actions[:, : self.positions] = APPROACH_M_PER_S
+            Batch(self.pool, worlds, points=0).move(actions, ticks)
+        return worlds
 
     def begin(self, which: Sequence[int], seeds: Sequence[tuple[int, int]]) -> None:
-        """Begins an episode in each of some environments, from its seed and its number."""
-        starts = []
-        for number, (seed, episode_number) in zip(which, seeds):
-            random = np.random.default_rng([seed, episode_number])
-            vessel = self.targets[int(random.integers(len(self.targets)))]
-            target, along = self.paths.point(vessel, float(random.uniform(*self.task.target_part)))
-            exits, beyond = self.paths.towards(vessel, along)
-            drawn = self.randomise.draw(random)
-            self.episodes[number] = Episode(
-                seed, episode_number, 0, target, exits, beyond, np.inf, 0.0, self._no_action(), View(), drawn
-            )
-            self.episodes[number].view = self._view(target, drawn)
-            starts.append(self._begin_world(number, drawn))
-        self.batch.restore(starts, which)
-        for number in which:
-            self.episodes[number].path_m = self._path(number)
+        """Begins an episode in each of some environments, from its seed and its number. What can be refused comes
+        first, so that a refusal leaves all episodes as they are."""
+        begun = [self._drawn_episode(seed, number) for seed, number in seeds]
+        if self.randomise.changes_tools:
+            worlds = self._approached([self._drawn_tools(episode.drawn) for episode in begun])
+            for number, world in zip(which, worlds):
+                self._replace(number, world)
+            self.batch.read(which)
+        else:
+            self.batch.restore([self.start] * len(begun), which)
+        for number, episode in zip(which, begun):
+            self.episodes[number] = episode
+            episode.path_m = self._path(number)
 
-    def _no_action(self) -> npt.NDArray[np.float32]:
-        return np.zeros(2 * self.positions, dtype=np.float32)
-
-    def _begin_world(self, number: int, drawn: dict[str, float]) -> bytes:
-        """Gives the environment a world with its drawn tools if they differ, and returns the start of an episode."""
-        if not self.randomise.changes_tools:
-            return self.start
-        world = self._approached(self._drawn_tools(drawn))
-        self._replace(number, world)
-        return world.snapshot()
+    def _drawn_episode(self, seed: int, number: int) -> Episode:
+        random = np.random.default_rng([seed, number])
+        vessel = self.targets[int(random.integers(len(self.targets)))]
+        target, along = self.paths.point(vessel, float(random.uniform(*self.task.target_part)))
+        exits, beyond = self.paths.towards(vessel, along)
+        drawn = self.randomise.draw(random)
+        no_action = np.zeros(2 * self.positions, dtype=np.float32)
+        view = self._view(target, drawn)
+        return Episode(seed, number, 0, target, exits, beyond, np.inf, 0.0, no_action, view, drawn)
 
     def _drawn_tools(self, drawn: dict[str, float]) -> list[Tool]:
         factors = {name: drawn[name] for name in TOOL_FACTORS}
@@ -178,6 +180,7 @@ class Fleet:
                 rewards[number] += task.reward_reached
             terminated[number] = is_reached or is_out
             truncated[number] = episode.step >= task.steps and not terminated[number]
+            episode.is_done = bool(terminated[number] or truncated[number])
         return rewards, terminated, truncated
 
     def figure(self, number: int, name: str) -> float:

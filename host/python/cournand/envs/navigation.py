@@ -17,6 +17,7 @@ from .fleet import DISCRETE, STATE_LIMIT, Episode, Fleet
 from .task import AORTA, Randomise, Task, task_of
 
 FPS = 7.5
+SEED_MAX = 2**32 - 1
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,11 @@ class EnvSnapshot:
 
     world: bytes
     episode: Episode
+
+    @property
+    def is_done(self) -> bool:
+        """True if the episode had ended."""
+        return self.episode.is_done
 
     def saved(self) -> tuple[bytes, Episode]:
         return self.world, self.episode
@@ -50,14 +56,34 @@ def _action_space(fleet: Fleet, action: str) -> Space[Any]:
     raise ValueError("action: %r is neither 'continuous' nor 'discrete'" % (action,))
 
 
-def _parts(fleet: Fleet, action: str, given: Any, count: int) -> npt.NDArray[np.float32]:
+def _parts(fleet: Fleet, space: Space[Any], given: Any, count: int) -> npt.NDArray[np.float32]:
     """Returns pushes, then turns, in parts of the largest speeds, float32 [count, 2 positions]."""
-    if action == "continuous":
-        return np.asarray(given, dtype=np.float32).reshape(count, 2 * fleet.positions)
-    chosen = np.asarray(given, dtype=np.int64).reshape(count, fleet.positions)
-    if np.any((chosen < 0) | (chosen >= len(DISCRETE))):
+    actions = np.asarray(given)
+    is_continuous = isinstance(space, Box)
+    if actions.dtype.kind not in ("fiu" if is_continuous else "iu"):
+        wanted = "numbers" if is_continuous else "integers"
+        raise TypeError("an action of the type %s is not made of %s" % (actions.dtype, wanted))
+    if actions.shape != space.shape:
+        raise ValueError("an action of the shape %s has not the shape %s" % (actions.shape, space.shape))
+    if is_continuous:
+        parts = actions.astype(np.float32).reshape(count, 2 * fleet.positions)
+        bad = np.flatnonzero(~np.isfinite(parts).all(axis=1))
+        if len(bad):
+            raise ValueError("the action of environment %d has a number that is not finite" % bad[0])
+        return parts
+    if np.any((actions < 0) | (actions >= len(DISCRETE))):
         raise ValueError("an action is not within 0 and %d" % (len(DISCRETE) - 1))
+    chosen = actions.astype(np.int64).reshape(count, fleet.positions)
     return np.concatenate([DISCRETE[chosen, 0], DISCRETE[chosen, 1]], axis=1)
+
+
+def _checked_seed(seed: Any) -> int:
+    """Returns a seed. Larger numbers would be cut into words of 32 bits, and would give the episodes of other seeds."""
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
+        raise TypeError("a seed is an integer, not %r" % (seed,))
+    if not 0 <= seed <= SEED_MAX:
+        raise ValueError("the seed %d is not within 0 and %d" % (seed, SEED_MAX))
+    return int(seed)
 
 
 def _check_render_mode(mode: str | None) -> None:
@@ -83,7 +109,6 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         _check_render_mode(render_mode)
         self.render_mode = render_mode
         self._fleet = Fleet(task_of(task), 1, observation=observation, size=size, randomise=randomise)
-        self._action = action
         self.observation_space = _observation_space(self._fleet)
         self.action_space = _action_space(self._fleet, action)
         self._seed: int | None = None
@@ -99,14 +124,15 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         return self._fleet.worlds[0]
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        super().reset(seed=seed)
         if seed is not None:
-            self._seed, self._episode = seed, 0
+            next_seed, next_episode = _checked_seed(seed), 0
         elif self._seed is None:
-            self._seed, self._episode = int(self.np_random.integers(2**31)), 0
+            next_seed, next_episode = int(self.np_random.integers(2**31)), 0
         else:
-            self._episode += 1
-        self._fleet.begin([0], [(self._seed, self._episode)])
+            next_seed, next_episode = self._seed, self._episode + 1
+        self._fleet.begin([0], [(next_seed, next_episode)])
+        super().reset(seed=seed)
+        self._seed, self._episode = next_seed, next_episode
         return self._observed(), self._fleet.info(0)
 
     def _observed(self) -> Any:
@@ -116,7 +142,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         if self._seed is None:
             raise RuntimeError("the environment has not begun: call reset() first")
-        rewards, terminated, truncated = self._fleet.step(_parts(self._fleet, self._action, action, 1), [0])
+        rewards, terminated, truncated = self._fleet.step(_parts(self._fleet, self.action_space, action, 1), [0])
         return self._observed(), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._fleet.info(0)
 
     def render(self) -> npt.NDArray[np.uint8] | None:
@@ -134,6 +160,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     def snapshot(self) -> EnvSnapshot:
         """Returns the state, from which restore() of any environment with the same task and options continues bit for
         bit."""
+        if self._seed is None:
+            raise RuntimeError("the environment has not begun: call reset() first")
         return EnvSnapshot(*self._fleet.save(0))
 
     def restore(self, snapshot: EnvSnapshot) -> Any:
@@ -172,7 +200,6 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self._fleet = Fleet(
             task_of(task), num_envs, threads=threads, observation=observation, size=size, randomise=randomise
         )
-        self._action = action
         self.single_observation_space = _observation_space(self._fleet)
         self.single_action_space = _action_space(self._fleet, action)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -199,42 +226,46 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             if self._seeds is None and not mask.all():
                 raise ValueError("the first reset is that of all environments")
         which = [int(number) for number in np.flatnonzero(mask)]
-        self._take_seeds(seed, which)
-        self._begin(which)
-        self._is_done[which] = False
+        self._begin(which, self._seeded(self._given_seeds(seed)))
         return self._observed(), self._infos(which)
 
-    def _take_seeds(self, seed: int | Sequence[int | None] | None, which: Sequence[int]) -> None:
-        given = [seed + i for i in range(self.num_envs)] if isinstance(seed, (int, np.integer)) else seed
-        if given is not None and len(given) != self.num_envs:
-            raise ValueError("seed has %d numbers for %d environments" % (len(given), self.num_envs))
-        is_first = self._seeds is None
-        if self._seeds is None:
-            first = int(given[0]) if given is not None and given[0] is not None else None
-            VectorEnv.reset(self, seed=first)
-            self._seeds = [int(self.np_random.integers(2**31)) for _ in range(self.num_envs)]
-        for number in which:
-            if given is not None and given[number] is not None:
-                self._seeds[number], self._episodes[number] = int(given[number]), 0  # type: ignore[arg-type]
-            elif not is_first:
-                self._episodes[number] += 1
+    def _given_seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
+        """Returns the given seed of each environment; None where there is none."""
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, (int, np.integer)):
+            return [_checked_seed(int(seed) + i) for i in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise ValueError("seed has %d numbers for %d environments" % (len(seed), self.num_envs))
+        return [None if one is None else _checked_seed(one) for one in seed]
 
-    def _begin(self, which: Sequence[int]) -> None:
-        assert self._seeds is not None
-        self._fleet.begin(which, [(self._seeds[number], self._episodes[number]) for number in which])
+    def _seeded(self, given: Sequence[int | None]) -> list[tuple[int, int]]:
+        """Returns the seed and the number of every environment's next episode."""
+        if self._seeds is None:
+            VectorEnv.reset(self, seed=given[0])
+            drawn = [int(self.np_random.integers(2**31)) for _ in range(self.num_envs)]
+            return [(own if one is None else one, 0) for one, own in zip(given, drawn)]
+        following = zip(given, self._seeds, self._episodes)
+        return [(seed, episode + 1) if one is None else (one, 0) for one, seed, episode in following]
+
+    def _begin(self, which: Sequence[int], begun: Sequence[tuple[int, int]]) -> None:
+        """Begins episodes with the seeds and numbers that `begun` has for all environments."""
+        self._fleet.begin(which, [begun[number] for number in which])
+        if self._seeds is None:  # the first episodes, those of all environments
+            self._seeds = [seed for seed, _ in begun]
+        for number in which:
+            self._seeds[number], self._episodes[number] = begun[number]
+            self._is_done[number] = False
         self._fleet.observe(which)
 
     def _begin_next(self, which: Sequence[int]) -> None:
-        for number in which:
-            self._episodes[number] += 1
-        self._begin(which)
+        self._begin(which, self._seeded([None] * self.num_envs))
 
     # --- step ---
 
     def step(self, actions: Any) -> tuple[Any, npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any], dict[str, Any]]:
-        if self._seeds is None:
-            raise RuntimeError("the environments have not begun: call reset() first")
-        parts = _parts(self._fleet, self._action, actions, self.num_envs)
+        self._check_begun()
+        parts = _parts(self._fleet, self.action_space, actions, self.num_envs)
         done = [int(number) for number in np.flatnonzero(self._is_done)]
         if done and self._mode == AutoresetMode.DISABLED:
             raise RuntimeError("environments %s have ended: reset them by options['reset_mask']" % done)
@@ -276,12 +307,19 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
 
     def snapshot(self, number: int) -> EnvSnapshot:
         """Returns the state of one environment."""
+        self._check_begun()
         return EnvSnapshot(*self._fleet.save(number))
 
     def restore(self, number: int, snapshot: EnvSnapshot) -> None:
-        """Continues one environment from a snapshot of any environment with the same task and options."""
+        """Continues one environment from a snapshot of any environment with the same task and options. If its episode
+        had ended, the next step begins another one, or reset() must."""
+        seeds = self._check_begun()
         self._fleet.load(number, snapshot.saved())
-        assert self._seeds is not None
-        self._seeds[number], self._episodes[number] = snapshot.episode.seed, snapshot.episode.number
-        self._is_done[number] = False
+        seeds[number], self._episodes[number] = snapshot.episode.seed, snapshot.episode.number
+        self._is_done[number] = snapshot.is_done
         self._fleet.observe([number])
+
+    def _check_begun(self) -> list[int]:
+        if self._seeds is None:
+            raise RuntimeError("the environments have not begun: call reset() first")
+        return self._seeds

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -73,8 +74,9 @@ class Task:
     """Of one step: 7.5 steps per second."""
     reach_m: float = 0.005
     force_limit_N: float = 2.0
-    """On the sum of all contact forces, sampled every `contact_ticks`."""
+    """On the sum of all contact forces in every sample. A shorter peak between two samples is not seen."""
     contact_ticks: int = 19
+    """Ticks between two samples of the contact forces, 1 .. `ticks`, so that every step has a sample."""
     push_max_m_per_s: float = 0.035
     turn_max_rad_per_s: float = 3.14
     view: View = View()
@@ -90,6 +92,12 @@ class Task:
         low, high = self.target_part
         if not 0.0 <= low <= high <= 1.0:
             raise ValueError("Task.target_part: %r is not within 0 and 1" % (self.target_part,))
+        if not 1 <= self.contact_ticks <= self.ticks:
+            raise ValueError(
+                "Task.contact_ticks: %r is not within 1 and %r, `ticks`" % (self.contact_ticks, self.ticks)
+            )
+        if not 0.0 < self.force_limit_N < math.inf:
+            raise ValueError("Task.force_limit_N: %r is not a force above 0" % (self.force_limit_N,))
 
 
 AORTA = Task(targets=("descending aorta",), target_part=(0.2, 0.9), steps=300)
