@@ -22,7 +22,8 @@ def pip_install_compiles_everything_and_gives_a_picture():
     with tempfile.TemporaryDirectory() as folder:
         venv.create(os.path.join(folder, "venv"), with_pip=True)
         python = os.path.join(folder, "venv", "bin", "python")
-        words = [python, "-m", "pip", "install", "-C", "build-dir=" + os.path.join(folder, "build"), prepare.ROOT]
+        place = "build-dir=" + os.path.join(folder, "build")
+        words = [python, "-m", "pip", "install", "--config-settings", place, prepare.ROOT]
         for command in (words, [python, "-c", example]):
             ended = subprocess.run(
                 command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, text=True

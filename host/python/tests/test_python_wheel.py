@@ -65,13 +65,14 @@ def found(pattern):
 def pip_makes_a_wheel():
     shutil.rmtree(WORK, ignore_errors=True)
     words = [PYTHON, "-m", "pip", "wheel", ".", "--no-deps", "--no-build-isolation", "--wheel-dir", WORK]
-    words += ["-C", "cmake.define.COURNAND_LIBRARY=" + os.path.join(prepare.BUILD, "lib", "libcournand.a")]
-    words += ["-C", "build-dir=" + os.path.join(prepare.FOLDER, "wheel-build")]
+    library = os.path.join(prepare.BUILD, "lib", "libcournand.a")
+    words += ["--config-settings", "cmake.define.COURNAND_LIBRARY=" + library]  # Debian's pip does not know -C
+    words += ["--config-settings", "build-dir=" + os.path.join(prepare.FOLDER, "wheel-build")]
     return succeeds(words, cwd=prepare.ROOT, env=TOOLS) and found("cournand-*-cp310-abi3-linux_x86_64.whl")
 
 
 def auditwheel_completes_the_wheel():
-    words = [PYTHON, "-m", "auditwheel", "repair", found("*.whl"), "--wheel-dir", os.path.join(WORK, "complete")]
+    words = [PYTHON, "-m", "auditwheel", "repair", str(found("*.whl")), "--wheel-dir", os.path.join(WORK, "complete")]
     return succeeds(words, env=TOOLS) and found("complete/*-manylinux_2_3*_x86_64.whl")
 
 
