@@ -103,7 +103,7 @@ class Batch
         return found;
     }
     cournand_status read(std::size_t index, cournand_world *world);
-    cournand_status read_points(std::size_t index, cournand_world *world, float *to);
+    cournand_status read_points(cournand_world *world, float *to);
     // Calls work(i) for each i below `count` in the pool, without the interpreter's lock, and throws the
     // first refusal.
     template <class Work> void run(std::size_t count, const Work &work);
@@ -148,7 +148,7 @@ void Batch::read_all(const std::vector<std::size_t> &which, const std::vector<co
 }
 
 // Interpolates the positions of points at equal distances from the leading tip.
-cournand_status Batch::read_points(std::size_t, cournand_world *world, float *to)
+cournand_status Batch::read_points(cournand_world *world, float *to)
 {
     auto pose = sized<cournand_pose>();
     if (const auto status = cournand_world_pose(world, &pose)) return status;
@@ -167,7 +167,7 @@ cournand_status Batch::read_points(std::size_t, cournand_world *world, float *to
 cournand_status Batch::read(std::size_t index, cournand_world *world)
 {
     float *to = states_.data() + index * width_;
-    if (const auto status = read_points(index, world, to)) return status;
+    if (const auto status = read_points(world, to)) return status;
     to += 3 * points_;
     auto r = sized<cournand_reading>();
     if (const auto status = cournand_world_read(world, &r)) return status;

@@ -45,6 +45,10 @@ class Episode:
     drawn: dict[str, float] = None  # type: ignore[assignment]
     is_done: bool = False
 
+    def following(self) -> tuple[int, int]:
+        """Returns the seed and the number of the next episode."""
+        return self.seed, self.number + 1
+
     def copy(self) -> Episode:
         return replace(self, action=self.action.copy())
 

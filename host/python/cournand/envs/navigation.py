@@ -13,6 +13,7 @@ from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from ..xray import XRay
 from .fleet import DISCRETE, STATE_LIMIT, Episode, Fleet
 from .task import AORTA, Randomise, Task, task_of
 
@@ -111,8 +112,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         self._fleet = Fleet(task_of(task), 1, observation=observation, size=size, randomise=randomise)
         self.observation_space = _observation_space(self._fleet)
         self.action_space = _action_space(self._fleet, action)
-        self._seed: int | None = None
-        self._episode = 0
+        self._has_begun = False
+        self._screen: XRay | None = None  # made by the first render()
 
     @property
     def task(self) -> Task:
@@ -125,14 +126,14 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         if seed is not None:
-            next_seed, next_episode = _checked_seed(seed), 0
-        elif self._seed is None:
-            next_seed, next_episode = int(self.np_random.integers(2**31)), 0
+            following = _checked_seed(seed), 0
+        elif not self._has_begun:
+            following = int(self.np_random.integers(2**31)), 0
         else:
-            next_seed, next_episode = self._seed, self._episode + 1
-        self._fleet.begin([0], [(next_seed, next_episode)])
+            following = self._fleet.episodes[0].following()
+        self._fleet.begin([0], [following])
         super().reset(seed=seed)
-        self._seed, self._episode = next_seed, next_episode
+        self._has_begun = True
         return self._observed(), self._fleet.info(0)
 
     def _observed(self) -> Any:
@@ -140,8 +141,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         return self._fleet.observation(0)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        if self._seed is None:
-            raise RuntimeError("the environment has not begun: call reset() first")
+        self._check_begun()
         rewards, terminated, truncated = self._fleet.step(_parts(self._fleet, self.action_space, action, 1), [0])
         return self._observed(), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._fleet.info(0)
 
@@ -149,9 +149,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         """Returns the fluoroscopy of 512 x 512 pixels as a colour picture."""
         if self.render_mode is None:
             return None
-        from ..xray import XRay
-
-        if not hasattr(self, "_screen"):
+        if self._screen is None:
             self._screen = XRay(self._fleet.scene, 512)
         grey = self._screen.render(self.world, self._fleet.episodes[0].view).grey
         assert grey is not None
@@ -160,15 +158,18 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     def snapshot(self) -> EnvSnapshot:
         """Returns the state, from which restore() of any environment with the same task and options continues bit for
         bit."""
-        if self._seed is None:
-            raise RuntimeError("the environment has not begun: call reset() first")
+        self._check_begun()
         return EnvSnapshot(*self._fleet.save(0))
 
     def restore(self, snapshot: EnvSnapshot) -> Any:
         """Continues from a snapshot, and returns its observation."""
         self._fleet.load(0, snapshot.saved())
-        self._seed, self._episode = snapshot.episode.seed, snapshot.episode.number
+        self._has_begun = True
         return self._observed()
+
+    def _check_begun(self) -> None:
+        if not self._has_begun:
+            raise RuntimeError("the environment has not begun: call reset() first")
 
 
 class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
@@ -204,9 +205,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.single_action_space = _action_space(self._fleet, action)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._seeds: list[int] | None = None
-        self._episodes = [0] * num_envs
-        self._is_done = np.zeros(num_envs, dtype=bool)
+        self._has_begun = False
 
     @property
     def task(self) -> Task:
@@ -223,7 +222,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             mask = np.asarray(options["reset_mask"], dtype=bool)
             if mask.shape != (self.num_envs,) or not mask.any():
                 raise ValueError("reset_mask is not an array of num_envs truth values, one of them True")
-            if self._seeds is None and not mask.all():
+            if not self._has_begun and not mask.all():
                 raise ValueError("the first reset is that of all environments")
         which = [int(number) for number in np.flatnonzero(mask)]
         self._begin(which, self._seeded(self._given_seeds(seed)))
@@ -241,21 +240,16 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
 
     def _seeded(self, given: Sequence[int | None]) -> list[tuple[int, int]]:
         """Returns the seed and the number of every environment's next episode."""
-        if self._seeds is None:
+        if not self._has_begun:
             VectorEnv.reset(self, seed=given[0])
             drawn = [int(self.np_random.integers(2**31)) for _ in range(self.num_envs)]
             return [(own if one is None else one, 0) for one, own in zip(given, drawn)]
-        following = zip(given, self._seeds, self._episodes)
-        return [(seed, episode + 1) if one is None else (one, 0) for one, seed, episode in following]
+        return [now.following() if one is None else (one, 0) for one, now in zip(given, self._fleet.episodes)]
 
     def _begin(self, which: Sequence[int], begun: Sequence[tuple[int, int]]) -> None:
         """Begins episodes with the seeds and numbers that `begun` has for all environments."""
         self._fleet.begin(which, [begun[number] for number in which])
-        if self._seeds is None:  # the first episodes, those of all environments
-            self._seeds = [seed for seed, _ in begun]
-        for number in which:
-            self._seeds[number], self._episodes[number] = begun[number]
-            self._is_done[number] = False
+        self._has_begun = True
         self._fleet.observe(which)
 
     def _begin_next(self, which: Sequence[int]) -> None:
@@ -266,10 +260,10 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     def step(self, actions: Any) -> tuple[Any, npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any], dict[str, Any]]:
         self._check_begun()
         parts = _parts(self._fleet, self.action_space, actions, self.num_envs)
-        done = [int(number) for number in np.flatnonzero(self._is_done)]
+        done = self._ended()
         if done and self._mode == AutoresetMode.DISABLED:
             raise RuntimeError("environments %s have ended: reset them by options['reset_mask']" % done)
-        moving = [number for number in range(self.num_envs) if not self._is_done[number]]
+        moving = [number for number in range(self.num_envs) if number not in done]
         if moving:
             rewards, terminated, truncated = self._fleet.step(parts[moving], moving)
             self._fleet.observe(moving)
@@ -278,13 +272,11 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             terminated, truncated = np.zeros(self.num_envs, dtype=bool), np.zeros(self.num_envs, dtype=bool)
         if done:  # NEXT_STEP: this step begins their next episode, and their action has no effect
             self._begin_next(done)
-        self._is_done = terminated | truncated
-        ended = [int(number) for number in np.flatnonzero(self._is_done)]
+        ended = self._ended()
         if self._mode != AutoresetMode.SAME_STEP or not ended:
             return self._observed(), rewards, terminated, truncated, self._infos(range(self.num_envs))
         finals = [(self._fleet.observation(number), self._fleet.info(number)) for number in ended]
         self._begin_next(ended)
-        self._is_done[:] = False
         infos = self._infos(range(self.num_envs))
         for number, (observation, info) in zip(ended, finals):
             infos = self._add_info(infos, {"final_obs": observation, "final_info": info}, number)
@@ -313,13 +305,13 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     def restore(self, number: int, snapshot: EnvSnapshot) -> None:
         """Continues one environment from a snapshot of any environment with the same task and options. If its episode
         had ended, the next step begins another one, or reset() must."""
-        seeds = self._check_begun()
+        self._check_begun()
         self._fleet.load(number, snapshot.saved())
-        seeds[number], self._episodes[number] = snapshot.episode.seed, snapshot.episode.number
-        self._is_done[number] = snapshot.is_done
         self._fleet.observe([number])
 
-    def _check_begun(self) -> list[int]:
-        if self._seeds is None:
+    def _ended(self) -> list[int]:
+        return [number for number, episode in enumerate(self._fleet.episodes) if episode.is_done]
+
+    def _check_begun(self) -> None:
+        if not self._has_begun:
             raise RuntimeError("the environments have not begun: call reset() first")
-        return self._seeds
