@@ -10,15 +10,15 @@ MB from PyPI; later runs need no network.
 """
 
 import argparse
-import hashlib
 import os
 import re
-import shutil
 import subprocess
 import sys
-import venv
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+sys.path.insert(0, os.path.join(ROOT, "tools", "check"))
+import pinned_environment  # noqa: E402
+
 REQUIREMENTS = "tools/docs/requirements.txt"
 SITE = "out/site"
 # Addresses that a browser fetches by itself; a link to click is not one of them.
@@ -35,43 +35,30 @@ class SiteError(Exception):
     """An error with its remedy."""
 
 
-def requirements_hash():
-    with open(os.path.join(ROOT, REQUIREMENTS), "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest()
-
-
-def python_of(folder):
-    return os.path.join(folder, "bin", "python")
-
-
 def install(folder):
     """Makes a Python virtual environment with the packages of requirements.txt, unless this environment exists
     already."""
-    stamp = os.path.join(folder, "requirements.sha256")
-    if os.path.exists(stamp) and os.path.exists(python_of(folder)):
-        with open(stamp, encoding="ascii") as file:
-            if file.read() == requirements_hash():
-                return
-    print("Installing mkdocs-material from PyPI into %s (pinned by %s)" % (os.path.relpath(folder, ROOT), REQUIREMENTS))
-    shutil.rmtree(folder, ignore_errors=True)
+    place = os.path.relpath(folder, ROOT)
     try:
-        venv.create(folder, with_pip=True)
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise SiteError("no virtual environment: %s. Remedy: sudo apt-get install python3-venv" % error) from error
-    words = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "-r", REQUIREMENTS]
-    if subprocess.run([python_of(folder)] + words, cwd=ROOT, check=False).returncode != 0:
-        raise SiteError(
-            "PyPI could not be reached, or a version is gone. Remedy: run this once with a network. Or run"
-            " `pip download -r %s -d wheels` on a machine that has one, bring the folder here, and run PIP_NO_INDEX=1"
-            " PIP_FIND_LINKS=wheels tools/docs/site.py. Without the site, docs/ is readable as it is." % REQUIREMENTS
+        pinned_environment.make(
+            folder,
+            os.path.join(ROOT, REQUIREMENTS),
+            lambda: print("Installing mkdocs-material from PyPI into %s (pinned by %s)" % (place, REQUIREMENTS)),
         )
-    with open(stamp, "w", encoding="ascii") as file:
-        file.write(requirements_hash())
+    except pinned_environment.EnvironmentFault as fault:
+        raise SiteError(str(fault)) from fault
+    except pinned_environment.PackagesFault as fault:
+        raise SiteError(
+            "%s\nPyPI could not be reached, or a version is gone. Remedy: run this once with a network. Or run"
+            " `pip download -r %s -d wheels` on a machine that has one, bring the folder here, and run PIP_NO_INDEX=1"
+            " PIP_FIND_LINKS=wheels tools/docs/site.py. Without the site, docs/ is readable as it is."
+            % (fault, REQUIREMENTS)
+        ) from fault
 
 
 def build(folder):
     environment = dict(os.environ, NO_MKDOCS_2_WARNING="1", PYTHONDONTWRITEBYTECODE="1")
-    words = [python_of(folder), "-m", "mkdocs", "build", "--strict", "--quiet", "--clean"]
+    words = [pinned_environment.python_of(folder), "-m", "mkdocs", "build", "--strict", "--quiet", "--clean"]
     if subprocess.run(words, cwd=ROOT, env=environment, check=False).returncode != 0:
         raise SiteError(
             "a page or a link is wrong, see above; what is right: every page of docs/ is in mkdocs.yml once"

@@ -10,9 +10,11 @@ import os
 import shutil
 import subprocess
 import sys
-import venv
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", ".."))
+sys.path.insert(0, os.path.join(ROOT, "tools", "check"))
+import pinned_environment  # noqa: E402
+
 BUILD = os.path.join(ROOT, os.environ.get("BUILD", "build"))
 FOLDER = os.path.join(BUILD, "python")
 SITE = os.path.join(FOLDER, "site")
@@ -29,30 +31,16 @@ def run(words, **more):
 
 def environment(folder, requirements):
     """Makes a virtual environment with pinned packages, unless it exists, and returns its Python."""
-    python = os.path.join(folder, "bin", "python")
-    stamp = os.path.join(folder, "requirements.sha256")
-    with open(requirements, "rb") as file:
-        wanted = hashlib.sha256(file.read()).hexdigest()
-    if os.path.exists(stamp) and os.path.exists(python):
-        with open(stamp, encoding="ascii") as file:
-            if file.read() == wanted:
-                return python
-    shutil.rmtree(folder, ignore_errors=True)
     try:
-        venv.create(folder, with_pip=True)
-    except (OSError, subprocess.CalledProcessError) as error:
-        sys.exit("no virtual environment: %s. Remedy: sudo apt-get install python3-venv" % error)
-    words = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "-r", requirements]
-    ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
-    if ended.returncode != 0:
+        return pinned_environment.make(folder, requirements)
+    except pinned_environment.EnvironmentFault as fault:
+        sys.exit(str(fault))
+    except pinned_environment.PackagesFault as fault:
         sys.exit(
             "%s\nPyPI could not be reached, or a version of %s is gone. Remedy: run this test once with a network, or "
             "set PIP_NO_INDEX=1 and PIP_FIND_LINKS=FOLDER for a folder of wheels that `pip download -r` has filled."
-            % (ended.stdout.decode(errors="replace"), os.path.relpath(requirements, ROOT))
+            % (fault, os.path.relpath(requirements, ROOT))
         )
-    with open(stamp, "w", encoding="ascii") as file:
-        file.write(wanted)
-    return python
 
 
 def build(python):
