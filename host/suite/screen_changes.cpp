@@ -33,7 +33,11 @@ ScreenRect limits_of(const ImDrawCmd &command, ScreenSize size)
     return common(limits, {0, 0, size.width, size.height});
 }
 
-ScreenRect pixels_of(const Mesh &mesh, const ImDrawCmd &command, unsigned from, unsigned count)
+struct Extent {
+    ImVec2 low, high;
+};
+
+Extent extent_of(const Mesh &mesh, const ImDrawCmd &command, unsigned from, unsigned count)
 {
     ImVec2 low = mesh.corner(command, from).pos, high = low;
     for (unsigned i = from; i < from + count; ++i) {
@@ -41,6 +45,12 @@ ScreenRect pixels_of(const Mesh &mesh, const ImDrawCmd &command, unsigned from, 
         low = {std::min(low.x, at.x), std::min(low.y, at.y)};
         high = {std::max(high.x, at.x), std::max(high.y, at.y)};
     }
+    return {low, high};
+}
+
+ScreenRect pixels_of(const Mesh &mesh, const ImDrawCmd &command, unsigned from, unsigned count)
+{
+    const auto [low, high] = extent_of(mesh, command, from, count);
     return {static_cast<int>(std::floor(low.x)), static_cast<int>(std::floor(low.y)),
             static_cast<int>(std::ceil(high.x)), static_cast<int>(std::ceil(high.y))};
 }
@@ -110,13 +120,9 @@ ScreenRect covered_by(const Mesh &mesh, const ImDrawCmd &command, ScreenSize siz
 {
     const bool is_picture = std::find(pictures.begin(), pictures.end(), command.TextureId) != pictures.end();
     if (!is_picture || command.UserCallback || command.ElemCount != 6) return {};
-    ImVec2 low = mesh.corner(command, 0).pos, high = low;
-    for (unsigned i = 0; i < 6; ++i) {
-        const ImDrawVert &corner = mesh.corner(command, i);
-        if ((corner.col & IM_COL32_A_MASK) != IM_COL32_A_MASK) return {};
-        low = {std::min(low.x, corner.pos.x), std::min(low.y, corner.pos.y)};
-        high = {std::max(high.x, corner.pos.x), std::max(high.y, corner.pos.y)};
-    }
+    for (unsigned i = 0; i < 6; ++i)
+        if ((mesh.corner(command, i).col & IM_COL32_A_MASK) != IM_COL32_A_MASK) return {};
+    const auto [low, high] = extent_of(mesh, command, 0, 6);
     const ScreenRect inside{static_cast<int>(std::ceil(low.x)), static_cast<int>(std::ceil(low.y)),
                             static_cast<int>(std::floor(high.x)), static_cast<int>(std::floor(high.y))};
     return common(inside, limits_of(command, size));
@@ -180,8 +186,8 @@ std::vector<ScreenRect> ScreenChanges::take(const ImDrawData &data, ScreenSize s
     return places;
 }
 
-// The drawing commands are processed from the last to the first. Commands before a
-// picture draw nothing in the pixels that the picture covers.
+// The drawing commands are processed from the last to the first. Commands before a picture draw nothing in
+// the pixels that the picture covers.
 void keep_places(ImDrawData &data, ScreenSize size, const std::vector<ScreenRect> &places,
                  const std::vector<ImTextureID> &pictures)
 {
