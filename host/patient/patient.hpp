@@ -12,6 +12,7 @@
 // The patient's state depends only on the commands, on the core's inputs and results, and on the tools' shape
 // at ticks that the patient chooses.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/effects/pulse.hpp"
 #include "host/model/instrument.hpp"
 #include "host/model/scene_anatomy.hpp"
@@ -76,6 +77,12 @@ class Patient
     // them: they are in the recording. ---
     void give_orders(crn_wire_order_list &orders);
 
+    // Saves or restores everything on which the patient's future depends, but the events of the last look.
+    // `last` is the result of the session's last tick, and `now` its number. An archive of a session with
+    // other vessels, stents or tools is refused; the patient must then be restored from an archive of its
+    // own.
+    void archive(StateArchive &state, std::uint32_t now, const crn_wire_tick_state &last);
+
     // --- state ---
     const Room &room() const { return room_; } // also the room's events at the last look
     const PatientContrast &contrast() const { return contrast_; }
@@ -104,6 +111,7 @@ class Patient
     std::span<const MovedBody> bodies_at(const WireFrame &wire) { return poses_.at(wire); }
 
   private:
+    void archive_line(StateArchive &state);
     void follow_line(const crn_wire_tick_state &state);
     void carry_out_due();
     void carry_out(std::uint32_t tick, const RoomCommand &command);

@@ -40,4 +40,10 @@ XrayExposure XrayMeter::expose(const XraySettings &settings, std::span<const Mov
     return exposure;
 }
 
+void XrayMeter::archive(StateArchive &state)
+{
+    state.real(state_.water_cm, 0.0, 100.0);
+    state.real(state_.copper_mm, 0.0, 10.0);
+}
+
 } // namespace crn

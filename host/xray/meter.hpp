@@ -9,6 +9,7 @@
 //
 // See docs/xray.md.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/xray/xray.hpp"
 #include <memory>
 #include <span>
@@ -49,6 +50,8 @@ class XrayMeter
     // ignored, because they are too small to change the exposure. The display window and the picture size in
     // the settings are ignored.
     XrayExposure expose(const XraySettings &settings, std::span<const MovedBody> bodies, MeterPace pace);
+
+    void archive(StateArchive &state); // the memory of the exposure control
 
   private:
     std::unique_ptr<XrayChain> chain_;

@@ -138,6 +138,33 @@ void worlds_have_the_same_bits_with_1_2_and_4_threads(void **)
     assert_true(hashes[0][0] != hashes[0][1]); // and the worlds differ
 }
 
+void a_step_calls_the_function_after_each_world_has_moved(void **)
+{
+    constexpr std::size_t count = 5;
+    cournand_pool *pool = nullptr;
+    done(cournand_pool_create(2, &pool));
+    struct Called {
+        cournand_world *worlds[count];
+        std::uint32_t ticks[count], calls[count];
+    } called{};
+    for (cournand_world *&one : called.worlds) one = world(free_space());
+    const float actions[count * COURNAND_ACTION_FLOATS] = {};
+    const auto note = [](void *context, std::size_t i) {
+        Called &to = *static_cast<Called *>(context);
+        to.ticks[i] = reading(to.worlds[i]).tick;
+        to.calls[i]++;
+    };
+    done(cournand_pool_step(pool, called.worlds, count, actions, 50, note, &called, nullptr));
+    for (std::size_t i = 0; i < count; i++) assert_true(called.ticks[i] == 50 && called.calls[i] == 1);
+    assert_int_equal(cournand_pool_step(pool, called.worlds, count, actions, 0, note, &called, nullptr),
+                     COURNAND_BAD_ARGUMENT);
+    assert_int_equal(cournand_pool_step(pool, called.worlds, count, actions, 1, nullptr, nullptr, nullptr),
+                     COURNAND_BAD_ARGUMENT);
+    assert_true(called.calls[0] == 1 && reading(called.worlds[0]).tick == 50);
+    for (cournand_world *one : called.worlds) done(cournand_world_free(one));
+    done(cournand_pool_free(pool));
+}
+
 void a_restored_world_continues_bit_for_bit(void **)
 {
     cournand_world *first = world(aorta()), *other = world(aorta());
@@ -408,6 +435,7 @@ int main()
         cmocka_unit_test(a_recording_of_run_replays_in_a_world),
         cmocka_unit_test(one_call_gives_the_same_bits_as_many),
         cmocka_unit_test(worlds_have_the_same_bits_with_1_2_and_4_threads),
+        cmocka_unit_test(a_step_calls_the_function_after_each_world_has_moved),
         cmocka_unit_test(a_restored_world_continues_bit_for_bit),
         cmocka_unit_test(a_snapshot_in_memory_is_that_of_the_wire),
         cmocka_unit_test(a_snapshot_gives_the_same_world_however_often_it_is_restored),
