@@ -7,10 +7,12 @@ namespace crn
 namespace
 {
 
-const XrayScene &filled(XrayScene &scene, const SceneAnatomy &anatomy, const PatientSettings &settings)
+std::shared_ptr<const XrayScene> xray_scene(const SceneAnatomy &anatomy, const PatientSettings &settings)
 {
+    if (settings.xray_scene) return settings.xray_scene;
+    auto scene = std::make_shared<XrayScene>();
     std::string error;
-    if (!scene.set_bodies(anatomy.bodies, error))
+    if (!scene->set_bodies(anatomy.bodies, error))
         throw std::runtime_error((settings.bodies_path.empty() ? "" : settings.bodies_path + ": ") + error);
     return scene;
 }
@@ -20,7 +22,7 @@ const XrayScene &filled(XrayScene &scene, const SceneAnatomy &anatomy, const Pat
 Patient::Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
                  const PatientSettings &settings)
     : table_(tools), line_(line_or_table(settings.line, tools.size())), tools_(tools_on(table_, line_)),
-      poses_(anatomy), meter_(filled(scene_, anatomy, settings), settings.threads),
+      scene_(xray_scene(anatomy, settings)), poses_(anatomy), meter_(*scene_, settings.threads),
       contrast_(anatomy.bodies.vessels, tools_, anatomy.motion_or_null(),
                 LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
       catheter_pressure_(anatomy.bodies.vessels, tools_, anatomy.motion_or_null(),

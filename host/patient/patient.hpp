@@ -38,6 +38,8 @@ struct PatientSettings {
     std::vector<StentDesign> stents; // stents that a session may load, in this order
     int threads = 2;                 // threads of the measuring chamber
     LineNumbers line{};              // tools on the line at the start (tool_line.hpp); empty: all
+    // The bodies for X-rays, which patients of the same anatomy may share; null: the patient makes them.
+    std::shared_ptr<const XrayScene> xray_scene{};
 };
 
 class Patient
@@ -105,7 +107,7 @@ class Patient
     // ticks.
     std::vector<Refusal> refusals() const;
     const RoomNotice &notice() const { return notice_; } // the last notice of syringe and stents
-    const XrayScene &scene() const { return scene_; }
+    const XrayScene &scene() const { return *scene_; }
     // Returns the bodies that heart, breath and open lesions move, at the moment of this shape. The returned
     // list is valid until the next call.
     std::span<const MovedBody> bodies_at(const WireFrame &wire) { return poses_.at(wire); }
@@ -122,7 +124,7 @@ class Patient
     const std::vector<Instrument> table_;
     LineNumbers line_;
     std::vector<Instrument> tools_; // on the line
-    XrayScene scene_;
+    std::shared_ptr<const XrayScene> scene_;
     BodyPoses poses_;
     XrayMeter meter_; // created after the scene has its bodies
     Room room_;

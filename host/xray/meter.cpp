@@ -16,11 +16,7 @@ double reference_area_cm2(const CArm &carm, const XrayBeam &beam)
     return open * carm.field_m * carm.field_m * nearer * nearer * 1e4;
 }
 
-XrayMeter::XrayMeter(const XrayScene &scene, int threads)
-    : chain_(std::make_unique<XrayChain>(
-          scene.meshes().bodies, std::make_unique<RasterPaths>(scene.meshes().bodies, threads), threads))
-{
-}
+XrayMeter::XrayMeter(const XrayScene &scene, int threads) : scene_(scene), threads_(threads) {}
 XrayMeter::~XrayMeter() = default;
 
 XrayExposure XrayMeter::expose(const XraySettings &settings, std::span<const MovedBody> bodies,
@@ -28,6 +24,11 @@ XrayExposure XrayMeter::expose(const XraySettings &settings, std::span<const Mov
 {
     XraySettings held = held_settings(settings);
     held.size = chamber_pixels;
+    if (!chain_) {
+        const BodyMeshes &bodies_at_rest = scene_.meshes().bodies;
+        chain_ = std::make_unique<XrayChain>(
+            bodies_at_rest, std::make_unique<RasterPaths>(bodies_at_rest, threads_), threads_);
+    }
     XrayChain &chain = *chain_;
     const WireFrame nothing;
     XrayFrame frame{{}, nothing};
