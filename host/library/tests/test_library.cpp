@@ -222,6 +222,39 @@ void a_snapshot_in_memory_is_that_of_the_wire(void **)
     assert_true(link.read_hash64().hash == other.read_hash64().hash);
 }
 
+// A device that shares the scene's bytes must do what a device does that has received them, and must refuse
+// damaged bytes.
+void a_shared_scene_is_that_of_an_upload(void **)
+{
+    const crn::SceneFile scene = crn::read_scene(aorta_path());
+    const std::vector<crn::Instrument> tools = {crn::read_instrument(instruments + "j_wire.toml")};
+    const crn::LineNumbers line = {1};
+    const crn_wire_entry entry = crn::entry_of(scene, 1, {});
+    const crn_wire_rig rig = crn::host_rig();
+    crn::SimTransport sharing(0), sent;
+    crn::Link link(sharing), other(sent);
+    assert_false(sharing.share_scene(scene.bytes, scene.crc32)); // before HELLO
+    std::vector<std::uint64_t> hashes;
+    for (crn::Link *one : {&link, &other}) {
+        one->hello();
+        if (one == &link) {
+            std::vector<std::uint8_t> damaged = scene.bytes;
+            damaged[damaged.size() / 2] ^= 1;
+            assert_false(sharing.share_scene(damaged, scene.crc32));
+            assert_int_equal(link.read_set_up().scene_bytes, 0);
+            assert_true(sharing.share_scene(scene.bytes, scene.crc32));
+        }
+        crn::set_up_session(*one, {scene, tools, line, entry, rig});
+        std::vector<crn_wire_tick_input> inputs(60);
+        for (std::size_t i = 0; i < inputs.size(); i++)
+            inputs[i] = {1, {{static_cast<std::int32_t>(40 * i), 100}}, 0, 0, 0, {}};
+        one->step(inputs, false);
+        hashes.push_back(one->read_hash64().hash);
+    }
+    assert_false(sharing.share_scene(scene.bytes, scene.crc32)); // during a session
+    assert_true(hashes[0] == hashes[1]);
+}
+
 // This test restores one snapshot many times, as a search program does for every branch of its search. The
 // printed time is only for information (docs/library.md).
 void a_snapshot_gives_the_same_world_however_often_it_is_restored(void **)
@@ -438,6 +471,7 @@ int main()
         cmocka_unit_test(a_step_calls_the_function_after_each_world_has_moved),
         cmocka_unit_test(a_restored_world_continues_bit_for_bit),
         cmocka_unit_test(a_snapshot_in_memory_is_that_of_the_wire),
+        cmocka_unit_test(a_shared_scene_is_that_of_an_upload),
         cmocka_unit_test(a_snapshot_gives_the_same_world_however_often_it_is_restored),
         cmocka_unit_test(a_pose_is_a_view_in_metres_and_in_exact_numbers),
         cmocka_unit_test(hands_move_the_stated_way),

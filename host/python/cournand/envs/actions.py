@@ -77,12 +77,12 @@ class Actions:
         choices = np.array(self._choices())
         if np.any((chosen < 0) | (chosen >= choices)):
             raise ValueError("an action is not within 0 and %s" % ", ".join(str(one - 1) for one in choices))
-        tools = TOOL_CHOICES[chosen[:, : self.positions]]
+        tools, numbers = TOOL_CHOICES[chosen[:, : self.positions]], chosen.astype(np.float32)
         columns = [tools[:, :, 0], tools[:, :, 1]]
         rest = self.positions
         if self.contrast is not None:
-            columns.append(chosen[:, rest : rest + 1])
+            columns.append(numbers[:, rest : rest + 1])
             rest += 1
         if self.c_arm is not None:
-            columns += [ANGLE_CHOICES[chosen[:, rest]], chosen[:, rest + 1 : rest + 2]]
-        return np.concatenate(columns, axis=1).astype(np.float32)
+            columns += [ANGLE_CHOICES[chosen[:, rest]], numbers[:, rest + 1 : rest + 2]]
+        return np.concatenate(columns, axis=1)
