@@ -68,6 +68,21 @@ void crn_app_scene_end(crn_app *app, const uint8_t *payload, size_t length)
     crn_app_send_status(app, type);
 }
 
+bool crn_app_scene_share(crn_app *app, const uint8_t *bytes, uint32_t byte_count, uint32_t crc32)
+{
+    if (app->state != CRN_WIRE_STATE_READY || byte_count == 0) return false;
+    app->setup.scene_upload.open = false;
+    if (crn_app_lumen_open(bytes, byte_count, &app->setup.lumen, &app->setup.motion, app->setup.lesions) !=
+        0) {
+        app->setup.has_scene = false;
+        return false;
+    }
+    app->setup.has_scene = true;
+    app->setup.scene_bytes = byte_count;
+    app->setup.scene_crc32 = crc32;
+    return true;
+}
+
 /* --- tools and entry --- */
 
 _Static_assert((int)CRN_WIRE_MAX_instrument_balloon == (int)CRN_BALLOON_POINT_MAX &&

@@ -1,7 +1,7 @@
 #include "host/effects/contrast_flow.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <numbers>
 
 namespace crn
@@ -266,68 +266,54 @@ std::vector<double> ContrastFlow::received_mg() const
     return received_mg;
 }
 
-// --- snapshots: counts, then the arrays ---
+// --- snapshots ---
+
+void ContrastFlow::archive(StateArchive &state)
+{
+    constexpr double mg_per_ml_max = 1000.0, flow_max_ml_s = 1e6; // no medium has as much iodine
+    std::size_t cells = cells_.size();
+    state.index(cells, SIZE_MAX);
+    state.require(cells == cells_.size());
+    for (double *sum : {&budget_.injected_mg, &budget_.out_mg, &budget_.reflux_mg}) state.real(*sum);
+    for (std::vector<double> *sums : {&branch_injected_mg_, &branch_out_mg_}) state.reals(*sums);
+    state.integer(widening_steps_, 0, 1000);
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+        // Outside of a widening, every cell has the volume that follows from its shape.
+        const double shape_ml = cells_[i].volume_ml;
+        const double widest = widening_steps_ > 0 ? 1e4 : 1.0;
+        state.real(volume_ml_[i], shape_ml / widest, shape_ml * widest);
+        const double most_mg = 0.5 * mg_per_ml_max * shape_ml * widest;
+        state.real(core_mg_[i], -most_mg, most_mg);
+        state.real(wall_mg_[i], -most_mg, most_mg);
+        state.real(tool_mm_[i], 0.0, 100.0);
+    }
+    std::vector<double> throats = network_.throat_flows_ml_s();
+    state.reals(throats, 0.0, flow_max_ml_s);
+    state.list(mouths_, [&](CellSource &mouth) {
+        state.index(mouth.cell, cells_.size());
+        state.real(mouth.flow_ml_s, 0.0, 1.0);
+    });
+    if (!state.restores() || state.is_refused()) return;
+    network_.set_throat_flows(throats);
+    take_volumes();
+    network_.set_tools(tool_mm_);
+}
 
 std::vector<std::uint8_t> ContrastFlow::snapshot() const
 {
     std::vector<std::uint8_t> bytes;
-    const auto put = [&](const void *from, std::size_t size) {
-        bytes.resize(bytes.size() + size);
-        if (size > 0) std::memcpy(bytes.data() + bytes.size() - size, from, size);
-    };
-    const std::uint64_t counts[2] = {cells_.size(), mouths_.size()};
-    put(counts, sizeof counts);
-    put(&budget_, sizeof budget_);
-    const std::int64_t widening_steps = widening_steps_;
-    put(&widening_steps, sizeof widening_steps);
-    for (const std::vector<double> *values : {&core_mg_, &wall_mg_, &tool_mm_, &volume_ml_})
-        put(values->data(), values->size() * sizeof(double));
-    put(network_.throat_flows_ml_s().data(), network_.throat_flows_ml_s().size() * sizeof(double));
-    for (const CellSource &mouth : mouths_) {
-        const std::uint64_t cell = mouth.cell;
-        put(&cell, sizeof cell);
-        put(&mouth.flow_ml_s, sizeof mouth.flow_ml_s);
-    }
+    StateArchive state = StateArchive::saving(bytes);
+    ContrastFlow(*this).archive(state);
     return bytes;
 }
 
 bool ContrastFlow::restore(std::span<const std::uint8_t> bytes)
 {
-    std::uint64_t counts[2];
-    std::vector<double> throats(cells_.throats().size());
-    const std::size_t fixed = sizeof counts + sizeof budget_ + sizeof(std::int64_t) +
-                              4 * sizeof(double) * cells_.size() + sizeof(double) * throats.size();
-    if (bytes.size() < fixed) return false;
-    const std::uint8_t *from = bytes.data();
-    const auto get = [&](void *to, std::size_t size) {
-        if (size > 0) std::memcpy(to, from, size); // an empty array has no address
-        from += size;
-    };
-    get(counts, sizeof counts);
-    if (counts[0] != cells_.size() || counts[1] != (bytes.size() - fixed) / 16 ||
-        (bytes.size() - fixed) % 16 != 0)
-        return false;
-    std::vector<CellSource> mouths(counts[1]);
-    const std::uint8_t *of_mouths = bytes.data() + fixed;
-    for (CellSource &mouth : mouths) {
-        std::uint64_t cell;
-        std::memcpy(&cell, of_mouths, 8);
-        std::memcpy(&mouth.flow_ml_s, of_mouths + 8, 8);
-        of_mouths += 16;
-        if (cell >= cells_.size()) return false;
-        mouth.cell = cell;
-    }
-    get(&budget_, sizeof budget_);
-    std::int64_t widening_steps;
-    get(&widening_steps, sizeof widening_steps);
-    widening_steps_ = static_cast<int>(std::clamp<std::int64_t>(widening_steps, 0, 1000));
-    for (std::vector<double> *values : {&core_mg_, &wall_mg_, &tool_mm_, &volume_ml_})
-        get(values->data(), values->size() * sizeof(double));
-    get(throats.data(), throats.size() * sizeof(double));
-    network_.set_throat_flows(throats);
-    mouths_ = std::move(mouths);
-    take_volumes();
-    network_.set_tools(tool_mm_);
+    ContrastFlow restored = *this;
+    StateArchive state = StateArchive::restoring(bytes);
+    restored.archive(state);
+    if (state.is_refused() || !state.is_at_end()) return false;
+    *this = std::move(restored);
     return true;
 }
 

@@ -12,6 +12,7 @@
 // simulation. The computation has a fixed order and uses no libm, so that every machine gives results that
 // are equal bit for bit.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/effects/flow_network.hpp"
 #include <cstdint>
 #include <span>
@@ -93,9 +94,10 @@ class ContrastFlow
     // both for the branch and for the side branches.
     std::vector<double> received_mg() const;
 
-    // Returns, as bytes, the whole state on which the next time step depends, except the shape of the
-    // vessels. A caller with open lesions must reshape the vessels before restoring a snapshot. restore()
-    // refuses a snapshot that was taken with other vessels.
+    // Saves or restores the whole state, except the shape of the vessels. A caller with open lesions must
+    // reshape the vessels before restoring. An archive of other vessels is refused. snapshot() returns the
+    // same state as bytes; restore() changes nothing if it refuses the bytes.
+    void archive(StateArchive &state);
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

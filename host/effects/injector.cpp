@@ -45,6 +45,21 @@ void Injector::skip_to(std::uint32_t tick)
     drop_ended();
 }
 
+void Injector::archive(StateArchive &state)
+{
+    constexpr std::int64_t volume_max_nl = 1'000'000'000, rate_max_nl = 1'000'000; // of one injection
+    state.list(injections_, [&](Injection &one) {
+        state.integer(one.number);
+        state.integer(one.tick);
+        state.integer(one.tick_end);
+        state.integer<std::int64_t>(one.left_nl, 0, volume_max_nl);
+        state.integer<std::int64_t>(one.rate_nl, 1, rate_max_nl);
+        state.real(one.iodine_mg_per_ml, 0.0, 1000.0);
+    });
+    state.integer<std::int64_t>(injected_nl_, 0, INT64_MAX / 2);
+    state.integer(asked_);
+}
+
 InjectedFluid Injector::take(std::uint32_t tick)
 {
     std::int64_t sum_nl = 0;

@@ -1,6 +1,7 @@
 // Supplies the injected fluid tick by tick, in whole nanolitres, so that it is the same on every machine and
 // in every replay.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/effects/contrast_flow.hpp"
 #include <cstdint>
 #include <vector>
@@ -25,6 +26,7 @@ class Injector
     // Returns the fluid that is injected during the tick (millisecond) that ends at time `tick`.
     InjectedFluid take(std::uint32_t tick);
     double injected_ml() const { return static_cast<double>(injected_nl_) * 1e-6; }
+    void archive(StateArchive &state);
 
   private:
     struct Injection {

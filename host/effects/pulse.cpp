@@ -115,6 +115,20 @@ void PulseMonitor::show(double measured_mmHg)
     samples_[newest_] = {static_cast<float>(ecg_mV_), static_cast<float>(measured_mmHg)};
 }
 
+void PulseMonitor::archive(StateArchive &state)
+{
+    for (Sample &sample : samples_)
+        for (float *value : {&sample.ecg_mV, &sample.pressure_mmHg}) state.real(*value, -1e6, 1e6);
+    state.index(newest_, sample_count);
+    for (std::uint32_t *count : {&ticks_, &beats_, &premature_beats_}) state.integer(*count);
+    state.integer(bits_);
+    for (double *value : {&ecg_mV_, &beat_ms_, &filling_ms_, &systole_ms_, &stored_mmHg_, &aortic_mmHg_,
+                          &highest_mmHg_, &lowest_mmHg_, &systolic_mmHg_, &diastolic_mmHg_})
+        state.real(*value);
+    state.reals(intervals_ms_);
+    state.index(interval_count_, std::size_t{1} << 40);
+}
+
 double PulseMonitor::rate_per_min() const
 {
     const std::size_t count = std::min(interval_count_, intervals_ms_.size());

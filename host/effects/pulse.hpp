@@ -6,6 +6,7 @@
 // inverted T wave. A two-element windkessel with a characteristic impedance, into which each systole ejects,
 // gives the pressure. A ventricle that is less filled ejects less blood (docs/heart.md, "traces").
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "shared/wire/wire.h"
 #include <array>
 #include <cstdint>
@@ -64,6 +65,8 @@ class PulseMonitor
     std::size_t newest() const { return newest_; }
     bool has_samples() const { return ticks_ > 0; }
     bool is_full() const { return ticks_ >= sample_ticks * sample_count; }
+
+    void archive(StateArchive &state);
 
   private:
     void begin_beat(const crn_wire_tick_state &state);

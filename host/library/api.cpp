@@ -173,6 +173,12 @@ cournand_status cournand_pool_free(cournand_pool *pool)
     return free_handle(pool);
 }
 
+static void require_no_throw(bool has_thrown)
+{
+    if (has_thrown)
+        throw Refused(COURNAND_BAD_ARGUMENT, "the function has thrown an exception: catch it there");
+}
+
 cournand_status cournand_pool_run(cournand_pool *pool, size_t count,
                                   void (*work)(void *context, size_t index), void *context)
 {
@@ -184,18 +190,27 @@ cournand_status cournand_pool_run(cournand_pool *pool, size_t count,
         with->run(count, [&](std::size_t index) {
             if (guarded([&] { work(context, index); }) != COURNAND_OK) has_thrown = true;
         });
-        if (has_thrown)
-            throw Refused(COURNAND_BAD_ARGUMENT, "the function has thrown an exception: catch it there");
+        require_no_throw(has_thrown);
     });
 }
 
 cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *worlds, size_t count,
                                    const float *actions, uint32_t ticks, int32_t *statuses)
 {
+    const auto nothing = [](void *, std::size_t) {};
+    return cournand_pool_step(pool, worlds, count, actions, ticks, nothing, nullptr, statuses);
+}
+
+cournand_status cournand_pool_step(cournand_pool *pool, cournand_world *const *worlds, size_t count,
+                                   const float *actions, uint32_t ticks,
+                                   void (*work)(void *context, size_t index), void *context,
+                                   int32_t *statuses)
+{
     return guarded([&] {
         const auto with = object_of(pool);
         require(count <= 1000000, "count is above a million");
         require(count == 0 || (worlds != nullptr && actions != nullptr), "worlds or actions is NULL");
+        require(work != nullptr, "work is NULL");
         std::vector<const cournand_world *> sorted(worlds, worlds + count);
         std::sort(sorted.begin(), sorted.end());
         require(std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end(), "worlds has a world twice");
@@ -208,9 +223,14 @@ cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *w
         const auto row = [&](std::size_t i) { return actions + i * COURNAND_ACTION_FLOATS; };
         for (std::size_t i = 0; i < count; i++) outcomes.take(i, check_move(worlds[i], row(i), ticks));
         end(); // before any world moves
-        with->run(count,
-                  [&](std::size_t i) { outcomes.take(i, cournand_world_move(worlds[i], row(i), ticks)); });
+        std::atomic<bool> has_thrown = false;
+        with->run(count, [&](std::size_t i) {
+            const cournand_status status = cournand_world_move(worlds[i], row(i), ticks);
+            outcomes.take(i, status);
+            if (status == COURNAND_OK && guarded([&] { work(context, i); }) != COURNAND_OK) has_thrown = true;
+        });
         end();
+        require_no_throw(has_thrown);
     });
 }
 

@@ -172,9 +172,9 @@ cournand_status cournand_world_load_stent(cournand_world *world)
 
 cournand_status cournand_world_snapshot_bytes(cournand_world *world, size_t *bytes)
 {
-    return with_world(world, [&](World &) {
+    return with_world(world, [&](World &measured) {
         require(bytes != nullptr, "bytes is NULL");
-        *bytes = World::snapshot_bytes();
+        *bytes = measured.snapshot_bytes();
     });
 }
 

@@ -380,16 +380,19 @@ typedef struct cournand_patient_reading {
 COURNAND_API cournand_status cournand_world_read_patient(cournand_world *world,
                                                          cournand_patient_reading *reading);
 
-/* --- snapshots: worlds without a patient
- * ---------------------------------------------------------------------- */
+/* --- snapshots
+ * ---------------------------------------------------------------------------------------------- */
 
-/* The size of every snapshot of this world, about 37 kB. */
+/* Returns the size of a snapshot of this world now. All snapshots of a world without a patient have the same
+ * size, about 37 kB. With a patient, the size changes from tick to tick (docs/library.md), so ask before
+ * every cournand_world_save(). */
 COURNAND_API cournand_status cournand_world_snapshot_bytes(cournand_world *world, size_t *bytes);
 /* Writes a snapshot, which contains its version and a checksum, to `bytes`; `capacity` must be at least the
  * size of the snapshot. */
 COURNAND_API cournand_status cournand_world_save(cournand_world *world, void *bytes, size_t capacity);
 /* Sets the world to the state in a snapshot. The snapshot may be from any world with the same scene, tools
- * and options, also in another process or on another machine. The restored world continues, bit for bit, as
+ * and options, also in another process or on another machine (with a patient: of the same byte order). The
+ * restored world continues, bit for bit, as
  * the saved world did, and reads the same values, including the wall forces. Snapshots of version 1, which
  * lack the wall forces, are refused. The status is BAD_SNAPSHOT if the snapshot is refused, and BAD_STATE
  * while a recording is written. */
@@ -413,6 +416,14 @@ COURNAND_API cournand_status cournand_pool_free(cournand_pool *pool);
  * moved. Both return the first status that is not OK. */
 COURNAND_API cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *worlds,
                                                 size_t count, const float *actions, uint32_t ticks,
+                                                int32_t *statuses);
+
+/* Does what cournand_pool_move() does, and calls work(context, i) in the same thread as soon as world i has
+ * moved, for example to read or to render it. The function `work` is not called for a world that fails. It
+ * may call the library, but not with this pool. */
+COURNAND_API cournand_status cournand_pool_step(cournand_pool *pool, cournand_world *const *worlds,
+                                                size_t count, const float *actions, uint32_t ticks,
+                                                void (*work)(void *context, size_t index), void *context,
                                                 int32_t *statuses);
 
 /* Calls work(context, i) once for every i below count, in parallel and in any order; returns when all calls

@@ -3,11 +3,15 @@
 //   magic u32 | version u32 | bytes u32 | out of range: tick + 1, or 0, u32 | fingerprint u64 | check u64 |
 //   hands i64 x 6 in 1e-6 counts | inflator i32 | bytes of the tick's result u32 | wall force of the last
 //   sample and largest one of the last move f64 x 2 in N | result of the last tick, padded | the device's
-//   snapshot (docs/wire.md)
+//   snapshot (docs/wire.md) | with a patient: its fingerprint u64 | its part (Patient::archive)
+//
+// The patient's part has its own version and the byte order of the machine: another order gives a version
+// that is refused.
 //
 // Snapshots of version 1 lack the wall forces of the saved world, so they are refused. The checksum covers
 // all bytes of the snapshot that follow it. In addition, the device checks its own part of the snapshot.
 #include "host/library/world.hpp"
+#include "host/stent/design.hpp"
 #include <algorithm>
 #include <bit>
 
@@ -35,11 +39,44 @@ std::uint64_t word(const std::uint8_t *bytes)
     return value;
 }
 
+[[noreturn]] void refuse(const std::string &why)
+{
+    throw Refused(COURNAND_BAD_SNAPSHOT, "the snapshot " + why);
+}
+
+void mix(std::uint64_t &hash, std::uint64_t number)
+{
+    hash = std::rotl((hash ^ number) * 0x9e3779b97f4a7c15ull, 29);
+}
+
+// Returns a number that differs between two patients if neither can use the other's part of a snapshot. Scene
+// and tools are in the fingerprint of the world.
+std::uint64_t patient_fingerprint(std::span<const StentDesign> stents)
+{
+    std::uint64_t hash = stents.size();
+    for (const StentDesign &stent : stents) {
+        for (const StentNumber &number : stent_numbers())
+            mix(hash, std::bit_cast<std::uint64_t>(stent.*number.value));
+        for (const StentCount &count : stent_counts())
+            mix(hash, static_cast<std::uint64_t>(stent.*count.value));
+        mix(hash, static_cast<std::uint64_t>(stent.connection));
+    }
+    return hash;
+}
+
+std::size_t fixed_bytes()
+{
+    return device_at + SimTransport::snapshot_bytes();
+}
+
+} // namespace
+
 // Four independent chains of multiplications keep the processor busy; a checksum that is computed byte by
 // byte would take longer than restoring the snapshot.
-std::uint64_t check_of(std::span<const std::uint8_t> bytes)
+std::uint64_t snapshot_check(std::span<const std::uint8_t> snapshot)
 {
     constexpr std::uint64_t prime = 0x9e3779b97f4a7c15ull;
+    const std::span<const std::uint8_t> bytes = snapshot.subspan(std::min(head_bytes, snapshot.size()));
     std::uint64_t lanes[4] = {1, 2, 3, 4};
     std::size_t at = 0;
     for (; at + 32 <= bytes.size(); at += 32)
@@ -53,29 +90,67 @@ std::uint64_t check_of(std::span<const std::uint8_t> bytes)
     return hash;
 }
 
-[[noreturn]] void refuse(const std::string &why)
-{
-    throw Refused(COURNAND_BAD_SNAPSHOT, "the snapshot " + why);
-}
-
-} // namespace
-
+// The part of the patient grows with what has happened to it; it is measured by saving it.
 std::size_t World::snapshot_bytes()
 {
-    return device_at + SimTransport::snapshot_bytes();
+    return fixed_bytes() + saved_patient().size();
+}
+
+std::span<const std::uint8_t> World::saved_patient()
+{
+    patient_bytes_.clear();
+    if (!patient_) return patient_bytes_;
+    StateArchive archive = StateArchive::saving(patient_bytes_);
+    std::uint64_t kind = patient_fingerprint(settings_.stents);
+    archive.integer(kind);
+    archive.flag(was_commanded_);
+    patient_->archive(archive, tick(), state_);
+    return patient_bytes_;
+}
+
+bool World::restore_patient(std::span<const std::uint8_t> bytes, std::uint32_t tick,
+                            const crn_wire_tick_state &state)
+{
+    StateArchive archive = StateArchive::restoring(bytes);
+    std::uint64_t kind = 0;
+    archive.integer(kind);
+    archive.flag(was_commanded_);
+    patient_->archive(archive, tick, state);
+    return !archive.is_refused() && archive.is_at_end();
+}
+
+// Restores the patient, and then calls work(). If one of them refuses, the patient gets its present state
+// back.
+template <class Work>
+void World::with_patient(std::span<const std::uint8_t> bytes, std::uint32_t tick,
+                         const crn_wire_tick_state &state, Work work)
+{
+    if (!patient_) return work();
+    std::uint64_t kind = 0;
+    StateArchive::restoring(bytes).integer(kind);
+    if (kind != patient_fingerprint(settings_.stents)) refuse("is of a world with other stents");
+    saved_patient();
+    try {
+        if (!restore_patient(bytes, tick, state)) refuse("is damaged: its patient is out of range");
+        work();
+    } catch (...) {
+        if (!restore_patient(patient_bytes_, this->tick(), state_))
+            stopped_ = "its patient could not be restored";
+        throw;
+    }
 }
 
 void World::save(std::span<std::uint8_t> bytes)
 {
-    if (patient_)
-        throw Refused(COURNAND_BAD_STATE, "a world with a patient has no snapshots: make it without one");
     if (!orders_.is_empty())
         throw Refused(COURNAND_BAD_STATE, "an order waits for the next tick: advance the world first");
-    const std::size_t count = snapshot_bytes();
+    const std::span<const std::uint8_t> patient = saved_patient();
+    const std::size_t fixed = fixed_bytes(), count = fixed + patient.size();
     require(bytes.size() >= count, "the memory is smaller than cournand_world_snapshot_bytes()");
     bytes = bytes.first(count);
-    if (!pipe_.take_snapshot(bytes.subspan(device_at)))
+    if (!pipe_.take_snapshot(bytes.subspan(device_at, fixed - device_at)))
         throw Refused(COURNAND_INTERNAL, "the device gives no snapshot");
+    std::copy(patient.begin(), patient.end(), bytes.begin() + static_cast<std::ptrdiff_t>(fixed));
     std::fill_n(bytes.begin(), device_at, std::uint8_t{0});
     crn_wire_writer hands = crn_wire_writer_make(bytes.data() + head_bytes, hands_bytes + state_bytes);
     for (std::size_t k = 0; k < COURNAND_POSITIONS_MAX; k++) {
@@ -96,16 +171,16 @@ void World::save(std::span<std::uint8_t> bytes)
     crn_wire_write(&head, count, 4);
     crn_wire_write(&head, out_of_range_tick_ ? *out_of_range_tick_ + 1u : 0u, 4);
     crn_wire_write(&head, fingerprint_, 8);
-    crn_wire_write(&head, check_of(bytes.subspan(head_bytes)), 8);
+    crn_wire_write(&head, snapshot_check(bytes), 8);
 }
 
 void World::restore(std::span<const std::uint8_t> bytes)
 {
-    if (patient_)
-        throw Refused(COURNAND_BAD_STATE, "a world with a patient has no snapshots: make it without one");
     if (recorder_) throw Refused(COURNAND_BAD_STATE, "the world is being recorded: end its recording first");
+    const std::size_t fixed = fixed_bytes();
     const auto refuse_size = [&] {
-        refuse("has " + std::to_string(bytes.size()) + " bytes, not " + std::to_string(snapshot_bytes()));
+        refuse("has " + std::to_string(bytes.size()) + " bytes, not " + std::to_string(fixed) +
+               (patient_ ? " and those of a patient" : ""));
     };
     if (bytes.size() < head_bytes) refuse_size();
     crn_wire_reader head = crn_wire_reader_make(bytes.data(), head_bytes);
@@ -114,13 +189,13 @@ void World::restore(std::span<const std::uint8_t> bytes)
     if (saved_version != version)
         refuse("has version " + std::to_string(saved_version) + ", and this release reads version " +
                std::to_string(version) + ": save it with this release");
-    if (bytes.size() != snapshot_bytes()) refuse_size();
+    if (patient_ ? bytes.size() < fixed : bytes.size() != fixed) refuse_size();
+    if (patient_ && bytes.size() == fixed) refuse("is of a world without a patient");
     if (crn_wire_read(&head, 4) != bytes.size()) refuse("is damaged: its size differs");
     const auto range_tick = static_cast<std::uint32_t>(crn_wire_read(&head, 4));
     if (crn_wire_read(&head, 8) != fingerprint_)
         refuse("is of a world with another scene, other tools or options");
-    if (crn_wire_read(&head, 8) != check_of(bytes.subspan(head_bytes)))
-        refuse("is damaged: its check differs");
+    if (crn_wire_read(&head, 8) != snapshot_check(bytes)) refuse("is damaged: its check differs");
     crn_wire_reader hands = crn_wire_reader_make(bytes.data() + head_bytes, hands_bytes);
     std::uint64_t counts[6];
     for (std::uint64_t &count : counts) {
@@ -139,10 +214,12 @@ void World::restore(std::span<const std::uint8_t> bytes)
         refuse("is damaged: a number is out of range");
     crn_wire_reader result = crn_wire_reader_make(bytes.data() + head_bytes + hands_bytes, result_bytes);
     if (!crn_wire_get_tick_state(&result, &state)) refuse("is damaged: its last result cannot be read");
-    const std::span<const std::uint8_t> device = bytes.subspan(device_at);
-    crn_wire_reader tick = crn_wire_reader_make(device.data() + 4, 4); // behind the version
-    put_device(device, static_cast<std::uint32_t>(crn_wire_read(&tick, 4)));
+    const std::span<const std::uint8_t> device = bytes.subspan(device_at, fixed - device_at);
+    crn_wire_reader reader = crn_wire_reader_make(device.data() + 4, 4); // behind the version
+    const auto tick = static_cast<std::uint32_t>(crn_wire_read(&reader, 4));
+    with_patient(bytes.subspan(fixed), tick, state, [&] { put_device(device, tick); });
     // From here on nothing fails.
+    replayed_.reset(); // a replay looks for its next command again
     for (std::size_t k = 0; k < COURNAND_POSITIONS_MAX; k++) {
         push_[k] = static_cast<std::int64_t>(counts[2 * k]);
         turn_[k] = static_cast<std::int64_t>(counts[2 * k + 1]);

@@ -109,12 +109,14 @@ std::uint64_t fingerprint(const SceneFile &scene, const std::vector<Instrument> 
 }
 
 World::World(WorldSettings settings)
-    : settings_(std::move(settings)), pipe_(static_cast<std::uint32_t>(settings_.scene->file().bytes.size())),
-      link_(pipe_, patience), line_now_(settings_.line)
+    : settings_(std::move(settings)), pipe_(0), link_(pipe_, patience), line_now_(settings_.line)
 {
     const SceneFile &scene = settings_.scene->file();
     fingerprint_ = fingerprint(scene, settings_.tools, settings_.line, settings_.entry, settings_.rig);
     core_version_ = link_.hello().core_version;
+    // All worlds of a scene use its bytes, and so a world needs neither an upload nor memory for them.
+    if (!scene.bytes.empty() && !pipe_.share_scene(scene.bytes, scene.crc32))
+        throw Refused(COURNAND_INTERNAL, scene.path + ": the device refuses the scene");
     try {
         set_up_session(link_, {scene, settings_.tools, settings_.line, settings_.entry, settings_.rig});
     } catch (const LinkError &error) {
@@ -127,6 +129,7 @@ World::World(WorldSettings settings)
     of_patient.bodies_path = settings_.scene->bodies_path();
     of_patient.stents = settings_.stents;
     of_patient.threads = 1;
+    of_patient.xray_scene = std::shared_ptr<const XrayScene>(settings_.scene, &settings_.scene->xray());
     of_patient.line = settings_.line == whole_table(settings_.tools.size()) ? LineNumbers{} : settings_.line;
     patient_ = std::make_unique<Patient>(settings_.scene->anatomy(), settings_.tools, of_patient);
 }

@@ -82,7 +82,7 @@ class World
     Patient *patient() { return patient_.get(); }
 
     // --- snapshots (snapshot.cpp) ---
-    static std::size_t snapshot_bytes();
+    std::size_t snapshot_bytes(); // of a snapshot now
     void save(std::span<std::uint8_t> bytes);
     void restore(std::span<const std::uint8_t> bytes);
 
@@ -120,6 +120,12 @@ class World
     void put_device(std::span<const std::uint8_t> bytes, std::uint32_t tick);
     void forget_views();
     void reserve_views();
+    std::span<const std::uint8_t> saved_patient(); // until its next call; empty: the world has none
+    bool restore_patient(std::span<const std::uint8_t> bytes, std::uint32_t tick,
+                         const crn_wire_tick_state &state);
+    template <class Work>
+    void with_patient(std::span<const std::uint8_t> bytes, std::uint32_t tick,
+                      const crn_wire_tick_state &state, Work work);
     void settle(); // brings the patient to this tick
     void command(const RoomCommand &command);
     Patient &need_patient();
@@ -146,7 +152,8 @@ class World
     std::uint32_t core_version_ = 0;
     std::unique_ptr<Patient> patient_;
     bool was_commanded_ = false; // the patient has received a command
-    std::string stopped_;        // why the world cannot continue; empty: it can
+    std::vector<std::uint8_t> patient_bytes_;
+    std::string stopped_; // why the world cannot continue; empty: it can
 
     // Holds the positions of the hands in 1e-6 counts since tick 0, and the pressure of the inflator.
     std::int64_t push_[COURNAND_POSITIONS_MAX] = {}, turn_[COURNAND_POSITIONS_MAX] = {};
@@ -175,6 +182,10 @@ class World
     std::shared_ptr<const Recording> replayed_; // whose commands the patient receives
     std::size_t replayed_command_ = 0;          // the next one
 };
+
+// Returns the check of a snapshot's bytes, which the snapshot has in its bytes 24 to 31.
+inline constexpr std::size_t snapshot_check_at = 24;
+std::uint64_t snapshot_check(std::span<const std::uint8_t> snapshot);
 
 // Returns the status that cournand_world_move() would refuse these arguments with.
 cournand_status check_move(const cournand_world *world, const float *action, std::uint32_t ticks) noexcept;

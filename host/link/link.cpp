@@ -109,9 +109,14 @@ crn_wire_hello_reply Link::hello_once()
 // not sent again.
 void Link::load_scene(std::span<const std::uint8_t> scene)
 {
+    load_scene(scene, crn_wire_crc32(0, scene.data(), scene.size()));
+}
+
+void Link::load_scene(std::span<const std::uint8_t> scene, std::uint32_t crc32)
+{
     if (scene.size() > UINT32_MAX) throw LinkError("the scene is larger than 4 GiB");
     const auto bytes = static_cast<std::uint32_t>(scene.size());
-    const crn_wire_scene_begin begin = {bytes, crn_wire_crc32(0, scene.data(), scene.size())};
+    const crn_wire_scene_begin begin = {bytes, crc32};
     const crn_wire_set_up there = read_set_up();
     if (bytes > 0 && there.scene_bytes == bytes && there.scene_crc32 == begin.crc32) return;
     const bool goes_on = there.upload_bytes == bytes && there.upload_crc32 == begin.crc32;

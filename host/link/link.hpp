@@ -59,6 +59,7 @@ class Link
     // A program that has disconnected loses this control after at most 50 ms.
     crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
+    void load_scene(std::span<const std::uint8_t> scene, std::uint32_t crc32); // of the bytes
     // `line` holds one number for each position of the line (the nested tools): the number of its tool in the
     // session's table, from 1, or 0 if the position has no tool. If `line` is empty, all tools of the
     // session's table are in use.

@@ -32,6 +32,11 @@ void SimTransport::pass_time_ms(std::uint32_t milliseconds)
     crn_sim_timer(sim_.get(), milliseconds);
 }
 
+bool SimTransport::share_scene(std::span<const std::uint8_t> scene, std::uint32_t crc32)
+{
+    return crn_sim_share_scene(sim_.get(), scene.data(), static_cast<std::uint32_t>(scene.size()), crc32);
+}
+
 std::size_t SimTransport::snapshot_bytes()
 {
     return crn_sim_snapshot_bytes();

@@ -35,6 +35,7 @@ class OrderQueue
     void add(const crn_wire_order &order) { waiting_.push_back(order); }
     void clear() { waiting_.clear(); }
     bool is_empty() const { return waiting_.empty(); }
+    const std::deque<crn_wire_order> &waiting() const { return waiting_; }
     // Moves into a tick's list the oldest waiting command of each kind that the list does not have yet.
     void move_into(crn_wire_order_list &list);
 

@@ -39,4 +39,13 @@ void CatheterAir::inject(std::uint32_t tick)
     if (may_hold_air_) injections_.push_back(tick);
 }
 
+void CatheterAir::archive(StateArchive &state, const std::vector<Instrument> &tools)
+{
+    if (state.restores()) tool_ = injecting_tool(tools, 0);
+    state.integer(inside_bits_);
+    state.integer<std::int32_t>(aspirated_ul_, 0, 1'000'000'000);
+    state.flag(may_hold_air_);
+    state.list(injections_, [&](std::uint32_t &tick) { state.integer(tick); });
+}
+
 } // namespace crn

@@ -2,6 +2,7 @@
 // lumen. Before the next injection the operator aspirates blood, which removes the air (docs/contrast.md,
 // "Aspiration").
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/model/tool_line.hpp"
 #include "shared/wire/wire.h"
 #include <cstdint>
@@ -34,6 +35,9 @@ class CatheterAir
     bool may_hold_air() const { return may_hold_air_; }
     // Returns the ticks of the injections that were given while the lumen might hold air.
     const std::vector<std::uint32_t> &injections() const { return injections_; }
+
+    // Saves or restores the state; `tools` are those at the positions of the line.
+    void archive(StateArchive &state, const std::vector<Instrument> &tools);
 
   private:
     std::optional<std::size_t> tool_;

@@ -66,6 +66,11 @@ void CatheterPressure::open_vessels(const WireFrame &wire)
 {
     if (opening_.is_empty() || wire.lesions_open == open_) return;
     open_ = wire.lesions_open;
+    reopen();
+}
+
+void CatheterPressure::reopen()
+{
     VesselTree opened = vessels_;
     opening_.open(vessels_, open_, opened);
     cells_.reshape(opened);
@@ -106,6 +111,40 @@ void CatheterPressure::end_beat()
     const BeatPressure aortic = aortic_.end();
     is_damped_ = is_whole_beat_ && beat_.pulse() < damped_pulse_share * aortic.pulse();
     is_whole_beat_ = has_place_;
+}
+
+void CatheterPressure::BeatFigures::archive(StateArchive &state)
+{
+    for (double *value : {&highest_, &lowest_, &sum_}) state.real(*value);
+    state.integer(count_);
+}
+
+void CatheterPressure::archive(StateArchive &state, std::uint32_t now, const std::vector<Instrument> &tools)
+{
+    if (state.restores()) {
+        tool_ = injecting_tool(tools, 0);
+        name_ = tool_ ? tools[*tool_].name : "";
+    }
+    const std::vector<double> before = open_;
+    state.list(open_, [&](double &share) { state.real(share, 0.0, 4.0); });
+    std::vector<double> throats = network_.throat_flows_ml_s();
+    state.reals(throats, 0.0, 1e6);
+    state.integer<std::uint32_t>(look_tick_, 0, now);
+    for (bool *flag : {&is_inserted_, &has_place_, &is_damped_, &is_whole_beat_}) state.flag(*flag);
+    if (state.restores()) state.require(tool_ || !(is_inserted_ || has_place_));
+    state.real(share_, 0.0, 1.0);
+    state.real(pressure_mmHg_, -1e6, 1e6);
+    state.integer(beat_ms_);
+    state.integer(damped_ticks_);
+    for (BeatFigures *figures : {&measured_, &aortic_}) figures->archive(state);
+    for (double *value : {&beat_.systolic, &beat_.diastolic, &beat_.mean}) state.real(*value);
+    if (!state.restores() || state.is_refused()) return;
+    if (open_ != before) {
+        cells_ = FlowCells(vessels_);
+        network_ = FlowNetwork(cells_, viscosity_mPa_s);
+        if (!open_.empty()) reopen();
+    }
+    network_.set_throat_flows(throats);
 }
 
 void CatheterPressure::tick(double aortic_mmHg, const crn_wire_tick_state &state)

@@ -8,6 +8,7 @@
 // The pressure depends only on the ticks and on the shape of the tools at fixed ticks, and not on which
 // pictures are made.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/effects/flow_cells.hpp"
 #include "host/effects/flow_network.hpp"
 #include "host/model/tool_line.hpp"
@@ -71,18 +72,23 @@ class CatheterPressure
     // Returns the name of the tool with the transducer; empty if no tool has a lumen.
     const std::string &tool_name() const { return name_; }
 
+    // Saves or restores the state at tick `now`; `tools` are those at the positions of the line.
+    void archive(StateArchive &state, std::uint32_t now, const std::vector<Instrument> &tools);
+
   private:
     class BeatFigures
     {
       public:
         void take(double mmHg);
         BeatPressure end();
+        void archive(StateArchive &state);
 
       private:
         double highest_ = 0.0, lowest_ = 1e9, sum_ = 0.0;
         std::uint32_t count_ = 0;
     };
     void open_vessels(const WireFrame &wire);
+    void reopen();
     void end_beat();
     void leave();
 

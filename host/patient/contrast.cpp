@@ -192,8 +192,8 @@ BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
 // Moves the centrelines of the vessels to where heart and breath have moved the vessels in this frame.
 void PatientContrast::place_vessels(const WireFrame &wire)
 {
-    if (moved_.can_move())
-        flow_.place(moved_.at({wire.heart_phase32, wire.breath_phase32}, opening_, flow_open_));
+    curves_at_ = {wire.heart_phase32, wire.breath_phase32};
+    if (moved_.can_move()) flow_.place(moved_.at(curves_at_, opening_, flow_open_));
 }
 
 VesselTree PatientContrast::opened_vessels() const
@@ -282,6 +282,7 @@ void PatientContrast::advance(const WireFrame &wire)
     const Clock::time_point stepped = Clock::now();
     cost_.step_s += seconds(stepped - begin);
     if (state_ != State::flows && curves_.empty()) return;
+    curves_mg_per_ml_ = iodine_mg_per_ml_;
     make_curves();
     cost_.frame_s += seconds(Clock::now() - stepped);
     ++cost_.frames;
@@ -362,7 +363,7 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
 {
     const FlowCells &cells = flow_.cells();
     const double mean = flow_.iodine_mg_per_ml(cell), radius_m = cells[cell].radius_mm * 1e-3;
-    const double width = std::max(std::sqrt(std::min(mean / iodine_mg_per_ml_, 1.0)), 1.0 - narrowness);
+    const double width = std::max(std::sqrt(std::min(mean / curves_mg_per_ml_, 1.0)), 1.0 - narrowness);
     const Vector3d axis = (cells.last_face_m(stream_.cell) - cells.first_face_m(stream_.cell)).normalized();
     Vector3d beside_m = stream_.tip_m - cells.middle_m(stream_.cell);
     beside_m -= axis.dot(beside_m) * axis;

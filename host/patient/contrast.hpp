@@ -3,6 +3,7 @@
 // fixed ticks (next_tick). A replay therefore shows the same medium as the session, whatever pictures were
 // requested. While the vessels contain no medium, nothing is computed.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/effects/injector.hpp"
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -100,7 +101,16 @@ class PatientContrast
     VesselTree opened_vessels() const; // and with lesions as far open as in the last frame
     const ContrastCost &cost() const { return cost_; }
 
+    // Saves or restores the medium at tick `now`. `tools` are those at the positions of the line, and `last`
+    // is the last tick. The columns of medium are made again from the restored state.
+    void archive(StateArchive &state, std::uint32_t now, const std::vector<Instrument> &tools,
+                 const crn_wire_tick_state &last);
+
   private:
+    void archive_lesions(StateArchive &state);
+    void archive_syringe(StateArchive &state);
+    void archive_columns(StateArchive &state);
+    void reopen();
     BeatPhase beat_at(std::uint32_t tick, std::size_t &next) const;
     void place_vessels(const WireFrame &wire);
     bool open_vessels(const WireFrame &wire); // returns true if their shape has changed
@@ -158,6 +168,9 @@ class PatientContrast
     crn_wire_tick_state last_{};
     std::vector<Refusal> refusals_;
     std::vector<SweptCurve> curves_;
+    // The moment of the heart and the breath, and the strength of the medium, for which curves_ were made.
+    MotionMoment curves_at_;
+    double curves_mg_per_ml_ = iodine_default_mg_per_ml;
 };
 
 } // namespace crn

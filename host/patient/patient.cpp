@@ -7,10 +7,12 @@ namespace crn
 namespace
 {
 
-const XrayScene &filled(XrayScene &scene, const SceneAnatomy &anatomy, const PatientSettings &settings)
+std::shared_ptr<const XrayScene> xray_scene(const SceneAnatomy &anatomy, const PatientSettings &settings)
 {
+    if (settings.xray_scene) return settings.xray_scene;
+    auto scene = std::make_shared<XrayScene>();
     std::string error;
-    if (!scene.set_bodies(anatomy.bodies, error))
+    if (!scene->set_bodies(anatomy.bodies, error))
         throw std::runtime_error((settings.bodies_path.empty() ? "" : settings.bodies_path + ": ") + error);
     return scene;
 }
@@ -20,7 +22,7 @@ const XrayScene &filled(XrayScene &scene, const SceneAnatomy &anatomy, const Pat
 Patient::Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
                  const PatientSettings &settings)
     : table_(tools), line_(line_or_table(settings.line, tools.size())), tools_(tools_on(table_, line_)),
-      poses_(anatomy), meter_(filled(scene_, anatomy, settings), settings.threads),
+      scene_(xray_scene(anatomy, settings)), poses_(anatomy), meter_(*scene_, settings.threads),
       contrast_(anatomy.bodies.vessels, tools_, anatomy.motion_or_null(),
                 LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
       catheter_pressure_(anatomy.bodies.vessels, tools_, anatomy.motion_or_null(),
@@ -175,6 +177,50 @@ std::vector<Refusal> Patient::refusals() const
     std::stable_sort(all.begin(), all.end(),
                      [](const Refusal &a, const Refusal &b) { return a.tick < b.tick; });
     return all;
+}
+
+// --- snapshots ---
+
+void Patient::archive(StateArchive &state, std::uint32_t now, const crn_wire_tick_state &last)
+{
+    constexpr std::uint32_t format = 1;
+    std::uint32_t saved_format = format;
+    state.integer<std::uint32_t>(saved_format, format, format);
+    archive_line(state);
+    if (state.restores()) state_ = last;
+    meter_.archive(state);
+    room_.archive(state, now);
+    contrast_.archive(state, now, tools_, last);
+    catheter_pressure_.archive(state, now, tools_);
+    catheter_air_.archive(state, tools_);
+    bool has_stents = stents_ != nullptr;
+    state.flag(has_stents);
+    state.require(has_stents == (stents_ != nullptr));
+    if (stents_ && !state.is_refused()) stents_->archive(state, tools_);
+    monitor_.archive(state);
+    state.list(refused_aspirations_, [&](Refusal &one) { archive_refusal(state, one); });
+    state.list(damped_injections_, [&](std::uint32_t &tick) { state.integer(tick); });
+    state.list(asked_, [&](Asked &one) {
+        state.integer(one.tick);
+        archive_command(state, one.command);
+    });
+    state.text(notice_.text);
+    state.integer<std::int64_t>(notice_.from, -1, UINT32_MAX);
+    state.flag(has_begun_);
+}
+
+void Patient::archive_line(StateArchive &state)
+{
+    LineNumbers line = line_;
+    state.list(line, [&](std::uint8_t &number) {
+        state.integer<std::uint8_t>(number, 0, static_cast<std::uint8_t>(table_.size()));
+    });
+    state.require(line.size() == line_.size());
+    for (std::size_t k = 0; k < line.size(); ++k) // no tool is at two positions
+        state.require(line[k] == 0 || std::count(line.begin(), line.end(), line[k]) == 1);
+    if (!state.restores() || state.is_refused() || line == line_) return;
+    line_ = std::move(line);
+    tools_ = tools_on(table_, line_);
 }
 
 } // namespace crn

@@ -12,6 +12,7 @@
 // The patient's state depends only on the commands, on the core's inputs and results, and on the tools' shape
 // at ticks that the patient chooses.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/effects/pulse.hpp"
 #include "host/model/instrument.hpp"
 #include "host/model/scene_anatomy.hpp"
@@ -37,6 +38,8 @@ struct PatientSettings {
     std::vector<StentDesign> stents; // stents that a session may load, in this order
     int threads = 2;                 // threads of the measuring chamber
     LineNumbers line{};              // tools on the line at the start (tool_line.hpp); empty: all
+    // The bodies for X-rays, which patients of the same anatomy may share; null: the patient makes them.
+    std::shared_ptr<const XrayScene> xray_scene{};
 };
 
 class Patient
@@ -76,6 +79,12 @@ class Patient
     // them: they are in the recording. ---
     void give_orders(crn_wire_order_list &orders);
 
+    // Saves or restores everything on which the patient's future depends, but the events of the last look.
+    // `last` is the result of the session's last tick, and `now` its number. An archive of a session with
+    // other vessels, stents or tools is refused; the patient must then be restored from an archive of its
+    // own.
+    void archive(StateArchive &state, std::uint32_t now, const crn_wire_tick_state &last);
+
     // --- state ---
     const Room &room() const { return room_; } // also the room's events at the last look
     const PatientContrast &contrast() const { return contrast_; }
@@ -98,12 +107,13 @@ class Patient
     // ticks.
     std::vector<Refusal> refusals() const;
     const RoomNotice &notice() const { return notice_; } // the last notice of syringe and stents
-    const XrayScene &scene() const { return scene_; }
+    const XrayScene &scene() const { return *scene_; }
     // Returns the bodies that heart, breath and open lesions move, at the moment of this shape. The returned
     // list is valid until the next call.
     std::span<const MovedBody> bodies_at(const WireFrame &wire) { return poses_.at(wire); }
 
   private:
+    void archive_line(StateArchive &state);
     void follow_line(const crn_wire_tick_state &state);
     void carry_out_due();
     void carry_out(std::uint32_t tick, const RoomCommand &command);
@@ -114,7 +124,7 @@ class Patient
     const std::vector<Instrument> table_;
     LineNumbers line_;
     std::vector<Instrument> tools_; // on the line
-    XrayScene scene_;
+    std::shared_ptr<const XrayScene> scene_;
     BodyPoses poses_;
     XrayMeter meter_; // created after the scene has its bodies
     Room room_;

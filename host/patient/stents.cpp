@@ -215,8 +215,9 @@ void PatientStents::load(std::uint32_t tick)
         return;
     }
     take_out();
-    stents_.add(shelf_[loaded_++], mount_mm_);
-    stories_.push_back({tick, {}, {}, {}});
+    stents_.add(shelf_[loaded_], mount_mm_);
+    stories_.push_back({loaded_, mount_mm_, tick, {}, {}, {}});
+    loaded_++;
     const std::uint32_t due = (tick + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
     next_look_ = std::min(next_look_, due);
 }

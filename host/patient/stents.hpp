@@ -9,6 +9,7 @@
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
 //   stents.advance(...) at stents.next_tick(); stents.give_orders(...) for every input after that
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/model/lesion_opening.hpp"
 #include "host/model/order_queue.hpp"
 #include "host/model/tool_line.hpp"
@@ -96,12 +97,17 @@ class PatientStents
     std::vector<StentResult> results();
     const std::vector<std::string> &refusals() const { return refusals_; }
 
+    // Saves or restores the stents; `tools` are those at the positions of the line.
+    void archive(StateArchive &state, const std::vector<Instrument> &tools);
+
   private:
     struct Vessel { // a branch whose wall may hold stents
         std::size_t branch = 0;
         std::unique_ptr<VesselWall> wall;
     };
-    struct Story { // history of a stent, in addition to its own state
+    struct Story {             // history of a stent, in addition to its own state
+        std::size_t shelf = 0; // index of its design
+        double mount_mm = 0.0; // where it was mounted
         std::uint32_t loaded_tick = 0;
         std::optional<std::uint32_t> opened_tick, released_tick;
         std::optional<std::size_t> vessel; // index of the vessel where it is or was deployed
@@ -124,6 +130,11 @@ class PatientStents
     void note_stages(std::uint32_t tick);
     void ask_for_holds(const WireFrame &wire);
     void ask_for_struts(const WireFrame &wire);
+    void archive_walls(StateArchive &state);
+    void archive_stents(StateArchive &state);
+    void archive_story(StateArchive &state, Story &story);
+    void archive_core(StateArchive &state);
+    void archive_order(StateArchive &state, crn_wire_order &order) const;
 
     const std::vector<StentDesign> shelf_;
     const VesselTree vessels_; // in the reference pose

@@ -100,4 +100,19 @@ std::string refusal(const RoomCommand &command)
     return "";
 }
 
+void archive_command(StateArchive &state, RoomCommand &command)
+{
+    auto action = static_cast<std::uint16_t>(command.action);
+    state.integer(action);
+    command.action = static_cast<RoomAction>(action);
+    for (std::int32_t &value : command.values) state.integer(value);
+    if (state.restores()) state.require(refusal(command).empty());
+}
+
+void archive_refusal(StateArchive &state, Refusal &refusal)
+{
+    state.integer(refusal.tick);
+    state.text(refusal.why);
+}
+
 } // namespace crn

@@ -3,6 +3,7 @@
 // room does (docs/room.md). The values of a command are whole numbers, so that a recording contains them
 // exactly.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include <cstdint>
 #include <string>
 
@@ -56,6 +57,10 @@ struct Refusal {
 // commands, for example a review when there is no run. If a command is possible but the present state of the
 // room forbids it, class Room reports the refusal when it happens.
 std::string refusal(const RoomCommand &command);
+
+// Saves or restores a command. The archive refuses a command that refusal() refuses.
+void archive_command(StateArchive &state, RoomCommand &command);
+void archive_refusal(StateArchive &state, Refusal &refusal);
 
 // The values of commands to the X-ray room must lie within the limits below, whether they come from a script,
 // a key or a recording.

@@ -1,6 +1,7 @@
 // Measures the dose of a session as IEC 60601-2-43 requires: reference air kerma, kerma-area product and
 // time, for each irradiation and in total.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/xray/run.hpp"
 #include "host/xray/xray.hpp"
 #include <cstdint>
@@ -56,6 +57,8 @@ class DoseMeter
     std::uint32_t fluoro_reminders() const { return fluoro_ticks_ / fluoro_reminder_ticks; }
     // Returns true if the user has not yet acknowledged the latest reminder of the fluoroscopy time.
     bool has_unseen_reminder() const { return fluoro_reminders() > reminders_seen_; }
+
+    void archive(StateArchive &state);
 
   private:
     std::vector<Irradiation> irradiations_;

@@ -9,6 +9,7 @@
 // docs/room.md has the equations, and describes the boxes that represent table, tube and detector in the
 // collision check.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/room/boxes.hpp"
 #include "host/xray/paths/carm.hpp"
 #include <array>
@@ -67,6 +68,7 @@ class Gantry
     // Returns true if the interlock has stopped a motion since the last call of aim().
     bool is_blocked() const { return is_blocked_; }
     CArm carm(double field_m) const;
+    void archive(StateArchive &state);
 
   private:
     double clearance_while_braking_m(const GantryPose &speed) const;

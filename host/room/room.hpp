@@ -114,6 +114,9 @@ class Room
     double field_m() const { return field_um_ * 1e-6; }
     std::int64_t tick() const { return tick_; } // the last processed tick; -1: none
 
+    // Saves or restores the room at tick `now`, without the events of the last look.
+    void archive(StateArchive &state, std::uint32_t now);
+
   private:
     struct Queued { // a command that waits for its tick
         std::uint32_t tick;
@@ -129,6 +132,8 @@ class Room
         std::optional<XrayTechnique> locked; // DSA: the technique of the first frame
         std::uint32_t next_tick() const;
     };
+    void archive_beam(StateArchive &state);
+    void archive_settings(StateArchive &state);
     void process(std::uint32_t tick, const Eigen::Vector3d *tip);
     void carry_out(std::uint32_t tick, const RoomCommand &command);
     void carry_out_geometry(std::uint32_t tick, const RoomCommand &command);

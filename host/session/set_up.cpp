@@ -39,7 +39,7 @@ void set_up_session(Link &link, const SessionSetUp &set_up)
 {
     std::vector<crn_wire_instrument> tables;
     for (const Instrument &tool : set_up.tools) tables.push_back(tool.table);
-    link.load_scene(set_up.scene.bytes);
+    link.load_scene(set_up.scene.bytes, set_up.scene.crc32);
     link.load_tools(tables, set_up.line);
     link.set_entry(set_up.entry);
     link.set_rig(set_up.rig);

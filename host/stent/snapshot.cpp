@@ -1,7 +1,7 @@
 // Stores the state of a stent as bytes in the machine's own byte order, for a replay on the same machine, as
 // for the contrast medium.
 #include "host/stent/stent.hpp"
-#include <cmath>
+#include <algorithm>
 #include <cstring>
 #include <type_traits>
 
@@ -52,9 +52,18 @@ class Reader
     {
         for (int k = 0; k < 3; ++k) (*this)(v[k]);
     }
+    // Numbers that are infinite, not numbers, or far outside a patient make the snapshot useless.
+    void operator()(double &value)
+    {
+        constexpr double largest = 1e4;
+        double read = 0.0;
+        operator()<double>(read);
+        if (!(read >= -largest && read <= largest)) is_wrong = true;
+        value = read;
+    }
     bool is_at_end() const { return at_ == bytes_.size(); }
     std::size_t left() const { return bytes_.size() - at_; }
-    bool is_short = false;
+    bool is_short = false, is_wrong = false;
 
   private:
     std::span<const std::uint8_t> bytes_;
@@ -119,9 +128,28 @@ bool Stent::restore(std::span<const std::uint8_t> bytes)
     state.near_begin.resize(lists[1]);
     state.near.resize(lists[2]);
     visit_state(state, reader);
-    if (reader.is_short || !reader.is_at_end() || state.stage > StentStage::adrift) return false;
+    if (reader.is_short || reader.is_wrong || !reader.is_at_end() || state.stage > StentStage::adrift)
+        return false;
     state_ = std::move(state);
     return true;
+}
+
+bool Stent::fits(std::size_t triangle_count) const
+{
+    const auto is_below = [](std::size_t count) {
+        return [=](std::uint32_t index) { return index < count; };
+    };
+    const std::vector<std::uint32_t> &begin = state_.near_begin;
+    const bool has_list = !begin.empty();
+    if (has_list && (begin.size() != lattice_.struts.size() + 1 || begin.back() != state_.near.size()))
+        return false;
+    return std::is_sorted(begin.begin(), begin.end()) &&
+           std::all_of(state_.patch.begin(), state_.patch.end(), is_below(triangle_count)) &&
+           std::all_of(state_.near.begin(), state_.near.end(), is_below(state_.patch.size())) &&
+           std::all_of(state_.points.begin(), state_.points.end(), [&](const StentPoint &point) {
+               return point.foot.triangle >= -1 &&
+                      point.foot.triangle < static_cast<std::int64_t>(triangle_count);
+           });
 }
 
 } // namespace crn

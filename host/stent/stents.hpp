@@ -10,6 +10,7 @@
 #include "host/stent/vessel_wall.hpp"
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace crn
@@ -27,6 +28,9 @@ struct StentHold {
 class Stents
 {
   public:
+    Stents() = default;
+    explicit Stents(std::vector<Stent> stents) : stents_(std::move(stents)) {}
+
     // If the previously added stent is still on its balloon, that stent leaves the patient together with the
     // balloon.
     void add(const StentDesign &design, double mount_arc_mm);

@@ -16,11 +16,7 @@ double reference_area_cm2(const CArm &carm, const XrayBeam &beam)
     return open * carm.field_m * carm.field_m * nearer * nearer * 1e4;
 }
 
-XrayMeter::XrayMeter(const XrayScene &scene, int threads)
-    : chain_(std::make_unique<XrayChain>(
-          scene.meshes().bodies, std::make_unique<RasterPaths>(scene.meshes().bodies, threads), threads))
-{
-}
+XrayMeter::XrayMeter(const XrayScene &scene, int threads) : scene_(scene), threads_(threads) {}
 XrayMeter::~XrayMeter() = default;
 
 XrayExposure XrayMeter::expose(const XraySettings &settings, std::span<const MovedBody> bodies,
@@ -28,6 +24,11 @@ XrayExposure XrayMeter::expose(const XraySettings &settings, std::span<const Mov
 {
     XraySettings held = held_settings(settings);
     held.size = chamber_pixels;
+    if (!chain_) {
+        const BodyMeshes &bodies_at_rest = scene_.meshes().bodies;
+        chain_ = std::make_unique<XrayChain>(
+            bodies_at_rest, std::make_unique<RasterPaths>(bodies_at_rest, threads_), threads_);
+    }
     XrayChain &chain = *chain_;
     const WireFrame nothing;
     XrayFrame frame{{}, nothing};
@@ -38,6 +39,12 @@ XrayExposure XrayMeter::expose(const XraySettings &settings, std::span<const Mov
     exposure.air_kerma_uGy = reference_kerma_uGy(chain.beam, choice.technique, held.carm.source_isocentre_m);
     exposure.kap_Gy_cm2 = exposure.air_kerma_uGy * 1e-6 * reference_area_cm2(held.carm, held.beam);
     return exposure;
+}
+
+void XrayMeter::archive(StateArchive &state)
+{
+    state.real(state_.water_cm, 0.0, 100.0);
+    state.real(state_.copper_mm, 0.0, 10.0);
 }
 
 } // namespace crn

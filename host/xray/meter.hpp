@@ -9,6 +9,7 @@
 //
 // See docs/xray.md.
 #pragma once
+#include "host/base/state_archive.hpp"
 #include "host/xray/xray.hpp"
 #include <memory>
 #include <span>
@@ -40,6 +41,7 @@ class XrayMeter
   public:
     static constexpr int chamber_pixels = 128; // along each edge
 
+    // `scene` must live longer than the meter.
     explicit XrayMeter(const XrayScene &scene, int threads = 1);
     ~XrayMeter();
     XrayMeter(const XrayMeter &) = delete;
@@ -50,8 +52,12 @@ class XrayMeter
     // the settings are ignored.
     XrayExposure expose(const XraySettings &settings, std::span<const MovedBody> bodies, MeterPace pace);
 
+    void archive(StateArchive &state); // the memory of the exposure control
+
   private:
-    std::unique_ptr<XrayChain> chain_;
+    const XrayScene &scene_;
+    int threads_;
+    std::unique_ptr<XrayChain> chain_; // made at the first pulse, because many sessions have none
     ExposureState state_;
 };
 

@@ -141,6 +141,11 @@ size_t crn_sim_read(crn_sim *sim, uint8_t *bytes, size_t capacity)
     return count;
 }
 
+bool crn_sim_share_scene(crn_sim *sim, const uint8_t *bytes, uint32_t byte_count, uint32_t crc32)
+{
+    return crn_app_scene_share(&sim->app, bytes, byte_count, crc32);
+}
+
 size_t crn_sim_snapshot_bytes(void)
 {
     return CRN_APP_SNAPSHOT_BYTES;

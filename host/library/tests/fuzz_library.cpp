@@ -1,8 +1,8 @@
 // This fuzz target calls the C library in random order with random arguments: valid, freed, foreign and null
-// handles, numbers of every size, structs of wrong sizes, and damaged snapshots. No call may crash, every
-// refusal must have a text, and a refused call must not change the state hash of its world. The sanitizers
-// watch the memory.
-#include "host/library/cournand.h"
+// handles, numbers of every size, structs of wrong sizes, and damaged snapshots, some of them with a right
+// check and some of worlds with a patient. No call may crash, every refusal must have a text, and a refused
+// call must not change the state hash of its world. The sanitizers watch the memory.
+#include "host/library/tests/seal.hpp"
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -232,7 +232,8 @@ void Caller::restore()
 {
     cournand_world *restored = world();
     std::size_t bytes = 0;
-    if (snapshot_.empty() && cournand_world_snapshot_bytes(restored, &bytes) == COURNAND_OK) {
+    const bool saves = snapshot_.empty() || in_.one() % 4 == 0; // sometimes another one
+    if (saves && cournand_world_snapshot_bytes(restored, &bytes) == COURNAND_OK) {
         std::vector<std::uint8_t> saved(in_.near<std::uint8_t>(0) == 0 ? bytes : in_.one());
         const cournand_status status = cournand_world_save(restored, saved.data(), saved.size());
         answer(saved.empty() && status == COURNAND_OK ? COURNAND_INTERNAL : status);
@@ -241,8 +242,9 @@ void Caller::restore()
     }
     std::vector<std::uint8_t> offered = snapshot_;
     for (std::uint8_t changes = in_.one() % 4; changes > 0 && !offered.empty(); changes--)
-        offered[in_.number<std::uint16_t>() % offered.size()] = in_.one();
+        offered[in_.number<std::uint32_t>() % offered.size()] = in_.one();
     if (in_.one() % 8 == 0) offered.resize(in_.number<std::uint16_t>());
+    if (in_.one() % 2 == 0) crn::tests::seal(offered);
     change(restored, [&] { return cournand_world_restore(restored, offered.data(), offered.size()); });
 }
 
@@ -304,7 +306,13 @@ void Caller::share()
     std::int32_t statuses[2];
     const std::uint32_t each = ticks();
     const std::size_t count = in_.one() % 3;
-    answer(cournand_pool_move(in_.one() ? pool_ : nullptr, worlds, count, actions, each, statuses));
+    cournand_pool *const by = in_.one() ? pool_ : nullptr;
+    if (in_.one() % 2 == 0) return answer(cournand_pool_move(by, worlds, count, actions, each, statuses));
+    const auto hashes = [](void *context, std::size_t i) {
+        std::uint64_t hash = 0;
+        cournand_world_hash(static_cast<cournand_world **>(context)[i], &hash);
+    };
+    answer(cournand_pool_step(by, worlds, count, actions, each, hashes, worlds, statuses));
 }
 
 void Caller::patient()

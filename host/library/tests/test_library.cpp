@@ -138,6 +138,33 @@ void worlds_have_the_same_bits_with_1_2_and_4_threads(void **)
     assert_true(hashes[0][0] != hashes[0][1]); // and the worlds differ
 }
 
+void a_step_calls_the_function_after_each_world_has_moved(void **)
+{
+    constexpr std::size_t count = 5;
+    cournand_pool *pool = nullptr;
+    done(cournand_pool_create(2, &pool));
+    struct Called {
+        cournand_world *worlds[count];
+        std::uint32_t ticks[count], calls[count];
+    } called{};
+    for (cournand_world *&one : called.worlds) one = world(free_space());
+    const float actions[count * COURNAND_ACTION_FLOATS] = {};
+    const auto note = [](void *context, std::size_t i) {
+        Called &to = *static_cast<Called *>(context);
+        to.ticks[i] = reading(to.worlds[i]).tick;
+        to.calls[i]++;
+    };
+    done(cournand_pool_step(pool, called.worlds, count, actions, 50, note, &called, nullptr));
+    for (std::size_t i = 0; i < count; i++) assert_true(called.ticks[i] == 50 && called.calls[i] == 1);
+    assert_int_equal(cournand_pool_step(pool, called.worlds, count, actions, 0, note, &called, nullptr),
+                     COURNAND_BAD_ARGUMENT);
+    assert_int_equal(cournand_pool_step(pool, called.worlds, count, actions, 1, nullptr, nullptr, nullptr),
+                     COURNAND_BAD_ARGUMENT);
+    assert_true(called.calls[0] == 1 && reading(called.worlds[0]).tick == 50);
+    for (cournand_world *one : called.worlds) done(cournand_world_free(one));
+    done(cournand_pool_free(pool));
+}
+
 void a_restored_world_continues_bit_for_bit(void **)
 {
     cournand_world *first = world(aorta()), *other = world(aorta());
@@ -193,6 +220,39 @@ void a_snapshot_in_memory_is_that_of_the_wire(void **)
     link.step(inputs, false);
     other.step(inputs, false);
     assert_true(link.read_hash64().hash == other.read_hash64().hash);
+}
+
+// A device that shares the scene's bytes must do what a device does that has received them, and must refuse
+// damaged bytes.
+void a_shared_scene_is_that_of_an_upload(void **)
+{
+    const crn::SceneFile scene = crn::read_scene(aorta_path());
+    const std::vector<crn::Instrument> tools = {crn::read_instrument(instruments + "j_wire.toml")};
+    const crn::LineNumbers line = {1};
+    const crn_wire_entry entry = crn::entry_of(scene, 1, {});
+    const crn_wire_rig rig = crn::host_rig();
+    crn::SimTransport sharing(0), sent;
+    crn::Link link(sharing), other(sent);
+    assert_false(sharing.share_scene(scene.bytes, scene.crc32)); // before HELLO
+    std::vector<std::uint64_t> hashes;
+    for (crn::Link *one : {&link, &other}) {
+        one->hello();
+        if (one == &link) {
+            std::vector<std::uint8_t> damaged = scene.bytes;
+            damaged[damaged.size() / 2] ^= 1;
+            assert_false(sharing.share_scene(damaged, scene.crc32));
+            assert_int_equal(link.read_set_up().scene_bytes, 0);
+            assert_true(sharing.share_scene(scene.bytes, scene.crc32));
+        }
+        crn::set_up_session(*one, {scene, tools, line, entry, rig});
+        std::vector<crn_wire_tick_input> inputs(60);
+        for (std::size_t i = 0; i < inputs.size(); i++)
+            inputs[i] = {1, {{static_cast<std::int32_t>(40 * i), 100}}, 0, 0, 0, {}};
+        one->step(inputs, false);
+        hashes.push_back(one->read_hash64().hash);
+    }
+    assert_false(sharing.share_scene(scene.bytes, scene.crc32)); // during a session
+    assert_true(hashes[0] == hashes[1]);
 }
 
 // This test restores one snapshot many times, as a search program does for every branch of its search. The
@@ -408,8 +468,10 @@ int main()
         cmocka_unit_test(a_recording_of_run_replays_in_a_world),
         cmocka_unit_test(one_call_gives_the_same_bits_as_many),
         cmocka_unit_test(worlds_have_the_same_bits_with_1_2_and_4_threads),
+        cmocka_unit_test(a_step_calls_the_function_after_each_world_has_moved),
         cmocka_unit_test(a_restored_world_continues_bit_for_bit),
         cmocka_unit_test(a_snapshot_in_memory_is_that_of_the_wire),
+        cmocka_unit_test(a_shared_scene_is_that_of_an_upload),
         cmocka_unit_test(a_snapshot_gives_the_same_world_however_often_it_is_restored),
         cmocka_unit_test(a_pose_is_a_view_in_metres_and_in_exact_numbers),
         cmocka_unit_test(hands_move_the_stated_way),

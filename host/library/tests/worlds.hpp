@@ -4,6 +4,7 @@
 #include "host/base/tests/folder.hpp"
 #include "host/cases/unpack.hpp"
 #include "host/library/cournand.h"
+#include "host/library/tests/seal.hpp"
 #include <cstdint>
 #include <stdexcept>
 #include <string>

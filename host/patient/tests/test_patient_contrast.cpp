@@ -366,6 +366,40 @@ void a_lesion_that_gives_way_widens_cells_and_columns(void **)
     assert_true(often.vessels().branches[0].radii_m[19] == 0.002);
 }
 
+// At 1500 ms the lesion gives way and the cells widen; the other object has its lesion half open before.
+void a_saved_lesion_continues_bit_for_bit(void **)
+{
+    const LesionOpening opening(narrowed_aorta(), {&stations_of_aorta, 1});
+    PatientContrast first(narrowed_aorta(), wire_and_catheter, nullptr, opening), other(first), fresh(first);
+    const auto run = [](PatientContrast &contrast, std::uint32_t from, std::uint32_t to) {
+        for (std::uint32_t tick = from; tick < to;) {
+            tick = std::min(to, contrast.next_tick());
+            contrast.advance(giving_way_at(tick));
+        }
+    };
+    for (PatientContrast *contrast : {&first, &other}) {
+        contrast->advance(giving_way_at(0));
+        contrast->command(1, {RoomAction::inject, {60000, 20000, 0}});
+    }
+    run(other, 0, 2600);
+    run(first, 0, 1507);
+    std::vector<std::uint8_t> bytes;
+    StateArchive saved = StateArchive::saving(bytes);
+    first.archive(saved, 1507, wire_and_catheter, {});
+    const std::vector<SweptCurve> curves = first.curves();
+    run(first, 1507, 2300);
+    for (PatientContrast *contrast : {&other, &fresh}) {
+        StateArchive restored = StateArchive::restoring(bytes);
+        contrast->archive(restored, 1507, wire_and_catheter, {});
+        assert_true(!restored.is_refused() && restored.is_at_end());
+        assert_true(contrast->curves().size() == curves.size() && curves.size() > 1);
+        for (std::size_t i = 0; i < curves.size(); ++i)
+            assert_true(contrast->curves()[i].points.back().at_m == curves[i].points.back().at_m);
+        run(*contrast, 1507, 2300);
+        assert_true(contrast->flow().snapshot() == first.flow().snapshot());
+    }
+}
+
 // The lesion in the sample's moving scene is fully open, so its cells must be where the heart moves the
 // healthy vessel.
 void an_open_lesion_moves_with_the_heart(void **)
@@ -468,6 +502,7 @@ int main()
         cmocka_unit_test(blood_flows_with_the_cores_heart),
         cmocka_unit_test(medium_moves_with_the_vessels),
         cmocka_unit_test(a_lesion_that_gives_way_widens_cells_and_columns),
+        cmocka_unit_test(a_saved_lesion_continues_bit_for_bit),
         cmocka_unit_test(an_open_lesion_moves_with_the_heart),
         cmocka_unit_test(scripts_ask_for_it_in_millilitres),
         cmocka_unit_test(a_rigs_syringe_injects_what_its_plunger_gives),

@@ -131,6 +131,72 @@ void other_pictures_do_not_change_it(void **)
     assert_true(often.stents().snapshot() == seen.stents().snapshot());
 }
 
+// A stent is saved while its balloon opens it in an artery with a lesion, and again after it was deployed.
+void a_saved_stent_continues_bit_for_bit(void **)
+{
+    const auto run = [](PatientStents &stents, std::uint32_t from, std::uint32_t to) {
+        for (std::uint32_t tick = from; tick < to; tick += 40) {
+            const bool is_up = tick > 200 && tick <= 500;
+            stents.advance(line_at(tick, is_up ? 1.55 : 0.45, tick > 200 ? 1.0 : 0.0));
+        }
+    };
+    const auto bytes_of = [](PatientStents &stents) {
+        std::vector<std::uint8_t> bytes;
+        StateArchive saved = StateArchive::saving(bytes);
+        stents.archive(saved, wire_and_balloon());
+        return bytes;
+    };
+    for (const std::uint32_t moment : {320u, 720u}) {
+        PatientStents first = session_stents(2), fresh = session_stents(2), later = session_stents(2);
+        first.command(0, load);
+        run(first, 0, moment);
+        carry_out(later, 40);
+        later.command(801, load);
+        const std::vector<std::uint8_t> bytes = bytes_of(first);
+        run(first, moment, 900);
+        for (PatientStents *stents : {&fresh, &later}) {
+            StateArchive restored = StateArchive::restoring(bytes);
+            stents->archive(restored, wire_and_balloon());
+            assert_true(!restored.is_refused() && restored.is_at_end());
+            assert_true(bytes_of(*stents) == bytes);
+            run(*stents, moment, 900);
+            assert_true(bytes_of(*stents) == bytes_of(first));
+            assert_true(stents->results()[0].branch == first.results()[0].branch);
+        }
+        assert_true(first.stents()[0].stage() == StentStage::deployed);
+    }
+}
+
+// A triangle, a vessel or a design that does not exist must be refused.
+void damaged_stents_are_refused_or_can_continue(void **)
+{
+    PatientStents healthy = session_stents();
+    carry_out(healthy, 40);
+    std::vector<std::uint8_t> bytes;
+    StateArchive saved = StateArchive::saving(bytes);
+    healthy.archive(saved, wire_and_balloon());
+    std::size_t refused = 0, accepted = 0;
+    std::uint64_t random = 5;
+    for (std::size_t round = 0; round < 200; round++) {
+        random = random * 6364136223846793005ull + 1442695040888963407ull;
+        std::vector<std::uint8_t> bad = bytes;
+        bad[(random >> 20) % bad.size()] = static_cast<std::uint8_t>(random >> 56);
+        if (round % 8 == 0) bad.resize((random >> 20) % bad.size());
+        PatientStents tried = session_stents();
+        StateArchive restored = StateArchive::restoring(bad);
+        tried.archive(restored, wire_and_balloon());
+        if (restored.is_refused()) {
+            refused++;
+            continue;
+        }
+        accepted++;
+        tried.advance(line_at(840, 0.45, 1.0));
+        assert_false(tried.curves_at(line_at(850, 0.5, 0.3)).empty());
+    }
+    print_message("%zu refused, %zu accepted\n", refused, accepted);
+    assert_true(refused > 20 && accepted > 20);
+}
+
 crn_wire_order_list next_orders(PatientStents &stents)
 {
     crn_wire_order_list orders{};
@@ -465,6 +531,8 @@ int main()
         cmocka_unit_test(a_stent_is_refused_on_what_cannot_carry_it),
         cmocka_unit_test(nothing_is_looked_at_before_a_stent_is_loaded),
         cmocka_unit_test(other_pictures_do_not_change_it),
+        cmocka_unit_test(a_saved_stent_continues_bit_for_bit),
+        cmocka_unit_test(damaged_stents_are_refused_or_can_continue),
         cmocka_unit_test(the_core_is_asked_once_for_what_it_does_not_know),
         cmocka_unit_test(struts_are_told_once_the_stent_is_deployed),
         cmocka_unit_test(struts_that_are_widened_are_told_again),

@@ -91,8 +91,8 @@ class Batch:
         self._core.observe(self._which(which))
 
     def restore(self, snapshots: Sequence[bytes], which: Sequence[int] | None = None) -> None:
-        """Restores one snapshot per world, and reads the worlds. The exception is that of the first world that refuses
-        its snapshot; the others are restored."""
+        """Restores one snapshot per world, and reads the worlds. If a world refuses its snapshot, no world changes, and
+        the exception is that of the first such world. A world with an order that waits for its next tick is refused."""
         self._core.restore(list(snapshots), self._which(which))
 
     def render(

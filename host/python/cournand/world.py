@@ -276,7 +276,8 @@ class World:
     # --- snapshots ---
 
     def snapshot(self) -> bytes:
-        """Returns the state as bytes with a version and a check, about 37 kB. Worlds with a patient have none."""
+        """Returns the state as bytes with a version and a check: 37 kB, and about 30 kB more with a
+        patient."""
         return bytes(self._core.save())
 
     def restore(self, snapshot: bytes) -> None:

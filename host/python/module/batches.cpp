@@ -35,6 +35,35 @@ Pool *create_pool(std::uint32_t threads)
     return new Pool(pool);
 }
 
+// Keeps the status of each call in a pool, with its text, which the library keeps for each thread.
+class Outcomes
+{
+  public:
+    explicit Outcomes(std::size_t count) : statuses_(count), texts_(count) {}
+    void take(std::size_t index, cournand_status status)
+    {
+        statuses_[index] = status;
+        if (status != COURNAND_OK) texts_[index] = cournand_error_text();
+    }
+    void throw_first() const
+    {
+        for (std::size_t i = 0; i < statuses_.size(); i++)
+            if (statuses_[i] != COURNAND_OK) throw StatusError(statuses_[i], texts_[i]);
+    }
+
+  private:
+    std::vector<cournand_status> statuses_;
+    std::vector<std::string> texts_;
+};
+
+cournand_status save_of(cournand_world *world, std::vector<std::uint8_t> &bytes)
+{
+    std::size_t count = 0;
+    if (const auto status = cournand_world_snapshot_bytes(world, &count)) return status;
+    bytes.resize(count);
+    return cournand_world_save(world, bytes.data(), bytes.size());
+}
+
 class Batch
 {
   public:
@@ -128,18 +157,15 @@ template <class Work> void Batch::run(std::size_t count, const Work &work)
 {
     struct Task {
         const Work *work;
-        std::vector<cournand_status> statuses;
-        std::vector<std::string> texts; // of refusals
-    } task{&work, std::vector<cournand_status>(count), std::vector<std::string>(count)};
+        Outcomes outcomes;
+    } task{&work, Outcomes(count)};
     const nb::gil_scoped_release release;
     const auto one = [](void *context, std::size_t i) {
         Task &todo = *static_cast<Task *>(context);
-        todo.statuses[i] = (*todo.work)(i);
-        if (todo.statuses[i] != COURNAND_OK) todo.texts[i] = cournand_error_text();
+        todo.outcomes.take(i, (*todo.work)(i));
     };
     check(cournand_pool_run(threads_, count, one, &task));
-    for (std::size_t i = 0; i < count; i++)
-        if (task.statuses[i] != COURNAND_OK) throw StatusError(task.statuses[i], task.texts[i]);
+    task.outcomes.throw_first();
 }
 
 void Batch::read_all(const std::vector<std::size_t> &which, const std::vector<cournand_world *> &worlds)
@@ -197,16 +223,15 @@ void Batch::step(const Given<float> &actions, std::uint32_t ticks, const std::ve
     const auto worlds = handles(which);
     // The caller may write to its array meanwhile, so what is checked would not be what is used.
     const std::vector<float> rows(actions.data(), actions.data() + actions.size());
+    Outcomes outcomes(which.size());
+    auto reads = [&](std::size_t i) { outcomes.take(i, read(which[i], worlds[i])); };
+    using Reads = decltype(reads);
+    const auto one = [](void *context, std::size_t i) { (*static_cast<Reads *>(context))(i); };
     unlocked([&] {
-        return cournand_pool_move(threads_, worlds.data(), worlds.size(), rows.data(), ticks, nullptr);
+        return cournand_pool_step(threads_, worlds.data(), worlds.size(), rows.data(), ticks, one, &reads,
+                                  nullptr);
     });
-    try {
-        read_all(which, worlds);
-    } catch (const StatusError &error) {
-        if (error.status != COURNAND_BUSY) throw;
-        // Another batch uses the pool now, and these worlds have moved: this thread reads them.
-        for (std::size_t i = 0; i < which.size(); i++) check(read(which[i], worlds[i]));
-    }
+    outcomes.throw_first();
 }
 
 void Batch::observe(const std::vector<std::size_t> &which)
@@ -226,10 +251,22 @@ void Batch::restore(const std::vector<nb::bytes> &snapshots, const std::vector<s
     };
     std::vector<Bytes> bytes;
     for (const nb::bytes &one : snapshots) bytes.push_back({one.data(), one.size()});
-    run(which.size(), [&](std::size_t i) {
-        const auto status = cournand_world_restore(worlds[i], bytes[i].data, bytes[i].size);
+    std::vector<std::vector<std::uint8_t>> before(which.size());
+    run(which.size(), [&](std::size_t i) { return save_of(worlds[i], before[i]); });
+    const auto take = [&](std::size_t i, const void *data, std::size_t size) {
+        const auto status = cournand_world_restore(worlds[i], data, size);
         return status ? status : read(which[i], worlds[i]);
-    });
+    };
+    try {
+        run(which.size(), [&](std::size_t i) { return take(i, bytes[i].data, bytes[i].size); });
+    } catch (const StatusError &) {
+        // What refuses its own state (a world that is recorded) has refused the snapshot, too.
+        run(which.size(), [&](std::size_t i) {
+            take(i, before[i].data(), before[i].size());
+            return COURNAND_OK;
+        });
+        throw;
+    }
 }
 
 // A batch with one renderer per world keeps the views of all worlds, which makes pictures of unchanged views

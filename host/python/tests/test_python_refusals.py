@@ -59,6 +59,21 @@ def a_refused_row_moves_no_world():
     return good and [one.tick for one in worlds] == [133, 133, 133]
 
 
+def a_refused_snapshot_restores_no_world():
+    worlds = [world() for _ in range(3)]
+    batch, states = cournand.Batch(cournand.Pool(2), worlds), []
+    for push in (0.01, 0.02):
+        batch.move(np.full((3, 8), [push] + [0.0] * 7, dtype=np.float32), 133)
+        states.append((batch.states.copy(), [one.snapshot() for one in worlds]))
+    damaged = bytearray(states[0][1][1])
+    damaged[5000] ^= 1
+    mixed = [states[0][1][0], bytes(damaged), states[0][1][2]]
+    good = raises(cournand.BadSnapshotError, lambda: batch.restore(mixed))
+    good = good and [one.snapshot() for one in worlds] == states[1][1] and np.array_equal(batch.states, states[1][0])
+    batch.restore(states[0][1])
+    return good and [one.snapshot() for one in worlds] == states[0][1] and np.array_equal(batch.states, states[0][0])
+
+
 def the_text_of_a_refusal_survives_any_letters():
     names = ["/" + "x" * extra + letters for letters in ("ö" * 2000, "医" * 900) for extra in range(3)]
     return all(raises(cournand.BadFileError, lambda path=name: cournand.Tool(path)) for name in names)
@@ -176,6 +191,7 @@ def the_tests_build_the_package_again_when_a_source_changes():
 tap.run(
     [
         a_refused_row_moves_no_world,
+        a_refused_snapshot_restores_no_world,
         the_text_of_a_refusal_survives_any_letters,
         only_inputs_are_taken_for_inputs,
         a_renderer_needs_a_size,

@@ -106,7 +106,7 @@ ALLOWED = {
     "host/xray/gl": ["host/xray", "host/model", "host/base"],
     "host/dicom": ["host/xray", "host/model", "host/base"],  # the only folder that uses DCMTK
     "host/effects": ["host/model", "host/base", "shared"],
-    "host/room": ["host/xray"],
+    "host/room": ["host/xray", "host/base"],
     "host/stent": ["host/model", "host/base"],  # and libccd
     "host/patient": ["host/room", "host/xray", "host/stent", "host/effects", "host/model", "host/base", "shared"],
     "host/rig": ["host/link", "host/room/command.hpp", "host/base", "shared"],
@@ -176,6 +176,7 @@ ALLOWED = {
         "host/session",
         "host/script",
         "host/patient",
+        "host/stent",
         "host/link",
         "host/xray",
         "host/model",

@@ -6,8 +6,9 @@ on neither other environments, nor earlier episodes, nor the number of threads.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,17 +16,20 @@ import numpy.typing as npt
 
 from ..batch import FIGURES, Batch, Pool
 from ..scene import Scene, Tool
-from ..world import TICKS_PER_S, World
+from ..world import TICKS_PER_S, Order, World
 from ..xray import View, XRay
+from .actions import Actions
 from .task import TOOL_FACTORS, Randomise, Task, VesselPaths
 
 POINTS, SPACING_M = 3, 0.002
 KINDS = ("state", "fluoroscopy", "labels")
 STATE_LIMIT = 10.0
-# Push and turn of the actions of a discrete set, in parts of the largest speeds.
-DISCRETE = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1)], dtype=np.float32)
 APPROACH_M_PER_S = 0.06
 OWN_RENDERERS = 16
+STARTS_MAX = 64
+HEART_RATE = 1  # the action of an order for the rhythm
+ANGLES_MAX_DEG = np.array([120.0, 50.0])
+LEAST_ML, LEAST_ML_PER_S = 0.001, 0.001
 
 
 @dataclass
@@ -44,13 +48,37 @@ class Episode:
     view: View = View()
     drawn: dict[str, float] = None  # type: ignore[assignment]
     is_done: bool = False
+    ordered_ml: float = 0.0
+    """Of the syringe; the injected volume follows within 40 ticks."""
+    injected_ml: float = 0.0
+    flow_ml_per_s: float = 0.0
+    pictures: int = 1
+    """Made under the pedal, with the one at the beginning."""
+    wants_picture: bool = True
+    held: dict[str, npt.NDArray[np.uint8]] = field(default_factory=dict)
+    """The last picture of each kind; its arrays never change."""
 
     def following(self) -> tuple[int, int]:
         """Returns the seed and the number of the next episode."""
         return self.seed, self.number + 1
 
+    @property
+    def stage(self) -> int:
+        """The number of its scene among those of the fleet."""
+        return int(self.drawn["scene"])
+
     def copy(self) -> Episode:
-        return replace(self, action=self.action.copy())
+        return replace(self, action=self.action.copy(), held=dict(self.held))
+
+
+class Stage:
+    """A scene with the targets of a task."""
+
+    def __init__(self, name: str, task: Task) -> None:
+        self.scene = Scene(name)
+        self.paths = VesselPaths(self.scene)
+        self.targets = [self.scene.find_vessel(target) for target in task.targets]
+        self.renderers: list[XRay] = []
 
 
 class Fleet:
@@ -63,10 +91,13 @@ class Fleet:
         *,
         threads: int = 1,
         observation: str | Sequence[str] = "state",
+        action: str = "continuous",
+        contrast: bool = False,
+        c_arm: bool = False,
         size: int = 128,
         randomise: Randomise | None = None,
     ) -> None:
-        self.task, self.count, self.size = task, count, size
+        self.task, self.count, self.size, self.threads = task, count, size, threads
         self.kinds = (observation,) if isinstance(observation, str) else tuple(observation)
         if not self.kinds or any(kind not in KINDS for kind in self.kinds):
             raise ValueError("observation: %r is not one of %s, nor several of them" % (observation, ", ".join(KINDS)))
@@ -74,80 +105,138 @@ class Fleet:
         if not 64 <= size <= 512 or size % 16:
             raise ValueError("size: %r is not a multiple of 16 within 64 and 512" % (size,))
         self.randomise = randomise or Randomise()
-        self.scene = Scene(task.scene)
-        self.paths = VesselPaths(self.scene)
-        self.targets = [self.scene.find_vessel(name) for name in task.targets]
+        self.stages = [Stage(name, task) for name in self.randomise.scenes or (task.scene,)]
         self.tools = [Tool(name) for name in task.tools]
         self.positions = len(self.tools)
+        self.actions = Actions(self.positions, action, contrast=contrast, c_arm=c_arm)
+        if contrast and not any(tool.is_catheter for tool in self.tools):
+            raise ValueError("contrast: no tool of the task has a lumen: name a catheter in Task.tools")
         self.pool = Pool(threads)
-        self.start = self._approached([self.tools])[0].snapshot()
-        worlds = [self._world(self.tools) for _ in range(count)]
+        self._starts: OrderedDict[tuple[Any, ...], bytes] = OrderedDict()
+        self._ready: list[dict[int, World]] = [{} for _ in range(count)]  # by scene; unchanged tools alone
+        worlds = [self._ready_world(number, 0) for number in range(count)]
         self.batch = Batch(self.pool, worlds, points=POINTS, spacing_m=SPACING_M)
         self.worlds = worlds
-        self.episodes = [Episode() for _ in range(count)]
-        self.renderers = self._renderers(threads) if self.has_pictures else []
-        self._grey: npt.NDArray[np.uint8] | None = None
-        self._labels: npt.NDArray[np.uint8] | None = None
+        if contrast:
+            self._check_flow()
+        self.episodes = [Episode(drawn={"scene": 0.0}) for _ in range(count)]
 
     @property
     def has_pictures(self) -> bool:
         return "fluoroscopy" in self.kinds or "labels" in self.kinds
 
     @property
-    def state_width(self) -> int:
-        return 3 * POINTS + 3 + 3 * self.positions + 3 + 2 * self.positions
+    def has_contrast(self) -> bool:
+        return self.actions.contrast is not None
 
-    def _renderers(self, threads: int) -> list[XRay]:
-        """Makes one renderer per environment, which keeps its view; many environments share one per thread."""
-        return [XRay(self.scene, self.size) for _ in range(self.count if self.count <= OWN_RENDERERS else threads)]
+    @property
+    def has_c_arm(self) -> bool:
+        return self.actions.c_arm is not None
+
+    @property
+    def state_width(self) -> int:
+        return 3 * POINTS + 3 + 3 * self.positions + 3 + 2 * self.has_contrast + 2 * self.has_c_arm + self.actions.width
+
+    def _check_flow(self) -> None:
+        """Refuses a flow that the lumen of the task's tool never lets through."""
+        tried = self._world(self.tools, 0)
+        assert tried.patient is not None
+        tried.patient.inject(1.0, ml_per_s=self.task.contrast_max_ml_per_s)
+
+    # --- worlds ---
+
+    def _world(self, tools: Sequence[Tool], stage: int) -> World:
+        return World(self.stages[stage].scene, tools, contact_ticks=self.task.contact_ticks, patient=self.has_contrast)
+
+    def _ready_world(self, number: int, stage: int) -> World:
+        """Returns the world of an environment with unchanged tools in a scene, which is made once."""
+        ready = self._ready[number]
+        if stage not in ready:
+            ready[stage] = self._world(self.tools, stage)
+        return ready[stage]
+
+    def _world_of(self, number: int, episode: Episode) -> World:
+        """Returns a world with the tools and the scene of an episode, in whatever state."""
+        if not self.randomise.changes_tools:
+            return self._ready_world(number, episode.stage)
+        return self._world(self._drawn_tools(episode.drawn), episode.stage)
+
+    def _start_key(self, episode: Episode) -> tuple[Any, ...]:
+        factors = tuple(episode.drawn.get(name, 1.0) for name in TOOL_FACTORS) if self.randomise.changes_tools else ()
+        return (episode.stage, *factors)
+
+    def _approach(self, worlds: Sequence[World], episodes: Sequence[Episode]) -> None:
+        """Brings worlds to where the task begins: from a snapshot, or by pushing all others in together. The snapshots
+        of the last approaches are kept, so that episodes with fixed seeds are only pushed in once."""
+        keys = [self._start_key(episode) for episode in episodes]
+        new = list({key: number for number, key in enumerate(keys) if key not in self._starts}.values())
+        ticks = round(self.task.approach_m / APPROACH_M_PER_S * TICKS_PER_S)
+        starts = {key: self._starts[key] for key in keys if key in self._starts}
+        if new:
+            pushed = [self._world_at_start(worlds[number], episodes[number]) for number in new]
+            if ticks > 0:
+                actions = np.zeros((len(new), 8), dtype=np.float32)
+                actions[:, : self.positions] = APPROACH_M_PER_S
+                Batch(self.pool, pushed, points=0).move(actions, ticks)
+            starts.update({keys[number]: world.snapshot() for number, world in zip(new, pushed)})
+        for key in keys:
+            self._starts[key] = starts[key]
+            self._starts.move_to_end(key)
+        while len(self._starts) > STARTS_MAX:
+            self._starts.popitem(last=False)
+        Batch(self.pool, worlds, points=0).restore([starts[key] for key in keys])
+
+    def _world_at_start(self, world: World, episode: Episode) -> World:
+        """Returns a world at tick 0 like `world`, which may be used by an episode now."""
+        if world.tick == 0:
+            return world
+        tools = self._drawn_tools(episode.drawn) if self.randomise.changes_tools else self.tools
+        return self._world(tools, episode.stage)
+
+    def _put(self, number: int, world: World) -> None:
+        if self.worlds[number] is not world:
+            self.worlds[number] = world
+            self.batch.put(number, world)
 
     # --- episodes ---
-
-    def _world(self, tools: Sequence[Tool]) -> World:
-        return World(self.scene, tools, contact_ticks=self.task.contact_ticks)
-
-    def _approached(self, tools: Sequence[Sequence[Tool]]) -> list[World]:
-        """Makes a world for each of these sets of tools, and pushes all in to where the task begins."""
-        worlds = [self._world(one) for one in tools]
-        ticks = round(self.task.approach_m / APPROACH_M_PER_S * TICKS_PER_S)
-        if ticks > 0:
-            actions = np.zeros((len(worlds), 8), dtype=np.float32)
-            actions[:, : self.positions] = APPROACH_M_PER_S
-            Batch(self.pool, worlds, points=0).move(actions, ticks)
-        return worlds
 
     def begin(self, which: Sequence[int], seeds: Sequence[tuple[int, int]]) -> None:
         """Begins an episode in each of some environments, from its seed and its number. What can be refused comes
         first, so that a refusal leaves all episodes as they are."""
         begun = [self._drawn_episode(seed, number) for seed, number in seeds]
-        if self.randomise.changes_tools:
-            worlds = self._approached([self._drawn_tools(episode.drawn) for episode in begun])
-            for number, world in zip(which, worlds):
-                self._replace(number, world)
-            self.batch.read(which)
-        else:
-            self.batch.restore([self.start] * len(begun), which)
+        worlds = [self._world_of(number, episode) for number, episode in zip(which, begun)]
+        self._approach(worlds, begun)
+        for number, world in zip(which, worlds):
+            self._put(number, world)
+        self._set_heart_rates(which, begun)
+        self.batch.read(which)
         for number, episode in zip(which, begun):
             self.episodes[number] = episode
             episode.path_m = self._path(number)
 
+    def _set_heart_rates(self, which: Sequence[int], begun: Sequence[Episode]) -> None:
+        """Gives each heart its rate. The order takes a tick, in which the tools rest."""
+        rates = [round(episode.drawn["heart_rate_per_min"]) for episode in begun]
+        if not any(rates):
+            return
+        for number, rate in zip(which, rates):
+            self.worlds[number].order(Order.RHYTHM, HEART_RATE, rate)
+        self.batch.move(np.zeros((len(which), 8), dtype=np.float32), 1, which)
+
     def _drawn_episode(self, seed: int, number: int) -> Episode:
         random = np.random.default_rng([seed, number])
-        vessel = self.targets[int(random.integers(len(self.targets)))]
-        target, along = self.paths.point(vessel, float(random.uniform(*self.task.target_part)))
-        exits, beyond = self.paths.towards(vessel, along)
+        index, part = int(random.integers(len(self.task.targets))), float(random.uniform(*self.task.target_part))
         drawn = self.randomise.draw(random)
-        no_action = np.zeros(2 * self.positions, dtype=np.float32)
+        stage = self.stages[int(drawn["scene"])]
+        target, along = stage.paths.point(stage.targets[index], part)
+        exits, beyond = stage.paths.towards(stage.targets[index], along)
+        no_action = np.zeros(self.actions.width, dtype=np.float32)
         view = self._view(target, drawn)
         return Episode(seed, number, 0, target, exits, beyond, np.inf, 0.0, no_action, view, drawn)
 
     def _drawn_tools(self, drawn: dict[str, float]) -> list[Tool]:
         factors = {name: drawn[name] for name in TOOL_FACTORS}
         return [tool.scaled(**factors) for tool in self.tools]
-
-    def _replace(self, number: int, world: World) -> None:
-        self.worlds[number] = world
-        self.batch.put(number, world)
 
     def _view(self, target: npt.NDArray[np.float64], drawn: dict[str, float]) -> View:
         base = self.task.view
@@ -161,12 +250,15 @@ class Fleet:
 
     # --- steps ---
 
-    def step(self, actions: npt.NDArray[Any], which: Sequence[int]) -> tuple[npt.NDArray[Any], ...]:
-        """Moves some environments, and returns rewards, terminated and truncated of all."""
+    def step(self, parts: npt.NDArray[np.float32], which: Sequence[int]) -> tuple[npt.NDArray[Any], ...]:
+        """Moves some environments by the parts of their actions (Actions.parts()), and returns rewards, terminated and
+        truncated of all."""
         task, rows = self.task, np.zeros((len(which), 8), dtype=np.float32)
-        parts = np.clip(np.asarray(actions, dtype=np.float32), -1.0, 1.0)
-        rows[:, : self.positions] = parts[:, : self.positions] * task.push_max_m_per_s
-        rows[:, 3 : 3 + self.positions] = parts[:, self.positions :] * task.turn_max_rad_per_s
+        rows[:, : self.positions] = parts[:, self.actions.push] * task.push_max_m_per_s
+        rows[:, 3 : 3 + self.positions] = parts[:, self.actions.turn] * task.turn_max_rad_per_s
+        if self.has_contrast:
+            for row, number in enumerate(which):
+                self._inject(number, float(parts[row, self.actions.contrast]))
         self.batch.move(rows, task.ticks, which)
         rewards = np.zeros(self.count)
         terminated, truncated = np.zeros(self.count, dtype=bool), np.zeros(self.count, dtype=bool)
@@ -182,10 +274,45 @@ class Fleet:
             rewards[number] = task.reward_per_step + task.reward_per_m * gained
             if is_reached and self.is_safe(number):
                 rewards[number] += task.reward_reached
+            if self.has_contrast:
+                self._read_syringe(number)
+            episode.wants_picture = True
+            if self.has_c_arm:
+                rewards[number] += self._move_c_arm(episode) * task.reward_per_picture
             terminated[number] = is_reached or is_out
             truncated[number] = episode.step >= task.steps and not terminated[number]
             episode.is_done = bool(terminated[number] or truncated[number])
         return rewards, terminated, truncated
+
+    def _inject(self, number: int, part: float) -> None:
+        """Injects medium during the next step, as long as the syringe has some."""
+        flow = part * self.task.contrast_max_ml_per_s
+        episode = self.episodes[number]
+        left_ml = self.task.contrast_limit_ml - episode.ordered_ml
+        ml = min(flow * self.task.ticks / TICKS_PER_S, left_ml)
+        if flow >= LEAST_ML_PER_S and ml >= LEAST_ML:
+            patient = self.worlds[number].patient
+            assert patient is not None
+            patient.inject(ml, ml_per_s=flow)
+            episode.ordered_ml += ml
+
+    def _read_syringe(self, number: int) -> None:
+        patient, episode = self.worlds[number].patient, self.episodes[number]
+        assert patient is not None
+        reading = patient.read()
+        episode.injected_ml, episode.flow_ml_per_s = reading.injected_ml, reading.injection_flow_ml_per_s
+
+    def _move_c_arm(self, episode: Episode) -> bool:
+        """Turns the C-arm as in this step's action, and returns whether the pedal is down."""
+        first = self.actions.c_arm
+        assert first is not None
+        most_deg = self.task.c_arm_max_deg_per_s * self.task.ticks / TICKS_PER_S
+        angles = np.array([episode.view.primary_deg, episode.view.secondary_deg])
+        angles = np.clip(angles + most_deg * episode.action[first : first + 2], -ANGLES_MAX_DEG, ANGLES_MAX_DEG)
+        episode.view = replace(episode.view, primary_deg=float(angles[0]), secondary_deg=float(angles[1]))
+        episode.wants_picture = bool(episode.action[first + 2] > 0.5)
+        episode.pictures += episode.wants_picture
+        return episode.wants_picture
 
     def figure(self, number: int, name: str) -> float:
         return float(self.batch.states[number, self.batch.columns.figures][FIGURES.index(name)])
@@ -207,6 +334,11 @@ class Fleet:
         episode = self.episodes[number]
         is_out = bool(self.figure(number, "is_out_of_range"))
         is_reached = self.tip_distance(number) <= self.task.reach_m and not is_out
+        more: dict[str, Any] = {"injected_ml": episode.injected_ml} if self.has_contrast else {}
+        if self.has_c_arm:
+            more["pictures"] = episode.pictures
+        if len(self.stages) > 1:
+            more["scene"] = episode.stage
         return {
             "is_success": is_reached and self.is_safe(number),
             "is_reached": is_reached,
@@ -216,22 +348,39 @@ class Fleet:
             "target_m": episode.target_m.copy(),
             "seed": episode.seed,
             "episode": episode.number,
+            **more,
         }
 
     # --- observations ---
 
     def observe(self, which: Sequence[int]) -> None:
-        """Renders the pictures of some environments. States need no work."""
-        if not self.has_pictures or not which:
+        """Renders the pictures that some environments want. States need no work."""
+        wanted = [number for number in which if self.episodes[number].wants_picture]
+        if not self.has_pictures:
             return
-        self._grey, self._labels = self.batch.render(
-            self.renderers,
+        for index, stage in enumerate(self.stages):
+            self._render(stage, [number for number in wanted if self.episodes[number].stage == index])
+
+    def _render(self, stage: Stage, which: Sequence[int]) -> None:
+        if not which:
+            return
+        if not stage.renderers:  # one per environment, which keeps its view; many environments share one per thread
+            count = self.count if self.count <= OWN_RENDERERS and len(self.stages) == 1 else self.threads
+            stage.renderers = [XRay(stage.scene, self.size) for _ in range(count)]
+        grey, labels = self.batch.render(
+            stage.renderers,
             [self.episodes[number].view for number in which],
             [self._noise_seed(number) for number in which],
             labels="labels" in self.kinds,
             picture="fluoroscopy" in self.kinds,
             which=which,
         )
+        for number in which:
+            episode = self.episodes[number]
+            for kind, pixels in (("fluoroscopy", grey), ("labels", labels)):
+                if kind in self.kinds:
+                    assert pixels is not None
+                    episode.held[kind] = pixels[number].copy()
 
     def _noise_seed(self, number: int) -> int:
         episode = self.episodes[number]
@@ -240,14 +389,8 @@ class Fleet:
 
     def observation(self, number: int) -> Any:
         """Returns the observation of one environment, in memory of its own."""
-        parts: dict[str, Any] = {}
-        for kind in self.kinds:
-            if kind == "state":
-                parts[kind] = self._state(number)
-            else:
-                pixels = self._grey if kind == "fluoroscopy" else self._labels
-                assert pixels is not None
-                parts[kind] = pixels[number].copy()
+        held = self.episodes[number].held
+        parts = {kind: self._state(number) if kind == "state" else held[kind].copy() for kind in self.kinds}
         return parts if self.is_dict else parts[self.kinds[0]]
 
     def _state(self, number: int) -> npt.NDArray[np.float32]:
@@ -256,6 +399,14 @@ class Fleet:
         points = row[columns.points].reshape(POINTS, 3)
         heading = points[0] - points[1]
         hands = row[columns.hands].reshape(3, 3)[: self.positions]
+        more: list[float] = []
+        if self.has_contrast:
+            more += [
+                episode.flow_ml_per_s / task.contrast_max_ml_per_s,
+                episode.injected_ml / task.contrast_limit_ml,
+            ]
+        if self.has_c_arm:
+            more += [episode.view.primary_deg / ANGLES_MAX_DEG[0], episode.view.secondary_deg / ANGLES_MAX_DEG[1]]
         made = np.concatenate(
             [
                 ((points - episode.target_m) / 0.1).ravel(),
@@ -266,6 +417,7 @@ class Fleet:
                     episode.force_peak_N / task.force_limit_N,
                     episode.path_m,
                 ],
+                more,
                 episode.action,
             ]
         )
@@ -280,10 +432,11 @@ class Fleet:
     def load(self, number: int, saved: tuple[bytes, Episode]) -> None:
         """Continues from a saved episode of any environment with the same task and options."""
         snapshot, episode = saved
-        now = self.episodes[number]
-        if self.randomise.changes_tools and episode.drawn != now.drawn:
-            world = self._world(self._drawn_tools(episode.drawn))
+        if self._start_key(episode) != self._start_key(self.episodes[number]):
+            world = self._world_of(number, episode)
             world.restore(snapshot)
-            self._replace(number, world)
+            self._put(number, world)
         self.batch.restore([snapshot], [number])
         self.episodes[number] = episode.copy()
+        if episode.held:  # the picture of the snapshot's step; otherwise it was taken from other observations
+            self.episodes[number].wants_picture = False

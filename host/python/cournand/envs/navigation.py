@@ -9,12 +9,12 @@ from typing import Any
 import gymnasium
 import numpy as np
 import numpy.typing as npt
-from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Space
+from gymnasium.spaces import Box, Dict, Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ..xray import XRay
-from .fleet import DISCRETE, STATE_LIMIT, Episode, Fleet
+from .fleet import STATE_LIMIT, Episode, Fleet
 from .task import AORTA, Randomise, Task, task_of
 
 FPS = 7.5
@@ -48,36 +48,6 @@ def _observation_space(fleet: Fleet) -> Space[Any]:
     return Dict(spaces) if fleet.is_dict else spaces[fleet.kinds[0]]
 
 
-def _action_space(fleet: Fleet, action: str) -> Space[Any]:
-    if action == "continuous":
-        return Box(-1.0, 1.0, (2 * fleet.positions,), np.float32)
-    if action == "discrete":
-        choices = len(DISCRETE)
-        return Discrete(choices) if fleet.positions == 1 else MultiDiscrete([choices] * fleet.positions)
-    raise ValueError("action: %r is neither 'continuous' nor 'discrete'" % (action,))
-
-
-def _parts(fleet: Fleet, space: Space[Any], given: Any, count: int) -> npt.NDArray[np.float32]:
-    """Returns pushes, then turns, in parts of the largest speeds, float32 [count, 2 positions]."""
-    actions = np.asarray(given)
-    is_continuous = isinstance(space, Box)
-    if actions.dtype.kind not in ("fiu" if is_continuous else "iu"):
-        wanted = "numbers" if is_continuous else "integers"
-        raise TypeError("an action of the type %s is not made of %s" % (actions.dtype, wanted))
-    if actions.shape != space.shape:
-        raise ValueError("an action of the shape %s has not the shape %s" % (actions.shape, space.shape))
-    if is_continuous:
-        parts = actions.astype(np.float32).reshape(count, 2 * fleet.positions)
-        bad = np.flatnonzero(~np.isfinite(parts).all(axis=1))
-        if len(bad):
-            raise ValueError("the action of environment %d has a number that is not finite" % bad[0])
-        return parts
-    if np.any((actions < 0) | (actions >= len(DISCRETE))):
-        raise ValueError("an action is not within 0 and %d" % (len(DISCRETE) - 1))
-    chosen = actions.astype(np.int64).reshape(count, fleet.positions)
-    return np.concatenate([DISCRETE[chosen, 0], DISCRETE[chosen, 1]], axis=1)
-
-
 def _checked_seed(seed: Any) -> int:
     """Returns a seed. Larger numbers would be cut into words of 32 bits, and would give the episodes of other seeds."""
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
@@ -103,17 +73,28 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         *,
         observation: str | Sequence[str] = "state",
         action: str = "continuous",
+        contrast: bool = False,
+        c_arm: bool = False,
         size: int = 128,
         randomise: Randomise | None = None,
         render_mode: str | None = None,
     ) -> None:
         _check_render_mode(render_mode)
         self.render_mode = render_mode
-        self._fleet = Fleet(task_of(task), 1, observation=observation, size=size, randomise=randomise)
+        self._fleet = Fleet(
+            task_of(task),
+            1,
+            observation=observation,
+            action=action,
+            contrast=contrast,
+            c_arm=c_arm,
+            size=size,
+            randomise=randomise,
+        )
         self.observation_space = _observation_space(self._fleet)
-        self.action_space = _action_space(self._fleet, action)
+        self.action_space = self._fleet.actions.space()
         self._has_begun = False
-        self._screen: XRay | None = None  # made by the first render()
+        self._screens: dict[int, XRay] = {}  # by scene; made by render()
 
     @property
     def task(self) -> Task:
@@ -142,16 +123,17 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         self._check_begun()
-        rewards, terminated, truncated = self._fleet.step(_parts(self._fleet, self.action_space, action, 1), [0])
+        rewards, terminated, truncated = self._fleet.step(self._fleet.actions.parts(self.action_space, action, 1), [0])
         return self._observed(), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._fleet.info(0)
 
     def render(self) -> npt.NDArray[np.uint8] | None:
         """Returns the fluoroscopy of 512 x 512 pixels as a colour picture."""
         if self.render_mode is None:
             return None
-        if self._screen is None:
-            self._screen = XRay(self._fleet.scene, 512)
-        grey = self._screen.render(self.world, self._fleet.episodes[0].view).grey
+        episode = self._fleet.episodes[0]
+        if episode.stage not in self._screens:
+            self._screens[episode.stage] = XRay(self._fleet.stages[episode.stage].scene, 512)
+        grey = self._screens[episode.stage].render(self.world, episode.view).grey
         assert grey is not None
         return np.repeat(grey[:, :, None], 3, axis=2)
 
@@ -189,6 +171,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         threads: int = 1,
         observation: str | Sequence[str] = "state",
         action: str = "continuous",
+        contrast: bool = False,
+        c_arm: bool = False,
         size: int = 128,
         randomise: Randomise | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
@@ -199,10 +183,18 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self._mode = AutoresetMode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}
         self._fleet = Fleet(
-            task_of(task), num_envs, threads=threads, observation=observation, size=size, randomise=randomise
+            task_of(task),
+            num_envs,
+            threads=threads,
+            observation=observation,
+            action=action,
+            contrast=contrast,
+            c_arm=c_arm,
+            size=size,
+            randomise=randomise,
         )
         self.single_observation_space = _observation_space(self._fleet)
-        self.single_action_space = _action_space(self._fleet, action)
+        self.single_action_space = self._fleet.actions.space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._has_begun = False
@@ -259,7 +251,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
 
     def step(self, actions: Any) -> tuple[Any, npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any], dict[str, Any]]:
         self._check_begun()
-        parts = _parts(self._fleet, self.action_space, actions, self.num_envs)
+        parts = self._fleet.actions.parts(self.action_space, actions, self.num_envs)
         done = self._ended()
         if done and self._mode == AutoresetMode.DISABLED:
             raise RuntimeError("environments %s have ended: reset them by options['reset_mask']" % done)

@@ -32,12 +32,25 @@ class Randomise:
     secondary_deg: Range = (0.0, 0.0)
     dose: Range = (1.0, 1.0)
     """Factor on the dose of the task's view."""
+    heart_rate_per_min: Range = (0.0, 0.0)
+    """40 .. 160; (0, 0) keeps the rate with which a world begins, 70."""
+    scenes: tuple[str, ...] = ()
+    """Paths or shipped names, of which every episode takes one; () takes the scene of the task. Each scene needs the
+    target vessels of the task, by their names."""
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            low, high = getattr(self, field.name)
+        for name in self._ranges():
+            low, high = getattr(self, name)
             if not low <= high:
-                raise ValueError("Randomise.%s: %r is not (low, high)" % (field.name, (low, high)))
+                raise ValueError("Randomise.%s: %r is not (low, high)" % (name, (low, high)))
+        low, high = self.heart_rate_per_min
+        if (low, high) != (0.0, 0.0) and not HEART_RATES[0] <= low <= high <= HEART_RATES[1]:
+            raise ValueError("Randomise.heart_rate_per_min: %r is not within %r" % ((low, high), HEART_RATES))
+        if isinstance(self.scenes, str) or len(set(self.scenes)) != len(self.scenes):
+            raise ValueError("Randomise.scenes: %r is not a tuple of different scenes" % (self.scenes,))
+
+    def _ranges(self) -> list[str]:
+        return [field.name for field in fields(self) if field.name != "scenes"]
 
     @property
     def changes_tools(self) -> bool:
@@ -45,9 +58,12 @@ class Randomise:
 
     def draw(self, random: np.random.Generator) -> dict[str, float]:
         """Draws every number, whether its range is empty or not, so that one range does not change another's draw."""
-        return {field.name: float(random.uniform(*getattr(self, field.name))) for field in fields(self)}
+        drawn = {name: float(random.uniform(*getattr(self, name))) for name in self._ranges()}
+        drawn["scene"] = float(random.integers(max(len(self.scenes), 1)))  # its number in `scenes`
+        return drawn
 
 
+HEART_RATES = (40.0, 160.0)
 TOOL_FACTORS = ("bend_stiffness", "twist_stiffness", "mass", "friction", "rest_curvature")
 
 
@@ -79,12 +95,20 @@ class Task:
     """Ticks between two samples of the contact forces, 1 .. `ticks`, so that every step has a sample."""
     push_max_m_per_s: float = 0.035
     turn_max_rad_per_s: float = 3.14
+    contrast_max_ml_per_s: float = 4.0
+    """Flow of contrast medium for an action of 1, if contrast medium is an action."""
+    contrast_limit_ml: float = 60.0
+    """Medium for one episode; when it is used up, the syringe is empty."""
+    c_arm_max_deg_per_s: float = 25.0
+    """Speed of both angles of the C-arm for an action of 1, if the C-arm is an action."""
     view: View = View()
     """The isocentre is moved to the target, which is therefore in the middle of every picture."""
     reward_reached: float = 1.0
     reward_per_m: float = 1.0
     """For path gained along the vessels."""
     reward_per_step: float = -0.005
+    reward_per_picture: float = 0.0
+    """For every picture under the pedal, if the C-arm is an action."""
 
     def __post_init__(self) -> None:
         if not self.targets or not 1 <= self.steps <= 1_000_000 or not 1 <= len(self.tools) <= 3:
@@ -96,6 +120,9 @@ class Task:
             raise ValueError(
                 "Task.contact_ticks: %r is not within 1 and %r, `ticks`" % (self.contact_ticks, self.ticks)
             )
+        for name, most in (("contrast_max_ml_per_s", 50.0), ("contrast_limit_ml", 1e4), ("c_arm_max_deg_per_s", 180.0)):
+            if not 0.0 < getattr(self, name) <= most:
+                raise ValueError("Task.%s: %r is not above 0 and at most %g" % (name, getattr(self, name), most))
         if not 0.0 < self.force_limit_N < math.inf:
             raise ValueError("Task.force_limit_N: %r is not a force above 0" % (self.force_limit_N,))
 
