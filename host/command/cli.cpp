@@ -53,8 +53,7 @@ void add_igtl(CLI::App &command, std::string &address)
         .add_option("--igtl", address,
                     "Let 3D Slicer and other OpenIGTLink clients watch the session (docs/slicer.md): a port, "
                     "such as 18944, for clients on this machine, or HOST:PORT; 0: any free port")
-        ->type_name("[HOST:]PORT")
-        ->group("Outputs")
+        ->type_name("ADDRESS")
         ->check([](const std::string &text) {
             try {
                 parse_igtl_address(text);

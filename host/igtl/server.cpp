@@ -146,7 +146,7 @@ int ThreadedServer::pause_ms(Clock::duration longest) const
 // Waits until there is something to do, and does it.
 void ThreadedServer::round(Clock::duration longest)
 {
-    const auto wanted = [this](int descriptor, bool reads, bool writes) {
+    const auto wanted = [](int descriptor, bool reads, bool writes) {
         return pollfd{descriptor, static_cast<short>((reads ? POLLIN : 0) | (writes ? POLLOUT : 0)), 0};
     };
     std::vector<pollfd> polled{wanted(bell_.get(), true, false), wanted(listener_.get(), !rests_, false)};
