@@ -20,7 +20,7 @@ again = @$(MAKE) -s --no-print-directory PACKAGES=skip
 packages-%:
 	@[ "$(PACKAGES)" = skip ] || MAKE_GOALS="$(MAKECMDGOALS)" tools/check/install_packages.sh $(subst +, ,$*)
 
-.PHONY: help run window scene test docs install clean
+.PHONY: help run window igtl scene test docs install clean
 
 ##@ For everyone
 help: ## this list
@@ -40,6 +40,9 @@ window: packages-build+window ## push and turn a guidewire by keyboard (needs a 
 	$(call build,release,run$(comma)window,cournand)
 	$(again) $(SCENE)
 	@$(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
+
+igtl: packages-build+igtl$(if $(DISPLAY),+window) ## build the program so that 3D Slicer can watch (docs/slicer.md)
+	$(call build,release,run$(comma)igtl$(if $(DISPLAY),$(comma)window),cournand)
 
 test: ## test the product: all programs, sanitizers, a short fuzz run, machines, levels L0 and L1
 test: packages-build+tools+test+matrix+usb+bench
