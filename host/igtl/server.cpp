@@ -182,6 +182,7 @@ void ThreadedServer::accept_client()
         return;
     }
     if (clients_.size() >= limits_.clients) return;
+    take_inbox(); // what was published before the client came belongs to the present state
     clients_.emplace_back(std::move(socket));
     if (!latest_.empty()) clients_.back().give(packed(latest_));
 }
