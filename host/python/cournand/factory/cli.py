@@ -31,6 +31,7 @@ from .store import StoreError, only_run, remove_parts
 COMMANDS = ("run", "resume", "check", "stats", "plan", "slurm")
 BYTES_PER_PIXEL = {"stored": 3.02, "fast": 2.0}  # of a frame in WebDataset
 PLANS_SHOWN = 10
+WORKERS_MAX = 1024
 
 
 class Parser(argparse.ArgumentParser):
@@ -111,13 +112,16 @@ def _options(given: argparse.Namespace) -> Options:
     return options
 
 
-def _part(text: str) -> tuple[int, int]:
+def _part(given: argparse.Namespace) -> tuple[int, int]:
+    """Returns the part of the shards that this run makes. It also checks the number of workers."""
+    if not 1 <= given.workers <= WORKERS_MAX:
+        raise UsageError("--workers: %d is not within 1 and %d" % (given.workers, WORKERS_MAX))
     try:
-        first, count = (int(one) for one in text.split("/"))
+        first, count = (int(one) for one in given.shards.split("/"))
     except ValueError:
-        raise UsageError("--shards: %r is not I/N, such as 0/16" % text) from None
+        raise UsageError("--shards: %r is not I/N, such as 0/16" % given.shards) from None
     if not 0 <= first < count:
-        raise UsageError("--shards: in %r, I is not within 0 and N - 1" % text)
+        raise UsageError("--shards: in %r, I is not within 0 and N - 1" % given.shards)
     return first, count
 
 
@@ -139,9 +143,7 @@ class Progress:
 
 def _work(given: argparse.Namespace, options: Options) -> int:
     """Makes the missing shards of this part, and completes the data set when no shard is missing."""
-    first, count = _part(given.shards)
-    if not 1 <= given.workers <= 1024:
-        raise UsageError("--workers: %d is not within 1 and 1024" % given.workers)
+    first, count = _part(given)
     out: Path = given.out
     mine = range(first, options.shards, count)
     with only_run(out, "%d-of-%d" % (first, count)):
@@ -199,7 +201,7 @@ def _dispatch(words: Sequence[str]) -> int:
     given = make_parser().parse_args(words)
     if given.command == "run":
         options = _options(given)
-        _part(given.shards)
+        _part(given)  # refuses before anything is written
         data.begin(given.out, options)
         return _work(given, options)
     if given.command == "resume":

@@ -16,7 +16,7 @@ from .shard import make_shard
 from .store import StoreError, is_made
 
 EXECUTORS = ("processes", "ray")
-LOSSES_MAX = 20
+LOSSES_MAX = 3  # one after the other without a shard that was made
 RAY_RETRIES = 5
 RAY_WAITING = 2  # shards that wait for each processor, so that a long list does not fill the memory of Ray's server
 
@@ -55,6 +55,8 @@ def _run_in_processes(options: Options, dataset: Path, shards: Sequence[int], wo
                 if shard not in reported and is_made(dataset, shard):
                     report(shard, options.frames_of(shard))
                     reported.add(shard)
+            if len(reported) > len(shards) - len(waiting):
+                losses = 1
             if losses > LOSSES_MAX:
                 raise StoreError(
                     "workers were killed %d times; is there enough memory? Remedy: fewer --workers, then resume"

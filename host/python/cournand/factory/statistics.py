@@ -99,7 +99,7 @@ def page(options: Options, manifests: list[dict[str, Any]], pictures: bytes) -> 
     parts = []
     for what, counts in total.items():
         drawn = _map(counts) if what == PLACES else _bars(counts)
-        parts.append("<section><h2>%s</h2>%s</section>" % (html.escape(what.capitalize()), drawn))
+        parts.append("<section><h2>%s</h2>%s</section>" % (html.escape(what[0].upper() + what[1:]), drawn))
     image = base64.b64encode(pictures).decode("ascii")
     return (
         '<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>Statistics of a data set</title>'

@@ -10,6 +10,14 @@ from .frame import CLEAR, OUTSIDE, LabelledFrame
 
 MAP_CELLS = 16
 SEEN = {OUTSIDE: "outside", 1: "covered", CLEAR: "clear"}
+MASKS = {
+    "TOOL_0": "the innermost tool",
+    "TOOL_1": "the second tool",
+    "TOOL_2": "the third tool",
+    "MEDIUM": "contrast medium",
+    "STENT": "stents",
+    "BALLOON": "balloons",
+}
 # Upper ends of the bins of a mask's area, in parts of the picture.
 AREA_ENDS = ((0.001, "up to 0.1 %"), (0.003, "up to 0.3 %"), (0.01, "up to 1 %"), (0.03, "up to 3 %"))
 
@@ -49,7 +57,7 @@ class Tally:
         if facts.get("stent"):
             self._count("stent", str(facts["stent"]))
         for name, area in frame.areas.items():
-            self._count("mask %s" % name, _area(area / (size * size)))
+            self._count("mask of %s" % MASKS[name], _area(area / (size * size)))
         for tool in frame.tools:
             self._count("kind of tool", tool.kind)
             self._count("vessel of a tip", tool.vessel or "unknown")
