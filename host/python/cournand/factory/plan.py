@@ -28,7 +28,7 @@ MOTION_WEIGHTS = (0.3, 0.2, 0.15, 0.08, 0.1, 0.12, 0.05)
 SPEED_M_PER_S = (0.005, 0.04)
 TURN_RAD_PER_S = (-3.14, 3.14)
 FIELD_M = (0.14, 0.32)
-OFFSET_M = 0.02  # of the isocentre from the tip, along each axis
+OFFSET_PART = 0.24  # of the field, from the tip to the isocentre along each axis: the tip is not always in the middle
 DOSE_NGY = 40.0
 INJECTION_PART = 0.45  # of the blocks, if a tool can inject
 VOLUME_ML, FLOW_ML_PER_S = (3.0, 12.0), (2.0, 8.0)
@@ -154,7 +154,8 @@ def _draw_block(
     if is_inflated:  # a person inflates a balloon that is at rest
         motion, push, turn = "rest", (0.0,) * tools, (0.0,) * tools
     drawn = options.variation.draw(views)
-    offset = views.uniform(-OFFSET_M, OFFSET_M, size=3)
+    field_m = round(float(views.uniform(*FIELD_M)), 3)
+    offset = views.uniform(-OFFSET_PART, OFFSET_PART, size=3) * field_m
     return Block(
         frames,
         motion,
@@ -163,7 +164,7 @@ def _draw_block(
         pressure if is_inflated else 0.0,
         round(drawn["primary_deg"], 1),
         round(drawn["secondary_deg"], 1),
-        round(float(views.uniform(*FIELD_M)), 3),
+        field_m,
         round(DOSE_NGY * _even_in_log(drawn["dose"], options.variation.dose), 2),
         (round(float(offset[0]), 4), round(float(offset[1]), 4), round(float(offset[2]), 4)),
         _draw_injection(frames, options.block_frames, contrast),

@@ -15,11 +15,11 @@ from .store import shard_folder
 from .tally import MAP_CELLS, added
 
 SAMPLES_MAX, SHEET_COLUMNS = 24, 3
-ROW_PX, BAR_PX, NAME_PX = 17, 260, 250
+ROW_PX, BAR_PX, NAME_PX = 17, 190, 240
 CELL_PX = 14
 PLACES = "place of the tip"
 
-STYLE = """body{font:15px/1.45 system-ui,sans-serif;color:#1a1a1a;background:#fff;max-width:72rem;margin:2rem auto;
+STYLE = """body{font:15px/1.45 system-ui,sans-serif;color:#1a1a1a;background:#fff;max-width:80rem;margin:2rem auto;
 padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.1rem;margin:1.6rem 0 .4rem}figure{margin:0 0 1rem}
 section{display:inline-block;vertical-align:top;margin-right:1.5rem}svg{font:12px system-ui,sans-serif}
 img{max-width:100%;height:auto}table{border-collapse:collapse}td,th{padding:.15rem .8rem .15rem 0;text-align:left}
@@ -45,7 +45,7 @@ def _bars(counts: dict[str, int]) -> str:
             % (
                 NAME_PX - 6,
                 top + 13,
-                html.escape(name if len(name) <= 38 else name[:37] + "…"),
+                html.escape(name if len(name) <= 36 else name[:35] + "…"),
                 NAME_PX,
                 top + 3,
                 BAR_PX * value / most,

@@ -18,8 +18,7 @@ MASKS = {
     "STENT": "stents",
     "BALLOON": "balloons",
 }
-# Upper ends of the bins of a mask's area, in parts of the picture.
-AREA_ENDS = ((0.001, "up to 0.1 %"), (0.003, "up to 0.3 %"), (0.01, "up to 1 %"), (0.03, "up to 3 %"))
+AREA_ENDS_PCT = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
 
 
 def _bin(value: float, width: float) -> str:
@@ -27,9 +26,8 @@ def _bin(value: float, width: float) -> str:
 
 
 def _area(part: float) -> str:
-    if part == 0.0:
-        return "none"
-    return next((name for end, name in AREA_ENDS if part <= end), "more than 3 %")
+    """Returns the upper end of the bin of a mask's area, in percent of the picture; 0 for an empty mask."""
+    return "0" if part == 0.0 else "%g" % next(end for end in AREA_ENDS_PCT if part * 100.0 <= end)
 
 
 class Tally:
@@ -57,7 +55,7 @@ class Tally:
         if facts.get("stent"):
             self._count("stent", str(facts["stent"]))
         for name, area in frame.areas.items():
-            self._count("mask of %s" % MASKS[name], _area(area / (size * size)))
+            self._count("area of %s, %% up to" % MASKS[name], _area(area / (size * size)))
         for tool in frame.tools:
             self._count("kind of tool", tool.kind)
             self._count("vessel of a tip", tool.vessel or "unknown")
