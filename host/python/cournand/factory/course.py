@@ -12,21 +12,11 @@ from ..errors import RefusedError
 from ..scene import Scene, Tool
 from ..world import TICKS_PER_S, Order, World
 from ..xray import View, XRay
-from .frame import (
-    TOOL_LABELS,
-    Axis,
-    LabelledFrame,
-    ToolLabel,
-    areas_of,
-    centreline_of,
-    keypoints_of,
-    label_points,
-    projection_of,
-)
+from .frame import Axis, LabelledFrame, ToolLabel, areas_of, projection_of, trace
 from .options import Options
 from .plan import Block, Injection, ShardPlan, noise_seeds, open_tool
 
-APPROACH_M_PER_S = 0.06
+APPROACH_M_PER_S = 0.1
 RATE, BREATH = 1, 5  # actions of the order RHYTHM
 SCENES_KEPT = 2
 
@@ -144,10 +134,7 @@ class Course:
         for position, tool in enumerate(self._tools):
             if not axis.is_inside(position):
                 continue
-            bit = int(TOOL_LABELS[position])
-            behind = np.array([0.0, *(arc * 1e3 for arc in tool.markers_m)])
-            points, inside = axis.at(position, behind)
-            tip, *markers = label_points(points, projection, labels, bit)
+            found = trace(axis, position, [arc * 1e3 for arc in tool.markers_m], projection, labels)
             made.append(
                 ToolLabel(
                     position=position,
@@ -156,10 +143,10 @@ class Course:
                     kind=self._kinds[position],
                     inserted_mm=round(inserted[position] * 1e3, 3),
                     vessel=self._world.tip(position).name,
-                    tip=tip,
-                    markers=tuple(point for point, is_in in zip(markers, inside[1:]) if is_in),
-                    centreline=centreline_of(axis, position, projection, labels),
-                    keypoints=keypoints_of(axis, position, projection, labels),
+                    tip=found.tip,
+                    markers=found.markers,
+                    centreline=found.centreline,
+                    keypoints=found.keypoints,
                 )
             )
         return tuple(made)

@@ -6,6 +6,7 @@ with the centres of pixels at .5.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -19,7 +20,6 @@ OUTSIDE, COVERED, CLEAR = 0, 1, 2
 """Visibility of a point: outside the picture; in the picture, but another object lies over it there, or the mask of its
 tool does not have it; in the picture, and no other object lies over it."""
 
-TOOL_LABELS = (Label.TOOL_0, Label.TOOL_1, Label.TOOL_2)
 KEYPOINTS, KEYPOINT_MM = 32, 5.0
 COLUMNS = ("position", "arc_mm", "x_mm", "y_mm", "z_mm", "column", "row", "visibility")
 """Of the array of centrelines."""
@@ -146,42 +146,44 @@ class Axis:
         points = np.stack([np.interp(arcs, self._arcs, self._points[:, k]) for k in range(3)], axis=1)
         return points, behind_mm <= self._inserted_mm[position]
 
-    def line(self, position: int) -> tuple[Floats, Floats]:
-        """Returns the arcs behind the tip, and the points, of a tool's nodes from its tip to the introducer."""
-        tip = self._tips_mm[position]
-        nodes = self._arcs[self._arcs > tip + 1e-3]
-        nodes = nodes[nodes - tip < self._inserted_mm[position]]
-        behind = np.concatenate([[0.0], nodes - tip, [self._inserted_mm[position]]])
-        return behind, self.at(position, behind)[0]
+    def arcs(self, position: int) -> Floats:
+        """Returns the distances behind the tip of a tool's nodes, from its tip to the introducer."""
+        tip, inserted = self._tips_mm[position], self._inserted_mm[position]
+        nodes = self._arcs[(self._arcs > tip + 1e-3) & (self._arcs - tip < inserted)]
+        return np.concatenate([[0.0], nodes - tip, [inserted]])
 
 
-def label_points(points_mm: Floats, matrix: Floats, labels: npt.NDArray[np.uint8], bit: int) -> list[Point]:
-    """Returns points with their pixels and visibility."""
-    pixels = project(matrix, points_mm)
-    seen = visibilities(pixels, labels, bit)
-    return [
-        Point(
-            (round(float(p[0]), 3), round(float(p[1]), 3), round(float(p[2]), 3)),
-            (round(float(q[0]), 2), round(float(q[1]), 2)),
-            int(v),
-        )
-        for p, q, v in zip(points_mm, pixels, seen)
-    ]
+class Trace(NamedTuple):
+    """The places of one tool in a frame."""
+
+    tip: Point
+    markers: tuple[Point, ...]
+    centreline: Floats
+    keypoints: Floats
 
 
-def centreline_of(axis: Axis, position: int, matrix: Floats, labels: npt.NDArray[np.uint8]) -> Floats:
-    """Returns a tool's centreline with the columns COLUMNS."""
-    behind, points = axis.line(position)
-    pixels = project(matrix, points)
+def trace(
+    axis: Axis, position: int, markers_mm: Sequence[float], matrix: Floats, labels: npt.NDArray[np.uint8]
+) -> Trace:
+    """Finds tip, markers, centreline and key points of a tool. All are projected in one go, which is faster."""
+    arcs = axis.arcs(position)
+    line, points = len(arcs), len(arcs) + KEYPOINTS
+    behind = np.concatenate([arcs, np.arange(KEYPOINTS, dtype=np.float64) * KEYPOINT_MM, markers_mm])
+    places, inside = axis.at(position, behind)
+    pixels = project(matrix, places)
     seen = visibilities(pixels, labels, 1 << position)
-    return np.column_stack([np.full(len(behind), float(position)), behind, points, pixels, seen])
+    keypoints = np.column_stack([pixels[line:points], seen[line:points]])
+    keypoints[~inside[line:points] | (seen[line:points] == OUTSIDE)] = 0.0
+    number = np.full(line, float(position))
+    made = [_point(places[k], pixels[k], seen[k]) for k in (0, *range(points, len(behind))) if k == 0 or inside[k]]
+    return Trace(
+        made[0],
+        tuple(made[1:]),
+        np.column_stack([number, arcs, places[:line], pixels[:line], seen[:line]]),
+        keypoints,
+    )
 
 
-def keypoints_of(axis: Axis, position: int, matrix: Floats, labels: npt.NDArray[np.uint8]) -> Floats:
-    """Returns column, row and visibility of the points every 5 mm behind a tool's tip."""
-    points, inside = axis.at(position, np.arange(KEYPOINTS, dtype=np.float64) * KEYPOINT_MM)
-    pixels = project(matrix, points)
-    seen = visibilities(pixels, labels, 1 << position)
-    made = np.column_stack([pixels, seen])
-    made[~inside | (seen == OUTSIDE)] = 0.0
-    return made
+def _point(mm: Floats, px: Floats, visibility: int) -> Point:
+    x, y, z, column, row = (float(number) for number in (*mm, *px))
+    return Point((round(x, 3), round(y, 3), round(z, 3)), (round(column, 2), round(row, 2)), int(visibility))
