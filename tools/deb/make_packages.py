@@ -8,6 +8,7 @@ It runs with Debian's own Python, because the module fits one version of Python.
 give the same bytes. DEBFULLNAME and DEBEMAIL name another maintainer."""
 
 import argparse
+import fcntl
 import glob
 import os
 import re
@@ -139,6 +140,14 @@ def make(build, output):
     """Makes the packages and returns their paths."""
     check_machine(build)
     date = release.seconds()
+    os.makedirs(os.path.join(build, "deb"), exist_ok=True)
+    with open(os.path.join(build, "deb", "lock"), "w", encoding="ascii") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # two tests may begin at the same time
+        return make_alone(build, output, date)
+
+
+def make_alone(build, output, date):
+    """Makes the packages while no other process uses the folder build/deb."""
     number = release.version(re.search(r'CRN_VERSION "([0-9.]+)"', release.read("shared", "version.h")).group(1), date)
     module = build_module(build)
     folder = os.path.join(build, "deb", "cournand")

@@ -55,6 +55,20 @@ report "the simulated rig passes its test" $?
 grep -q '^SUBSYSTEM=="usb"' /lib/udev/rules.d/60-cournand.rules >"$said" 2>&1
 report "udev has the rule for rigs" $?
 
+# --- the window ---
+cat >/packages/window.sh <<'S'
+cournand view --frames 200 --size 128 --screenshot window.png --no-record &
+for _ in $(seq 300); do xprop -name Cournand WM_CLASS 2>/dev/null | grep STRING && break; sleep 0.1; done
+wait $!
+S
+apt-get install -y --no-install-recommends xvfb xauth x11-utils libgl1-mesa-dri >"$said" 2>&1 &&
+    user xvfb-run -a -s '-screen 0 1280x1024x24' bash /packages/window.sh >"$said" 2>&1 &&
+    [ "$(head -c 4 /home/trainee/window.png | tail -c 3)" = PNG ]
+report "the window opens with the font of the package fonts-dejavu-core" $?
+class=$(sed -n 's/^StartupWMClass=//p' /usr/share/applications/cournand.desktop)
+grep -qF "= \"$class\", \"$class\"" "$said"
+report "the window has the class by which a desktop finds its icon" $?
+
 # --- the library ---
 apt-get install -y --no-install-recommends gcc g++ libc6-dev pkg-config cmake make xz-utils >"$said" 2>&1 &&
     user tar -xJf $data/scenes/aorta.tar.xz >"$said" 2>&1
