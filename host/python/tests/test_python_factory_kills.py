@@ -21,7 +21,9 @@ import tap  # noqa: E402
 
 FOLDER = tempfile.TemporaryDirectory()
 WHOLE = os.path.join(FOLDER.name, "whole")
-WORDS = [word if word != "10" else "24" for word in runs.SMALL] + list(runs.FORMATS)  # six shards
+WORDS = [word if word != "10" else "100" for word in runs.SMALL] + list(
+    runs.FORMATS
+)  # 25 shards, about one for each kill
 
 
 def folder(name):
