@@ -55,6 +55,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     # gcc 12 at -O3 warns of overlapping copies in std::string's operator+ that do not exist (its bug 105329). With a
     # precompiled header it no longer recognises that they are in its own library. clang still reports real ones.
     target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+    # The compiler collects its own garbage less often, which saves a tenth of its time and takes 0.2 GB more memory.
+    target_compile_options(crn_common INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:SHELL:--param ggc-min-heapsize=524288>")
     if(CRN_PREFIX_HEADERS)
         target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess> # for ccache
             $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>
@@ -90,6 +92,12 @@ if(CRN_SANITIZE)
     set(CRN_PIXELS "-O1 -fno-math-errno -fno-trapping-math")
 else()
     set(CRN_PIXELS "-O3 -fno-math-errno -fno-trapping-math")
+endif()
+# Rooms that draw, write tables or keep records compute little. This level saves a fifth of the compiler's time.
+if(CRN_SANITIZE)
+    set(CRN_LIGHT -O0)
+elseif(CRN_QUICK)
+    set(CRN_LIGHT -O1)
 endif()
 # Sanitized rooms are compiled without optimisation, which takes two thirds of the time, except these, which compute,
 # and their tests: the linker takes an inline function of Eigen from the first object that has it, which is the test's.

@@ -14,6 +14,7 @@
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/anatomy/varied/variety.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/mesh/sequence.hpp"
@@ -33,8 +34,9 @@ struct Options {
     std::filesystem::path folder;
     Fineness fineness;
     bool bodies = true, quiet = false, heart_only = false;
-    std::string vessels;              // the user's file; "": the one that ships
-    std::vector<std::string> lesions; // as given on the command line
+    std::string vessels;               // the user's file; "": the one that ships
+    std::optional<std::uint64_t> seed; // draws other arteries (docs/vessels.md)
+    std::vector<std::string> lesions;  // as given on the command line
 };
 
 /* Reads the vessels for the command `anatomy KIND`. Throws std::invalid_argument when the user's file lacks
@@ -62,6 +64,16 @@ VesselTree vessels_for(const std::string &kind, const Options &options)
     return tree;
 }
 
+void make_folder(const Options &options)
+{
+    crn::check_output_folder({"--output", options.folder.string()});
+    std::error_code failure;
+    std::filesystem::create_directories(options.folder, failure);
+    if (failure)
+        throw std::runtime_error(options.folder.string() +
+                                 ": the folder cannot be made: " + failure.message());
+}
+
 /* Makes one mesh, reports the mesh on standard error, and writes it to a file. */
 Mesh make_mesh(const Options &options, const std::string &name, const MeshRequest &request)
 {
@@ -79,16 +91,6 @@ Mesh make_mesh(const Options &options, const std::string &name, const MeshReques
         std::fprintf(stderr, "  %-20s %7zu triangles  %8.1f cm3  %5.1f s\n", name.c_str(),
                      mesh.triangles.size(), mesh_volume_mm3(mesh) * 1e-3, passed.count());
     return mesh;
-}
-
-void make_folder(const Options &options)
-{
-    crn::check_output_folder({"--output", options.folder.string()});
-    std::error_code failure;
-    std::filesystem::create_directories(options.folder, failure);
-    if (failure)
-        throw std::runtime_error(options.folder.string() +
-                                 ": the folder cannot be made: " + failure.message());
 }
 
 /* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes the
@@ -154,9 +156,27 @@ std::vector<Body> no_bodies(const VesselTree &, const Fineness &)
 int make(const Options &options, const char *kind,
          std::vector<Body> (*bodies_of)(const VesselTree &, const Fineness &))
 {
-    const VesselTree tree = vessels_for(kind, options);
+    std::optional<DrawnAorta> drawn;
+    if (options.seed) drawn = drawn_aorta(*options.seed);
+    VesselTree tree = drawn ? tree_of(drawn->draft, "aorta.toml") : vessels_for(kind, options);
+    if (drawn) tree.made_by = crn::formatted("%s --seed %s", kind, std::to_string(drawn->seed).c_str());
     make_scene(options, tree, (options.bodies ? bodies_of : no_bodies)(tree, options.fineness),
                [](const std::string &, const Mesh &) {});
+    if (drawn) crn::write_whole_file((options.folder / "vessels.toml").string(), vessel_file_text(*drawn));
+    return 0;
+}
+
+/* Writes the vessel file of a seed, and prints what was drawn. */
+int draw(const std::string &file, std::uint64_t seed)
+{
+    crn::check_outputs({}, {{"--output", file}});
+    const DrawnAorta drawn = drawn_aorta(seed);
+    crn::write_whole_file(file, vessel_file_text(drawn));
+    std::printf(
+        "%s: %s, drop %.2f widths, aorta %.2f of the shipped diameters, iliac tortuosity %.3f right and "
+        "%.3f left, %u attempts refused\n",
+        file.c_str(), drawn.draft.title.c_str(), drawn.arch.drop_widths, drawn.aorta_scale,
+        drawn.right_tortuosity, drawn.left_tortuosity, drawn.refused);
     return 0;
 }
 
@@ -360,6 +380,29 @@ void add_making_options(CLI::App &command, Options &options)
     command.add_flag("--quiet", options.quiet, "No progress lines on the terminal");
 }
 
+template <typename Seed> CLI::Option *add_seed(CLI::App &command, Seed &seed)
+{
+    return command
+        .add_option("--seed", seed, "Draws other arteries: arch, courses, diameters (docs/vessels.md)")
+        ->type_name("N")
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{UINT32_MAX}));
+}
+
+/* The options of `anatomy draw`. */
+struct DrawOptions {
+    std::uint64_t seed = 0;
+    std::string file;
+};
+
+void add_draw_options(CLI::App &command, DrawOptions &options)
+{
+    add_seed(command, options.seed)->required();
+    command.add_option("-o,--output", options.file, "The vessel file")
+        ->type_name("FILE")
+        ->group("Outputs")
+        ->required();
+}
+
 int run(int argc, char **argv)
 {
     CLI::App app{"Makes the anatomy that ships with Cournand: closed meshes, centrelines and the scene text "
@@ -378,7 +421,9 @@ int run(int argc, char **argv)
         "  anatomy list            every stated diameter, its place and its source\n"
         "  anatomy list phantom\n"
         "  anatomy list my.toml    checks a file of your own vessels (docs/vessels.md)\n"
-        "  anatomy aorta --vessels my.toml -o out/mine");
+        "  anatomy aorta --vessels my.toml -o out/mine\n"
+        "  anatomy aorta --seed 7 -o out/seven     another man's arteries, drawn from a seed\n"
+        "  anatomy draw --seed 7 -o seven.toml     only the file of these arteries");
     app.require_subcommand(1);
     Options options;
     auto *aorta = app.add_subcommand(
@@ -401,7 +446,12 @@ int run(int argc, char **argv)
         ->add_flag("--heart-only", options.heart_only,
                    "Only the heart and its vessels, without scene and lumen")
         ->excludes("--lesion"); // a lesion belongs to a scene
-    BeatOptions beat_options;   // their help states where the heart that ships has its landmarks
+    DrawOptions draw_options;
+    add_seed(*aorta, options.seed)->excludes("--vessels");
+    auto *drawn =
+        app.add_subcommand("draw", "A vessel file with the arteries of another man, drawn from a seed");
+    add_draw_options(*drawn, draw_options);
+    BeatOptions beat_options; // their help states where the heart that ships has its landmarks
     const std::string_view first = argc > 1 ? argv[1] : "";
     if (first == "beat" || first == "--generate" || first == "--complete")
         add_beat_options(*beat, beat_options);
@@ -414,6 +464,7 @@ int run(int argc, char **argv)
     if (const std::optional<int> code = crn::parse_command_line(app, argc, argv)) return *code;
     if (*table) return list(tree_named(which));
     if (*checked) return check(folder);
+    if (*drawn) return draw(draw_options.file, draw_options.seed);
     if (*beat) return make_beat(beat_options);
     if (*heart) return make_heart(options);
     if (*aorta) return make(options, "aorta", patient_bodies);

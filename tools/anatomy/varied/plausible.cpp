@@ -1,0 +1,112 @@
+#include "tools/anatomy/varied/plausible.hpp"
+#include "host/base/format.hpp"
+#include "tools/anatomy/skeleton.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace anatomy
+{
+
+namespace
+{
+
+constexpr double POINTS_APART_MM = 2.0;            // between the measured points of a centreline
+constexpr double NEAR_ORIGIN_MM = 25.0;            // two vessels may be close there: they have just parted
+constexpr double APART_MM = 1.0, BEND_RADII = 1.5; // what a rule asks for
+constexpr double ROUNDING = 0.01;
+
+const Solid &bones()
+{
+    static const Solid all = [] {
+        Solid solid;
+        for (const Solid &one : {spine_bones(), rib_bones(), pelvis_bones(), femur_bones(), shoulder_bones()})
+            solid.add(one);
+        return solid;
+    }();
+    return all;
+}
+
+double to_bone_mm(const Curve &curve)
+{
+    double least_mm = 1e9;
+    for (const CurvePoint &point : curve)
+        least_mm = std::min(least_mm, bone_distance_mm(point.position_mm) - point.radius_mm);
+    return least_mm;
+}
+
+/* The circle through three points that are `reach` samples apart. */
+double bend_radii(const Curve &curve)
+{
+    constexpr size_t REACH = 3;
+    double least = 1e9;
+    for (size_t i = REACH; i + REACH < curve.size(); ++i) {
+        const Vec3 a = curve[i].position_mm - curve[i - REACH].position_mm,
+                   b = curve[i + REACH].position_mm - curve[i].position_mm;
+        const double cross = a.cross(b).norm();
+        if (cross < 1e-9) continue;
+        least = std::min(least, a.norm() * b.norm() * (a + b).norm() / (2 * cross) / curve[i].radius_mm);
+    }
+    return least;
+}
+
+/* Pairs of parent and branch are not measured: the branch leaves its parent at any angle. */
+double apart_mm(const Vessel &one, const Curve &curve, const Vessel &other, const Curve &other_curve)
+{
+    double least_mm = 1e9;
+    if (one.parent == other.name || other.parent == one.name) return least_mm;
+    const auto beyond = [](const Vessel &vessel, const CurvePoint &point) {
+        return vessel.parent.empty() || point.arc_mm > NEAR_ORIGIN_MM;
+    };
+    for (const CurvePoint &a : curve) {
+        if (!beyond(one, a)) continue;
+        for (const CurvePoint &b : other_curve)
+            if (beyond(other, b))
+                least_mm =
+                    std::min(least_mm, (a.position_mm - b.position_mm).norm() - a.radius_mm - b.radius_mm);
+    }
+    return least_mm;
+}
+
+} // namespace
+
+double bone_distance_mm(const Vec3 &point)
+{
+    return bones().distance(point);
+}
+
+TreeSpaces spaces_of(const std::vector<Vessel> &vessels)
+{
+    TreeSpaces spaces;
+    std::vector<Curve> curves;
+    for (const Vessel &vessel : vessels) {
+        curves.push_back(vessel_curve(vessel, POINTS_APART_MM));
+        spaces.to_bone_mm.push_back(to_bone_mm(curves.back()));
+        spaces.bend_radii.push_back(bend_radii(curves.back()));
+        std::vector<double> &row = spaces.apart_mm.emplace_back();
+        const size_t i = curves.size() - 1;
+        for (size_t j = 0; j < i; ++j) row.push_back(apart_mm(vessel, curves[i], vessels[j], curves[j]));
+    }
+    return spaces;
+}
+
+std::string broken_rule(const std::vector<Vessel> &vessels, const TreeSpaces &usual)
+{
+    const TreeSpaces spaces = spaces_of(vessels);
+    const auto is_short = [](double value, double shipped, double wanted) {
+        return value < std::min(shipped, wanted) - ROUNDING;
+    };
+    for (size_t i = 0; i < vessels.size(); ++i) {
+        const char *name = vessels[i].name.c_str();
+        if (is_short(spaces.to_bone_mm[i], usual.to_bone_mm[i], TO_BONE_MM))
+            return crn::formatted("%s: %.1f mm from a bone", name, spaces.to_bone_mm[i]);
+        if (is_short(spaces.bend_radii[i], usual.bend_radii[i], BEND_RADII))
+            return crn::formatted("%s: a bend of %.1f radii", name, spaces.bend_radii[i]);
+        for (size_t j = 0; j < i; ++j)
+            if (is_short(spaces.apart_mm[i][j], usual.apart_mm[i][j], APART_MM))
+                return crn::formatted("%s: %.1f mm from %s", name, spaces.apart_mm[i][j],
+                                      vessels[j].name.c_str());
+    }
+    return "";
+}
+
+} // namespace anatomy

@@ -1,0 +1,346 @@
+#include "tools/anatomy/varied/variety.hpp"
+#include "host/base/format.hpp"
+#include "tools/anatomy/varied/chance.hpp"
+#include "tools/anatomy/varied/plausible.hpp"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace anatomy
+{
+
+namespace
+{
+
+constexpr unsigned ATTEMPTS_MAX = 200;
+constexpr double ARCH_MM = 150;       // the arch lies above this height
+constexpr double CURVE_STEP_MM = 1.0; // of curves that are measured
+constexpr double ENTRY_MM = -300;     // height of the introducer's end in the shipped tree
+constexpr const char *AORTA = "aorta", *TRUNK = "brachiocephalic artery",
+                     *CAROTID = "left common carotid artery";
+constexpr std::array<const char *, 2> ILIACS = {"right iliac artery", "left iliac artery"};
+constexpr std::array<const char *, 2> RENALS = {"right renal artery", "left renal artery"};
+
+double smooth_step(double x)
+{
+    x = std::clamp(x, 0.0, 1.0);
+    return x * x * (3 - 2 * x);
+}
+
+const Vessel *found(const std::vector<Vessel> &vessels, const std::string &name)
+{
+    const auto at =
+        std::find_if(vessels.begin(), vessels.end(), [&](const Vessel &one) { return one.name == name; });
+    return at == vessels.end() ? nullptr : &*at;
+}
+
+Vessel &vessel_in(TreeDraft &draft, const std::string &name)
+{
+    for (GivenVessel &given : draft.vessels)
+        if (given.vessel.name == name) return given.vessel;
+    throw std::invalid_argument("the shipped aorta.toml has no vessel '" + name + "'");
+}
+
+std::vector<Vessel> vessels_of(const TreeDraft &draft)
+{
+    std::vector<Vessel> vessels;
+    for (const GivenVessel &given : draft.vessels) vessels.push_back(given.vessel);
+    return vessels;
+}
+
+/* What every draw begins with: the shipped tree, its measures, and the shipped brachiocephalic arteries of
+ * the three types with the height at which each begins. */
+struct Shipped {
+    TreeDraft draft;
+    TreeSpaces spaces;
+    std::array<std::vector<Station>, 3> trunks;
+    std::array<double, 3> drop_widths;
+};
+
+Shipped read_shipped()
+{
+    Shipped shipped;
+    const std::array<const char *, 3> names = {"aorta.toml", "arch_type_2.toml", "arch_type_3.toml"};
+    for (size_t i = 0; i < names.size(); ++i) {
+        TreeDraft draft = read_vessel_draft(shipped_vessel_file(names[i]));
+        shipped.trunks[i] = vessel_in(draft, TRUNK).stations;
+        shipped.drop_widths[i] = arch_figures(vessels_of(draft)).drop_widths;
+        if (i == 0) shipped.draft = std::move(draft);
+    }
+    shipped.spaces = spaces_of(vessels_of(shipped.draft));
+    return shipped;
+}
+
+/* The proportions of the types and of the common trunk are rounded values of published CT series
+ * (docs/vessels.md). */
+ArchFigures drawn_arch(Chance &chance)
+{
+    ArchFigures arch;
+    const double part = chance.uniform(0, 1);
+    arch.type = part < 0.55 ? ArchType::I : part < 0.85 ? ArchType::II : ArchType::III;
+    const double low[] = {0.3, 1.1, 2.05}, high[] = {0.9, 1.9, 2.5};
+    const auto type = static_cast<size_t>(arch.type);
+    arch.drop_widths = chance.uniform(low[type], high[type]);
+    arch.has_common_trunk = chance.uniform(0, 1) < 0.155;
+    return arch;
+}
+
+/* Places the brachiocephalic artery between, or a little beyond, the courses of the shipped arches. */
+void set_trunk(TreeDraft &draft, const Shipped &shipped, double drop_widths)
+{
+    const size_t i = drop_widths < shipped.drop_widths[1] ? 0 : 1;
+    const double part =
+        (drop_widths - shipped.drop_widths[i]) / (shipped.drop_widths[i + 1] - shipped.drop_widths[i]);
+    std::vector<Station> &stations = vessel_in(draft, TRUNK).stations;
+    for (size_t k = 0; k < stations.size(); ++k) {
+        const Station &a = shipped.trunks[i].at(k), &b = shipped.trunks[i + 1].at(k);
+        stations[k].position_mm = a.position_mm + part * (b.position_mm - a.position_mm);
+        stations[k].diameter_mm = a.diameter_mm + part * (b.diameter_mm - a.diameter_mm);
+    }
+}
+
+/* The left common carotid artery leaves the brachiocephalic artery, `part` of the way along its first 25 mm.
+ */
+void set_common_trunk(TreeDraft &draft, double part)
+{
+    const Curve trunk = vessel_curve(vessel_in(draft, TRUNK), CURVE_STEP_MM);
+    const double arc_mm = 18 + 7 * part;
+    const auto at =
+        std::find_if(trunk.begin(), trunk.end(), [&](const CurvePoint &one) { return one.arc_mm > arc_mm; });
+    Vessel &carotid = vessel_in(draft, CAROTID);
+    carotid.parent = TRUNK;
+    std::vector<Station> &stations = carotid.stations;
+    stations[0].position_mm = at->position_mm;
+    const Vec3 beyond = stations[2].position_mm;
+    stations[1].position_mm = 0.45 * at->position_mm + 0.55 * beyond + Vec3(0, 4, 3);
+    stations[1].name.clear();
+    stations[1].source.clear();
+}
+
+/* Winds an iliac artery about its course. The winding fades out towards both ends, so origin and groin stay.
+ */
+void wind(Vessel &vessel, double amplitude_mm, Chance &chance)
+{
+    constexpr double START_MM = 15, STATIONS_APART_MM = 14;
+    const Curve curve = vessel_curve(vessel, CURVE_STEP_MM);
+    const auto end = std::find_if(curve.begin(), curve.end(),
+                                  [](const CurvePoint &one) { return one.position_mm.y() < ENTRY_MM + 15; });
+    const double length_mm = (end == curve.end() ? curve.back() : *end).arc_mm - START_MM;
+    const double waves = chance.uniform(1.2, 2.6), phase = chance.uniform(0, 2 * std::numbers::pi),
+                 plane = chance.uniform(0, std::numbers::pi);
+    const auto offset = [&](size_t i) -> Vec3 {
+        const double part = (curve[i].arc_mm - START_MM) / length_mm;
+        if (part <= 0 || part >= 1) return Vec3::Zero();
+        const Vec3 along = curve_tangent(curve, i);
+        const Vec3 across = along.cross(Vec3::UnitZ()).normalized();
+        const Vec3 direction = std::cos(plane) * across + std::sin(plane) * along.cross(across);
+        const double window = std::pow(std::sin(std::numbers::pi * part), 2);
+        return amplitude_mm * window * std::sin(2 * std::numbers::pi * waves * part + phase) * direction;
+    };
+    std::vector<Station> wound;
+    size_t next = 0;
+    double last_mm = -STATIONS_APART_MM;
+    for (size_t i = 0; i < curve.size() && next < vessel.stations.size(); ++i) {
+        const Station &given = vessel.stations[next];
+        const bool is_given = (curve[i].position_mm - given.position_mm).norm() < 1e-9;
+        const double ahead_mm = (curve[i].position_mm - given.position_mm).norm();
+        if (is_given) {
+            wound.push_back(given);
+            ++next;
+        } else if (curve[i].arc_mm - last_mm >= STATIONS_APART_MM && ahead_mm > STATIONS_APART_MM / 2) {
+            wound.push_back({curve[i].position_mm, 2 * curve[i].radius_mm, "", ""});
+        } else {
+            continue;
+        }
+        last_mm = curve[i].arc_mm;
+        wound.back().position_mm += offset(i);
+    }
+    vessel.stations = std::move(wound);
+}
+
+void turn_about_origin(Vessel &vessel, double up_deg, double forward_deg)
+{
+    constexpr double DEG = std::numbers::pi / 180;
+    const Vec3 origin = vessel.stations.front().position_mm;
+    const Eigen::Matrix3d turn =
+        (Eigen::AngleAxisd(up_deg * DEG, Vec3::UnitZ()) * Eigen::AngleAxisd(forward_deg * DEG, Vec3::UnitY()))
+            .toRotationMatrix();
+    for (Station &station : vessel.stations)
+        station.position_mm = origin + turn * (station.position_mm - origin);
+}
+
+/* Moves space smoothly by a few waves. All vessels move together, so branches stay in their parents. The
+ * aortic valve and the groins stay in place. */
+class Drift
+{
+  public:
+    Drift(const Vec3 &valve_mm, Chance &chance) : valve_mm_(valve_mm), lift_mm_(chance.normal(0, 3.5))
+    {
+        for (Wave &wave : waves_) {
+            const auto direction = [&] {
+                return Vec3(chance.normal(0, 1), chance.normal(0, 1), chance.normal(0, 1));
+            };
+            wave.number = direction().normalized() * (2 * std::numbers::pi / chance.uniform(140, 260));
+            wave.shift_mm = 1.6 * direction();
+            wave.phase = chance.uniform(0, 2 * std::numbers::pi);
+        }
+    }
+
+    Vec3 moved(const Vec3 &p) const
+    {
+        Vec3 shift = Vec3(0, lift_mm_ * smooth_step((p.y() - ARCH_MM) / 70), 0);
+        for (const Wave &wave : waves_) shift += std::sin(wave.number.dot(p) + wave.phase) * wave.shift_mm;
+        const double from_valve = smooth_step(((p - valve_mm_).norm() - 10) / 50);
+        const double above_groin = smooth_step((p.y() - (ENTRY_MM + 10)) / 60);
+        return p + from_valve * above_groin * shift;
+    }
+
+  private:
+    struct Wave {
+        Vec3 number, shift_mm;
+        double phase = 0;
+    };
+    Vec3 valve_mm_;
+    double lift_mm_;
+    std::array<Wave, 4> waves_;
+};
+
+/* Moves stations that came too close to a bone away from it. The groins stay. */
+void give_way_to_bones(Vessel &vessel, double wanted_mm)
+{
+    constexpr double SPARE_MM = 0.4,
+                     PROBE_MM = 0.5; // the course between two stations may come a little closer
+    for (Station &station : vessel.stations) {
+        Vec3 &p = station.position_mm;
+        if (p.y() < ENTRY_MM + 15) continue;
+        const double lacking_mm = wanted_mm + SPARE_MM + station.diameter_mm / 2 - bone_distance_mm(p);
+        if (lacking_mm <= 0) continue;
+        Vec3 away;
+        for (int axis = 0; axis < 3; ++axis) {
+            const Vec3 step = PROBE_MM * Vec3::Unit(axis);
+            away[axis] = bone_distance_mm(p + step) - bone_distance_mm(p - step);
+        }
+        if (away.norm() > 1e-6) p += lacking_mm * away.normalized();
+    }
+}
+
+double tortuosity(const Vessel &vessel)
+{
+    const Curve curve = vessel_curve(vessel, CURVE_STEP_MM);
+    const CurvePoint *end = &curve.back();
+    for (const CurvePoint &point : curve)
+        if (point.position_mm.y() < ENTRY_MM) {
+            end = &point;
+            break;
+        }
+    return end->arc_mm / (end->position_mm - curve.front().position_mm).norm();
+}
+
+double rounded(double value)
+{
+    return std::round(value * 100) / 100; // the file has two decimals
+}
+
+void scale_diameters(DrawnAorta &drawn, Chance &chance)
+{
+    drawn.aorta_scale = chance.normal(1, 0.08);
+    for (GivenVessel &given : drawn.draft.vessels) {
+        const bool is_aorta = given.vessel.name == AORTA;
+        const double scale =
+            is_aorta ? drawn.aorta_scale : std::sqrt(drawn.aorta_scale) * chance.normal(1, 0.06);
+        for (Station &station : given.vessel.stations) {
+            station.diameter_mm = rounded(scale * station.diameter_mm);
+            if (!station.name.empty()) station.source = "drawn about: " + station.source;
+        }
+    }
+}
+
+DrawnAorta attempt(const Shipped &shipped, std::uint64_t seed, unsigned number)
+{
+    // The arch comes from the seed alone, so that the rules do not change how often each type occurs.
+    Chance first(seed, 0), chance(seed, number + 1);
+    DrawnAorta drawn;
+    drawn.seed = seed;
+    drawn.refused = number;
+    drawn.draft = shipped.draft;
+    drawn.arch = drawn_arch(first);
+    set_trunk(drawn.draft, shipped, drawn.arch.drop_widths);
+    if (drawn.arch.has_common_trunk) set_common_trunk(drawn.draft, chance.uniform(0, 1));
+    for (const char *iliac : ILIACS) wind(vessel_in(drawn.draft, iliac), chance.uniform(0, 14), chance);
+    for (const char *renal : RENALS)
+        turn_about_origin(vessel_in(drawn.draft, renal), chance.normal(0, 8), chance.normal(0, 8));
+    const Drift drift(vessel_in(drawn.draft, AORTA).stations.front().position_mm, chance);
+    for (GivenVessel &given : drawn.draft.vessels)
+        for (Station &station : given.vessel.stations) station.position_mm = drift.moved(station.position_mm);
+    scale_diameters(drawn, chance);
+    for (size_t i = 0; i < drawn.draft.vessels.size(); ++i) {
+        Vessel &vessel = drawn.draft.vessels[i].vessel;
+        give_way_to_bones(vessel, std::min(shipped.spaces.to_bone_mm[i], TO_BONE_MM));
+        for (Station &station : vessel.stations)
+            station.position_mm = station.position_mm.unaryExpr(&rounded);
+    }
+    return drawn;
+}
+
+} // namespace
+
+ArchFigures arch_figures(const std::vector<Vessel> &vessels)
+{
+    const Vessel *aorta = found(vessels, AORTA), *trunk = found(vessels, TRUNK),
+                 *carotid = found(vessels, CAROTID);
+    if (!aorta || !trunk || !carotid)
+        throw std::invalid_argument(
+            "the tree has no arch: it needs the vessels aorta, brachiocephalic artery and left "
+            "common carotid artery");
+    const Curve arch = vessel_curve(*aorta, CURVE_STEP_MM);
+    double top_mm = -1e9;
+    for (const CurvePoint &point : arch)
+        if (point.position_mm.y() > ARCH_MM)
+            top_mm = std::max(top_mm, point.position_mm.y() + point.radius_mm);
+    const auto is_outside = [&](const CurvePoint &point) {
+        return std::all_of(arch.begin(), arch.end(), [&](const CurvePoint &other) {
+            return (point.position_mm - other.position_mm).norm() > other.radius_mm;
+        });
+    };
+    const Curve branch = vessel_curve(*trunk, CURVE_STEP_MM);
+    const auto origin = std::find_if(branch.begin(), branch.end(), is_outside);
+    if (origin == branch.end())
+        throw std::invalid_argument("the brachiocephalic artery lies inside the aorta");
+    ArchFigures arch_of;
+    arch_of.drop_widths = (top_mm - origin->position_mm.y()) / carotid->stations.front().diameter_mm;
+    arch_of.type = arch_of.drop_widths < 1   ? ArchType::I
+                   : arch_of.drop_widths < 2 ? ArchType::II
+                                             : ArchType::III;
+    arch_of.has_common_trunk = carotid->parent == TRUNK;
+    return arch_of;
+}
+
+const char *arch_type_name(ArchType type)
+{
+    const char *names[] = {"I", "II", "III"};
+    return names[static_cast<size_t>(type)];
+}
+
+DrawnAorta drawn_aorta(std::uint64_t seed)
+{
+    static const Shipped shipped = read_shipped();
+    for (unsigned number = 0; number < ATTEMPTS_MAX; ++number) {
+        DrawnAorta drawn = attempt(shipped, seed, number);
+        const std::vector<Vessel> vessels = vessels_of(drawn.draft);
+        const ArchFigures measured = arch_figures(vessels);
+        if (measured.type != drawn.arch.type || !broken_rule(vessels, shipped.spaces).empty()) continue;
+        drawn.arch = measured;
+        drawn.right_tortuosity = tortuosity(vessel_in(drawn.draft, ILIACS[0]));
+        drawn.left_tortuosity = tortuosity(vessel_in(drawn.draft, ILIACS[1]));
+        drawn.draft.title =
+            crn::formatted("Aorta %llu: arch of type %s%s", static_cast<unsigned long long>(seed),
+                           arch_type_name(measured.type), measured.has_common_trunk ? ", common trunk" : "");
+        return drawn;
+    }
+    throw std::runtime_error(
+        crn::formatted("anatomy --seed %llu: no plausible tree in %u attempts; choose another seed",
+                       static_cast<unsigned long long>(seed), ATTEMPTS_MAX));
+}
+
+} // namespace anatomy
