@@ -99,7 +99,9 @@ def _make_one(programs: tuple[str, str], seed: int, folder: Path) -> None:
 def _call(words: Sequence[str]) -> None:
     ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     if ended.returncode != 0:
-        raise BadFileError("`%s` ended with exit code %d: %s" % (" ".join(words), ended.returncode, ended.stdout[-800:]))
+        raise BadFileError(
+            "`%s` ended with exit code %d: %s" % (" ".join(words), ended.returncode, ended.stdout[-800:])
+        )
 
 
 def need(folder: str | os.PathLike[str], seeds: Sequence[int], command: str) -> None:

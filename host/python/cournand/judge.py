@@ -1,7 +1,7 @@
 """Judges a policy in a named task, and writes a score card (docs/tasks.md).
 
-    python -m cournand.judge shipped_arch --policy expert --episodes 10 --json card.json
-    python -m cournand.judge --table card.json other.json
+python -m cournand.judge shipped_arch --policy expert --episodes 10 --json card.json
+python -m cournand.judge --table card.json other.json
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--episodes", type=int, default=100, metavar="N", help="(default 100)")
     parser.add_argument("--split", choices=SPLITS, default="judge", help="anatomies to play in (default judge)")
-    parser.add_argument("--threads", type=int, default=os.cpu_count() or 1, metavar="N", help="(default all processors)")
+    parser.add_argument(
+        "--threads", type=int, default=os.cpu_count() or 1, metavar="N", help="(default all processors)"
+    )
     parser.add_argument("--anatomies", default="anatomies", metavar="DIR", help="drawn scenes (default anatomies)")
     parser.add_argument("--json", metavar="FILE", help="the score card")
     parser.add_argument("--table", nargs="+", metavar="CARD", help="print cards as a table, and play nothing")

@@ -63,7 +63,11 @@ class Search:
     """The search, whose result depends on the challenge, the settings and the number of iterations alone."""
 
     def __init__(
-        self, challenge: Challenge, settings: Settings, anatomies: str | os.PathLike[str] = "anatomies", threads: int = 1
+        self,
+        challenge: Challenge,
+        settings: Settings,
+        anatomies: str | os.PathLike[str] = "anatomies",
+        threads: int = 1,
     ) -> None:
         self.challenge, self.settings = challenge, settings
         self.player = Player(challenge, anatomies, threads)
@@ -130,7 +134,9 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--minutes", type=float, default=10.0, metavar="M", help="of the clock (default 10)")
     parser.add_argument("--iterations", type=int, metavar="N", help="in place of --minutes; the result is reproducible")
     parser.add_argument("--seed", type=int, default=0, help="of the search (default 0)")
-    parser.add_argument("--threads", type=int, default=os.cpu_count() or 1, metavar="N", help="(default all processors)")
+    parser.add_argument(
+        "--threads", type=int, default=os.cpu_count() or 1, metavar="N", help="(default all processors)"
+    )
     parser.add_argument("--anatomies", default="anatomies", metavar="DIR", help="drawn scenes (default anatomies)")
     parser.add_argument("--out", default="policy.npz", metavar="FILE.npz", help="policy; FILE.json is the curve")
     given = parser.parse_args(words)

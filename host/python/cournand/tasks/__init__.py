@@ -1,6 +1,6 @@
 """Tasks that judge every policy in the same way: named tasks, policies, score cards (docs/tasks.md).
 
-    python -m cournand.judge iliac --policy expert --episodes 20 --json card.json
+python -m cournand.judge iliac --policy expert --episodes 20 --json card.json
 """
 
 from .card import score, table

@@ -112,30 +112,28 @@ CHALLENGES = {
             "a J wire along a winding iliac artery",
             Task(targets=("right iliac artery",), target_part=(0.1, 0.6), steps=90, force_limit_N=1.0),
             "NavTube and NavTortuous of Lumen",
-            pool=16,
+            pool=8,
         ),
         Challenge(
             "subclavian",
             "a J wire from below the arch to the first branch on its way",
-            Task(
-                targets=("left subclavian artery",), approach_m=BELOW_ARCH_M, target_part=(0.3, 0.7), steps=150
-            ),
+            Task(targets=("left subclavian artery",), approach_m=BELOW_ARCH_M, target_part=(0.3, 0.7), steps=150),
             "NavTreeBranch of Lumen",
-            pool=16,
+            pool=8,
         ),
         Challenge(
             "brachiocephalic",
             "an angled wire from below the arch to the brachiocephalic artery",
             Task(targets=("brachiocephalic artery",), **_ARCH),  # type: ignore[arg-type]
             "the target bca of CathSim",
-            pool=16,
+            pool=8,
         ),
         Challenge(
             "left_carotid",
             "an angled wire from below the arch to the left common carotid artery",
             Task(targets=("left common carotid artery",), **_ARCH),  # type: ignore[arg-type]
             "the target lcca of CathSim",
-            pool=16,
+            pool=8,
         ),
         Challenge(
             "shipped_arch",
@@ -172,7 +170,7 @@ CHALLENGES = {
                 force_limit_N=4.0,
             ),
             "DualDeviceNav of stEVE_bench",
-            pool=16,
+            pool=8,
         ),
     )
 }
