@@ -103,8 +103,9 @@ def a_force_above_the_limit_makes_a_success_unsafe():
 
 
 def a_resting_policy_goes_nowhere():
+    """Its tip only curls up to the J, which the introducer had straightened: by 8 mm."""
     figures = played("rest")["summary"]
-    return figures["success"] == 0.0 and figures["steps_median"] == 40 and figures["tip_travel_median_m"] < 0.002
+    return figures["success"] == 0.0 and figures["steps_median"] == 40 and figures["tip_travel_median_m"] < 0.025
 
 
 def the_expert_reaches_an_easy_target_safely():
