@@ -15,7 +15,7 @@ CLASSES = {
     "guest": ((), "it starts a guest with a kernel of its own; make hil-guest runs it"),
     "debugger": ((), "it waits for a debugger, or for the image that one is to look at"),
     "hours": ((), "it runs for hours"),
-    "package": ((), "it compiles the Python package from its source; test_python_install.py does so, make test-hours"),
+    "package": ((), "it needs the Python package: see test_python_install.py and test_python_tasks.py"),
     "system": ((), "it changes the machine; test_deb_installed.sh does so in a bare Debian, make test-hours"),
     "template": ((), "its names stand for the reader's own files"),
     "output": ((), "it is what a program prints, and no command"),
