@@ -20,7 +20,7 @@ again = @$(MAKE) -s --no-print-directory PACKAGES=skip
 packages-%:
 	@[ "$(PACKAGES)" = skip ] || MAKE_GOALS="$(MAKECMDGOALS)" tools/check/install_packages.sh $(subst +, ,$*)
 
-.PHONY: help run window scene test docs install clean
+.PHONY: help run window igtl scene test deb docs install clean
 
 ##@ For everyone
 help: ## this list
@@ -41,6 +41,9 @@ window: packages-build+window ## push and turn a guidewire by keyboard (needs a 
 	$(again) $(SCENE)
 	@$(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
 
+igtl: packages-build+igtl$(if $(DISPLAY),+window) ## build the program so that 3D Slicer can watch (docs/slicer.md)
+	$(call build,release,run$(comma)igtl$(if $(DISPLAY),$(comma)window),cournand)
+
 test: ## test the product: all programs, sanitizers, a short fuzz run, machines, levels L0 and L1
 test: packages-build+tools+test+matrix+usb+bench
 	@JOBS=$(JOBS) tools/check/run_tests.sh product
@@ -49,6 +52,11 @@ install: ## install programs, man pages, completion, libraries, headers, pkg-con
 install: packages-build+tools
 	$(call build,release,run$(comma)tools,cournand bake anatomy centreline cournand_library)
 	@cmake --install $(BUILD) --prefix $(or $(PREFIX),/usr/local)
+
+deb: ## make Debian packages: out/deb (docs/installing.md)
+deb: packages-build+tools+deb
+	$(call build,release,run$(comma)tools,cournand bake anatomy centreline cournand_library)
+	@tools/deb/make_packages.py --build $(BUILD) --output out/deb
 
 docs: ## build the docs as a site with search: out/site/index.html
 	@tools/docs/site.py --build $(BUILD)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds targets of a CMake preset. It configures if necessary, and prints nothing if everything is up to date.
 # usage: build.sh PRESET PARTS TARGET...
-# PARTS (run, window, tools, tests, lab, separated by commas) are added to the parts for which the folder is
+# PARTS (run, window, igtl, tools, tests, lab, separated by commas) are added to the parts for which the folder is
 # configured. So `make run` needs no package of the tests, and a later `make test` continues in the same folder. BUILD
 # names another folder, JOBS the number of parallel compilers; CMAKE_ARGS is passed to cmake. V=1 shows whole commands.
 set -euo pipefail

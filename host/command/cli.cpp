@@ -10,6 +10,7 @@
 #include "host/command/cli_rig.hpp"
 #include "host/command/names.hpp"
 #include "host/command/start.hpp"
+#include "host/igtl/feed.hpp"
 #include "host/model/units.hpp"
 #include "host/report/instrument_list.hpp"
 #include "host/session/replay.hpp"
@@ -44,6 +45,23 @@ CLI::Option *add_output(CLI::App &command, const std::string &names, std::string
                         const std::string &text)
 {
     return command.add_option(names, path, text)->type_name("FILE")->group("Outputs");
+}
+
+void add_igtl(CLI::App &command, std::string &address)
+{
+    command
+        .add_option("--igtl", address,
+                    "Let 3D Slicer and other OpenIGTLink clients watch the session (docs/slicer.md): a port, "
+                    "such as 18944, for clients on this machine, or HOST:PORT; 0: any free port")
+        ->type_name("ADDRESS")
+        ->check([](const std::string &text) {
+            try {
+                parse_igtl_address(text);
+                return std::string();
+            } catch (const std::runtime_error &error) {
+                return std::string(error.what());
+            }
+        });
 }
 
 void add_xray(CLI::App &command, PictureSettings &pictures)
@@ -213,6 +231,7 @@ void add_run(CLI::App &app, RunOptions &options)
     add_plan(*command, options.plan,
              "Assess the session by this plan (name or file): --json has the assessment, and --score is the "
              "debrief (docs/assessment.md)");
+    add_igtl(*command, options.igtl);
     command->add_flag("--quiet", options.quiet, "No progress line");
     add_pictures(*command, options.pictures);
     command->footer(
@@ -250,6 +269,7 @@ void add_replay(CLI::App &app, ReplayOptions &options)
     add_output(*command, "--json", options.json, "Write the figures of the session, as run does");
     add_output(*command, "--score", options.score,
                "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
+    add_igtl(*command, options.igtl);
     add_pictures(*command, options.pictures);
     CLI::Option *upgrade =
         command->add_flag("--upgrade", options.upgrades,
@@ -257,7 +277,8 @@ void add_replay(CLI::App &app, ReplayOptions &options)
     CLI::Option *output = add_output(*command, "-o,--output", options.upgraded, "The converted recording");
     upgrade->needs(output);
     output->needs(upgrade);
-    for (const char *other : {"--verify", "--json", "--score", "--png", "--png16", "--mp4", "--dicom"})
+    for (const char *other :
+         {"--verify", "--json", "--score", "--png", "--png16", "--mp4", "--dicom", "--igtl"})
         upgrade->excludes(command->get_option(other));
     command->footer("Examples:\n"
                     "  cournand replay last --verify\n"
@@ -316,6 +337,7 @@ void add_view(CLI::App &app, WindowOptions &options)
     add_output(*command, "--json", options.json, "Write the figures of the session at its end, as run does");
     add_output(*command, "--score", options.score,
                "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
+    add_igtl(*command, options.igtl);
     add_dicom_options(*command, options.pictures.dicom);
     command
         ->add_option("--bodies", options.pictures.bodies_path,
@@ -493,6 +515,7 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
                 throw UsageError("view: this program was built without its window, since the machine had no "
                                  "display: `make window` builds it");
             choose_defaults(window);
+            window.watched = open_told_igtl(window.igtl);
             return run_window(window);
         }
         if (app.got_subcommand("instruments")) return command_instruments(instruments);

@@ -30,6 +30,7 @@ struct RunOptions {
     bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     std::vector<double> inserted_mm;  // FREE_RUN: none, one for all tools, or one each
     const Case *lesson = nullptr;     // the session plays this case, and gets its marks
+    std::string igtl;                 // address of the OpenIGTLink server; empty: none
     std::string card;                 // file for the picture that stands for the session (card_picture)
 };
 
@@ -39,6 +40,7 @@ struct ReplayOptions {
     bool upgrades = false; // nothing is played: an older recording is written in this version as `upgraded`
     std::string upgraded;
     double from_s = 0.0;
+    std::string igtl; // address of the OpenIGTLink server; empty: none
     PictureSettings pictures;
     const Case *lesson = nullptr; // the recorded session plays this case, and gets its marks
 };

@@ -4,6 +4,7 @@
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
 #include "host/command/cli.hpp"
+#include "host/igtl/feed.hpp"
 #include "host/patient/patient.hpp"
 #include "host/picture/session_pictures.hpp"
 #include "host/report/session_summary.hpp"
@@ -116,6 +117,17 @@ int upgrade(const ReplayOptions &options)
     return 0;
 }
 
+ReplaySettings replay_settings(const ReplayOptions &options, bool is_reported)
+{
+    ReplaySettings settings;
+    settings.speed = *replay_speed(options.speed);
+    settings.verifies = options.verify;
+    settings.from_s = options.from_s;
+    settings.waits_for_enter = isatty(STDIN_FILENO) != 0;
+    settings.measures_contacts = is_reported;
+    return settings;
+}
+
 } // namespace
 
 int command_replay(const ReplayOptions &options)
@@ -141,6 +153,7 @@ int command_replay(const ReplayOptions &options)
                                  " is beyond its end at " + std::to_string(length_s) + " s");
     }
     const SceneFile scene = recorded_scene(header, options.scene);
+    IgtlOutput watched(options.igtl);
     Device device(scene, header.tools, header.entry, header.rig, {}, header.line);
     check_core(header, device.identity());
 
@@ -149,7 +162,7 @@ int command_replay(const ReplayOptions &options)
     picture_settings.scene_path = scene.path;
     picture_settings.stents = header.stents;
     picture_settings.line = header.line;
-    const bool has_pictures = writes_pictures(picture_settings) || !options.score.empty();
+    const bool has_pictures = writes_pictures(picture_settings) || !options.score.empty() || watched.server();
     SceneAnatomy anatomy;
     std::unique_ptr<Patient> patient;
     std::unique_ptr<SessionPictures> pictures;
@@ -160,16 +173,12 @@ int command_replay(const ReplayOptions &options)
             pictures = std::make_unique<SessionPictures>(picture_settings, header.tools, *patient, anatomy);
     }
     watch_for_interrupt();
-    ReplaySettings settings;
-    settings.speed = *replay_speed(options.speed);
-    settings.verifies = options.verify;
-    settings.from_s = options.from_s;
-    settings.waits_for_enter = isatty(STDIN_FILENO) != 0;
-    settings.measures_contacts = is_reported;
+    const ReplaySettings settings = replay_settings(options, is_reported);
     const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
     std::optional<EffectsWitness> witness;
     if (patient) witness.emplace(tips.map(), *patient);
-    CasePlay play(options.lesson, tips, witness ? &*witness : nullptr, pictures.get());
+    CasePlay play(options.lesson, tips, witness ? &*witness : nullptr,
+                  watched.with(pictures.get(), patient.get()));
     ReplayResult result = replay_recording(device, recording, patient.get(), play.sink(), settings);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
     if (is_reported) {

@@ -7,6 +7,7 @@
 #include "host/base/text.hpp"
 #include "host/command/cli.hpp"
 #include "host/command/names.hpp"
+#include "host/igtl/feed.hpp"
 #include "host/patient/balloon.hpp"
 #include "host/patient/patient.hpp"
 #include "host/picture/session_pictures.hpp"
@@ -224,6 +225,7 @@ int command_run(const RunOptions &given)
     check_loads(session, options.stents.size());
     check_inflations(session, tools);
     watch_for_interrupt();
+    IgtlOutput watched(options.igtl);
     DeviceChoice choice =
         is_led ? free_run_device(options.device, options.motors, options.yes) : parse_device(options.device);
     Device device(scene, tools, entry, host_rig(), choice, line);
@@ -232,19 +234,20 @@ int command_run(const RunOptions &given)
     const SceneAnatomy anatomy = read_anatomy(picture_settings);
     const std::unique_ptr<Patient> patient = make_patient(picture_settings, anatomy, tools);
     std::unique_ptr<SessionPictures> pictures;
-    if (writes_pictures(picture_settings) || !options.score.empty() ||
-        !options.card.empty()) // a score's page shows the runs
+    if (writes_pictures(picture_settings) || !options.score.empty() || !options.card.empty() ||
+        watched.server()) // a score's page shows the runs
         pictures = std::make_unique<SessionPictures>(picture_settings, tools, *patient, anatomy);
     const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
     check_injections(session, patient->contrast());
     std::optional<SessionAssessor> assessor;
-    if (!options.plan.plan.empty()) assessor.emplace(options.plan, *patient, tools, tips, pictures.get());
+    FrameSink *shown = watched.with(pictures.get(), patient.get());
+    if (!options.plan.plan.empty()) assessor.emplace(options.plan, *patient, tools, tips, shown);
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty())
         recorder = std::make_unique<Recorder>(options.record,
                                               device.recording_header(session.file, picture_settings.stents));
     const EffectsWitness witness(tips.map(), *patient);
-    CasePlay play(options.lesson, tips, &witness, assessor ? assessor->sink() : pictures.get());
+    CasePlay play(options.lesson, tips, &witness, assessor ? assessor->sink() : shown);
     RunResult result =
         carry_out(device, *patient, scene, options, session, recorder.get(), play.sink(), tips, witness);
     name_range_branch(result.figures.range, picture_settings.bodies_path);

@@ -2,6 +2,7 @@
 // window; it passes the function that opens the window to command_line().
 #pragma once
 #include "host/cases/case.hpp"
+#include "host/igtl/server.hpp"
 #include "host/picture/session_pictures.hpp"
 #include <functional>
 #include <memory>
@@ -49,7 +50,9 @@ struct WindowOptions {
     std::shared_ptr<const Case> lesson{};
     std::string replays; // begin with the replay of this recording; empty: no
     std::string timing;  // file of the figures of this machine: punctuality, pictures, delays; empty: none
-    std::string layout;  // file with the names and places of the controls, for tests; empty: none
+    std::string igtl;    // address of the OpenIGTLink server; empty: none
+    std::shared_ptr<IgtlServer> watched{}; // this server, for all sessions of the window
+    std::string layout; // file with the names and places of the controls, for tests; empty: none
 };
 
 // Opens the window and returns the exit code.

@@ -146,6 +146,18 @@ cournand_status cournand_tool_describe(const cournand_tool *tool, cournand_tool_
     });
 }
 
+cournand_status cournand_tool_markers(const cournand_tool *tool, double *arcs_m, size_t capacity,
+                                      size_t *count)
+{
+    return guarded([&] {
+        const auto instrument = object_of(tool);
+        require(count != nullptr && (arcs_m != nullptr || capacity == 0), "arcs_m or count is NULL");
+        const std::vector<double> arcs = marker_arcs(*instrument);
+        std::copy_n(arcs.begin(), std::min(capacity, arcs.size()), arcs_m);
+        *count = arcs.size();
+    });
+}
+
 cournand_status cournand_tool_scaled(const cournand_tool *tool, const cournand_tool_scales *scales,
                                      cournand_tool **made)
 {

@@ -171,6 +171,12 @@ typedef struct cournand_tool_info {
 } cournand_tool_info;
 COURNAND_API cournand_status cournand_tool_describe(const cournand_tool *tool, cournand_tool_info *info);
 
+/* Writes the middles of the tool's first `capacity` radiopaque marker bands to `arcs_m`, as distances in m
+ * from the tip, in ascending order, and the number of all bands to `count`. `arcs_m` may be NULL if
+ * `capacity` is 0. */
+COURNAND_API cournand_status cournand_tool_markers(const cournand_tool *tool, double *arcs_m, size_t capacity,
+                                                   size_t *count);
+
 /* Holds factors for a tool's properties, 0.1 .. 10 each; the factor 1 changes nothing. */
 typedef struct cournand_tool_scales {
     uint32_t struct_bytes;

@@ -92,10 +92,12 @@ void Renderer::render(World &world, const cournand_view &view, cournand_picture 
     const bool has_labels = !has_picture || (view.flags & COURNAND_VIEW_LABELS) != 0;
     picture.size = static_cast<std::uint32_t>(settings.size);
     picture.tick = world.tick();
+    if (has_labels) choose_labels(world, shot);
+    const XrayFrame frame{world.looks_on_line(), shot.shape, shot.curves, shot.bodies,
+                          has_labels ? &labels_ : nullptr};
     if (has_picture) {
         XrayMemory *memory = (view.flags & COURNAND_VIEW_SEQUENCE) != 0 ? &memory_ : nullptr;
-        xray_.render(settings, {world.looks_on_line(), shot.shape, shot.curves, shot.bodies}, view.seed,
-                     memory, picture_);
+        xray_.render(settings, frame, view.seed, memory, picture_);
         picture.is_underexposed = picture_.is_underexposed;
         picture.grey = picture_.grey.data();
         picture.raw = picture_.raw.data();
@@ -104,54 +106,22 @@ void Renderer::render(World &world, const cournand_view &view, cournand_picture 
         picture.pulse_ms = picture_.technique.pulse_ms;
         picture.air_kerma_uGy = picture_.air_kerma_uGy;
         picture.kap_Gy_cm2 = picture_.kap_Gy_cm2;
+    } else {
+        draw_tubes(frame, make_view(settings.carm, settings.size), Material::blood, paths_);
     }
-    if (!has_labels) return;
-    draw_labels(world, shot, settings);
-    picture.labels = labels_.data();
+    if (has_labels) picture.labels = labels_.pixels.data();
 }
 
-// Draws each kind by itself. The curves in the shot come in this order: the balloon, the struts, and the
-// medium (shot_of).
-void Renderer::draw_labels(World &world, const PulseShot &shot, const XraySettings &settings)
+// The curves in the shot come in this order: the balloon, the struts, and the medium (shot_of).
+void Renderer::choose_labels(World &world, const PulseShot &shot)
 {
-    const View view = make_view(settings.carm, settings.size);
-    labels_.assign(static_cast<std::size_t>(settings.size) * static_cast<std::size_t>(settings.size), 0);
-    const std::vector<RadiopaqueInstrument> &looks = world.looks_on_line();
-    for (std::size_t k = 0; k < looks.size(); k++) {
-        std::vector<RadiopaqueInstrument> alone(looks.size());
-        alone[k] = looks[k];
-        if (!alone[k].sections.empty()) mark({alone, shot.shape}, view, static_cast<std::uint8_t>(1u << k));
-    }
-    const std::span<const SweptCurve> curves = shot.curves;
     const std::size_t balloon =
         balloon_filling(shot.shape, world.tools_on_line(), balloon_iodine_mg_per_ml).size();
     const std::size_t medium = world.patient() ? world.patient()->contrast().curves().size() : 0;
-    mark({{}, shot.shape, curves.first(balloon)}, view, COURNAND_LABEL_BALLOON);
-    mark({{}, shot.shape, curves.subspan(balloon, curves.size() - balloon - medium)}, view,
-         COURNAND_LABEL_STENT);
-    mark({{}, shot.shape, curves.last(medium)}, view, COURNAND_LABEL_MEDIUM);
-}
-
-void Renderer::mark(const XrayFrame &frame, const View &view, std::uint8_t bit)
-{
-    if (frame.tools.empty() && frame.curves.empty()) return;
-    constexpr Material displaced = Material::blood;
-    draw_tubes(frame, view, displaced, paths_);
-    for (std::size_t touched = 0; touched < paths_.pixels.size(); touched++) {
-        const std::int32_t *ray = paths_.q10mm.data() + touched * paths_.ints_per_pixel();
-        std::int64_t medium = 0;
-        bool is_met = false;
-        for (std::size_t material = 0; material < paths_.materials.size(); material++, ray += tool_rays) {
-            if (paths_.materials[material] == displaced) continue;
-            const bool is_medium = paths_.materials[material] == Material::iohexol_350;
-            for (int k = 0; k < tool_rays; k++) {
-                if (is_medium && bit == COURNAND_LABEL_MEDIUM) medium += ray[k];
-                is_met = is_met || (bit != COURNAND_LABEL_MEDIUM && ray[k] > 0);
-            }
-        }
-        if (is_met || medium >= medium_min_q10mm * tool_rays)
-            labels_[static_cast<std::size_t>(paths_.pixels[touched])] |= bit;
-    }
+    labels_.tool_bits = {COURNAND_LABEL_TOOL_0, COURNAND_LABEL_TOOL_1, COURNAND_LABEL_TOOL_2};
+    labels_.curves = {{balloon, COURNAND_LABEL_BALLOON, 0},
+                      {shot.curves.size() - balloon - medium, COURNAND_LABEL_STENT, 0},
+                      {medium, COURNAND_LABEL_MEDIUM, medium_min_q10mm * tool_rays}};
 }
 
 } // namespace crn::library

@@ -25,9 +25,8 @@ class Renderer
 
   private:
     PulseShot shot_at(World &world);
-    void draw_labels(World &world, const PulseShot &shot, const XraySettings &settings);
-    // Sets the bit `bit` in all pixels in which rays meet the frame's tools and curves.
-    void mark(const XrayFrame &frame, const View &view, std::uint8_t bit);
+    // Chooses the bits of the label image for the tools and curves of this shot.
+    void choose_labels(World &world, const PulseShot &shot);
 
     std::shared_ptr<const Scene> scene_;
     Xray xray_;
@@ -35,7 +34,7 @@ class Renderer
     XrayMemory memory_;
     XrayPicture picture_;
     ToolPaths paths_;
-    std::vector<std::uint8_t> labels_;
+    TubeLabels labels_;
 };
 
 template <> struct HandleOf<cournand_renderer> {

@@ -42,6 +42,14 @@ void describe(const Instrument &tool, cournand_tool_info &info)
     info.has_balloon = tool.balloon.has_value();
 }
 
+std::vector<double> marker_arcs(const Instrument &tool)
+{
+    std::vector<double> arcs_m;
+    if (tool.balloon) arcs_m = tool.balloon->marker_arcs_m;
+    std::sort(arcs_m.begin(), arcs_m.end());
+    return arcs_m;
+}
+
 Instrument scaled(const Instrument &tool, const cournand_tool_scales &scales)
 {
     check_factor("bend_stiffness", scales.bend_stiffness, 0.1);

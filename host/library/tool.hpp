@@ -7,6 +7,8 @@ namespace crn::library
 {
 
 void describe(const Instrument &tool, cournand_tool_info &info);
+// Returns the middles of the marker bands of the tool in m from its tip, in ascending order.
+std::vector<double> marker_arcs(const Instrument &tool);
 // Throws Refused if a factor is out of its range.
 Instrument scaled(const Instrument &tool, const cournand_tool_scales &scales);
 

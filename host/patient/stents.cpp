@@ -373,16 +373,17 @@ void PatientStents::ask_for_holds(const WireFrame &wire)
         for (const StentHold &hold :
              stents_.holds(*vessel->wall, lesion, static_cast<std::uint32_t>(stations_[lesion].count),
                            opened[lesion])) {
-            std::optional<std::uint32_t> first;
-            for (std::uint32_t k = hold.first; k <= hold.last + 1; ++k) {
-                const bool is_new = k <= hold.last && known_256_[lesion][k] < hold.open_256;
-                if (is_new && !first) first = k;
-                if (is_new || !first) continue;
+            const auto is_new = [&](std::uint32_t k) {
+                return k <= hold.last && known_256_[lesion][k] < hold.open_256;
+            };
+            for (std::uint32_t k = hold.first; k <= hold.last; ++k) {
+                if (!is_new(k)) continue;
+                const std::uint32_t first = k;
+                while (is_new(k)) ++k;
                 orders_.add(crn_wire_order_of_scaffold(
-                    {static_cast<std::uint8_t>(lesion + 1), static_cast<std::uint8_t>(*first),
+                    {static_cast<std::uint8_t>(lesion + 1), static_cast<std::uint8_t>(first),
                      static_cast<std::uint8_t>(k - 1),
                      static_cast<std::uint16_t>(hold.open_256 * q15_per_256)}));
-                first.reset();
             }
         }
     }

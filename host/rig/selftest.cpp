@@ -143,7 +143,7 @@ void check_rig(Lines &lines, Link &link)
     for (std::uint16_t k = 0; k < later.tracks_count && k < first.tracks_count && k < rig.tracks_count; k++)
         check_track(lines, k + 1u, first.tracks[k], later.tracks[k], rig.tracks[k]);
     if ((later.lines & 8) != 0)
-        lines.note("limits: not tried, since the local unlock allows to raise them");
+        lines.note("limits: not tried, since the local unlock permits higher ones");
     else if (link.read_status().state == CRN_WIRE_STATE_READY)
         check_limits_hold(lines, link, rig);
     else

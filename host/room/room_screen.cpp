@@ -40,12 +40,13 @@ RoomScreen::Source RoomScreen::shown() const
         if (stored && !stored->run.frames.empty()) {
             const int frame = loop_frame(*stored);
             const auto at = static_cast<std::size_t>(frame);
-            return {&stored->run.frames[at].raw, &stored->grey[at], stored, frame, stored->run.size};
+            return {&stored->run.frames[at].raw, &stored->grey[at], stored, frame, stored->run.size,
+                    &stored->run.frames[at].carm};
         }
     }
     if (!has_held_) return {};
     StoredRun *stored = held_run_ > 0 ? store_.find(held_run_) : nullptr;
-    return {&held_frame_.raw, &held_grey_, stored, held_index_, held_size_};
+    return {&held_frame_.raw, &held_grey_, stored, held_index_, held_size_, &held_frame_.carm};
 }
 
 // Every frame of a subtraction run (DSA) is shown subtracted. A frame that alone forms the mask is shown
@@ -127,7 +128,8 @@ bool RoomScreen::compose_stored(int run, int frame, std::vector<std::uint8_t> &g
     const int shown =
         is_loop ? frame_at(*stored, std::max<std::int64_t>(room_.tick(), 0)) : std::min(frame, last);
     const auto at = static_cast<std::size_t>(shown);
-    const Source source{&stored->run.frames[at].raw, &stored->grey[at], stored, shown, stored->run.size};
+    const Source source{&stored->run.frames[at].raw, &stored->grey[at], stored, shown, stored->run.size,
+                        &stored->run.frames[at].carm};
     RoomStatus now;
     now.source = is_loop ? ScreenSource::loop : ScreenSource::still;
     fill_run(source, now);
@@ -159,6 +161,7 @@ RoomStatus RoomScreen::status() const
 void RoomScreen::fill_shown(RoomStatus &status) const
 {
     const Source source = shown();
+    status.picture_carm = source.carm ? *source.carm : status.carm;
     if (!source.grey) return;
     status.source = room_.is_beam_on() ? ScreenSource::live : ScreenSource::held;
     if (review_.is_on && source.run)

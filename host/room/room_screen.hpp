@@ -39,6 +39,7 @@ struct RoomStatus : RoomState {
     int mask_first = 0, mask_last = 0; // frames from 0
     double shift_right_px = 0.0, shift_up_px = 0.0;
     RoadmapState roadmap = RoadmapState::off;
+    CArm picture_carm; // at the pulse of the shown picture; before the first pulse: the present one
 };
 
 class RoomScreen
@@ -80,6 +81,7 @@ class RoomScreen
         StoredRun *run = nullptr; // nullptr: fluoroscopy that is not kept
         int frame = 0;
         int size = 0;
+        const CArm *carm = nullptr; // of the frame's pulse
     };
     struct Roadmap {
         RoadmapState state = RoadmapState::off;

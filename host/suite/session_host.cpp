@@ -1,6 +1,7 @@
 #include "host/suite/session_host.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/terminal.hpp"
+#include "host/igtl/geometry.hpp"
 #include "host/patient/balloon.hpp"
 #include "host/records/identity.hpp"
 #include "host/report/session_summary.hpp"
@@ -40,6 +41,29 @@ std::string export_folder(DicomSettings settings, int number)
 
 } // namespace
 
+// Publishes the tips and the live monitor of a session by OpenIGTLink.
+class WindowFeed
+{
+  public:
+    WindowFeed(IgtlServer &server, const PictureThread &pictures) : feed_(server), pictures_(pictures) {}
+    void look(const SessionFrame &frame, const Patient &patient)
+    {
+        const std::shared_ptr<const MonitorPicture> live = pictures_.live();
+        if (!live || live->grey.empty() || live->number == number_)
+            return feed_.send(frame, patient, nullptr);
+        number_ = live->number;
+        IgtlPicture picture = picture_place(live->status.picture_carm, live->size);
+        picture.grey = {live, &live->grey};
+        feed_.send(frame, patient, &picture);
+    }
+    void end() { feed_.end(); }
+
+  private:
+    IgtlFeed feed_;
+    const PictureThread &pictures_;
+    std::uint64_t number_ = 0;
+};
+
 SessionHost::SessionHost(WindowOptions options, GlOpener window_context)
     : options_(std::move(options)), window_context_(std::move(window_context)),
       scene_(read_scene(options_.scene)),
@@ -75,10 +99,13 @@ void SessionHost::begin(int number)
     auto session = std::make_unique<LiveSession>(scene_, table_, entry_, recording_, pictures, commands,
                                                  choice_, keeps_all);
     goals_.reset();
-    if (options_.lesson) {
-        goals_ = std::make_shared<LiveGoals>(options_.lesson, *session);
-        session->observe([goals = goals_](const SessionFrame &frame, Patient &) { goals->look(frame); });
-    }
+    feed_.reset();
+    if (options_.lesson) goals_ = std::make_shared<LiveGoals>(options_.lesson, *session);
+    if (options_.watched) feed_ = std::make_shared<WindowFeed>(*options_.watched, session->pictures());
+    session->observe([goals = goals_, feed = feed_](const SessionFrame &frame, Patient &patient) {
+        if (goals) goals->look(frame);
+        if (feed) feed->look(frame, patient);
+    });
     started_at_ = utc_now();
     physics_ = std::make_unique<PhysicsThread>(std::move(session),
                                                is_counted ? PhysicsPace::counted : PhysicsPace::real_time);
@@ -123,6 +150,7 @@ int SessionHost::end()
     const std::unique_ptr<PhysicsThread> physics = std::move(physics_);
     const std::unique_ptr<LiveSession> session = physics->stop();
     session->finish();
+    if (feed_) feed_->end();
     const SceneAnatomy &anatomy = session->anatomy();
     RunResult result = session->result(TipPlaces(anatomy.bodies.vessels, anatomy.motion));
     name_range_branch(result.figures.range, options_.pictures.bodies_path);

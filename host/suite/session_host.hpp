@@ -2,6 +2,7 @@
 // of later sessions, and writes the report of each session.
 #pragma once
 #include "host/command/cli.hpp"
+#include "host/igtl/feed.hpp"
 #include "host/live/live_goals.hpp"
 #include "host/live/physics_thread.hpp"
 #include "host/suite/pages.hpp"
@@ -10,6 +11,8 @@
 
 namespace crn
 {
+
+class WindowFeed;
 
 class SessionHost
 {
@@ -62,6 +65,7 @@ class SessionHost
     crn_wire_entry entry_;
     DeviceChoice choice_;
     std::shared_ptr<LiveGoals> goals_;
+    std::shared_ptr<WindowFeed> feed_;
     std::unique_ptr<PhysicsThread> physics_; // uses goals_
     std::string started_at_;
     std::string recording_;

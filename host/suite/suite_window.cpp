@@ -100,6 +100,11 @@ void set_style(float scale)
     style.Colors[ImGuiCol_SliderGrab] = ImVec4(0.337f, 0.706f, 0.914f, 1.0f);
     style.Colors[ImGuiCol_SliderGrabActive] = ImVec4(0.902f, 0.624f, 0.0f, 1.0f);
     style.Colors[ImGuiCol_Separator] = bright;
+    style.Colors[ImGuiCol_ScrollbarBg] = panel;
+    style.Colors[ImGuiCol_ScrollbarGrab] = raised;
+    style.Colors[ImGuiCol_ScrollbarGrabHovered] = bright;
+    style.Colors[ImGuiCol_ScrollbarGrabActive] = bright;
+    style.Colors[ImGuiCol_TableHeaderBg] = raised;
     style.Colors[ImGuiCol_PlotHistogram] = ImVec4(0.337f, 0.706f, 0.914f, 1.0f);
     style.ScaleAllSizes(scale);
     ImGui::GetStyle() = style;

@@ -216,6 +216,36 @@ float transmitted(const BeamTable &beam, const Exponents &exponent)
 // of the mean path length has a relative error of only 1e-4 against the mean of the rays' transmissions.
 constexpr float ray_spread_max = 0.1f;
 
+// A tool cannot displace more of a material than lies on the ray, so the tool's negative path length is
+// limited to that amount.
+float limited(std::int32_t length, std::int32_t there)
+{
+    return static_cast<float>(std::max(length, -there));
+}
+
+// Returns the mean transmission of the rays of a pixel, each with its own path lengths.
+float mean_of_rays(const XrayChain &chain, std::size_t touched, const Exponents &body)
+{
+    const ToolPaths &tools = chain.paths.tools();
+    const PathPictures &bodies = chain.paths.bodies();
+    const std::int32_t pixel = tools.pixels[touched];
+    std::array<Exponents, tool_rays> ray_exponent;
+    ray_exponent.fill(body);
+    for (std::size_t slot = 0; slot < tools.materials.size(); ++slot) {
+        const int m = static_cast<int>(tools.materials[slot]);
+        const Exponents &per_length = chain.beam.log2_per_q10mm[m];
+        const std::int32_t there = bodies[m].empty() ? 0 : bodies[m][pixel];
+        const std::int32_t *length = tools.q10mm.data() + touched * tools.ints_per_pixel() + slot * tool_rays;
+        for (int ray = 0; ray < tool_rays; ++ray) {
+            const float added = limited(length[ray], there);
+            for (int k = 0; k < beam_energy_count; ++k) ray_exponent[ray][k] += per_length[k] * added;
+        }
+    }
+    float sum = 0.0f;
+    for (const Exponents &exponent : ray_exponent) sum += transmitted(chain.beam, exponent);
+    return sum * (1.0f / tool_rays);
+}
+
 // Several rays pass through each pixel, because tools are thin. The transmissions of the rays through a pixel
 // are averaged, because averaged path lengths would make thin metal too dark. Inside a wide column of
 // contrast medium the path lengths of a pixel's rays are nearly equal, so a single transmission for the mean
@@ -227,31 +257,23 @@ float behind_tools(const XrayChain &chain, std::size_t touched)
     const std::int32_t pixel = tools.pixels[touched];
     const Exponents body = behind_bodies(chain, pixel);
     Exponents mean = body;
-    std::array<Exponents, tool_rays> ray_exponent;
-    ray_exponent.fill(body);
     float spread = 0.0f;
     for (std::size_t slot = 0; slot < tools.materials.size(); ++slot) {
         const int m = static_cast<int>(tools.materials[slot]);
         const Exponents &per_length = chain.beam.log2_per_q10mm[m];
         const std::int32_t there = bodies[m].empty() ? 0 : bodies[m][pixel];
         const std::int32_t *length = tools.q10mm.data() + touched * tools.ints_per_pixel() + slot * tool_rays;
-        float low = 0.0f, high = 0.0f, sum = 0.0f;
-        for (int ray = 0; ray < tool_rays; ++ray) {
-            // A tool cannot displace more of a material than lies on the ray, so the tool's negative path
-            // length is limited to that amount.
-            const auto added = static_cast<float>(std::max(length[ray], -there));
-            low = ray == 0 ? added : std::min(low, added);
-            high = ray == 0 ? added : std::max(high, added);
+        float low = limited(length[0], there), high = low, sum = low;
+        for (int ray = 1; ray < tool_rays; ++ray) {
+            const float added = limited(length[ray], there);
+            low = std::min(low, added);
+            high = std::max(high, added);
             sum += added;
-            for (int k = 0; k < beam_energy_count; ++k) ray_exponent[ray][k] += per_length[k] * added;
         }
         for (int k = 0; k < beam_energy_count; ++k) mean[k] += per_length[k] * (sum * (1.0f / tool_rays));
         spread += (high - low) * *std::max_element(per_length.begin(), per_length.end());
     }
-    if (spread < ray_spread_max) return transmitted(chain.beam, mean);
-    float sum = 0.0f;
-    for (const Exponents &exponent : ray_exponent) sum += transmitted(chain.beam, exponent);
-    return sum * (1.0f / tool_rays);
+    return spread < ray_spread_max ? transmitted(chain.beam, mean) : mean_of_rays(chain, touched, body);
 }
 
 } // namespace

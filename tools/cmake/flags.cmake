@@ -10,7 +10,7 @@ set(CRN_SANITIZE_GCC "" CACHE STRING "the same by gcc, which has no fuzzers: for
 set(CRN_QUICK ON CACHE BOOL "compile what runs once without optimising")
 set(CRN_USB_ID "1209:0001" CACHE STRING "number of a rig on the bus, vendor:product in hexadecimal (docs/usb.md)")
 set(CRN_PARTS "run;window;tools;tests;lab" CACHE STRING
-    "what is built: run, window, tools, tests, lab; or library alone")
+    "what is built: run, window, igtl, tools, tests, lab; or library alone")
 
 set(CMAKE_C_STANDARD 11)
 set(CMAKE_CXX_STANDARD 20)

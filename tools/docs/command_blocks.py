@@ -16,6 +16,7 @@ CLASSES = {
     "debugger": ((), "it waits for a debugger, or for the image that one is to look at"),
     "hours": ((), "it runs for hours"),
     "package": ((), "it needs the Python package: see test_python_install.py and test_python_tasks.py"),
+    "system": ((), "it changes the machine; test_deb_installed.sh does so in a bare Debian, make test-hours"),
     "template": ((), "its names stand for the reader's own files"),
     "output": ((), "it is what a program prints, and no command"),
 }
@@ -25,7 +26,7 @@ STARTS = re.compile(
     r"(?:sudo |until |(?:[A-Z][A-Z_0-9]*=\S* ))*"
     r"(?:make|cmake|ctest|ninja|git|cd|apt|apt-get|pip|pip3|python3?|pkg-config|mpirun|"
     r"gdb-multiarch|gdb|tshark|wireshark|ffmpeg|"
-    r"docker|podman|debootstrap|udevadm|lsusb|cournand|bake|anatomy|centreline|"
+    r"docker|podman|debootstrap|mmdebstrap|udevadm|lsusb|cournand|bake|anatomy|centreline|"
     r"(?:\./|build/|tools/|hil_tests/|host/|firmware/|\.ci/)[\w./-]+)(?:\s|$)"
 )
 SHELLS = ("", "sh", "bash", "console", "shell", "text")

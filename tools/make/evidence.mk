@@ -8,11 +8,11 @@ lab: packages-build+tools+lab ## build every program of tools/lab
 	$(call build,release,$(LAB),all)
 
 test-lab: ## test the evidence: the thesis, calibration, CT, peers, bars, malformed files
-test-lab: packages-build+tools+lab+test+matrix+usb+bench
+test-lab: packages-build+tools+lab+test+matrix+usb+bench+deb+debtest
 	@JOBS=$(JOBS) tools/check/run_tests.sh lab
 
-test-hours: ## play every case, 20 experts and 20 novices, and run the window under the thread sanitizer (hours)
-test-hours: packages-build+window+tools+test
+test-hours: ## play every case, 20 experts and 20 novices, race the window's threads, install packages (hours)
+test-hours: packages-build+window+tools+test+deb+debtest
 	@JOBS=$(JOBS) tools/check/run_tests.sh hours
 
 validate: ## compare the rod with closed forms; write out/validation.html and .tsv and docs/validation.md

@@ -63,6 +63,8 @@ cat >"$work/keys.sh" <<'EOF'
 window=$!
 ticks_pass "$work/live.rec" 1
 focus || { stuck; exit 1; }
+timeout 10 xdotool search --onlyvisible --class \
+    "^$(sed -n 's/^StartupWMClass=//p' tools/desktop/cournand.desktop)\$" >"$work/class" 2>"$work/log"
 keys keydown Up keydown space; ticks_pass "$work/live.rec" 2 || stuck; keys keyup Up keyup space key d key h
 ticks_pass "$work/live.rec" 1
 keys key Escape
@@ -71,6 +73,8 @@ EOF
 export program wire work
 timeout 300 bash "$work/keys.sh"
 result $? "Escape ends it with exit code 0"
+[ -s "$work/class" ]
+result $? "the window has the class by which a desktop finds its icon"
 "$program" replay "$work/live.rec" --verify >"$work/log" 2>&1
 result $? "keys are recorded and replay bit for bit"
 # The recording has at least four commands: table and following at the start, pedal down, pedal up, C-arm.

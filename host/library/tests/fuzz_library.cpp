@@ -185,6 +185,9 @@ void Caller::create()
     options.inserted_count = in_.near<std::uint32_t>(3);
     for (float &length_m : options.inserted_m) length_m = in_.near<float>(0.05f);
     options.contact_ticks = in_.one();
+    const char *const stents[] = {"shared/examples/stents/coronary_3_0x18.toml", nullptr};
+    options.stents = in_.one() % 8 ? stents : nullptr;
+    options.stent_count = in_.near<std::uint32_t>(options.flags == COURNAND_WITH_PATIENT ? 1 : 0);
     cournand_tool *tools[COURNAND_TOOLS_MAX];
     for (std::size_t i = 0; i < COURNAND_TOOLS_MAX; i++) tools[i] = shared().tools[i % 3];
     if (in_.one() % 8 == 0) tools[in_.one() % 3] = nullptr;
@@ -337,12 +340,30 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
     return 0;
 }
 
-// Each seed input makes a world and repeats one kind of call.
+// Each of the first seed inputs makes a world and repeats one kind of call. The last ones make a world with a
+// patient and a stent, save it, inflate its balloon, and restore the snapshot with a changed byte and a right
+// check.
 std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
 {
-    if (index >= 12 || capacity < 256) return 0;
-    for (std::size_t i = 0; i < 256; i++)
-        bytes[i] = static_cast<std::uint8_t>(i % 48 < 40 ? 1 + i % 3 : index);
-    bytes[0] = 0;
-    return 256;
+    constexpr unsigned kinds = 12, patients = 8;
+    if (index >= kinds + patients || capacity < 256) return 0;
+    if (index < kinds) {
+        for (std::size_t i = 0; i < 256; i++)
+            bytes[i] = static_cast<std::uint8_t>(i % 48 < 40 ? 1 + i % 3 : index);
+        bytes[0] = 0;
+        return 256;
+    }
+    // The comments name what a call takes from the input; see the functions of Caller.
+    std::vector<std::uint8_t> made = {0, 1, 0, 1, 0, 1, 0,
+                                      0, 0, 1, 1, 1, 1, 0};               // create: a patient, all tools
+    made.insert(made.end(), {1, 1, 1, 2, 1, 1});                          // a stent, three tools
+    const std::vector<std::uint8_t> treat = {11, 0, 5, 1, 2, 1, 0, 1, 1}; // inject, load the stent
+    const std::vector<std::uint8_t> inflate = {2, 0, 0, 0, 0, 0, 0, 90, 1, 0, 1, 15, 1}, save = {6, 0, 1};
+    const auto byte = static_cast<std::uint8_t>(37 * index);
+    const std::vector<std::uint8_t> restore = {6, 0, 1, 1, byte, byte, byte, 0, 0, 1, 0};
+    for (const auto &part :
+         {treat, inflate, save, inflate, inflate, restore, inflate, restore, inflate, restore})
+        made.insert(made.end(), part.begin(), part.end());
+    std::copy(made.begin(), made.end(), bytes);
+    return made.size();
 }

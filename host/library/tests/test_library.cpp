@@ -417,6 +417,27 @@ void a_scaled_tool_is_as_stiff_as_asked(void **)
     done(cournand_tool_free(stiff));
 }
 
+// The instrument's file states 8.5 and 27.5 mm.
+void the_marker_bands_of_a_balloon_are_named_from_the_tip(void **)
+{
+    cournand_tool *balloon = tool("balloon_6x20"), *wire = tool("j_wire");
+    double arcs_m[3] = {-1.0, -1.0, -1.0};
+    std::size_t count = 0;
+    done(cournand_tool_markers(balloon, arcs_m, 1, &count));
+    assert_int_equal(count, 2);
+    assert_float_equal(arcs_m[0], 0.0085, 1e-9);
+    assert_float_equal(arcs_m[1], -1.0, 0.0); // beyond the capacity
+    done(cournand_tool_markers(balloon, arcs_m, 3, &count));
+    assert_float_equal(arcs_m[1], 0.0275, 1e-9);
+    done(cournand_tool_markers(wire, nullptr, 0, &count));
+    assert_int_equal(count, 0);
+    assert_int_equal(cournand_tool_markers(balloon, nullptr, 1, &count), COURNAND_BAD_ARGUMENT);
+    assert_int_equal(cournand_tool_markers(balloon, arcs_m, 3, nullptr), COURNAND_BAD_ARGUMENT);
+    assert_int_equal(cournand_tool_markers(nullptr, arcs_m, 3, &count), COURNAND_BAD_HANDLE);
+    done(cournand_tool_free(balloon));
+    done(cournand_tool_free(wire));
+}
+
 // The program `cournand replay --verify` also checks a recording with this function.
 void a_recording_of_a_world_replays_in_the_program(void **)
 {
@@ -480,6 +501,7 @@ int main()
         cmocka_unit_test(an_order_changes_the_heart_rate),
         cmocka_unit_test(tools_are_exchanged_by_an_order),
         cmocka_unit_test(a_scaled_tool_is_as_stiff_as_asked),
+        cmocka_unit_test(the_marker_bands_of_a_balloon_are_named_from_the_tip),
         cmocka_unit_test(a_recording_of_a_world_replays_in_the_program),
         cmocka_unit_test(a_patient_receives_medium_and_changes_no_hash),
     };

@@ -85,6 +85,8 @@ class Tool:
         self.radius_max_m: float = radius
         """Outer radius at the widest point, with the balloon folded."""
         self.has_balloon: bool = has_balloon
+        self.markers_m: tuple[float, ...] = tuple(core.markers())
+        """Middles of the radiopaque marker bands, from the tip, in ascending order."""
 
     def scaled(
         self,

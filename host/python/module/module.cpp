@@ -58,6 +58,15 @@ nb::tuple describe_tool(const Tool &tool)
                           info.has_balloon != 0);
 }
 
+std::vector<double> markers_of(const Tool &tool)
+{
+    std::size_t count = 0;
+    check(cournand_tool_markers(tool.get(), nullptr, 0, &count));
+    std::vector<double> arcs_m(count);
+    check(cournand_tool_markers(tool.get(), arcs_m.data(), count, &count));
+    return arcs_m;
+}
+
 Tool *scaled_tool(const Tool &tool, double bend, double twist, double mass, double friction, double curvature)
 {
     auto scales = sized<cournand_tool_scales>();
@@ -110,6 +119,7 @@ NB_MODULE(_core, module)
     nb::class_<Tool>(module, "Tool")
         .def(nb::new_(&open_tool), nb::arg("path"))
         .def("describe", &describe_tool)
+        .def("markers", &markers_of)
         .def("scaled", &scaled_tool);
     add_worlds(module);
     add_recordings(module);

@@ -93,14 +93,29 @@ def digest():
     return hashed.hexdigest()
 
 
-def enter(script):
-    """Continues a test script in the environment of the package, unless it is there already."""
+def joined(more):
+    """Returns the path of a requirements file with the packages of the tests and those of another file."""
+    path = os.path.join(FOLDER, more)
+    text = ""
+    for name in ("requirements.txt", more):
+        with open(os.path.join(ROOT, "host", "python", name), encoding="utf-8") as file:
+            text += file.read()
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    return path
+
+
+def enter(script, more=None):
+    """Continues a test script in the environment of the package, unless it is there already. `more` names a file with
+    further packages, for which there is an environment of its own."""
     if os.environ.get("COURNAND_PYTHON_TEST") == script:
         return
     python = prepare()
-    more = dict(os.environ, COURNAND_PYTHON_TEST=script, PYTHONPATH=SITE, PYTHONDONTWRITEBYTECODE="1")
+    if more is not None:
+        python = environment(os.path.join(FOLDER, more.removesuffix(".txt")), joined(more))
+    names = dict(os.environ, COURNAND_PYTHON_TEST=script, PYTHONPATH=SITE, PYTHONDONTWRITEBYTECODE="1")
     sys.stdout.flush()
-    os.execve(python, [python, script] + sys.argv[1:], more)
+    os.execve(python, [python, script] + sys.argv[1:], names)
 
 
 if __name__ == "__main__":

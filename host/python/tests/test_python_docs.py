@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The examples of docs/python.md, gymnasium.md and tasks.md run from top to bottom, and the page of the package names
-every public class and exception. Prints TAP."""
+"""The examples of docs/python.md, gymnasium.md, tasks.md and factory.md run from top to bottom, and the page of the
+package names every public class and exception. Prints TAP."""
 
 import os
 import re
@@ -44,6 +44,10 @@ def the_examples_of_the_environments_run():
     return len(blocks("docs/gymnasium.md")) >= 4 and runs("docs/gymnasium.md") == []
 
 
+def the_example_of_the_factory_runs():
+    return len(blocks("docs/factory.md")) == 1 and runs("docs/factory.md") == []
+
+
 def the_example_of_the_tasks_runs():
     return len(blocks("docs/tasks.md")) == 1 and runs("docs/tasks.md") == []
 
@@ -78,6 +82,7 @@ tap.run(
     [
         the_examples_of_the_package_run,
         the_examples_of_the_environments_run,
+        the_example_of_the_factory_runs,
         the_example_of_the_tasks_runs,
         the_five_lines_of_the_readme_give_a_picture,
         the_page_names_every_class,

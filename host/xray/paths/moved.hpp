@@ -3,6 +3,7 @@
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "host/xray/paths/materials.hpp"
+#include "host/xray/paths/tube_labels.hpp"
 #include <span>
 #include <vector>
 
@@ -76,6 +77,7 @@ struct XrayFrame {
     const WireFrame &wire;
     std::span<const SweptCurve> curves = {};
     std::span<const MovedBody> bodies = {};
+    TubeLabels *labels = nullptr; // receives the label image of tools and curves
 };
 
 } // namespace crn

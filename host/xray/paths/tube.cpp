@@ -226,8 +226,44 @@ void draw_line(TubePainter &painter, const XrayFrame &frame, const View &view)
     for (std::size_t k = 0; k < frame.tools.size(); ++k) {
         const double tip_arc_m = k < frame.wire.tip_arc_m.size() ? frame.wire.tip_arc_m[k] : 0.0;
         if (!std::isfinite(tip_arc_m)) continue;
+        const bool is_labelled = frame.labels != nullptr && k < frame.labels->tool_bits.size();
+        painter.label(frame.labels, is_labelled ? frame.labels->tool_bits[k] : std::uint8_t{0}, false);
         draw_tool(painter, frame.tools[k], own_part(line, tip_arc_m, frame.tools[k]), tip_arc_m);
     }
+}
+
+void begin_labels(TubeLabels &labels, int size)
+{
+    const std::size_t pixels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+    labels.pixels.assign(pixels, 0);
+    labels.sums_q10mm.resize(pixels, 0);
+}
+
+// Sets the bit of the pixels whose sum is large enough, and sets all sums to 0.
+void end_sums(TubeLabels &labels, const LabelledCurves &run)
+{
+    for (const std::int32_t pixel : labels.summed) {
+        std::int32_t &sum = labels.sums_q10mm[static_cast<std::size_t>(pixel)];
+        if (sum >= run.sum_min_q10mm) labels.pixels[static_cast<std::size_t>(pixel)] |= run.bit;
+        sum = 0;
+    }
+    labels.summed.clear();
+}
+
+void draw_curves(TubePainter &painter, const XrayFrame &frame, const View &view)
+{
+    std::span<const SweptCurve> rest = frame.curves;
+    if (frame.labels != nullptr)
+        for (const LabelledCurves &run : frame.labels->curves) {
+            const std::size_t count = std::min(run.count, rest.size());
+            const bool is_summed = run.sum_min_q10mm > 0;
+            painter.label(frame.labels, run.bit, is_summed);
+            for (const SweptCurve &curve : rest.first(count)) draw_curve(painter, curve, view);
+            if (is_summed) end_sums(*frame.labels, run);
+            rest = rest.subspan(count);
+        }
+    painter.label(nullptr, 0, false);
+    for (const SweptCurve &curve : rest) draw_curve(painter, curve, view);
 }
 
 } // namespace
@@ -238,9 +274,10 @@ void draw_tubes(const XrayFrame &frame, const View &view, Material displaced, To
     for (const RadiopaqueInstrument &tool : frame.tools)
         for (const RadiopaqueSection &section : tool.sections) materials.push_back(section.material);
     for (const SweptCurve &curve : frame.curves) materials.push_back(curve.material);
+    if (frame.labels != nullptr) begin_labels(*frame.labels, view.size);
     TubePainter painter(view, materials, displaced, paths);
     draw_line(painter, frame, view);
-    for (const SweptCurve &curve : frame.curves) draw_curve(painter, curve, view);
+    draw_curves(painter, frame, view);
 }
 
 double contrast_share(double iodine_mg_per_ml)

@@ -151,6 +151,24 @@ std::int32_t *TubePainter::entry(int pixel)
     return paths_.q10mm.data() + static_cast<std::size_t>(place) * paths_.ints_per_pixel();
 }
 
+void TubePainter::label(TubeLabels *labels, std::uint8_t bit, bool is_summed)
+{
+    labels_ = bit != 0 ? labels : nullptr;
+    bit_ = bit;
+    is_summed_ = is_summed;
+}
+
+void TubePainter::mark(int pixel, const std::int32_t *rays)
+{
+    if (!is_summed_) {
+        labels_->pixels[static_cast<std::size_t>(pixel)] |= bit_;
+        return;
+    }
+    std::int32_t &sum = labels_->sums_q10mm[static_cast<std::size_t>(pixel)];
+    if (sum == 0) labels_->summed.push_back(pixel);
+    for (int k = 0; k < tool_rays; ++k) sum += rays[k];
+}
+
 void TubePainter::paint_row(const Line &line, int y, int x0, int x1)
 {
     const int count = (x1 - x0) * line.rays;
@@ -171,6 +189,7 @@ void TubePainter::paint_row(const Line &line, int y, int x0, int x1)
                 any |= rays[j * grid + i];
             }
         if (any == 0) continue;
+        if (labels_ != nullptr) mark(y * size_ + x0 + x, rays);
         std::int32_t *of_pixel = entry(y * size_ + x0 + x);
         std::int32_t *own = of_pixel + line.material * tool_rays;
         std::int32_t *blood = of_pixel + displaced_ * tool_rays, *contrast = of_pixel + contrast_ * tool_rays;

@@ -1,6 +1,7 @@
 // Draws short cylinders into ToolPaths; the path length of every ray between the two cutting planes is exact.
 #pragma once
 #include "host/xray/paths/paths.hpp"
+#include "host/xray/paths/tube_labels.hpp"
 
 namespace crn
 {
@@ -22,6 +23,9 @@ class TubePainter
     // usually blood, that tools and contrast medium displace.
     TubePainter(const View &view, std::span<const Material> materials, Material displaced, ToolPaths &paths);
 
+    // Names the label image of the next pieces, and their bit; 0 for no label. With `is_summed`, the path
+    // lengths are added to the sums of the pixels, and the caller sets the bit.
+    void label(TubeLabels *labels, std::uint8_t bit, bool is_summed);
     void paint(const TubePiece &piece);
 
   private:
@@ -29,12 +33,16 @@ class TubePainter
     void paint_row(const Line &line, int y, int x0, int x1);
     std::size_t slot(Material material) const;
     std::int32_t *entry(int pixel);
+    void mark(int pixel, const std::int32_t *rays);
 
     ToolPaths &paths_;
     double focal_pixels_, half_;
     int size_;
     std::size_t displaced_, contrast_;
     std::vector<std::int32_t> rows_; // of three rows of rays
+    TubeLabels *labels_ = nullptr;
+    std::uint8_t bit_ = 0;
+    bool is_summed_ = false;
 };
 
 } // namespace crn

@@ -199,6 +199,62 @@ static void many_curves_add_up(void **)
                     1e-6);
 }
 
+// Returns the pixels whose rays meet a material of the frame, or whose sum of path lengths in iohexol is at
+// least `sum_min`.
+static std::vector<std::uint8_t> met_alone(const XrayFrame &frame, const View &view, std::int64_t sum_min)
+{
+    const ToolPaths paths = tubes(frame, view);
+    std::vector<std::uint8_t> met(static_cast<std::size_t>(paths.size) * paths.size, 0);
+    for (std::size_t i = 0; i < paths.pixels.size(); ++i)
+        for (std::size_t slot = 1; slot < paths.materials.size(); ++slot) {
+            const std::int64_t sum = paths.sum(i, slot);
+            if (sum_min > 0 ? paths.materials[slot] == Material::iohexol_350 && sum >= sum_min : sum > 0)
+                met[static_cast<std::size_t>(paths.pixels[i])] = 1;
+        }
+    return met;
+}
+
+// A label image, which is drawn in one pass, must have the pixels that each kind covers when it is drawn
+// alone; and the path lengths must be those without labels.
+static void labels_are_those_of_each_kind_alone(void **)
+{
+    const RadiopaqueInstrument wire_look{{{0.0, 1.0, Material::nitinol, 1.0, 0.4}}, {}},
+        tube_look{{{0.0, 1.0, Material::polymer, 0.5, 1.0, 0.6}}, {}};
+    const std::vector<RadiopaqueInstrument> tools = {wire_look, tube_look};
+    WireFrame wire = straight_wire(0.001, 100.0);
+    wire.tip_arc_m = {0.0, 0.02};
+    const std::vector<SweptCurve> curves = {
+        {Material::steel, {{{-0.01, -0.01, 0.0}, 5e-5}, {{0.02, 0.012, 0.0}, 5e-5}}},
+        {Material::iohexol_350, {{{-0.02, 0.004, 0.0}, 0.004, 0.02}, {{0.02, 0.0, 0.0}, 0.002, 0.1}}},
+        {Material::iohexol_350, {{{0.0, -0.02, 0.0}, 0.003, 0.05}, {{0.0, 0.02, 0.0}, 0.003, 0.0}}}};
+    constexpr std::int64_t sum_min = 32 * tool_rays;
+    const View view = make_view(zoomed(0.10), 256);
+    TubeLabels labels;
+    labels.tool_bits = {1, 2};
+    labels.curves = {{1, 16, 0}, {2, 8, sum_min}};
+    ToolPaths paths;
+    for (int again = 0; again < 2; ++again) // the second drawing finds the memory of the first
+        draw_tubes({tools, wire, curves, {}, &labels}, view, Material::blood, paths);
+    const std::span<const SweptCurve> all = curves;
+    const std::vector<RadiopaqueInstrument> first = {wire_look, {}}, second = {{}, tube_look};
+    const std::pair<std::uint8_t, std::vector<std::uint8_t>> alone[] = {
+        {1, met_alone({first, wire}, view, 0)},
+        {2, met_alone({second, wire}, view, 0)},
+        {16, met_alone({{}, wire, all.first(1)}, view, 0)},
+        {8, met_alone({{}, wire, all.last(2)}, view, sum_min)}};
+    for (const auto &[bit, met] : alone) {
+        std::size_t count = 0;
+        for (std::size_t pixel = 0; pixel < met.size(); ++pixel) {
+            assert_int_equal((labels.pixels[pixel] & bit) != 0, met[pixel]);
+            count += met[pixel];
+        }
+        std::printf("# bit %d: %d pixels\n", bit, static_cast<int>(count));
+        assert_true(count > 50);
+    }
+    const ToolPaths without = tubes({tools, wire, curves}, view);
+    assert_true(paths.pixels == without.pixels && paths.q10mm == without.q10mm);
+}
+
 // The tested curves have faults: some are not finite, have no length or only one point, lie behind or pass
 // through the source, are seen end-on, or are bent back on themselves. Faulty curves must do no harm, and
 // those parts of them that can be drawn must be drawn.
@@ -276,6 +332,7 @@ int main()
         cmocka_unit_test(struts_thinner_than_the_rays_are_apart_lose_nothing),
         cmocka_unit_test(wire_in_contrast_displaces_iodine_and_blood),
         cmocka_unit_test(many_curves_add_up),
+        cmocka_unit_test(labels_are_those_of_each_kind_alone),
         cmocka_unit_test(broken_and_awkward_curves_do_no_harm),
         cmocka_unit_test(curves_are_seen_in_the_picture),
     };

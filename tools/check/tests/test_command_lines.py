@@ -35,6 +35,7 @@ OUTPUT_CASES = {
     "anatomy access": ["-o", "fine"],
     "anatomy heart": ["-o", "fine"],
     "anatomy beat": "./gone.ply --left 1 0 0 --right 0 1 0 --apex 0 0 1 -o fine".split(),
+    "anatomy draw": ["--seed", "7", "-o", "fine"],
     "bake": ["scene.toml", "-o", "fine.scene"],
     "centreline fit": ["./gone.stl", "--points", "./gone.toml", "-o", "fine.csv"],
     "centreline auto": ["./gone.stl", "-o", "fine.csv"],

@@ -1,0 +1,16 @@
+// Opens the sockets of the OpenIGTLink server.
+#pragma once
+#include "host/igtl/address.hpp"
+#include "host/igtl/client.hpp"
+
+namespace crn
+{
+
+// Returns a socket that waits for clients. If the port of `address` is 0, the function stores the port that
+// the system has chosen. Throws std::runtime_error with the remedy.
+OwnedSocket listen_at(IgtlAddress &address);
+
+// Returns the descriptor of the next client's socket, or -1.
+int accept_at(int listener);
+
+} // namespace crn

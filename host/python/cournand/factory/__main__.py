@@ -1,0 +1,8 @@
+"""Runs the factory: python -m cournand.factory."""
+
+import sys
+
+from .cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

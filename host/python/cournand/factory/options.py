@@ -1,0 +1,184 @@
+"""What a data set is made from: the options of its run, which stand in its file plan.json."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import zlib
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+from .. import CORE_VERSION, __version__
+from ..data import is_name, shipped_scenes, shipped_stents, shipped_tools
+from ..randomise import Randomise
+
+FORMATS = ("webdataset", "coco", "dicom", "lerobot")
+COMPRESSIONS = ("stored", "fast")
+SEED_MAX = 2**63 - 1
+FRAMES_MAX = 1_000_000_000
+PLAN = "plan.json"
+
+# Sets of tools, from the innermost to the outermost. "@" is followed by a stent on the balloon of the set.
+TOOL_SETS = (
+    "j_wire",
+    "rosen",
+    "terumo_stiff_angled",
+    "coronary_014",
+    "beacon_5f",
+    "pigtail_5f",
+    "simmons_2_5f",
+    "terumo_4f",
+    "j_wire+beacon_5f",
+    "bentson+pigtail_5f",
+    "terumo_stiff_angled+terumo_5f",
+    "coronary_014+guide_jr4_6f",
+    "rosen+balloon_6x20",
+    "rosen+balloon_6x20@renal_6_0x18",
+    "coronary_014+balloon_3x20+guide_jl4_6f",
+)
+
+VARIATION = Randomise(
+    bend_stiffness=(0.7, 1.4),
+    twist_stiffness=(0.7, 1.4),
+    mass=(0.9, 1.1),
+    friction=(0.5, 2.0),
+    rest_curvature=(0.7, 1.3),
+    primary_deg=(-50.0, 50.0),
+    secondary_deg=(-30.0, 30.0),
+    dose=(0.25, 4.0),
+)
+
+
+class UsageError(Exception):
+    """An option has a value that the factory cannot use; the text says which, and the remedy."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything on which the bytes of a data set depend, besides the versions of the programs."""
+
+    frames: int
+    seed: int = 0
+    size: int = 512
+    shard_frames: int = 240
+    """Frames of a shard, which is one course of one set of tools. The last shard has what is left."""
+    block_frames: int = 24
+    """Frames from one view, with one dose and one motion of the hands."""
+    pulses_per_s: float = 15.0
+    scenes: tuple[str, ...] = ("aorta",)
+    """Shipped names or paths."""
+    tools: tuple[str, ...] = TOOL_SETS
+    formats: tuple[str, ...] = ("webdataset",)
+    compression: str = "stored"
+    """Of pictures: "stored" is the fastest, "fast" makes files smaller by a third. Masks are always compressed."""
+    variation: Randomise = field(default=VARIATION)
+
+    def __post_init__(self) -> None:
+        _within("--frames", self.frames, 1, FRAMES_MAX)
+        _within("--seed", self.seed, 0, SEED_MAX)
+        _within("--shard-frames", self.shard_frames, 1, 100_000)
+        _within("--block-frames", self.block_frames, 1, 100_000)
+        _within("--pulses", self.pulses_per_s, 0.5, 60.0)
+        if not 64 <= self.size <= 2048 or self.size % 16:
+            raise UsageError("--size: %r is not a multiple of 16 within 64 and 2048" % (self.size,))
+        _known("--formats", self.formats, FORMATS)
+        _known("--compression", (self.compression,), COMPRESSIONS)
+        if not self.scenes or not self.tools:
+            raise UsageError("--scenes and --tools need at least one name")
+        for tools in self.tools:
+            check_tools(tools)
+        for scene in self.scenes:
+            _check_scene(scene)
+
+    @property
+    def shards(self) -> int:
+        return -(-self.frames // self.shard_frames)
+
+    def frames_of(self, shard: int) -> int:
+        """Returns the number of frames of a shard."""
+        return min(self.shard_frames, self.frames - shard * self.shard_frames)
+
+    def as_json(self) -> dict[str, Any]:
+        return json.loads(json.dumps(asdict(self)))  # type: ignore[no-any-return]
+
+
+def _within(name: str, value: float, least: float, most: float) -> None:
+    if not least <= value <= most:
+        raise UsageError("%s: %r is not within %r and %r" % (name, value, least, most))
+
+
+def _known(name: str, given: tuple[str, ...], known: tuple[str, ...]) -> None:
+    if not given:
+        raise UsageError("%s: name at least one of %s" % (name, ", ".join(known)))
+    for one in given:
+        if one not in known:
+            raise UsageError("%s: %r is not one of %s" % (name, one, ", ".join(known)))
+
+
+def split_tools(text: str) -> tuple[list[str], str]:
+    """Returns the tools of a set, and its stent or ""."""
+    tools, _, stent = text.partition("@")
+    return tools.split("+"), stent
+
+
+def check_tools(text: str) -> None:
+    tools, stent = split_tools(text)
+    if not 1 <= len(tools) <= 3:
+        raise UsageError("--tools: %r has %d tools; a set has one to three" % (text, len(tools)))
+    for name in tools:
+        bare = name.partition(":")[0]
+        if is_name(bare) and bare in shipped_tools() or not is_name(bare) and os.path.exists(bare):
+            continue
+        raise UsageError(
+            "--tools: there is no instrument %r. Name files, or shipped ones: %s" % (name, ", ".join(shipped_tools()))
+        )
+    if stent and stent not in shipped_stents() and not os.path.exists(stent):
+        raise UsageError("--tools: there is no stent %r. There are: %s" % (stent, ", ".join(shipped_stents())))
+
+
+def _check_scene(scene: str) -> None:
+    if scene in shipped_scenes() or not is_name(scene) and os.path.exists(scene):
+        return
+    raise UsageError(
+        "--scenes: there is no scene %r. Name a file, or one of: %s" % (scene, ", ".join(shipped_scenes()))
+    )
+
+
+def versions(options: Options) -> dict[str, str]:
+    """Returns the versions of everything that has a part in the bytes of a data set."""
+    found = {
+        "cournand": __version__,
+        "core": str(CORE_VERSION),
+        "numpy": np.__version__,
+        "python": platform.python_version(),
+        "zlib": zlib.ZLIB_RUNTIME_VERSION,
+    }
+    if "lerobot" in options.formats:
+        import pyarrow  # type: ignore[import-not-found, import-untyped, unused-ignore]
+
+        found["pyarrow"] = pyarrow.__version__
+    return found
+
+
+def read_options(text: str) -> tuple[Options, dict[str, str]]:
+    """Returns the options and the versions of the file plan.json."""
+    try:
+        plan = json.loads(text)
+        given = dict(plan["options"])
+        given["variation"] = Randomise(**{name: tuple(pair) for name, pair in given["variation"].items()})
+        known = {one.name for one in fields(Options)}
+        if set(given) != known:
+            raise UsageError("%s: its options are of another version of the factory" % PLAN)
+        lists = {name: tuple(value) for name, value in given.items() if isinstance(value, list)}
+        return Options(**{**given, **lists}), dict(plan["versions"])
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise UsageError("%s is damaged (%s). Remedy: begin in an empty folder" % (PLAN, error)) from error
+
+
+def write_options(options: Options) -> str:
+    """Returns the text of the file plan.json."""
+    plan = {"format": 1, "options": options.as_json(), "versions": versions(options)}
+    return json.dumps(plan, indent=1, sort_keys=True) + "\n"

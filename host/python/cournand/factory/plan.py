@@ -1,0 +1,219 @@
+"""The plan of a shard: everything that is drawn for it, from the data set's seed and the shard's number alone.
+
+A shard whose physics leaves its range, or whose tools are refused, is planned again with the next attempt. Its scene
+and its tools stay; what is drawn with the number of the attempt are the factors on the tools and the course. A shard
+therefore has one content, whoever makes it, and a set of tools is as frequent as it is drawn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..randomise import TOOL_FACTORS
+from ..scene import Tool
+from .options import Options, split_tools
+
+ATTEMPTS = 12
+AS_SHIPPED = 6  # from this attempt on, the tools have the stiffness of their files
+# Streams of random numbers. Each is of its own, so that a new draw of one does not change the others.
+_SCENE, _TOOLS, _RHYTHM, _COURSE, _VIEWS, _CONTRAST, _NOISE, _SAMPLE = range(8)
+
+APPROACH_PART = (0.05, 0.75)  # of the longest way through the vessels
+MOTIONS = ("advance", "advance inner", "advance outer", "withdraw", "withdraw inner", "turn", "rest")
+MOTION_WEIGHTS = (0.3, 0.2, 0.15, 0.08, 0.1, 0.12, 0.05)
+SPEED_M_PER_S = (0.005, 0.04)
+TURN_RAD_PER_S = (-3.14, 3.14)
+FIELD_M = (0.14, 0.32)
+OFFSET_PART = 0.24  # of the field, from the tip to the isocentre along each axis: the tip is not always in the middle
+DOSE_NGY = 40.0
+INJECTION_PART = 0.45  # of the blocks, if a tool can inject
+VOLUME_ML, FLOW_ML_PER_S = (3.0, 12.0), (2.0, 8.0)
+IODINE_MG_PER_ML = (140.0, 240.0, 300.0, 350.0)
+HEART_PER_MIN, BREATH_PER_MIN = (50, 120), (10, 20)
+BALLOON_KPA = (400.0, 1200.0)
+INFLATION_PART = 0.5  # of the blocks, if a tool has a balloon
+
+
+class Injection(NamedTuple):
+    """Contrast medium that is injected from a frame of a block on."""
+
+    frame: int
+    volume_ml: float
+    flow_ml_per_s: float
+    iodine_mg_per_ml: float
+
+
+@dataclass(frozen=True)
+class Block:
+    """Frames that follow each other from one view."""
+
+    frames: int
+    motion: str
+    push_m_per_s: tuple[float, ...]
+    turn_rad_per_s: tuple[float, ...]
+    inflator_kPa: float
+    primary_deg: float
+    secondary_deg: float
+    field_m: float
+    dose_nGy: float
+    offset_m: tuple[float, float, float]
+    injection: Injection | None
+
+
+@dataclass(frozen=True)
+class ShardPlan:
+    """The course of one shard."""
+
+    shard: int
+    attempt: int
+    frames: int
+    scene: str
+    tools: tuple[str, ...]
+    stent: str
+    factors: tuple[dict[str, float], ...]
+    """For each tool, the factors of Tool.scaled()."""
+    heart_per_min: int
+    breath_per_min: int
+    approach_part: float
+    blocks: tuple[Block, ...]
+    sample: int
+    """The frame that represents the shard on the page of statistics."""
+
+
+@lru_cache(maxsize=64)
+def open_tool(name: str) -> Tool:
+    return Tool(name)
+
+
+def _stream(options: Options, shard: int, attempt: int, which: int) -> np.random.Generator:
+    return np.random.default_rng([options.seed, shard, attempt, which])
+
+
+def noise_seeds(options: Options, shard: int, attempt: int, frames: int) -> list[int]:
+    """Returns the seed of the noise of each frame of a shard."""
+    words = np.random.SeedSequence([options.seed, shard, attempt, _NOISE]).generate_state(frames, np.uint64)
+    return [int(word) for word in words]
+
+
+def plan_shard(options: Options, shard: int, attempt: int = 0) -> ShardPlan:
+    """Draws the plan of a shard."""
+    frames = options.frames_of(shard)
+    chosen = _stream(options, shard, 0, _SCENE)
+    scene = options.scenes[int(chosen.integers(len(options.scenes)))]
+    names, stent = split_tools(options.tools[int(chosen.integers(len(options.tools)))])
+    random = _stream(options, shard, attempt, _TOOLS)
+    drawn = [options.variation.draw(random) for _ in names]
+    factors = tuple(
+        {name: round(one[name], 4) if attempt < AS_SHIPPED else 1.0 for name in TOOL_FACTORS} for one in drawn
+    )
+    rhythm = _stream(options, shard, attempt, _RHYTHM)
+    course = _stream(options, shard, attempt, _COURSE)
+    approach = round(float(course.uniform(*APPROACH_PART)), 4)
+    has_balloon = any(open_tool(name).has_balloon for name in names)
+    views = _stream(options, shard, attempt, _VIEWS)
+    contrast = _stream(options, shard, attempt, _CONTRAST)
+    blocks = []
+    for first in range(0, options.shard_frames, options.block_frames):  # a short last shard begins as a whole one
+        count = min(options.block_frames, frames - first)
+        block = _draw_block(options, max(count, 1), len(names), has_balloon, course, views, contrast)
+        if count > 0:
+            blocks.append(block)
+    return ShardPlan(
+        shard,
+        attempt,
+        frames,
+        scene,
+        tuple(names),
+        stent,
+        factors,
+        int(rhythm.integers(HEART_PER_MIN[0], HEART_PER_MIN[1] + 1)),
+        int(rhythm.integers(BREATH_PER_MIN[0], BREATH_PER_MIN[1] + 1)),
+        approach,
+        tuple(blocks),
+        int(_stream(options, shard, attempt, _SAMPLE).integers(frames)),
+    )
+
+
+def _draw_block(
+    options: Options,
+    frames: int,
+    tools: int,
+    has_balloon: bool,
+    course: np.random.Generator,
+    views: np.random.Generator,
+    contrast: np.random.Generator,
+) -> Block:
+    motion, push, turn = _draw_motion(tools, course)
+    inflation = course.uniform(size=2)
+    pressure = round(BALLOON_KPA[0] + float(inflation[1]) * (BALLOON_KPA[1] - BALLOON_KPA[0]), 0)
+    is_inflated = has_balloon and inflation[0] < INFLATION_PART
+    if is_inflated:  # a person inflates a balloon that is at rest
+        motion, push, turn = "rest", (0.0,) * tools, (0.0,) * tools
+    drawn = options.variation.draw(views)
+    field_m = round(float(views.uniform(*FIELD_M)), 3)
+    offset = views.uniform(-OFFSET_PART, OFFSET_PART, size=3) * field_m
+    return Block(
+        frames,
+        motion,
+        push,
+        turn,
+        pressure if is_inflated else 0.0,
+        round(drawn["primary_deg"], 1),
+        round(drawn["secondary_deg"], 1),
+        field_m,
+        round(DOSE_NGY * _even_in_log(drawn["dose"], options.variation.dose), 2),
+        (round(float(offset[0]), 4), round(float(offset[1]), 4), round(float(offset[2]), 4)),
+        _draw_injection(frames, options.block_frames, contrast),
+    )
+
+
+def _even_in_log(value: float, limits: tuple[float, float]) -> float:
+    """Turns an even draw within limits above 0 into one whose logarithm is even: low doses are as frequent as high
+    ones."""
+    low, high = limits
+    if not 0.0 < low < high:
+        return value
+    return float(low * (high / low) ** ((value - low) / (high - low)))
+
+
+def _draw_motion(tools: int, course: np.random.Generator) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
+    """Draws a motion, and the speeds of push and turn of each tool. A single tool is its own inner and outer one."""
+    motion = MOTIONS[int(course.choice(len(MOTIONS), p=MOTION_WEIGHTS))]
+    speed = round(float(course.uniform(*SPEED_M_PER_S)), 4)
+    turn = round(float(course.uniform(*TURN_RAD_PER_S)), 3)
+    which = int(course.integers(tools))
+    everyone, nobody = range(tools), range(0)
+    inner, outer = range(0, 1), range(tools - 1, tools)
+    pushed = {"advance": everyone, "advance inner": inner, "advance outer": outer}.get(motion, nobody)
+    pulled = {"withdraw": everyone, "withdraw inner": inner}.get(motion, nobody)
+    push = tuple(speed if k in pushed else -speed if k in pulled else 0.0 for k in range(tools))
+    turned = [which] if motion in ("turn", "advance", "advance inner") else []
+    return motion, push, tuple(turn if k in turned else 0.0 for k in range(tools))
+
+
+def _draw_injection(frames: int, block_frames: int, contrast: np.random.Generator) -> Injection | None:
+    drawn = contrast.uniform(size=4)
+    strength = IODINE_MG_PER_ML[int(contrast.integers(len(IODINE_MG_PER_ML)))]
+    if drawn[0] >= INJECTION_PART:
+        return None
+    frame = int(drawn[1] * block_frames * 0.5)
+    volume = round(VOLUME_ML[0] + float(drawn[2]) * (VOLUME_ML[1] - VOLUME_ML[0]), 2)
+    flow = round(FLOW_ML_PER_S[0] + float(drawn[3]) * (FLOW_ML_PER_S[1] - FLOW_ML_PER_S[0]), 2)
+    return Injection(frame, volume, flow, strength) if frame < frames else None
+
+
+def describe(plan: ShardPlan) -> dict[str, Any]:
+    """Returns what a person wants to know of a plan in one row."""
+    return {
+        "shard": plan.shard,
+        "frames": plan.frames,
+        "scene": plan.scene,
+        "tools": "+".join(plan.tools) + ("@" + plan.stent if plan.stent else ""),
+        "heart_per_min": plan.heart_per_min,
+        "blocks": len(plan.blocks),
+        "injections": sum(block.injection is not None for block in plan.blocks),
+    }
