@@ -94,7 +94,8 @@ class Player:
 
 
 def _tip(env: NavigationEnv) -> npt.NDArray[np.float64]:
-    return env.world.pose().positions_m[0].astype(np.float64)
+    tip: npt.NDArray[np.float64] = env.world.pose().positions_m[0].astype(np.float64)
+    return tip
 
 
 def _row(

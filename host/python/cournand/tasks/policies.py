@@ -65,7 +65,8 @@ class Linear:
 
     def __call__(self, observation: npt.NDArray[np.float32], info: dict[str, Any]) -> npt.NDArray[np.float32]:
         seen = np.append((observation - self.mean) / self.scale, 1.0)
-        return np.clip(self.weights @ seen, -1.0, 1.0).astype(np.float32)
+        action: npt.NDArray[np.float32] = np.clip(self.weights @ seen, -1.0, 1.0).astype(np.float32)
+        return action
 
     def make(self, challenge: Challenge, episode: EpisodeSeed) -> Policy:
         """The policy maker: all episodes share the policy, which has no memory."""
