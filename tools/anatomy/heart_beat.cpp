@@ -33,14 +33,6 @@ Spline profile(const std::vector<std::pair<double, double>> &knots)
     return Spline(height, value);
 }
 
-/* Returns 0 if `value` is below `low`, 1 if `value` is above `high`, and a number that rises smoothly from 0
- * to 1 between these limits. */
-double smooth_step(double low, double high, double value)
-{
-    const double t = std::clamp((value - low) / (high - low), 0.0, 1.0);
-    return t * t * (3.0 - 2.0 * t);
-}
-
 /* Returns the descending aorta, which begins at the end of the arch. The descending aorta lies behind the
  * heart and does not move. */
 Solid descending_aorta(const Vessel &aorta)

@@ -40,6 +40,12 @@ double smooth_max(double a, double b, double blend_mm)
     return -smooth_min(-a, -b, blend_mm);
 }
 
+double smooth_step(double low, double high, double value)
+{
+    const double t = std::clamp((value - low) / (high - low), 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
 // --- tube ---
 
 Tube::Tube(const Curve &curve)

@@ -123,6 +123,10 @@ class Formula : public Shape
 double smooth_min(double a, double b, double blend_mm);
 double smooth_max(double a, double b, double blend_mm);
 
+/* Returns 0 if `value` is below `low`, 1 if `value` is above `high`, and a number that rises smoothly from 0
+ * to 1 between these limits. */
+double smooth_step(double low, double high, double value);
+
 /* Returns the distance to an ellipsoid from a point in the ellipsoid's own frame. The returned distance is
  * exact to first order near the ellipsoid's surface. */
 double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm);

@@ -21,6 +21,7 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 sys.path.insert(0, os.path.join(prepare.ROOT, "tools", "check"))
 import tap  # noqa: E402
+from env_checks import refuses  # noqa: E402
 
 MIX = ("state", "fluoroscopy", "labels")
 CATHETER = Task(targets=("right iliac artery",), target_part=(0.5, 0.9), steps=6, tools=("terumo_5f",), approach_m=0.06)
@@ -32,14 +33,6 @@ def same(a, b):
     if isinstance(a, dict):
         return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
     return np.array_equal(a, b)
-
-
-def refuses(call, kind=ValueError):
-    try:
-        call()
-    except kind as error:
-        return len(str(error)) > 10
-    return False
 
 
 def played(envs, steps=8, seed=11):

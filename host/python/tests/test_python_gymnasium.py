@@ -21,6 +21,7 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 sys.path.insert(0, os.path.join(prepare.ROOT, "tools", "check"))
 import tap  # noqa: E402
+from env_checks import refuses  # noqa: E402
 
 MIX = ("state", "fluoroscopy", "labels")
 SHORT = Task(targets=("right iliac artery",), target_part=(0.5, 0.9), steps=4)
@@ -335,15 +336,6 @@ def paths_go_through_the_tree_of_vessels():
     over = abs(0.05 - exits[right]) + beyond[right]  # back to the bifurcation, then into the other artery
     above = abs(scene.vessels[descending].length_m - 0.1 - exits[descending]) + beyond[descending]
     return abs(over - 0.15) < 0.01 and abs(above - 0.2) < 0.01 and abs(exits[left] - 0.1) < 1e-12
-
-
-def refuses(call, kind=ValueError):
-    """Returns True if the call raises this exception with a text."""
-    try:
-        call()
-    except kind as error:
-        return len(str(error)) > 10
-    return False
 
 
 def wrong_arguments_are_refused():

@@ -22,12 +22,6 @@ constexpr const char *AORTA = "aorta", *TRUNK = "brachiocephalic artery",
 constexpr std::array<const char *, 2> ILIACS = {"right iliac artery", "left iliac artery"};
 constexpr std::array<const char *, 2> RENALS = {"right renal artery", "left renal artery"};
 
-double smooth_step(double x)
-{
-    x = std::clamp(x, 0.0, 1.0);
-    return x * x * (3 - 2 * x);
-}
-
 const Vessel *found(const std::vector<Vessel> &vessels, const std::string &name)
 {
     const auto at =
@@ -143,9 +137,8 @@ void wind(Vessel &vessel, double amplitude_mm, Chance &chance)
     double last_mm = -STATIONS_APART_MM;
     for (size_t i = 0; i < curve.size() && next < vessel.stations.size(); ++i) {
         const Station &given = vessel.stations[next];
-        const bool is_given = (curve[i].position_mm - given.position_mm).norm() < 1e-9;
         const double ahead_mm = (curve[i].position_mm - given.position_mm).norm();
-        if (is_given) {
+        if (ahead_mm < 1e-9) { // the point of this station
             wound.push_back(given);
             ++next;
         } else if (curve[i].arc_mm - last_mm >= STATIONS_APART_MM && ahead_mm > STATIONS_APART_MM / 2) {
@@ -189,10 +182,10 @@ class Drift
 
     Vec3 moved(const Vec3 &p) const
     {
-        Vec3 shift = Vec3(0, lift_mm_ * smooth_step((p.y() - ARCH_MM) / 70), 0);
+        Vec3 shift = Vec3(0, lift_mm_ * smooth_step(ARCH_MM, ARCH_MM + 70, p.y()), 0);
         for (const Wave &wave : waves_) shift += std::sin(wave.number.dot(p) + wave.phase) * wave.shift_mm;
-        const double from_valve = smooth_step(((p - valve_mm_).norm() - 10) / 50);
-        const double above_groin = smooth_step((p.y() - (ENTRY_MM + 10)) / 60);
+        const double from_valve = smooth_step(10, 60, (p - valve_mm_).norm());
+        const double above_groin = smooth_step(ENTRY_MM + 10, ENTRY_MM + 70, p.y());
         return p + from_valve * above_groin * shift;
     }
 

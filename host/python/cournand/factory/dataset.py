@@ -15,14 +15,13 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable
 from pathlib import Path
 
 from . import datasheet, statistics
 from .formats import coco
 from .options import PLAN, Options, UsageError, read_options, versions, write_options
 from .shard import make_shard
-from .store import MANIFEST, StoreError, faults_of_shard, is_made, read_manifest, shard_folder, write_whole
+from .store import MANIFEST, StoreError, faults_of_shard, is_made, read_manifest, shard_folder, write_parts, write_whole
 
 INDEX, DATASHEET, STATISTICS, SHEET = "index.json", "datasheet.md", "statistics.html", "contact_sheet.png"
 
@@ -86,7 +85,7 @@ def complete(dataset: Path, options: Options) -> None:
                 _link(shard_folder(dataset, manifest["shard"]) / name, dataset / name)
     if "coco" in options.formats:
         info = {"description": "Simulated angiograms by Cournand", "contributor": "Cournand"}
-        _write_parts(dataset / coco.FOLDER / coco.ANNOTATIONS, coco.merged(dataset, options.shards, info))
+        write_parts(dataset / coco.FOLDER / coco.ANNOTATIONS, coco.merged(dataset, options.shards, info))
     if "lerobot" in options.formats:
         from .formats import lerobot
 
@@ -114,21 +113,6 @@ def _link(source: Path, target: Path) -> None:
         part.symlink_to(os.path.relpath(source, target.parent))
     os.replace(part, target)
     part.unlink(missing_ok=True)  # rename() leaves both names if they are already one file
-
-
-def _write_parts(path: Path, parts: Iterable[bytes]) -> None:
-    """Writes a file that may be larger than the memory."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(".%s.part%d" % (path.name, os.getpid()))
-    try:
-        with open(part, "wb") as file:
-            for content in parts:
-                file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 # --- check ---

@@ -12,7 +12,7 @@ import hashlib
 import json
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -27,11 +27,17 @@ class StoreError(Exception):
 
 def write_whole(path: Path, content: bytes) -> None:
     """Writes a file that appears when it is complete."""
+    write_parts(path, (content,))
+
+
+def write_parts(path: Path, parts: Iterable[bytes]) -> None:
+    """Writes a file that appears when it is complete, and that may be larger than the memory."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(".%s.part%d" % (path.name, os.getpid()))
     try:
         with open(part, "wb") as file:
-            file.write(content)
+            for content in parts:
+                file.write(content)
             file.flush()
             os.fsync(file.fileno())
         os.replace(part, path)
