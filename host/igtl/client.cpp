@@ -47,7 +47,8 @@ bool IgtlClient::send()
     return true;
 }
 
-// Sends a part of the present message. Returns false, with errno, if the connection takes nothing now.
+// Sends a part of the present message. Returns false, with the reason in errno, if the connection accepts no
+// bytes at present.
 bool IgtlClient::send_one()
 {
     const std::vector<std::uint8_t> &bytes = *sending_[at_];

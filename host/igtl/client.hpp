@@ -1,5 +1,5 @@
-// Holds the connection to one OpenIGTLink client: what waits to be sent, and how far it was sent. It never
-// blocks. Sockets belong to the server's thread.
+// Holds the connection to one OpenIGTLink client, with the messages that wait to be sent and the number of
+// bytes sent. It never blocks. Only the server's thread uses the sockets.
 #pragma once
 #include "host/igtl/outbox.hpp"
 #include <chrono>
@@ -35,7 +35,7 @@ class IgtlClient
 {
   public:
     using Clock = std::chrono::steady_clock;
-    // A client may send at most this many bytes in a round of the server, so that no client can keep the
+    // A client may send at most this many bytes per round of the server's loop, so that no client keeps the
     // server busy.
     static constexpr std::size_t read_max = 65536;
 
@@ -44,12 +44,12 @@ class IgtlClient
     int descriptor() const { return socket_.get(); }
     void give(Outbox<IgtlBytes>::Moment moment);
     bool has_unsent() const { return at_ < sending_.size() || !waiting_.is_empty(); }
-    // Sends as much as the connection takes now. Returns false if the connection has ended.
+    // Sends as many bytes as the connection accepts at present. Returns false if the connection has ended.
     bool send();
-    // Reads what the client has sent and throws it away. Returns false if the connection has ended.
+    // Reads and discards what the client has sent. Returns false if the connection has ended.
     bool discard();
     bool has_sent_much() const { return has_sent_much_; } // in the last call of discard()
-    // Returns how long the client has taken nothing although there is something to send.
+    // Returns for how long the client has accepted no bytes, although messages wait.
     Clock::duration stalled(Clock::time_point now) const;
 
   private:

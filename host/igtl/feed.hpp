@@ -15,7 +15,7 @@ namespace crn
 class IgtlFeed
 {
   public:
-    // A client that watches a session sees a sign of life at least this often, in ticks.
+    // While a client watches a session, it receives a status at least this often, in ticks.
     static constexpr std::uint32_t status_every_ticks = 1000;
 
     explicit IgtlFeed(IgtlServer &server) : server_(server) {}
@@ -29,7 +29,7 @@ class IgtlFeed
     std::uint32_t tick_ = 0, told_tick_ = 0;
 };
 
-// Publishes the frames for which a session's pictures are made, after each picture.
+// Publishes the session's state after each picture, for the same frames for which pictures are made.
 class IgtlSink final : public FrameSink
 {
   public:
@@ -52,12 +52,12 @@ class IgtlSink final : public FrameSink
 class IgtlOutput
 {
   public:
-    // If `address` is empty, there is no server. Otherwise the constructor prints where the server waits for
-    // clients. Throws the exceptions of parse_igtl_address() and open_igtl().
+    // If `address` is empty, there is no server. If `address` is not empty, the constructor starts the server
+    // and prints its address. Throws the exceptions of parse_igtl_address() and open_igtl().
     explicit IgtlOutput(const std::string &address);
     IgtlServer *server() const { return server_.get(); }
-    // Returns the observer of a session that makes `pictures`, and publishes them if there is a server. Both
-    // must live longer than the session.
+    // Returns the observer that makes `pictures` of a session and, if there is a server, also publishes them.
+    // `pictures` and `patient` must live longer than the session.
     FrameSink *with(SessionPictures *pictures, const Patient *patient);
 
   private:
@@ -66,7 +66,7 @@ class IgtlOutput
     FrameSinks both_;
 };
 
-// Opens the server of the option --igtl, and prints where it waits for clients. Returns null if `address` is
+// Starts the server of the option --igtl, and prints the server's address. Returns null if `address` is
 // empty.
 std::shared_ptr<IgtlServer> open_told_igtl(const std::string &address);
 

@@ -1,4 +1,4 @@
-// Converts places of the patient frame (docs/frames.md) to the RAS axes and millimetres of OpenIGTLink.
+// Converts positions in the patient frame (docs/frames.md) to the RAS axes and millimetres of OpenIGTLink.
 #pragma once
 #include "host/igtl/frame.hpp"
 #include "host/model/wire_frame.hpp"
@@ -10,20 +10,20 @@ namespace crn
 
 // Converts a direction. The patient frame is (left, head, front), and RAS is (right, front, head).
 Eigen::Vector3d ras_direction(const Eigen::Vector3d &direction);
-// Converts a place in metres to millimetres.
+// Converts a position in metres to millimetres.
 Eigen::Vector3d ras_place_mm(const Eigen::Vector3d &place_m);
 
-// Returns the frame of the tip at this arc length from the leading tip. Its origin is the tip, and its z axis
-// points out of the tip. The smallest rotation that turns the direction to the head into this z axis gives
-// the x and y axes, so they do not follow a turn of the tool about itself. The result is empty while the
-// shape of the tools is not known.
+// Returns the coordinate frame of the tip at this arc length from the leading tip. The origin of the frame is
+// the tip, and its z axis points out of the tip. The x and y axes result from the smallest rotation that
+// turns the head direction into this z axis, so they do not follow a turn of the tool about its own axis. The
+// function returns nothing if the shape of the tools is not known yet.
 std::optional<IgtlPose> tip_pose(const WireFrame &wire, double tip_arc_m);
 
-// Returns the frame of the C-arm: the origin is the isocentre, x points to the right in the picture, y up in
-// the picture, and z from the source to the detector.
+// Returns the coordinate frame of the C-arm: its origin is the isocentre, x points to the right in the
+// picture, y upwards in the picture, and z from the source to the detector.
 IgtlPose carm_pose(const CArm &carm);
 
-// Returns the place of a picture with this many pixels along each edge: it lies on the detector.
+// Returns the position and size, on the detector, of a picture with this many pixels along each edge.
 IgtlPicture picture_place(const CArm &carm, int size);
 
 } // namespace crn

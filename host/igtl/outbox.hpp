@@ -1,6 +1,7 @@
-// Holds what waits to be sent, moment by moment, in bounded memory. Each moment has one value for each name.
-// If too many moments wait, the oldest is dropped. A name that only the dropped moment had is passed on to
-// the next moment, so that the newest value of every name is always sent.
+// Holds the messages that wait to be sent, grouped by moments of the session, in bounded memory. Each moment
+// has at most one value for each message name. If too many moments wait, the oldest one is dropped. If only
+// the dropped moment had a value for a name, the next moment gets this value, so the newest value of every
+// name is always sent.
 #pragma once
 #include <cstddef>
 #include <deque>

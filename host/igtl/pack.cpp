@@ -14,7 +14,7 @@ std::vector<std::uint8_t> bytes_of(igtl::MessageBase &message, const std::string
 {
     message.SetDeviceName(name.c_str());
     const std::uint64_t milliseconds = tick % 1000;
-    // The fraction is rounded up, so that a client that cuts it off to milliseconds finds the same tick.
+    // The fraction is rounded up, so that a client that truncates it to milliseconds gets the same tick.
     const std::uint64_t fraction = ((milliseconds << 32) + 999) / 1000;
     message.SetTimeStamp(tick / 1000, static_cast<unsigned>(fraction));
     message.Pack();

@@ -6,7 +6,7 @@
 namespace crn
 {
 
-// Returns the whole message. Its time stamp is the time of the session.
+// Returns the whole message. The time stamp of the message is the time since the start of the session.
 std::vector<std::uint8_t> pack_igtl(const std::string &name, const IgtlItem &item);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// Serves OpenIGTLink clients in a thread of its own. The session's thread only puts moments into the inbox.
+// Serves OpenIGTLink clients in its own thread. The session's thread only puts new data into the inbox.
 #include "host/igtl/server.hpp"
 #include "host/base/terminal.hpp"
 #include "host/igtl/client.hpp"
@@ -60,7 +60,7 @@ class ThreadedServer final : public IgtlServer
         const std::uint64_t one = 1;
         [[maybe_unused]] const ssize_t count = ::write(bell_.get(), &one, sizeof one);
     }
-    // If the memory is full, the session goes on without its server.
+    // If no memory is left, the server stops, and the session continues.
     void run()
     {
         try {
@@ -98,7 +98,7 @@ class ThreadedServer final : public IgtlServer
     std::thread thread_; // the last member, because it uses the others
 };
 
-// Passes the published moments on to the clients. Returns false at the end.
+// Passes the published data on to the clients. Returns false at the end.
 bool ThreadedServer::take_inbox()
 {
     for (;;) {
@@ -115,7 +115,7 @@ bool ThreadedServer::take_inbox()
     }
 }
 
-// A tool that has left the patient has no pose any more.
+// The pose of a tool that has left the patient is removed.
 void ThreadedServer::remember(const IgtlFrame &frame)
 {
     const auto is_pose = [](const auto &entry) {
@@ -143,7 +143,7 @@ int ThreadedServer::pause_ms(Clock::duration longest) const
     return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, rests_ ? rest_ms : look_ms));
 }
 
-// Waits until there is something to do, and does it.
+// Waits for the next event of the server, and handles it.
 void ThreadedServer::round(Clock::duration longest)
 {
     const auto wanted = [](int descriptor, bool reads, bool writes) {

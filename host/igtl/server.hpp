@@ -1,6 +1,6 @@
-// Sends a session to programs such as 3D Slicer by OpenIGTLink (docs/slicer.md). A thread of its own serves
-// all clients. Publishing takes microseconds and never waits for a client: what a client does not take in
-// time is replaced by newer data. All bytes that clients send are read and thrown away.
+// Sends a session to programs such as 3D Slicer by OpenIGTLink (docs/slicer.md). A separate thread serves all
+// clients. Publishing takes microseconds and never waits for a client: if a client is too slow, newer data
+// replace the data that it has not received. All bytes that clients send are discarded.
 //
 //   const std::unique_ptr<IgtlServer> server = open_igtl({"127.0.0.1", 18944});
 //   server->publish({{"CArm", {tick, pose}}});
@@ -16,7 +16,8 @@ namespace crn
 class IgtlServer
 {
   public:
-    // The destructor gives the clients `linger` to take what still waits, and then closes all connections.
+    // The destructor waits for the time `linger`, so that the clients receive the remaining messages, and
+    // then closes all connections.
     virtual ~IgtlServer() = default;
     virtual IgtlAddress address() const = 0; // with the port that the system has chosen
     virtual void publish(IgtlFrame frame) = 0;

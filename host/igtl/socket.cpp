@@ -60,7 +60,7 @@ OwnedSocket listen_at(IgtlAddress &address)
     for (const addrinfo *one = found.get(); one; one = one->ai_next) {
         OwnedSocket socket(
             ::socket(one->ai_family, one->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, one->ai_protocol));
-        // Without this option, the port would stay reserved for a minute after the end of the last session.
+        // Without this option, the port would stay reserved for a minute after a session has ended.
         const int yes = 1;
         setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
         if (bind(socket.get(), one->ai_addr, one->ai_addrlen) == 0 &&

@@ -6,8 +6,8 @@
 namespace crn
 {
 
-// Returns a socket that waits for clients. If the port of `address` is 0, the function stores the port that
-// the system has chosen. Throws std::runtime_error with the remedy.
+// Returns a socket that accepts connections. If the port in `address` is 0, the function stores the port
+// there that the system has chosen. Throws std::runtime_error with the remedy.
 OwnedSocket listen_at(IgtlAddress &address);
 
 // Returns the descriptor of the next client's socket, or -1.

@@ -14,7 +14,8 @@ using namespace crn::library;
 namespace
 {
 
-// Keeps the statuses of many worlds, and the texts of their refusals, which the library has for each thread.
+// Keeps the statuses of many worlds, and the texts of their refusals; the library keeps a text only for the
+// thread of the refused call.
 struct Outcomes {
     explicit Outcomes(std::size_t count) : statuses(count, COURNAND_OK), texts(count) {}
     void take(std::size_t i, cournand_status status) noexcept

@@ -1,5 +1,5 @@
 // Contains the functions of cournand.h for worlds (simulated sessions). Each function locks the world for its
-// own thread (with_world), and keeps the text of a refusal in the world.
+// thread (with_world), and stores the text of a refusal in the world.
 #include "host/library/recordings.hpp"
 #include "host/library/renderer.hpp"
 
@@ -27,7 +27,7 @@ template <class Work> cournand_status with_world(const cournand_world *handle, W
     });
 }
 
-// Fills a struct of the caller with values from the world. The struct is checked first.
+// Fills a struct of the caller with the world's values. The struct is checked first.
 template <class Struct>
 cournand_status read_world(const cournand_world *world, Struct *to, const char *name) noexcept
 {

@@ -15,21 +15,21 @@
  * No function ends the program, prints text, or throws an exception.
  *
  * HANDLES are numbers in the form of pointers. Each kind of handle has its own function that frees it. A
- * scene, a tool or a recording may be freed while a world that was made from it is still in use. A freed
- * handle, NULL, or a handle of another kind is refused (COURNAND_BAD_HANDLE). Memory that the caller passes
- * must be valid; the library cannot check this.
+ * scene, a tool or a recording may be freed while a world that uses it still exists. A freed handle, NULL, or
+ * a handle of another kind is refused (COURNAND_BAD_HANDLE). The library cannot check memory that the caller
+ * passes; it must be valid.
  *
  * STRUCTS whose first member is `struct_bytes` can get more members in a later version. Set `struct_bytes`
- * before the call, in C by `cournand_pose pose = {.struct_bytes = sizeof pose};` and in C++ by
- * `cournand_pose pose = {}; pose.struct_bytes = sizeof pose;`. A struct that is larger than in the library's
- * version is accepted if its additional bytes are zero.
+ * before the call, in C by `cournand_pose pose = {.struct_bytes = sizeof pose};` and in C++ by `cournand_pose
+ * pose = {}; pose.struct_bytes = sizeof pose;`. A struct that is larger than the library's version of the
+ * struct is accepted if its additional bytes are zero.
  *
- * VIEWS. Pointers in cournand_pose, cournand_contacts and cournand_picture point to memory of the library;
- * nothing is copied. The pointers in a pose or in contacts stay valid until the next call that changes the
- * same world (move, advance, replay, restore, free). The pointers in a picture stay valid until the next
- * picture of the same renderer. A pointer that is no longer valid still refers to allocated memory until its
- * handle is freed, but the numbers there change; a renderer keeps its memory while its pictures have one
- * size. Texts stay valid until their handle is freed.
+ * VIEWS. The pointers in cournand_pose, cournand_contacts and cournand_picture refer to memory of the
+ * library; nothing is copied. The pointers in a pose or in contacts stay valid until the next call that
+ * changes the same world (move, advance, replay, restore, free). The pointers in a picture stay valid until
+ * the next picture of the same renderer. A pointer that is no longer valid still refers to allocated memory
+ * until its handle is freed, but the numbers there change; a renderer keeps its memory while its pictures
+ * have one size. Texts stay valid until their handle is freed.
  *
  * THREADS. Scenes, tools and recordings do not change, and any number of threads may use them. Only one
  * thread at a time may use a world or a renderer; a call is refused while another thread is inside a call
@@ -55,8 +55,8 @@
 extern "C" {
 #endif
 
-/* The version of this header. A higher minor version may add functions and members of structs; nothing is
- * removed or changed before the next major version. */
+/* The version of this header. A higher minor version may add functions, and members of structs; only a higher
+   major version may remove or change any. */
 #define COURNAND_VERSION_MAJOR 0
 #define COURNAND_VERSION_MINOR 1
 #define COURNAND_VERSION_PATCH 0
@@ -96,13 +96,13 @@ COURNAND_API const char *cournand_status_name(cournand_status status);
  * thread. */
 COURNAND_API const char *cournand_error_text(void);
 
-/* The next two functions return the library's version: as a text such as "0.1.0", and as the number
- * major * 1000000 + minor * 1000 + patch. */
+/* The next two functions return the library's version, as a text such as "0.1.0" and as the number major *
+   1000000 + minor * 1000 + patch. */
 COURNAND_API const char *cournand_version_text(void);
 COURNAND_API uint32_t cournand_version(void);
 
-/* Returns the version of the core. Two cores with equal versions give results that are equal bit for bit
- * from equal inputs, and each can replay the other's recordings. */
+/* Returns the version of the core. Two cores with equal versions compute equal results from equal inputs, bit
+   for bit, and each can replay the other's recordings. */
 COURNAND_API uint32_t cournand_core_version(void);
 
 /* --- scenes -----------------------------------------------------------------------------------------------
@@ -112,8 +112,8 @@ typedef struct cournand_scene cournand_scene;
 
 /* Opens a scene file that `bake` has made, with its bodies (the meshes for pictures). `scene_path` is NULL or
  * "" for free space without vessels. If `bodies_path` is NULL, the library uses the file X.bodies beside
- * X.scene, if there is one. Without bodies a scene has no vessel names, and its pictures show the tools in
- * air. Status: BAD_FILE. */
+ * X.scene, if there is one. Without bodies, the scene has no vessel names, and its pictures show only the
+ * tools, in air. Status: BAD_FILE. */
 COURNAND_API cournand_status cournand_scene_open(const char *scene_path, const char *bodies_path,
                                                  cournand_scene **scene);
 COURNAND_API cournand_status cournand_scene_free(cournand_scene *scene);
@@ -171,9 +171,9 @@ typedef struct cournand_tool_info {
 } cournand_tool_info;
 COURNAND_API cournand_status cournand_tool_describe(const cournand_tool *tool, cournand_tool_info *info);
 
-/* Writes the middles of the tool's first `capacity` radiopaque marker bands to `arcs_m`, as distances in m
- * from the tip, in ascending order, and the number of all bands to `count`. `arcs_m` may be NULL if
- * `capacity` is 0. */
+/* Writes the positions of the tool's first `capacity` radiopaque marker bands to `arcs_m` (distances of their
+ * centres from the tip in m, in ascending order), and the number of all bands to `count`. `arcs_m` may be
+ * NULL if `capacity` is 0. */
 COURNAND_API cournand_status cournand_tool_markers(const cournand_tool *tool, double *arcs_m, size_t capacity,
                                                    size_t *count);
 
@@ -184,8 +184,8 @@ typedef struct cournand_tool_scales {
     double bend_stiffness, twist_stiffness, mass, friction;
     double rest_curvature; /* of a preformed tip; may be negative, -10 .. 10 */
 } cournand_tool_scales;
-/* Makes another tool with scaled properties, for domain randomisation. A scaled value outside the core's
- * range is refused when a world is created. */
+/* Makes a tool with scaled properties from another tool, for domain randomisation. A scaled value outside the
+ * core's range is refused when a world is created. */
 COURNAND_API cournand_status cournand_tool_scaled(const cournand_tool *tool,
                                                   const cournand_tool_scales *scales, cournand_tool **scaled);
 
@@ -201,26 +201,26 @@ enum {
 typedef struct cournand_world_options {
     uint32_t struct_bytes;
     uint32_t flags; /* COURNAND_WITH_PATIENT */
-    /* Holds, for each position of the line (tools that lie one inside another) from the innermost, the number
-     * of its tool in `tools`, from 1, or 0 if the position has no tool. If line_count is 0, all tools are in
-     * the line, and there may be at most three tools. */
+    /* Holds, for each position of the line (the nested tools) from the innermost, the number of its tool in
+     * `tools`, from 1, or 0 if the position has no tool. If line_count is 0, all tools are in the line, and
+     * there may be at most three tools. */
     uint32_t line_count;
     uint32_t line[COURNAND_POSITIONS_MAX];
-    /* Holds, for the tool at each position, its length beyond the introducer's opening at tick 0, 0 .. 2 m.
-     * If a length is NaN, or if inserted_count is 0, the scene's start length is used. */
+    /* Holds, for the tool at each position, its length beyond the introducer's opening at tick 0, which is 0
+     * .. 2 m. If a length is NaN, or if inserted_count is 0, the scene's start length is used. */
     uint32_t inserted_count;
     float inserted_m[COURNAND_POSITIONS_MAX];
-    /* The number of ticks between two samples of the wall forces for cournand_reading::wall_force_peak_N is
-     * 1 .. 1000; with 0 there are no samples. */
+    /* The number of ticks between two samples of the wall forces for cournand_reading::wall_force_peak_N, 1
+       .. 1000; 0 switches the samples off. */
     uint32_t contact_ticks;
     uint32_t stent_count; /* stents that the patient may get, in this order; needs COURNAND_WITH_PATIENT */
     const char *const *stents; /* paths of stent files (docs/stent.md) */
 } cournand_world_options;
 
-/* Makes a world (a simulated session) at tick 0. `tools` has tool_count handles, 1 .. COURNAND_TOOLS_MAX,
- * from the innermost tool to the outermost. `options` may be NULL, which stands for the defaults. Equal
- * scenes, tools and options give worlds that are equal bit for bit. If tools do not fit into each other, the
- * status is REFUSED, and the text names these tools. */
+/* Makes a world (a simulated session) at tick 0. `tools` contains tool_count handles, 1 ..
+ * COURNAND_TOOLS_MAX, from the innermost tool to the outermost. `options` may be NULL, which stands for the
+ * defaults. Equal scenes, tools and options give worlds that are equal bit for bit. If tools do not fit into
+ * each other, the status is REFUSED, and the text names these tools. */
 COURNAND_API cournand_status cournand_world_create(const cournand_scene *scene, cournand_tool *const *tools,
                                                    size_t tool_count, const cournand_world_options *options,
                                                    cournand_world **world);
@@ -232,10 +232,10 @@ COURNAND_API const char *cournand_world_error_text(const cournand_world *world);
 
 /* Moves the hands at constant speeds for `ticks` ticks (1 .. COURNAND_TICKS_MAX). `action` is a float array
  * of COURNAND_ACTION_FLOATS entries. The first three entries of `action` are the pushing speeds of the hands
- * at positions 0, 1 and 2 in m/s (-1 .. 1, + into the patient). The next three entries of `action`
- * are the turning speeds in rad/s (-100 .. 100, + right-handed about the direction of insertion). The seventh
- * entry of `action` is the pressure of the inflator in kPa (0 .. 4000), and the eighth is 0. Entries of
- * positions that the line does not have must be zero. Hands hold their tools rigidly. */
+ * at positions 0, 1 and 2 in m/s (-1 .. 1, + into the patient). The next three entries of `action` are the
+ * turning speeds in rad/s (-100 .. 100, + right-handed about the direction of insertion). The seventh entry
+ * of `action` is the pressure of the inflator in kPa (0 .. 4000), and the eighth is 0. If the line has no
+ * tool at a position, the entries of this position must be zero. Hands hold their tools rigidly. */
 COURNAND_API cournand_status cournand_world_move(cournand_world *world, const float *action, uint32_t ticks);
 
 /* Holds an order to the core: an event that happens in one tick, other than the motion of the hands. `values`
@@ -253,7 +253,7 @@ typedef struct cournand_order {
     int32_t values[7];
 } cournand_order;
 
-/* Gives the core an order for the next tick; a second order of the same kind waits for the tick after that.
+/* Requests an order for the core's next tick; a second order of the same kind waits for the tick after that.
  * The core first tries the order on a copy of its state. If the core refuses the order, the status is
  * REFUSED, and the text gives the core's reason. */
 COURNAND_API cournand_status cournand_world_order(cournand_world *world, const cournand_order *order);
@@ -369,7 +369,7 @@ COURNAND_API cournand_status cournand_world_faults(cournand_world *world, courna
 COURNAND_API cournand_status cournand_world_inject(cournand_world *world, double volume_ml,
                                                    double flow_ml_per_s, int32_t position,
                                                    double iodine_mg_per_ml);
-/* Takes the next stent of the list in the world's options, and mounts it on the balloon that is in use.
+/* Mounts the next stent from the list in the world's options on the balloon in use.
  */
 COURNAND_API cournand_status cournand_world_load_stent(cournand_world *world);
 
@@ -396,12 +396,11 @@ COURNAND_API cournand_status cournand_world_snapshot_bytes(cournand_world *world
 /* Writes a snapshot, which contains its version and a checksum, to `bytes`; `capacity` must be at least the
  * size of the snapshot. */
 COURNAND_API cournand_status cournand_world_save(cournand_world *world, void *bytes, size_t capacity);
-/* Sets the world to the state in a snapshot. The snapshot may be from any world with the same scene, tools
- * and options, also in another process or on another machine (with a patient: of the same byte order). The
- * restored world continues, bit for bit, as
- * the saved world did, and reads the same values, including the wall forces. Snapshots of version 1, which
- * lack the wall forces, are refused. The status is BAD_SNAPSHOT if the snapshot is refused, and BAD_STATE
- * while a recording is written. */
+/* Sets the world to the state in a snapshot. The snapshot may come from any world with the same scene, tools
+ * and options, also from another process or machine; with a patient, that machine must have the same byte
+ * order. The restored world continues, bit for bit, as the saved world did, and reads the same values,
+ * including the wall forces. Snapshots of version 1, which lack the wall forces, are refused. The status is
+ * BAD_SNAPSHOT if the snapshot is refused, and BAD_STATE if the world is writing a recording. */
 COURNAND_API cournand_status cournand_world_restore(cournand_world *world, const void *bytes, size_t count);
 
 /* --- many worlds
@@ -418,8 +417,8 @@ COURNAND_API cournand_status cournand_pool_free(cournand_pool *pool);
 /* Moves `count` different worlds in parallel, each as cournand_world_move() does. `actions` is float
  * [count][COURNAND_ACTION_FLOATS], contiguous. `statuses` is NULL, or int32 [count], which receives the
  * status of each world. Returns OK if every world has moved. If a handle, an action or `ticks` is refused, or
- * another thread is inside a world, no world moves. If a world fails while it moves, the other worlds have
- * moved. Both return the first status that is not OK. */
+ * if another thread is using one of the worlds, no world moves. If one world fails while it moves, the other
+ * worlds have moved. Both return the first status that is not OK. */
 COURNAND_API cournand_status cournand_pool_move(cournand_pool *pool, cournand_world *const *worlds,
                                                 size_t count, const float *actions, uint32_t ticks,
                                                 int32_t *statuses);
@@ -485,7 +484,7 @@ enum {
     COURNAND_LABEL_BALLOON = 32, /* the medium in a balloon */
 };
 
-/* Holds a picture of size x size pixels. The rows of pixels are contiguous, and row 0 is at the top. */
+/* Holds a picture of size x size pixels. The rows of pixels are contiguous, and row 0 is the top row. */
 typedef struct cournand_picture {
     uint32_t struct_bytes;
     uint32_t size;
@@ -505,15 +504,16 @@ COURNAND_API cournand_status cournand_render(cournand_renderer *renderer, courna
                                              const cournand_view *view, cournand_picture *picture);
 
 /* Returns the projection of a view as a matrix P, double [3][4], row by row. P (x, y, z, 1), with x, y and z
- * in m, is (u w, v w, w), where u is the column and v the row in pixels; the centres of pixels are at .5. */
+   in m, is (u w, v w, w), where u is the column and v the row in pixels; pixel centres have fractions of
+   .5. */
 COURNAND_API cournand_status cournand_view_matrix(const cournand_view *view, double matrix[12]);
 
 /* --- recordings
  * ---------------------------------------------------------------------------------------------- */
 
 /* Begins a recording of the world as a file for `cournand replay`. The world must be at tick 0. The file gets
- * its name only when cournand_world_end_recording() has closed it. `session` is stored in the file, and names
- * what controls the session. */
+ * its name only when cournand_world_end_recording() has completed it. `session` is a text that describes who
+ * or what controls the session; it is stored in the file. */
 COURNAND_API cournand_status cournand_world_record(cournand_world *world, const char *path,
                                                    const char *session);
 COURNAND_API cournand_status cournand_world_end_recording(cournand_world *world);
@@ -545,7 +545,7 @@ COURNAND_API cournand_status cournand_recording_inputs(const cournand_recording 
                                                        uint32_t count, cournand_input *inputs);
 
 /* Makes a world at tick 0 with the recording's tools, line, entry and stents. `scene` must be the scene of
- * the recording, which means that its file has the same size and checksum. `flags` as in the options. */
+   the recording, that is, its file must have the same size and checksum. `flags` as in the options. */
 COURNAND_API cournand_status cournand_recording_world(const cournand_recording *recording,
                                                       const cournand_scene *scene, uint32_t flags,
                                                       cournand_world **world);

@@ -26,7 +26,7 @@ struct Table {
     std::vector<std::size_t> free;
 };
 
-// The table of handles is never destroyed, because a handle may be freed while the program ends.
+// The table of handles is never destroyed, because a handle may still be freed while the program ends.
 Table &table()
 {
     static Table *const kept = new Table;

@@ -16,8 +16,9 @@ Pool::Pool(std::uint32_t threads) : owner_(getpid())
     }
 }
 
-// A child process of fork() has a copy of the memory, but none of the threads. The child cannot wait for its
-// parent's threads, so the copy of their data stays until the child ends.
+// A child process of fork() has a copy of the parent's memory, but none of the parent's threads. The child
+// process cannot wait for the parent's threads, so the copy of their data stays allocated until the child
+// ends.
 Pool::~Pool()
 {
     if (getpid() == owner_)

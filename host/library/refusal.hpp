@@ -26,7 +26,7 @@ class Refused : public std::runtime_error
 cournand_status note_failure(cournand_status otherwise) noexcept;
 const char *last_text() noexcept;
 
-// Throws Refused(COURNAND_BAD_ARGUMENT) if a condition on an argument does not hold.
+// Throws Refused(COURNAND_BAD_ARGUMENT) if an argument does not meet the given condition.
 inline void require(bool holds, const char *text)
 {
     if (!holds) throw Refused(COURNAND_BAD_ARGUMENT, text);
@@ -82,7 +82,7 @@ template <class Struct> Struct read_struct(const Struct *from, const char *name)
     return own;
 }
 
-// Copies values to a struct of the caller, which read_struct() has checked before.
+// Copies values to a struct of the caller; read_struct() must have checked the struct before.
 template <class Struct> void write_struct(Struct *to, const Struct &own, const char *name)
 {
     const Struct asked = read_struct(to, name);

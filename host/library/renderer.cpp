@@ -112,7 +112,8 @@ void Renderer::render(World &world, const cournand_view &view, cournand_picture 
     if (has_labels) picture.labels = labels_.pixels.data();
 }
 
-// The curves in the shot come in this order: the balloon, the struts, and the medium (shot_of).
+// The curves of the X-ray shot come in this order: the balloon, the struts, and the contrast medium
+// (shot_of).
 void Renderer::choose_labels(World &world, const PulseShot &shot)
 {
     const std::size_t balloon =

@@ -23,7 +23,7 @@ const XrayScene &Scene::xray() const
     return xray_;
 }
 
-// A vessel of the map may be only a stretch of its branch; its points are those of this stretch.
+// A vessel of the map may be only a part of its branch; its points are those of this part.
 void Scene::collect_points()
 {
     for (const MappedVessel &vessel : tips_.map().vessels()) {

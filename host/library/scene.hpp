@@ -22,7 +22,7 @@ class Scene
     const SceneAnatomy &anatomy() const { return anatomy_; }
     const std::string &bodies_path() const { return bodies_path_; }
     const TipPlaces &tips() const { return tips_; }
-    // The meshes for pictures are made at the first call of this function, because many worlds need none.
+    // The first call of this function makes the meshes for pictures, because many worlds need none.
     const XrayScene &xray() const;
     void describe(cournand_scene_info &info) const;
     void describe(std::uint32_t vessel, cournand_vessel &description) const;

@@ -5,11 +5,11 @@
 //   sample and largest one of the last move f64 x 2 in N | result of the last tick, padded | the device's
 //   snapshot (docs/wire.md) | with a patient: its fingerprint u64 | its part (Patient::archive)
 //
-// The patient's part has its own version and the byte order of the machine: another order gives a version
-// that is refused.
+// The patient's part of a snapshot has its own version, which depends on the byte order of the machine, so a
+// snapshot with the other byte order is refused.
 //
 // Snapshots of version 1 lack the wall forces of the saved world, so they are refused. The checksum covers
-// all bytes of the snapshot that follow it. In addition, the device checks its own part of the snapshot.
+// all bytes of the snapshot that follow it. The device also checks its own part of the snapshot.
 #include "host/library/world.hpp"
 #include "host/stent/design.hpp"
 #include <algorithm>
@@ -26,8 +26,8 @@ constexpr std::uint32_t version = 2;
 constexpr std::size_t head_bytes = 32, hands_bytes = 6 * 8 + 4 + 4 + 2 * 8;
 constexpr double wall_max_N = 1e9; // far above what a tool can press
 constexpr std::size_t state_bytes = (CRN_WIRE_BYTES_tick_state + 7u) / 8u * 8u;
-// The positions of the hands stay within this limit even in the longest session; beyond it, sums could
-// overflow.
+// The positions of the hands stay within this limit even in the longest session; larger values could make
+// sums overflow.
 constexpr std::uint64_t parts_max = 4'000'000'000'000'000'000;
 constexpr std::size_t device_at = head_bytes + hands_bytes + state_bytes;
 
@@ -49,8 +49,8 @@ void mix(std::uint64_t &hash, std::uint64_t number)
     hash = std::rotl((hash ^ number) * 0x9e3779b97f4a7c15ull, 29);
 }
 
-// Returns a number that differs between two patients if neither can use the other's part of a snapshot. Scene
-// and tools are in the fingerprint of the world.
+// Returns a number that differs between two patients that cannot restore each other's parts of snapshots. The
+// scene and the tools are part of the world's fingerprint.
 std::uint64_t patient_fingerprint(std::span<const StentDesign> stents)
 {
     std::uint64_t hash = stents.size();
@@ -71,8 +71,8 @@ std::size_t fixed_bytes()
 
 } // namespace
 
-// Four independent chains of multiplications keep the processor busy; a checksum that is computed byte by
-// byte would take longer than restoring the snapshot.
+// Four independent chains of multiplications keep the processor busy; a byte-by-byte checksum would take
+// longer than the restoring of the snapshot.
 std::uint64_t snapshot_check(std::span<const std::uint8_t> snapshot)
 {
     constexpr std::uint64_t prime = 0x9e3779b97f4a7c15ull;
@@ -90,7 +90,8 @@ std::uint64_t snapshot_check(std::span<const std::uint8_t> snapshot)
     return hash;
 }
 
-// The part of the patient grows with what has happened to it; it is measured by saving it.
+// The size of the patient's part depends on the history of the session, so the function saves the part to
+// measure it.
 std::size_t World::snapshot_bytes()
 {
     return fixed_bytes() + saved_patient().size();
@@ -119,8 +120,8 @@ bool World::restore_patient(std::span<const std::uint8_t> bytes, std::uint32_t t
     return !archive.is_refused() && archive.is_at_end();
 }
 
-// Restores the patient, and then calls work(). If one of them refuses, the patient gets its present state
-// back.
+// Restores the patient, and then calls work() to restore the rest of the world. If one of the two refuses its
+// part of the snapshot, the patient returns to its present state.
 template <class Work>
 void World::with_patient(std::span<const std::uint8_t> bytes, std::uint32_t tick,
                          const crn_wire_tick_state &state, Work work)

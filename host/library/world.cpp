@@ -114,7 +114,8 @@ World::World(WorldSettings settings)
     const SceneFile &scene = settings_.scene->file();
     fingerprint_ = fingerprint(scene, settings_.tools, settings_.line, settings_.entry, settings_.rig);
     core_version_ = link_.hello().core_version;
-    // All worlds of a scene use its bytes, and so a world needs neither an upload nor memory for them.
+    // All worlds of a scene share its bytes, so a new world needs neither an upload of the scene nor memory
+    // for it.
     if (!scene.bytes.empty() && !pipe_.share_scene(scene.bytes, scene.crc32))
         throw Refused(COURNAND_INTERNAL, scene.path + ": the device refuses the scene");
     try {

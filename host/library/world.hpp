@@ -37,7 +37,7 @@ struct WorldSettings {
 WorldSettings world_settings(std::shared_ptr<const Scene> scene, std::vector<Instrument> tools,
                              const cournand_world_options *options);
 
-// Returns a number that differs between two worlds if neither can use the other's snapshots.
+// Returns a number that differs between two worlds that cannot restore each other's snapshots.
 std::uint64_t fingerprint(const SceneFile &scene, const std::vector<Instrument> &tools,
                           const LineNumbers &line, const crn_wire_entry &entry, const crn_wire_rig &rig);
 
@@ -98,7 +98,7 @@ class World
     const std::vector<RadiopaqueInstrument> &looks_on_line();
 
   private:
-    // Fills in the input of a tick; the tick's number counts from 0 within this call.
+    // Fills in the input of a tick; the number of the tick counts from 0 in each call of the library.
     using Fill = std::function<void(std::uint32_t, crn_wire_tick_input &)>;
     struct Source {
         const Fill &fill;
@@ -130,8 +130,8 @@ class World
     void command(const RoomCommand &command);
     Patient &need_patient();
     void record_state();
-    // Runs `work` with the recorder, if the world has one. If the recording cannot be written, the recording
-    // ends, and the world continues.
+    // Calls `work` with the world's recorder, if there is one. If the recording cannot be written, the
+    // recording ends, and the world continues.
     template <class Work> void recording_work(Work work)
     {
         if (!recorder_) return;
@@ -183,11 +183,11 @@ class World
     std::size_t replayed_command_ = 0;          // the next one
 };
 
-// Returns the check of a snapshot's bytes, which the snapshot has in its bytes 24 to 31.
+// Returns the checksum of a snapshot's bytes; the snapshot contains it in its bytes 24 to 31.
 inline constexpr std::size_t snapshot_check_at = 24;
 std::uint64_t snapshot_check(std::span<const std::uint8_t> snapshot);
 
-// Returns the status that cournand_world_move() would refuse these arguments with.
+// Returns the status with which cournand_world_move() would refuse these arguments.
 cournand_status check_move(const cournand_world *world, const float *action, std::uint32_t ticks) noexcept;
 
 template <> struct HandleOf<cournand_world> {

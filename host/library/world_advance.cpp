@@ -17,8 +17,8 @@ constexpr std::int64_t parts_per_count = 1'000'000;
 constexpr std::int64_t push_step_max = 5000, turn_step_max = 16384; // counts in one tick
 constexpr double push_max_m_per_s = 1.0, turn_max_rad_per_s = 100.0;
 
-// Rounds down, so that equal steps give equal numbers of counts below and above zero. Counts may wrap around,
-// as those of encoders do.
+// Rounds down, so that steps of equal size give the same numbers of counts for negative and for positive
+// positions. The counts may wrap around, as those of real encoders do.
 std::int32_t counts(std::int64_t parts)
 {
     const std::int64_t whole = parts / parts_per_count - (parts % parts_per_count < 0);
@@ -218,8 +218,8 @@ void World::advance(std::span<const cournand_input> given)
                 try_orders({1, {order}});
                 continue;
             }
-            // Only at the tick of an exchange of tools does the core decide whether the exchange is possible;
-            // the reading after that tick contains the answer.
+            // The core decides only in the tick of an exchange whether the exchange is possible; the reading
+            // after that tick contains the answer.
             require(order.exchange.position < positions() && order.exchange.tool <= settings_.tools.size(),
                     "an exchange names a position or a tool that the world does not have");
         }
@@ -366,8 +366,8 @@ void World::pass_recorded(const Recording &recording)
             patient_->command(commands[replayed_command_].tick, commands[replayed_command_].command);
 }
 
-// In the recorded session, the device disappeared and returned at this tick with another state, which is
-// restored here.
+// In the recorded session, the device was disconnected and came back at this tick with another state, which
+// is restored here.
 void World::resume_recorded(const Recording &recording)
 {
     const RecordedSnapshot *resumed = recording.resumed_at(tick());

@@ -1,4 +1,4 @@
-// Reads a world. The arrays are the world's own memory; they are filled at the first request after a change.
+// Reads a world. The arrays are the world's own memory; the first request after a change fills them.
 #include "host/library/world.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"

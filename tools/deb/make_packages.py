@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Makes Debian packages of programs that have been built: `make deb`. The script compiles the Python module for
-Debian's Python, writes the folder debian/ and lets debhelper sort the installed files into packages.
+"""Makes Debian packages from programs that are already built (`make deb`). The script compiles the Python module for
+Debian's Python, writes the folder debian/, and calls debhelper, which sorts the installed files into packages.
 
   make_packages.py --build build --output out/deb
 
-It runs with Debian's own Python, because the module fits one version of Python. The same commit and the same programs
-give the same bytes. DEBFULLNAME and DEBEMAIL name another maintainer."""
+The script runs with Debian's own Python, because the compiled module works only with that version of Python. The same
+commit and the same programs give packages with the same bytes. The variables DEBFULLNAME and DEBEMAIL set another
+maintainer."""
 
 import argparse
 import fcntl
@@ -32,7 +33,7 @@ MAINTAINER = ("The Cournand authors", "maintainers@cournand.invalid")
 
 
 def run(words, folder=ROOT, **variables):
-    """Runs a command quietly; a failure raises a Fault with its output."""
+    """Runs a command without printing its output; if the command fails, raises a Fault with the output."""
     variables = dict(os.environ, **variables)
     done = subprocess.run(
         words, cwd=folder, env=variables, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
@@ -44,7 +45,7 @@ def run(words, folder=ROOT, **variables):
 
 
 def check_machine(build):
-    """Refuses a machine that cannot make packages, before any work."""
+    """Checks, before any work, that this machine can make packages, and raises a Fault if not."""
     for name in BUILT:
         if not os.path.isfile(os.path.join(build, name)):
             raise Fault("%s has not been built. Remedy: make deb" % os.path.join(build, name))
@@ -59,7 +60,8 @@ def check_machine(build):
 
 
 def build_module(build):
-    """Compiles the Python module against the shared library, with nanobind's code inside, and returns its folder."""
+    """Compiles the Python module for use with the shared library, with nanobind's code included, and returns the
+    module's folder."""
     folder = os.path.join(build, "deb", "module")
     try:
         python = pinned_environment.make(os.path.join(build, "deb", "venv"), os.path.join(HERE, "requirements.txt"))
@@ -87,7 +89,7 @@ def set_usb_number(build, debian):
 
 
 def included_copyright(build):
-    """Returns the copyright notices of all code of others that is in the packages."""
+    """Returns the copyright notices of all foreign code in the packages."""
     files = [(package, "/usr/share/doc/%s/copyright" % package) for package in INCLUDED]
     licence = build + "/deb/venv/lib/*/site-packages/nanobind-*/**/LICENSE"
     files += [("nanobind", path) for path in glob.glob(licence, recursive=True)]
@@ -101,7 +103,7 @@ def included_copyright(build):
 
 
 def metadata(number):
-    """Returns the description by which Python's tools know an installed package."""
+    """Returns the metadata by which Python's tools recognise an installed package."""
     return "Metadata-Version: 2.1\nName: cournand\nVersion: %s\nLicense: Apache-2.0\nRequires-Dist: numpy\n" % number
 
 
@@ -113,7 +115,7 @@ def write(folder, name, text):
 
 
 def stage(build, folder, number, date):
-    """Writes the folder debian/ with all that depends on the version or on the build."""
+    """Writes the folder debian/ with all files that depend on the version or on the build."""
     shutil.rmtree(folder, ignore_errors=True)
     debian = os.path.join(folder, "debian")
     shutil.copytree(os.path.join(HERE, "debian"), debian)
@@ -147,7 +149,7 @@ def make(build, output):
 
 
 def make_alone(build, output, date):
-    """Makes the packages while no other process uses the folder build/deb."""
+    """Makes the packages, while a lock keeps other processes out of the folder build/deb."""
     number = release.version(re.search(r'CRN_VERSION "([0-9.]+)"', release.read("shared", "version.h")).group(1), date)
     module = build_module(build)
     folder = os.path.join(build, "deb", "cournand")

@@ -1,4 +1,5 @@
-"""The version of the packages, and Debian's form of docs/CHANGELOG.md. The script make_packages.py uses this module."""
+"""Determines the version of the packages, and converts docs/CHANGELOG.md to Debian's format. The script
+make_packages.py uses this module."""
 
 import email.utils
 import os
@@ -12,7 +13,7 @@ WIDTH = 78
 
 
 class Fault(Exception):
-    """Packages cannot be made; the text states what is wrong, where, and the remedy."""
+    """This exception means that packages cannot be made; its text states what is wrong, where, and the remedy."""
 
 
 def read(*parts):
@@ -21,7 +22,7 @@ def read(*parts):
 
 
 def ask_git(*words):
-    """Returns what git prints, or an empty text if there is no git or no repository."""
+    """Returns the output of a git command, or an empty text if there is no git or no repository."""
     try:
         done = subprocess.run(
             ["git", "-C", ROOT, *words], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False
@@ -32,7 +33,7 @@ def ask_git(*words):
 
 
 def seconds():
-    """Returns the time of all files in the packages: SOURCE_DATE_EPOCH, or the time of the commit."""
+    """Returns the time stamp of all files in the packages: SOURCE_DATE_EPOCH, or the time of the commit."""
     given = os.environ.get("SOURCE_DATE_EPOCH") or ask_git("log", "-1", "--format=%ct")
     if not given:
         raise Fault(
@@ -44,8 +45,9 @@ def seconds():
 
 
 def version(release, date):
-    """Returns the version of the packages. On the commit of a release's tag it is the number of the release. All other
-    versions sort before it: they have its number, the date and the commit, and say whether files have changed."""
+    """Returns the version of the packages. For the tagged commit of a release, the version is the number of the
+    release. For all other commits, the version contains the number of the release, the date and the commit, counts as
+    older than the release, and states whether files have changed."""
     if ask_git("tag", "--points-at", "HEAD", "v" + release) and not ask_git("status", "--porcelain"):
         return release
     commit = ask_git("rev-parse", "--short=8", "HEAD")
@@ -55,7 +57,7 @@ def version(release, date):
 
 
 def entries(text, release):
-    """Returns the items of a release in the changelog, as plain text without Markdown."""
+    """Returns the changelog's entries for a release, as plain text without Markdown."""
     section = re.search(r"^## %s\n(.*?)(?=^## |\Z)" % re.escape(release), text, re.M | re.S)
     if not section:
         raise Fault("docs/CHANGELOG.md has no section '## %s'. Remedy: add it, or correct shared/version.h" % release)
@@ -66,7 +68,7 @@ def entries(text, release):
 
 
 def plain(text):
-    """Returns text without the marks of Markdown. A link to a page becomes the name of the page."""
+    """Returns a text without its Markdown marks. A link to a page is replaced by the name of the page."""
     text = re.sub(r"\s*\(\[[^]]*\]\(([^)]*)\)(?:, \[[^]]*\]\([^)]*\))*\)", "", text)
     text = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text)
     return text.replace("**", "").replace("`", "")

@@ -1,6 +1,7 @@
-// These tests check the following. Places of the patient get the axes and millimetres of OpenIGTLink. The
-// picture lies where rays from the X-ray source through the patient meet it. libOpenIGTLink reads every
-// message back. Bounded memory keeps the newest value of every name. Addresses are read or refused.
+// Tests the conversion of positions in the patient to the axes and millimetres of OpenIGTLink, and that rays
+// from the X-ray source through the patient meet the picture at the right pixels. libOpenIGTLink reads every
+// kind of message. The bounded memory of messages must keep the newest value of every name, and addresses are
+// read or refused.
 #include "host/igtl/address.hpp"
 #include "host/igtl/geometry.hpp"
 #include "host/igtl/outbox.hpp"
@@ -60,7 +61,7 @@ CArm tilted()
     return carm;
 }
 
-// The message as a client receives it: the header first, and then the body with its checksum.
+// Returns the message as a client receives it: first the header, and then the body with its checksum.
 template <class Message> typename Message::Pointer read_back(const std::vector<std::uint8_t> &bytes)
 {
     const igtl::MessageHeader::Pointer header = igtl::MessageHeader::New();
@@ -125,7 +126,8 @@ void the_c_arm_at_the_front_looks_from_the_back_to_the_front(void **)
     assert_vector("isocentre", carm_pose(tilted()).translation(), {-10.0, -30.0, 150.0}, 1e-9);
 }
 
-// The X-ray source, a place in the patient, and the pixel of this place in the picture lie on one line.
+// The X-ray source, a point in the patient, and the pixel that shows this point must lie on one straight
+// line.
 void a_pixel_lies_on_the_ray_from_the_source_through_what_it_shows(void **)
 {
     const int size = 512;

@@ -1,4 +1,4 @@
-// Tests the program that is built without libOpenIGTLink: it refuses the server, and names the remedy.
+// Tests the program that is built without libOpenIGTLink: it refuses the option --igtl, and names the remedy.
 #include "host/base/output_files.hpp"
 #include "host/igtl/server.hpp"
 #include <csetjmp>

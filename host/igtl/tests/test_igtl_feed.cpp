@@ -1,5 +1,5 @@
-// Tests what a session publishes: the tips of the tools that are in use, the C-arm, new pictures alone, and a
-// status whenever it changes and once per second.
+// Tests the data that a session publishes: the tips of the tools in use, the C-arm, only new pictures, and a
+// status after every change and once per second.
 #include "host/igtl/feed.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -33,7 +33,7 @@ Instrument tool(const char *name)
     return made;
 }
 
-// Three nested tools point to the head; the tip of each is 10 mm behind that of the tool inside it.
+// Three nested tools point to the head; each tip is 10 mm behind the tip of the next inner tool.
 SessionFrame frame_at(std::uint32_t tick)
 {
     SessionFrame frame;

@@ -1,5 +1,6 @@
 // These tests check the following. Clients made with libOpenIGTLink receive poses, pictures and the status.
-// Clients that are slow, gone, too many or send garbage disturb neither the session nor other clients.
+// Clients that are slow, disconnected, too many or send random bytes disturb neither the session nor other
+// clients.
 #include "host/igtl/server.hpp"
 #include <arpa/inet.h>
 #include <csetjmp>
@@ -31,7 +32,7 @@ namespace
 
 constexpr int patience_ms = 20'000; // a client that waits longer has found an error
 
-// A client by the library that 3D Slicer uses.
+// Holds a client that uses the same library as 3D Slicer.
 class Client
 {
   public:
@@ -115,7 +116,7 @@ class RawClient
         char byte = 0;
         return ::recv(socket_, &byte, 1, 0) <= 0;
     }
-    // The connection ends without the usual farewell, as after a power failure.
+    // The connection ends without a closing handshake, as after a power failure.
     void reset()
     {
         const linger hard{1, 0};
@@ -215,7 +216,7 @@ void two_clients_receive_the_same(void **)
     assert_receives(second, 5);
 }
 
-// A blocking server would never come back from publish() here.
+// If the server could block, publish() would never return here.
 void a_client_that_reads_nothing_stops_neither_the_session_nor_another_client(void **)
 {
     IgtlLimits limits;
@@ -231,7 +232,7 @@ void a_client_that_reads_nothing_stops_neither_the_session_nor_another_client(vo
     assert_int_equal(server->clients(), 2);
 }
 
-// What is lost for a slow client is old: it still gets the last picture, whole.
+// A slow client loses only old data: it still receives the last picture completely.
 void a_slow_client_receives_the_newest_picture_in_the_end(void **)
 {
     const auto server = open();

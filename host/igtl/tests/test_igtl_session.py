@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests that pyigtl, an OpenIGTLink client by other authors, sees a session as its report, its picture and its replay
-show it. Clients that disturb the server change no bit of the session. Prints TAP."""
+"""Tests that pyigtl, an OpenIGTLink client by other authors, receives a session as the session's report, picture and
+replay show it. Clients that disturb the server change no bit of the session. Prints TAP."""
 
 import json
 import os
@@ -66,7 +66,7 @@ class Watcher:
             self.seen.setdefault(message.device_name, []).append(message)
 
     def end(self):
-        """Gives the client a moment to read what the ended server has sent."""
+        """Waits a moment, so that the client reads what the server sent before it ended."""
         time.sleep(0.3)
         self.must_end = True
         self.thread.join()
@@ -107,7 +107,7 @@ def run_well(words):
 
 
 class Session:
-    """One session, without and with the server and its clients."""
+    """Runs one session twice: without the server, and with the server and its clients."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -134,8 +134,8 @@ class Session:
             return file.read()
 
     def write_script(self):
-        """Makes the session end at a whole second. There a picture is due, so that the last pose and the report belong
-        to the same tick."""
+        """Makes the session end at a full second. At a full second the session makes a picture, so the last pose and
+        the report belong to the same tick."""
         rest_s = 0.5
         for is_measured in (False, True):
             if is_measured:
@@ -168,7 +168,7 @@ class Session:
 
 
 def open_display():
-    """Starts a virtual display, and returns its process and its name."""
+    """Starts a virtual display, and returns its process and its display name."""
     read, write = os.pipe()
     words = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
     server = subprocess.Popen(words, pass_fds=[write], stderr=subprocess.DEVNULL)
@@ -223,7 +223,7 @@ def the_c_arm_turns_to_its_angles():
 
 
 def the_picture_is_that_of_the_session():
-    """The picture of the PNG file has texts and curves over it, but none in its middle."""
+    """The picture in the PNG file is partly covered by texts and curves, but its middle is free."""
     image = SESSION.last("Fluoroscopy").image
     shown = SESSION.picture("watched.png")
     if image.shape != (1, SIZE, SIZE) or image.dtype != np.uint8:

@@ -1,7 +1,8 @@
 // This fuzz target calls the C library in random order with random arguments: valid, freed, foreign and null
-// handles, numbers of every size, structs of wrong sizes, and damaged snapshots, some of them with a right
-// check and some of worlds with a patient. No call may crash, every refusal must have a text, and a refused
-// call must not change the state hash of its world. The sanitizers watch the memory.
+// handles, numbers of every size, and structs of wrong sizes. It also restores damaged snapshots, some of
+// them with a correct checksum, and some of them from worlds with a patient. No call may crash, every refusal
+// must have a text, and a refused call must not change the state hash of its world. The sanitizers watch the
+// memory.
 #include "host/library/tests/seal.hpp"
 #include <algorithm>
 #include <cstddef>
@@ -25,7 +26,7 @@ void promise(bool kept)
     if (!kept) std::abort();
 }
 
-// Returns the bytes of the input as numbers; after the end of the input, the numbers are zero.
+// Returns the bytes of the fuzz input as numbers; after the end of the input, the numbers are zero.
 class Bytes
 {
   public:
@@ -45,8 +46,8 @@ class Bytes
         std::memcpy(&value, raw, sizeof value);
         return value;
     }
-    // Returns the usual value in three of four cases, otherwise any bit pattern: infinite, not a number, or
-    // huge.
+    // Returns the usual value in three of four cases, and any bit pattern (infinite, not a number, or huge)
+    // in the fourth case.
     template <class Number> Number near(Number usual) { return one() % 4 != 0 ? usual : number<Number>(); }
     std::uint32_t size_of(std::size_t right)
     {
@@ -99,7 +100,7 @@ class Caller
         promise(status == COURNAND_OK || *cournand_error_text() != '\0');
         promise(std::strcmp(cournand_status_name(status), "UNKNOWN") != 0);
     }
-    // Returns a world that this input has made (valid or freed), or a handle that is no world.
+    // Returns a world that this fuzz input has made (valid or freed), or a handle that is not a world.
     cournand_world *world()
     {
         const std::uint8_t which = in_.one();
@@ -340,9 +341,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
     return 0;
 }
 
-// Each of the first seed inputs makes a world and repeats one kind of call. The last ones make a world with a
-// patient and a stent, save it, inflate its balloon, and restore the snapshot with a changed byte and a right
-// check.
+// Each of the first seed inputs makes a world and repeats one kind of call. The last seed inputs make a world
+// with a patient and a stent, save it, inflate its balloon, and restore the snapshot with a changed byte and
+// a correct checksum.
 std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
 {
     constexpr unsigned kinds = 12, patients = 8;
@@ -353,7 +354,7 @@ std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
         bytes[0] = 0;
         return 256;
     }
-    // The comments name what a call takes from the input; see the functions of Caller.
+    // The comments name the values that a call takes from the input; see the functions of Caller.
     std::vector<std::uint8_t> made = {0, 1, 0, 1, 0, 1, 0,
                                       0, 0, 1, 1, 1, 1, 0};               // create: a patient, all tools
     made.insert(made.end(), {1, 1, 1, 2, 1, 1});                          // a stent, three tools

@@ -1,4 +1,4 @@
-// Makes the check of a changed snapshot right, so that tests reach what a damaged snapshot contains.
+// Corrects the checksum of a changed snapshot, so that tests reach the checks of its contents.
 #pragma once
 #include "host/library/world.hpp"
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Tests the worlds (simulated sessions) of the C library. A world must give the state hash that `cournand
-// run` gives for the same orders, with any number of threads, and snapshots must continue bit for bit. The
+// Tests the worlds (simulated sessions) of the C library. A world must give the same state hash as `cournand
+// run` with the same orders, for any number of threads, and a restored world must continue bit for bit. The
 // tests also cover readings in SI units, tips in named vessels, recordings and replays. The tests of refusals
 // are in test_library_refusals.cpp, and the tests of pictures in test_library_pictures.cpp.
 #include <algorithm>
@@ -32,7 +32,7 @@ using namespace crn::tests;
 
 const char *const script = "begin inserted 5 mm\nadvance 200 mm at 80 mm/s while rotate 1 turn\nwait 0.2 s";
 
-// Holds the result of a session that `cournand run` has run in the aorta.
+// Holds the result of a session that `cournand run` has played in the aorta.
 struct Ran {
     std::string path;
     std::uint64_t hash;
@@ -186,8 +186,8 @@ void a_restored_world_continues_bit_for_bit(void **)
     done(cournand_world_free(other));
 }
 
-// The snapshot that a device in this process gives directly must have the same bytes as a snapshot through
-// the wire protocol.
+// A snapshot that is taken directly from a device in this process must have the same bytes as a snapshot
+// through the wire protocol.
 void a_snapshot_in_memory_is_that_of_the_wire(void **)
 {
     const crn::SceneFile scene = crn::read_scene("");
@@ -222,8 +222,8 @@ void a_snapshot_in_memory_is_that_of_the_wire(void **)
     assert_true(link.read_hash64().hash == other.read_hash64().hash);
 }
 
-// A device that shares the scene's bytes must do what a device does that has received them, and must refuse
-// damaged bytes.
+// A device that shares the scene's bytes must compute the same as a device that has received these bytes, and
+// must refuse damaged bytes.
 void a_shared_scene_is_that_of_an_upload(void **)
 {
     const crn::SceneFile scene = crn::read_scene(aorta_path());
@@ -255,8 +255,8 @@ void a_shared_scene_is_that_of_an_upload(void **)
     assert_true(hashes[0] == hashes[1]);
 }
 
-// This test restores one snapshot many times, as a search program does for every branch of its search. The
-// printed time is only for information (docs/library.md).
+// This test restores one snapshot many times, as a search program does for each branch of its search tree.
+// The printed time is only for information (docs/library.md).
 void a_snapshot_gives_the_same_world_however_often_it_is_restored(void **)
 {
     auto options = sized<cournand_world_options>();

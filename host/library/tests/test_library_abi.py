@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Tests that the binary interface of the C library only grows. The program libabigail compares the header with the
-description (host/library/cournand.abi) in the last tagged version that has one; before there is such a tag, it compares
-the header with the committed description.
+"""Tests that later versions of the C library only add to its binary interface. The program libabigail compares the
+header with the description (host/library/cournand.abi) in the last tagged version that has one; before there is such a
+tag, it compares the header with the committed description.
 
   test_library_abi.py            prints TAP
   test_library_abi.py --write    writes the description of the present header
@@ -88,7 +88,7 @@ def describe(header, path):
 
 
 def difference(old, new, more=()):
-    """Returns a text about what was removed or changed, or "" if nothing was."""
+    """Returns a text that describes what was removed or changed, or "" if nothing was."""
     compared = run("abidiff", *more, old, new)
     return compared.stdout + compared.stderr if compared.returncode != 0 else ""
 

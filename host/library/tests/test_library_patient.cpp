@@ -1,6 +1,6 @@
 // Tests the snapshots of worlds with a patient. A restored world must continue bit for bit, with contrast
-// medium, stents, balloon, pressures, rhythm and the room of a replay, and a damaged snapshot must change
-// nothing.
+// medium, stents, balloon, pressures, heart rhythm and the X-ray room of a replay. A damaged snapshot must
+// change nothing.
 #include <algorithm>
 #include <chrono>
 #include <csetjmp>
@@ -43,14 +43,15 @@ cournand_world *treated(cournand_scene *scene, const std::vector<std::string> &t
     return world(scene, tools, &options);
 }
 
-// Moves the innermost tool with a pressure in the balloon.
+// Pushes the innermost tool while the balloon has a pressure.
 void move(cournand_world *world, std::uint32_t ticks, float push_m_per_s, float kPa = 0.0f)
 {
     const float action[COURNAND_ACTION_FLOATS] = {push_m_per_s, 0, 0, 0.5f, 0, 0, kPa};
     done(cournand_world_move(world, action, ticks));
 }
 
-// Everything that a caller sees of a world with a patient: hash, reading of the patient, and a picture.
+// Holds everything that a caller can read from a world with a patient: the hash, the patient's values, and a
+// picture.
 struct Seen {
     std::uint64_t hash = 0;
     double injected_ml = 0, flow = 0, pressure = 0, rate = 0;
@@ -99,7 +100,8 @@ void restore(cournand_world *world, const std::vector<std::uint8_t> &bytes)
     done(cournand_world_restore(world, bytes.data(), bytes.size()));
 }
 
-// Pushes a catheter to the aorta, and injects: medium flows, and the pressure at the tip is measured.
+// The test pushes a catheter to the aorta and injects medium: the medium flows, and the pressure at the
+// catheter's tip is measured.
 cournand_world *injected()
 {
     cournand_world *made = treated(aorta(), {"terumo_5f"});
@@ -144,7 +146,7 @@ void medium_and_pressure_continue_bit_for_bit(void **)
     }
 }
 
-// A stent is mounted, opened by its balloon, and left behind.
+// The test mounts a stent, expands it with its balloon, and leaves it in the vessel.
 void a_stent_on_its_balloon_continues_bit_for_bit(void **)
 {
     const std::vector<std::string> tools = {"coronary_014", "balloon_3x20"};
@@ -234,8 +236,8 @@ void a_snapshot_of_another_patient_is_refused(void **)
     for (cournand_world *one : worlds) done(cournand_world_free(one));
 }
 
-// Changes bytes of the patient's part, and makes the check right. What the world accepts it must be able to
-// continue from; what it refuses must leave it as it was, with its patient.
+// Changes bytes of the patient's part of a snapshot, and corrects the checksum. If a world accepts a
+// snapshot, it must be able to continue; if it refuses one, the world and its patient must stay unchanged.
 void damaged_patients_are_refused_or_can_continue(void **)
 {
     cournand_world *healthy = injected(), *tried = treated(aorta(), {"terumo_5f"}),

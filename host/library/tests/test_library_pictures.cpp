@@ -1,5 +1,5 @@
-// Tests the pictures of the library. Pictures must be reproducible, label images must lie where the matrix of
-// the view projects the tools, and medium, stent and balloon must be marked.
+// Tests the pictures of the library. Pictures must be reproducible. Label images must mark tools where the
+// view's matrix projects the tools, and must mark contrast medium, stents and balloons.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -239,8 +239,8 @@ void wrong_views_are_refused(void **)
     done(cournand_world_free(elsewhere));
 }
 
-// The limits are those of env.picture_ms: 2 ms for a picture of 128 pixels and 12 ms for one of 512 pixels,
-// on a quiet machine.
+// The limits are the goals of the figure env.picture_ms on a quiet machine: 2 ms for a picture of 128 pixels,
+// and 12 ms for one of 512 pixels.
 void a_picture_with_labels_takes_milliseconds(void **)
 {
     cournand_world *seen = world(aorta());

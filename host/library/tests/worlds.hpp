@@ -16,7 +16,7 @@ namespace crn::tests
 inline const std::string instruments = "shared/examples/instruments/";
 inline const std::string stents = "shared/examples/stents/";
 
-// If the call did not succeed, the test fails with the library's text.
+// If the call has failed, the test fails with the library's error text.
 inline void done(cournand_status status)
 {
     if (status != COURNAND_OK)

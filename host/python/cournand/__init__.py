@@ -1,4 +1,5 @@
-"""Cournand: guidewires and catheters in living vessels, X-ray pictures with labels, and environments for learning.
+"""Cournand simulates guidewires and catheters in living vessels, makes X-ray pictures with labels, and offers
+environments for learning.
 
     import cournand
     scene = cournand.Scene("aorta")
@@ -6,9 +7,9 @@
     world.move(push=0.06, seconds=2)
     cournand.XRay(scene).render(world).save("wire.png")
 
-Units are m, s, N, N m, rad, kPa and mg/ml. The patient frame has +x to the patient's left, +y to the head and +z to
-the front. Tools are numbered from the innermost; node 0 is the leading tip. One tick is 1 ms. The page docs/python.md
-is the guide.
+Units are m, s, N, N m, rad, kPa and mg/ml. The patient frame has +x to the patient's left, +y to the head and +z to the
+front. Tools are numbered from the innermost; node 0 is the leading tip. One tick is 1 ms. The guide to this package is
+docs/python.md.
 """
 
 from . import errors
@@ -37,7 +38,8 @@ from .xray import Label, Picture, View, XRay
 
 __version__: str = _version()
 CORE_VERSION: int = _core_version()
-"""Equal core versions give equal bits from equal inputs, and replay each other's recordings."""
+"""Equal versions of the core compute equal results from equal inputs, bit for bit, and replay each other's
+recordings."""
 
 __all__ = [
     "CORE_VERSION",

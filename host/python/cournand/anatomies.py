@@ -1,10 +1,10 @@
-"""Makes drawn anatomies for tasks: scenes of different patients, each from a seed.
+"""Makes random anatomies for tasks: scenes of different patients, each from its own seed.
 
     python -m cournand.anatomies --count 8 --first 0 --out anatomies
     python -m cournand.anatomies --task iliac --split judge --out anatomies
 
-Each scene needs the programs `anatomy` and `bake`, and about 20 s of a processor. A scene that exists is not made
-again, so the same command continues after an interruption.
+To make a scene, the programs `anatomy` and `bake` are needed, and about 20 s of processor time. An existing scene is
+not made again, so the same command continues after an interruption.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SHORT_REPORT = ("--poses", "0", "--points", "100")
 
 
 def path_of(folder: str | os.PathLike[str], seed: int) -> Path:
-    """Returns where the scene of a seed is, whether it exists or not."""
+    """Returns the path of the scene of a seed, whether the scene exists or not."""
     return Path(folder) / ("aorta-%d.scene" % seed)
 
 
@@ -58,7 +58,7 @@ def make(
     workers: int = 1,
     programs: str | os.PathLike[str] | None = None,
 ) -> Iterator[tuple[int, bool]]:
-    """Makes the scenes of seeds, and yields each seed with True if its scene is new. A scene appears under its name
+    """Makes the scenes of the given seeds; yields each seed, and True if its scene is new. A scene gets its final name
     only when it is complete."""
     for seed in seeds:
         if not 0 <= seed <= SEED_MAX:
@@ -105,7 +105,7 @@ def _call(words: Sequence[str]) -> None:
 
 
 def need(folder: str | os.PathLike[str], seeds: Sequence[int], command: str) -> None:
-    """Raises BadFileError with the command that makes them if scenes of seeds do not exist."""
+    """If scenes of the given seeds do not exist, raises BadFileError with the command that makes them."""
     missing = [seed for seed in dict.fromkeys(seeds) if not path_of(folder, seed).exists()]
     if missing:
         raise BadFileError(

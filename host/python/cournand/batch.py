@@ -1,4 +1,4 @@
-"""Many worlds that advance together over a pool of threads, without Python code in between."""
+"""Many worlds (simulated sessions) that a pool of threads advances together, without running Python code in between."""
 
 from __future__ import annotations
 
@@ -22,24 +22,26 @@ FIGURES = (
     "contact_count",
     "is_out_of_range",
 )
-"""What the last columns of Batch.states hold."""
+"""Names of the values in the last columns of Batch.states."""
 
 
 class Columns(NamedTuple):
-    """Where the numbers of Batch.states are."""
+    """Column ranges of Batch.states, by their contents."""
 
     points: slice
-    """x, y and z of each point along the leading tip's shape, in m."""
+    """Columns of x, y and z of each point along the leading tip's shape, in m."""
     hands: slice
-    """Length inserted in m, force in N and torque in N m of each of three positions; 0 where there is none."""
+    """Columns of the inserted length in m, the force in N and the torque in N m of each of three positions; 0 if a
+    position has no tool."""
     figures: slice
     """FIGURES."""
 
 
 class Pool:
-    """Threads that work on many worlds. What a world computes does not depend on their number.
+    """A pool of threads that work on many worlds. The results of a world do not depend on the number of threads.
 
-    A pool starts its threads when it is made, and none at import. A child of fork() makes its own pool.
+    A pool starts its threads when it is made; the import of the package starts no thread. A child process of fork()
+    must make its own pool.
     """
 
     def __init__(self, threads: int = 1) -> None:
@@ -48,14 +50,14 @@ class Pool:
 
 
 class Batch:
-    """Worlds that one call moves, reads into arrays and renders, over a pool of threads.
+    """Worlds that are moved, read into arrays and rendered by single calls, over a pool of threads.
 
-    The arrays `states`, `places` and `vessels` are views whose rows the calls below overwrite; a row belongs to the
-    world with the same number. Copy what must stay.
+    The arrays `states`, `places` and `vessels` are views, whose rows the methods of this class overwrite; the row
+    number is the number of the world. Copy what must stay.
     """
 
     def __init__(self, pool: Pool, worlds: Sequence[World], *, points: int = 3, spacing_m: float = 0.002) -> None:
-        """Reads `points` points along each leading tip, `spacing_m` apart."""
+        """Makes a batch that reads `points` points along each leading tip, `spacing_m` apart."""
         if not 0 <= points <= 1000 or not 0.0 <= spacing_m <= 1.0:
             raise ValueError("points is not within 0 and 1000, or spacing_m not within 0 and 1")
         self._core = cast(Any, _core.Batch(pool._core, len(worlds), points, spacing_m))
@@ -70,20 +72,23 @@ class Batch:
         self.states: npt.NDArray[np.float32] = self._core.states()
         """float32 [count, columns]."""
         self.places: npt.NDArray[np.float32] = self._core.places()
-        """float32 [count, 4]: along_m, inside_m and radii of the tip of position 0 (Place), and 0."""
+        """float32 [count, 4], one row per world: along_m, inside_m and radii of the tip at position 0 (see Place), and
+        0."""
         self.vessels: npt.NDArray[np.int32] = self._core.vessels()
-        """int32 [count]: the vessel of that tip; -1: not known."""
+        """int32 [count], one number per world: the vessel in which the tip at position 0 lies; -1 if it is not
+        known."""
 
     def put(self, number: int, world: World) -> None:
         """Replaces the world with this number."""
         self._core.put(number, world._core)
 
     def move(self, actions: npt.ArrayLike, ticks: int, which: Sequence[int] | None = None) -> None:
-        """Moves worlds at steady speeds, and reads them. `actions` is float32 [n, 8]: push at the positions 0, 1, 2 in
-        m/s, turn in rad/s, pressure of the inflator in kPa, and 0. `which` names the worlds; None: all.
+        """Moves worlds at constant speeds, and reads their states. `actions` is float32 [n, 8]: the pushes at positions
+        0, 1 and 2 in m/s, the turns in rad/s, the inflator's pressure in kPa, and 0. `which` lists the numbers of the
+        worlds to move; None stands for all worlds.
 
-        If a number or `ticks` is refused, or another thread is inside one of the worlds, no world moves. If a world
-        fails later, the exception is that of the first such world, and the others have moved."""
+        If a number or `ticks` is refused, or if another thread is using one of the worlds, no world moves. If worlds
+        fail while they move, the exception describes the first of them, and the other worlds have moved."""
         self._core.step(np.ascontiguousarray(actions, dtype=np.float32), ticks, self._which(which))
 
     def read(self, which: Sequence[int] | None = None) -> None:
@@ -91,8 +96,9 @@ class Batch:
         self._core.observe(self._which(which))
 
     def restore(self, snapshots: Sequence[bytes], which: Sequence[int] | None = None) -> None:
-        """Restores one snapshot per world, and reads the worlds. If a world refuses its snapshot, no world changes, and
-        the exception is that of the first such world. A world with an order that waits for its next tick is refused."""
+        """Restores one snapshot per world, and reads the states of the worlds. If a world refuses its snapshot, no
+        world changes, and the exception describes the first such world. A world that has an order for its next tick is
+        refused."""
         self._core.restore(list(snapshots), self._which(which))
 
     def render(
@@ -105,10 +111,11 @@ class Batch:
         picture: bool = True,
         which: Sequence[int] | None = None,
     ) -> tuple[npt.NDArray[np.uint8] | None, npt.NDArray[np.uint8] | None]:
-        """Renders worlds with one view and one seed each, and returns all pictures and label images, uint8 [count,
-        size, size], as views whose rows the next call overwrites; None for those that were not asked for. `renderers`
-        are of one size: one per world, which keeps its view, or fewer that the worlds share. A renderer takes about
-        30 MB. The first pictures decide the size of all pictures of the batch."""
+        """Renders each world with its own view and seed. Returns all pictures and all label images as views, uint8
+        [count, size, size], whose rows the next call overwrites; None stands for those that were not requested. All
+        `renderers` must have the same size; there is one renderer per world, which keeps its view, or fewer renderers,
+        which the worlds share. A renderer needs about 30 MB of memory. The first pictures determine the size of all
+        later pictures of the batch."""
         flags = (1 if labels else 0) if picture else 16
         self._core.render(
             [one._core for one in renderers], [one.numbers() for one in views], flags, list(seeds), self._which(which)

@@ -1,4 +1,4 @@
-"""The scenes, instruments and stents that come with the package, by name."""
+"""Finds the scenes, instruments and stents that come with the package by their names."""
 
 from __future__ import annotations
 
@@ -31,12 +31,13 @@ def shipped_stents() -> list[str]:
 
 
 def is_name(text: str) -> bool:
-    """Returns True for a name such as "j_wire", and False for a path such as "mine/j_wire.toml"."""
+    """Returns True for the name of a shipped file, such as "j_wire", and False for a path, such as
+    "mine/j_wire.toml"."""
     return os.sep not in text and not os.path.splitext(text)[1] and text != ""
 
 
 def find(folder: str, ending: str, given: str | os.PathLike[str]) -> str:
-    """Returns the path of a shipped file by its name, or a path as it is. "NAME:PRESET" keeps its preset."""
+    """Returns the path of the shipped file with this name, or the given path itself. "NAME:PRESET" keeps its preset."""
     text = os.fspath(given)
     if not isinstance(text, str):
         raise TypeError("a path or a name is text, not %s" % type(text).__name__)

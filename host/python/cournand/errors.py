@@ -1,15 +1,16 @@
-"""The exceptions of the package: one for each status of the C library, with its text.
+"""The exceptions of the package: one for each error status of the C library, with the library's text.
 
-After an exception the world is as it was before the call. Two calls are different and say so: a recording that cannot
-be written any more (the world has advanced to the end of the call), and a replay that differs (the world stands at the
-first tick that differs).
+After an exception, the world is in the same state as before the call. There are two special cases, which their texts
+state. If a recording cannot be written any more, the world has advanced to the end of the call. If a replay differs
+from its recording, the world stands at the first tick that differs.
 """
 
 from __future__ import annotations
 
 
 class Error(Exception):
-    """What every exception of the package is. The text says what, where, and the remedy."""
+    """The base class of all exceptions of the package. The text of the exception names the problem, its place and the
+    remedy."""
 
     status: str = ""
 
@@ -27,19 +28,19 @@ class BadHandleError(Error, ValueError):
 
 
 class BadStateError(Error, RuntimeError):
-    """The call is not possible now."""
+    """The call is not possible in the present state of the object."""
 
     status = "BAD_STATE"
 
 
 class BusyError(Error, RuntimeError):
-    """Another thread is inside the same world, batch, renderer or pool."""
+    """Another thread is using the same world, batch, renderer or pool."""
 
     status = "BUSY"
 
 
 class BadFileError(Error, OSError):
-    """A file cannot be read or written, or its content is wrong."""
+    """A file cannot be read or written, or its contents are wrong."""
 
     status = "BAD_FILE"
 
@@ -69,7 +70,7 @@ class NoMemoryError(Error, MemoryError):
 
 
 class InternalError(Error, RuntimeError):
-    """A fault of the library; please report it with the text."""
+    """The library has an internal fault; please report it with its text."""
 
     status = "INTERNAL"
 
@@ -91,5 +92,5 @@ _BY_STATUS = (
 
 
 def of_status(status: int) -> type[Error]:
-    """Returns the exception of a status of the C library."""
+    """Returns the exception for a status of the C library."""
     return _BY_STATUS[status] if 0 <= status < len(_BY_STATUS) else InternalError

@@ -1,4 +1,5 @@
-"""Ranges of properties of tools and pictures, from which environments and the factory of labelled pictures draw."""
+"""Ranges for properties of tools and pictures, from which environments and the factory of labelled pictures draw random
+values."""
 
 from __future__ import annotations
 
@@ -11,10 +12,11 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True)
 class Randomise:
-    """Ranges from which every episode draws, evenly; (1, 1) and (0, 0) change nothing.
+    """Ranges from which uniformly distributed values are drawn for every episode; the ranges (1, 1) for factors and (0,
+    0) for angles change nothing.
 
-    Factors on the tools are those of Tool.scaled(). A changed tool needs a new world, which takes milliseconds instead
-    of microseconds, and repeats the approach of the task.
+    The factors for tools are those of Tool.scaled(). A changed tool needs a new world, which takes milliseconds instead
+    of microseconds, and needs a new approach to where the task begins.
     """
 
     bend_stiffness: Range = (1.0, 1.0)
@@ -23,15 +25,16 @@ class Randomise:
     friction: Range = (1.0, 1.0)
     rest_curvature: Range = (1.0, 1.0)
     primary_deg: Range = (0.0, 0.0)
-    """Added to the angle of the task's view."""
+    """Range of the angle that is added to the angle of the task's view."""
     secondary_deg: Range = (0.0, 0.0)
     dose: Range = (1.0, 1.0)
-    """Factor on the dose of the task's view."""
+    """Range of the factor for the dose of the task's view."""
     heart_rate_per_min: Range = (0.0, 0.0)
-    """40 .. 160; (0, 0) keeps the rate with which a world begins, 70."""
+    """Range of the heart rate, within 40 .. 160 per minute; (0, 0) keeps the rate at which a world begins, 70 per
+    minute."""
     scenes: tuple[str, ...] = ()
-    """Paths or shipped names, of which every episode takes one; () takes the scene of the task. Each scene needs the
-    target vessels of the task, by their names."""
+    """Paths or shipped names of scenes, one of which is used for each episode; with (), every episode uses the scene of
+    the task. Each scene must have vessels with the names of the task's targets."""
 
     def __post_init__(self) -> None:
         for name in self._ranges():
@@ -52,7 +55,8 @@ class Randomise:
         return any(getattr(self, name) != (1.0, 1.0) for name in TOOL_FACTORS)
 
     def draw(self, random: np.random.Generator) -> dict[str, float]:
-        """Draws every number, whether its range is empty or not, so that one range does not change another's draw."""
+        """Draws a number for every range, even if the range allows only one value, so that changing one range does not
+        change the numbers of the others."""
         drawn = {name: float(random.uniform(*getattr(self, name))) for name in self._ranges()}
         drawn["scene"] = float(random.integers(max(len(self.scenes), 1)))  # its number in `scenes`
         return drawn

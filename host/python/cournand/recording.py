@@ -25,14 +25,14 @@ INPUT = np.dtype(
         ("orders", [("kind", "<u4"), ("values", "<i4", 7)], 4),
     ]
 )
-"""The exact input of one tick, 168 bytes: counts of the hands since tick 0 (1 um, and 65536 per turn), buttons, and up
-to four orders."""
+"""Type of the exact input of one tick, with 168 bytes: counts of the hands since tick 0 (one per 1 um, and 65536 per
+turn), buttons, and up to four orders."""
 
 
 class RecordingInfo(NamedTuple):
     tick_count: int
     is_complete: bool
-    """False: the recording was cut off; it is whole up to tick_count."""
+    """False if the recording was cut off; its inputs are complete up to tick_count."""
     core_version: int
     tool_count: int
     position_count: int
@@ -41,12 +41,12 @@ class RecordingInfo(NamedTuple):
     scene_path: str
     session: str
     last_hash: int
-    """The last recorded full hash, and its tick; 0: none."""
+    """The last recorded full hash of the state, and its tick; 0 if there is none."""
     last_hash_tick: int
 
 
 class Recording:
-    """A recording of `cournand run`, of the window, or of `World.record()`."""
+    """A recording that `cournand run`, the window or `World.record()` has made."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self._core = _core.Recording(os.fspath(path))
@@ -62,7 +62,7 @@ class Recording:
         return made
 
     def world(self, scene: Scene, *, patient: bool = False) -> World:
-        """Makes a world with the recording's tools, line, entry and stents at tick 0. `scene` is that of the
+        """Makes a world with the recording's tools, line, entry and stents at tick 0. `scene` must be the scene of the
         recording."""
         from .world import world_of_recording
 

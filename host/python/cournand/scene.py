@@ -1,4 +1,4 @@
-"""Scenes with their vessels, and tools."""
+"""Scenes with their vessels, and the tools."""
 
 from __future__ import annotations
 
@@ -17,24 +17,26 @@ class Vessel(NamedTuple):
 
     name: str
     parent: int
-    """Number of an earlier vessel; -1: the root."""
+    """Number of the parent vessel in the list; -1 for the root."""
     points_m: npt.NDArray[np.float32]
-    """Read-only view, float32 [n, 4]: x, y, z and the radius of the lumen, in the direction of the blood flow."""
+    """Centreline as a read-only view, float32 [n, 4]: x, y, z and the radius of the lumen, in the direction of the
+    blood flow."""
     length_m: float
 
 
 class Scene:
-    """A baked scene: the vessels that tools meet, and the bodies that X-rays meet.
+    """A baked scene: the vessels, which guide the tools, and the bodies, which X-rays pass through.
 
-    Scenes do not change, and any number of worlds, renderers and threads may share one.
+    A scene does not change, and any number of worlds, renderers and threads may share it.
     """
 
     def __init__(
         self, path: str | os.PathLike[str] | None = "aorta", bodies: str | os.PathLike[str] | None = None
     ) -> None:
-        """Opens a scene by its path or by the name of a shipped one (`cournand.shipped_scenes()`).
+        """Opens a scene by its path or by a shipped name (`cournand.shipped_scenes()`).
 
-        `path` None is free space without vessels. `bodies` None names the file X.bodies beside X.scene.
+        If `path` is None, the scene is free space without vessels. If `bodies` is None, the file X.bodies beside
+        X.scene is used.
         """
         self._core = _core.Scene(
             None if path is None else find("scenes", ".scene", path), None if bodies is None else os.fspath(bodies)
@@ -45,20 +47,22 @@ class Scene:
         self.entry_m: tuple[float, float, float] = entry
         """Centre of the introducer's opening."""
         self.direction: tuple[float, float, float] = direction
-        """Unit vector from the opening into the vessel."""
+        """Unit vector that points from the introducer's opening into the vessel."""
         self.start_m: float = start
-        """Length of the tools beyond the opening at tick 0, unless the world states another."""
+        """Length of the tools beyond the introducer's opening at tick 0, unless the options of the world state another
+        length."""
         self.moves: bool = moves
-        """True if heart or breath move the vessels."""
+        """True if the heartbeat or the breath moves the vessels."""
         self._vessels = tuple(Vessel(*self._core.vessel(i)) for i in range(vessel_count))
 
     @property
     def vessels(self) -> tuple[Vessel, ...]:
-        """All vessels; empty if they are not known."""
+        """All vessels of the scene; empty if the scene has no bodies."""
         return self._vessels
 
     def find_vessel(self, name: str) -> int:
-        """Returns the number of a vessel by its name, ignoring case, spaces and "artery"."""
+        """Returns the number of the vessel with this name; upper and lower case, spaces and the word "artery" make no
+        difference."""
         return self._core.find_vessel(name)
 
     def __repr__(self) -> str:
@@ -66,7 +70,7 @@ class Scene:
 
 
 class Tool:
-    """A guidewire or a catheter, as its file states it or scaled."""
+    """A guidewire or a catheter, with the values of its file or with scaled values."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Opens an instrument file by its path or by a shipped name (`cournand.shipped_tools()`).
@@ -83,10 +87,10 @@ class Tool:
         """True if the tool has a lumen."""
         self.length_m: float = length
         self.radius_max_m: float = radius
-        """Outer radius at the widest point, with the balloon folded."""
+        """Outer radius of the tool at its widest point, with the balloon folded."""
         self.has_balloon: bool = has_balloon
         self.markers_m: tuple[float, ...] = tuple(core.markers())
-        """Middles of the radiopaque marker bands, from the tip, in ascending order."""
+        """Centres of the radiopaque marker bands, as distances from the tip, in ascending order."""
 
     def scaled(
         self,
@@ -99,8 +103,8 @@ class Tool:
     ) -> Tool:
         """Returns another tool with scaled properties, for domain randomisation.
 
-        Factors are 0.1 .. 10, and -10 .. 10 for the rest curvature of a preformed tip. What leaves the range of the
-        core is refused when a world is made.
+        The factors are 0.1 .. 10; only the factor for the rest curvature of a preformed tip is -10 .. 10. A scaled
+        value outside the core's range is refused when a world is made.
         """
         made = Tool.__new__(Tool)
         made._take(self._core.scaled(bend_stiffness, twist_stiffness, mass, friction, rest_curvature))

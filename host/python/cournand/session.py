@@ -1,4 +1,4 @@
-"""Sessions that a Python program leads under fluoroscopy."""
+"""Sessions under fluoroscopy that a Python program controls."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ Speeds = Union[float, Sequence[float]]
 
 
 class Frame(NamedTuple):
-    """What the operator of a session sees and feels."""
+    """Holds what the operator of a session sees and feels."""
 
     tick: int
     reading: Reading
     tip: Place
-    """Of the tool at position 0."""
+    """Place of the tip of the tool at position 0."""
     picture: Picture
-    """With exposure and lag that follow the session's earlier pictures."""
+    """Picture whose exposure and lag depend on the session's earlier pictures."""
 
 
 class Session:
-    """A world under pulsed fluoroscopy, which a program leads pulse by pulse, and which is recorded on request.
+    """A world under pulsed fluoroscopy, which a program controls pulse by pulse, and which is recorded on request.
 
-    Scripts of `cournand run` need that program, because they have hands that slip, steering and expectations of their
-    own; `Recording` opens what it records.
+    A Session cannot play the scripts of `cournand run`, because only that program simulates hands that slip and steer,
+    and checks what a script expects. `Recording` opens the recordings that `cournand run` makes.
 
         with cournand.Session("aorta", ["j_wire"], record="mine.rec") as session:
             for frame in session.lead(lambda frame: (0.03, 0.0), seconds=2):
@@ -50,9 +50,10 @@ class Session:
         record: str | os.PathLike[str] | None = None,
         **world: Any,
     ) -> None:
-        """Makes a world with these scene and tools, by object or by name. Other arguments are those of World.
+        """Makes a world with this scene and these tools, which are given as objects or by their names. Other arguments
+        are passed to World.
 
-        Without a view, the C-arm is over the introducer. The seed is that of the noise.
+        If no view is given, the C-arm is over the introducer. The seed determines the noise of the pictures.
         """
         if not 0.5 <= pulses_per_s <= 60.0:
             raise ValueError("pulses_per_s is not within 0.5 and 60")
@@ -70,28 +71,28 @@ class Session:
             self._recording.enter_context(self.world.record(record))
 
     def step(self, push: Speeds = 0.0, turn: Speeds = 0.0, *, inflator_kPa: float = 0.0) -> Frame:
-        """Moves the hands at these speeds until the next pulse, and returns what there is to see."""
+        """Moves the hands at these speeds until the next pulse, and returns the frame of that pulse."""
         begin, end = round(self._pulse * self._ticks), round((self._pulse + 1) * self._ticks)
         self.world.move(push, turn, ticks=end - begin, inflator_kPa=inflator_kPa)
         self._pulse += 1
         return self.look()
 
     def look(self) -> Frame:
-        """Returns what there is to see now, without a step."""
+        """Returns the frame of the present moment, without a step."""
         seed = (self._seed * 1_000_003 + self._pulse) % 2**64
         picture = self._xray.render(self.world, self.view, labels=self._labels, sequence=True, seed=seed)
         return Frame(self.world.tick, self.world.read(), self.world.tip(), picture)
 
     def lead(self, policy: Callable[[Frame], tuple[Speeds, Speeds]], *, seconds: float) -> Iterator[Frame]:
-        """Calls the policy at every pulse for a time; it returns push and turn until the next one. Yields each frame
-        after its step."""
+        """Calls the policy at every pulse for the given time; the policy returns the push and the turn until the next
+        pulse. Yields the frame after each step."""
         frame = self.look()
         for _ in range(round(seconds * TICKS_PER_S / self._ticks)):
             frame = self.step(*policy(frame))
             yield frame
 
     def close(self) -> None:
-        """Completes the recording. The world can be used further."""
+        """Completes the recording. The world can still be used afterwards."""
         self._recording.close()
 
     def __enter__(self) -> Session:

@@ -1,10 +1,10 @@
-"""Trains a baseline for a named task by augmented random search, with NumPy alone (docs/tasks.md).
+"""Trains a baseline policy for a named task by augmented random search; it needs only NumPy (docs/tasks.md).
 
     python -m cournand.train iliac --minutes 10 --out policy.npz
 
-Mania, Guy and Recht (Simple random search of static policies, NeurIPS 2018): a linear policy is changed in some random
-directions, each of them forwards and backwards, and moves by the differences of the rewards of the best directions.
-It needs no graphics processor and no gradients.
+In the method of Mania, Guy and Recht (Simple random search of static policies, NeurIPS 2018), a linear policy is
+changed by steps in random directions, forwards and backwards, and then moves along the directions with the best
+rewards. The method needs no graphics processor and no gradients.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ class Settings:
 
     directions: int = 8
     kept: int = 4
-    """The best directions, by the better of their two episodes."""
+    """Number of the best directions that are used; a direction is judged by the better of its two episodes."""
     noise: float = 0.1
     step: float = 0.1
     seed: int = 0
     episodes: int = 64
-    """Of training, which are used in turn."""
+    """Number of training episodes, which are used in turn."""
 
 
 class _Watched:
-    """A policy that also sums what it observes."""
+    """A policy that also adds up the values that it observes."""
 
     def __init__(self, policy: Linear) -> None:
         self.policy = policy
@@ -60,7 +60,7 @@ class _Watched:
 
 
 class Search:
-    """The search, whose result depends on the challenge, the settings and the number of iterations alone."""
+    """A search whose result depends only on the task, the settings and the number of iterations."""
 
     def __init__(
         self,
@@ -82,7 +82,7 @@ class Search:
         self.steps = 0
 
     def policy(self, weights: npt.NDArray[np.float64] | None = None) -> Linear:
-        """Returns the policy now, or with other weights."""
+        """Returns the present policy, or the policy with other weights."""
         mean = self.sum / max(self.count, 1)
         variance = self.squares / max(self.count, 1) - mean * mean
         scale = np.sqrt(np.maximum(variance, 1e-4)) if self.count else np.ones(self.width)
@@ -90,7 +90,7 @@ class Search:
         return Linear(chosen.copy(), mean, scale, self.challenge.name, self.challenge.version)
 
     def iterate(self) -> dict[str, float]:
-        """Plays two episodes per direction, moves the policy, and returns a point of the curve."""
+        """Plays two episodes per direction, changes the policy, and returns a point of the learning curve."""
         settings = self.settings
         directions = self.random.standard_normal((settings.directions, *self.weights.shape))
         chosen = self.random.integers(len(self.training), size=settings.directions)

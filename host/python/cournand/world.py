@@ -1,4 +1,4 @@
-"""Worlds: a simulated device with its tools, and its patient if there is one."""
+"""Worlds: simulated devices with their tools and, if requested, a patient."""
 
 from __future__ import annotations
 
@@ -21,57 +21,58 @@ TICKS_PER_S = 1000
 
 
 class Pose(NamedTuple):
-    """The shape of the tools. Arrays are read-only views of the world's memory, without a copy.
+    """The shape of the tools. The arrays are read-only views of the world's memory; nothing is copied.
 
-    A view shows the world as it was when the view was made, until the next call that changes the world; copy what must
-    stay (`pose.positions_m.copy()`). The memory of a view lives as long as the view.
+    The numbers of a view are valid until the next call that changes the world; copy the numbers that you need later
+    (`pose.positions_m.copy()`). The memory of the world lives as long as its views.
     """
 
     tick: int
     positions_m: npt.NDArray[np.float32]
-    """float32 [n, 3], from the leading tip to the first node inside the introducer."""
+    """Positions of the nodes, float32 [n, 3], from the leading tip to the first node inside the introducer."""
     arcs_m: npt.NDArray[np.float32]
-    """float32 [n]: rest arc length from the leading tip."""
+    """Arc length of each node from the leading tip along the unstretched rod, float32 [n]."""
     radii_m: npt.NDArray[np.float32]
-    """float32 [n]: outer radius of the outermost tool there."""
+    """Outer radius of the outermost tool at each node, float32 [n]."""
     tip_arcs_m: npt.NDArray[np.float32]
-    """float32 [positions]: arc length of each tool's tip from the leading tip."""
+    """Arc length of each tool's tip from the leading tip, float32 [positions]."""
     inserted_m: npt.NDArray[np.float32]
-    """float32 [positions]: length beyond the introducer's opening."""
+    """Length of each tool beyond the introducer's opening, float32 [positions]."""
     positions_q30: npt.NDArray[np.int32]
-    """int32 [n, 3] in 2^-30 m: the exact state."""
+    """Exact positions of the nodes, int32 [n, 3] in units of 2^-30 m."""
 
 
 class Contacts(NamedTuple):
-    """Forces of the wall on the nodes, as views like those of Pose."""
+    """Forces of the vessel wall on the nodes, as views like those of Pose."""
 
     tick: int
     nodes: npt.NDArray[np.uint32]
     """uint32 [count], ascending."""
     forces_N: npt.NDArray[np.float32]
-    """float32 [count, 3]: normal force and friction."""
+    """Force of the wall on each node (normal force plus friction), float32 [count, 3]."""
 
 
 class Reading(NamedTuple):
-    """What was measured after the last tick; zeros before the first one, except for lengths and phases."""
+    """Values that were measured after the last tick; before the first tick, all values except lengths and phases are
+    0."""
 
     tick: int
     contact_count: int
     fault_bits: int
-    """Sticky: 1 saturated, 2 hand too fast, 4 step capped, 8 end of the tool, 16 outside."""
+    """Fault bits, which stay set: 1 saturated, 2 hand too fast, 4 step capped, 8 end of the tool, 16 outside."""
     line: tuple[int, ...]
-    """Number of the tool at each position, from 1; 0: the position is free."""
+    """Number of the tool at each position, from 1; 0 if the position has no tool."""
     inserted_m: tuple[float, ...]
     force_N: tuple[float, ...]
-    """On the hands; positive values push back out."""
+    """Forces on the hands; positive values push the tools out."""
     torque_N_m: tuple[float, ...]
-    """On the hands; positive values oppose positive rotation."""
+    """Torques on the hands; positive values oppose a positive rotation."""
     penetration_m: float
     length_error: float
     wall_force_N: float
-    """Sum of all contact forces in the last sample; 0 without `contact_ticks`."""
+    """Sum of all contact forces in the last sample; 0 if `contact_ticks` is 0."""
     wall_force_peak_N: float
-    """The largest sample of the last move or advance."""
+    """The largest sample during the last call of move() or advance()."""
     heart_phase: float
     breath_phase: float
     balloon_kPa: float
@@ -80,25 +81,27 @@ class Reading(NamedTuple):
     balloon_wall_N: float
     balloon_has_burst: bool
     exchange: int
-    """Answer to an exchange in the last tick: 0 none, 1 done, else docs/faults.md."""
+    """Result of an exchange of tools in the last tick: 0 if there was none, 1 if it was done, otherwise a code of
+    docs/faults.md."""
     out_of_range_tick: int | None
-    """Results since this tick are not valid, because physics left its range; None: all are valid."""
+    """Tick since which the results are not valid, because the simulation left its valid range; None if all results are
+    valid."""
 
 
 class Place(NamedTuple):
-    """Where the tip of a tool is."""
+    """Describes where the tip of a tool is."""
 
     name: str
-    """Of the vessel; "" if it is not known."""
+    """Name of the vessel; "" if it is not known."""
     vessel: int
-    """Number in `scene.vessels`; -1: not known."""
+    """Number of the vessel in `scene.vessels`; -1 if it is not known."""
     tip_m: tuple[float, float, float]
     along_m: float
     """From the vessel's beginning."""
     inside_m: float
-    """Along the way from the introducer, beyond the vessel's ostium."""
+    """Distance from the vessel's ostium to the tip, along the path from the introducer."""
     radii: float
-    """Distance from the centreline in radii of the lumen; above 1: outside."""
+    """Distance of the tip from the centreline, in radii of the lumen; above 1, the tip is outside."""
 
 
 class Fault(NamedTuple):
@@ -115,17 +118,17 @@ class Fault(NamedTuple):
 
 
 class PatientReading(NamedTuple):
-    """Syringe, pressures, heart rate and stents of a patient."""
+    """Values of a patient: syringe, pressures, heart rate and stents."""
 
     stents_loaded: int
     injected_ml: float
     injection_flow_ml_per_s: float
     pressure_mmHg: float
-    """At the catheter's tip if one lies in the vessels, else in the aorta."""
+    """Pressure at the catheter's tip if a catheter lies in the vessels, otherwise in the aorta."""
     heart_rate_per_min: float
     stent_stage: str
     notice: str
-    """The last refusal of syringe and stents; "" for none."""
+    """Text of the last refusal by the syringe or of a stent; "" if there was none."""
 
 
 class Order(enum.IntEnum):
@@ -138,34 +141,36 @@ class Order(enum.IntEnum):
 
 
 class Patient:
-    """The patient of a world that was made with `patient=True`: blood flow, contrast medium, stents, pressures."""
+    """The patient of a world that was made with `patient=True`: blood flow, contrast medium, stents and pressures."""
 
     def __init__(self, world: World) -> None:
         self._world = world
 
     def inject(self, ml: float, *, ml_per_s: float, position: int = -1, iodine_mg_per_ml: float = 300.0) -> None:
-        """Injects contrast medium from the next tick on: 0 .. 200 ml at 0.001 .. 50 ml/s. 0 ml ends an injection.
+        """Injects contrast medium from the next tick on: 0 .. 200 ml at 0.001 .. 50 ml/s. A volume of 0 ml ends an
+        injection.
 
-        `position` is that of the injecting tool; -1 takes the outermost one with a lumen. What only shows at its tick,
-        such as a pressure above the syringe's limit, stands in `read().notice`.
+        `position` is the position of the injecting tool; -1 selects the outermost tool that has a lumen. If a problem
+        appears only in that tick, such as a pressure above the syringe's limit, `read().notice` states it.
         """
         self._world._core.inject(ml, ml_per_s, position, iodine_mg_per_ml)
 
     def load_stent(self) -> None:
-        """Mounts the next stent of the world on the balloon that is on the line."""
+        """Mounts the next stent of the world on the balloon in use."""
         self._world._core.load_stent()
 
     def read(self) -> PatientReading:
-        """Returns syringe, pressures, heart rate and stents now."""
+        """Returns the present values of syringe, pressures, heart rate and stents."""
         return PatientReading._make(self._world._core.read_patient())
 
 
 class World:
-    """A simulated device with one to eight tools, three of them on the line, and its patient if there is one.
+    """A simulated device with one to eight tools, at most three of them in use at a time, and with a patient if
+    requested.
 
-    The same scene, tools, options and orders give the same bits on every machine, with any number of threads. A world
-    belongs to one thread at a time; a call while another thread is inside raises BusyError. Long calls release the
-    interpreter's lock.
+    The same scene, tools, options and orders give the same results on every machine, bit for bit, with any number of
+    threads. Only one thread at a time may use a world; a call from a second thread raises BusyError. Long calls release
+    the interpreter's lock.
     """
 
     def __init__(
@@ -181,10 +186,11 @@ class World:
     ) -> None:
         """Makes a world at tick 0. `tools` are in order from the innermost outwards.
 
-        `line` has the number in `tools`, from 1, of the tool at each position; 0: the position is free. Without it the
-        tools are the line, at most three. `inserted_m` has the length beyond the introducer's opening at tick 0 of the
-        tool at each position; NaN takes the scene's start length. `contact_ticks` is the number of ticks between two
-        samples of the wall forces, 1 .. 1000; 0: none. `stents` may be loaded in this order, and need a patient.
+        `line` lists the number of the tool in `tools`, from 1, at each position; 0 stands for a position without a
+        tool. If `line` is not given, all tools are in use; there may be at most three. `inserted_m` lists, for the tool
+        at each position, its length beyond the introducer's opening at tick 0; NaN stands for the scene's start length.
+        `contact_ticks` is the number of ticks between two samples of the wall forces, 1 .. 1000; 0 switches the samples
+        off. `stents` lists the stents that may be mounted, in this order; they need a patient.
         """
         self.scene = scene
         self.tools = tuple(tools)
@@ -197,7 +203,7 @@ class World:
         self._make_core, self._has_patient = make_core, has_patient
         self._core = make_core()
         self.position_count: int = len(self._core.read()[3])
-        """Positions of the line, 1 .. 3."""
+        """Number of positions for tools in use, 1 .. 3."""
 
     # --- advancing ---
 
@@ -210,11 +216,11 @@ class World:
         seconds: float | None = None,
         inflator_kPa: float = 0.0,
     ) -> None:
-        """Moves the hands at steady speeds for a number of ticks or for a time.
+        """Moves the hands at constant speeds for a number of ticks or for a time.
 
         `push` is in m/s, -1 .. 1, positive into the patient, and `turn` in rad/s, -100 .. 100, right-handed about the
-        direction of insertion. A single number is for position 0, a sequence for all positions. Hands hold their tools
-        rigidly.
+        direction of insertion. A single number applies to position 0; a sequence has a number for each position. Hands
+        hold their tools rigidly.
         """
         if (ticks is None) == (seconds is None):
             raise TypeError("move() needs either `ticks` or `seconds`")
@@ -223,19 +229,21 @@ class World:
         self._core.move(action, count)
 
     def advance(self, inputs: npt.NDArray[Any]) -> None:
-        """Advances by one tick per input. `inputs` is an array [ticks] of the type `cournand.INPUT`: the exact counts
-        of the hands and orders of every tick, as those of a recording. An array of another type raises TypeError."""
+        """Advances the world by one tick per input. `inputs` is an array [ticks] of the type `cournand.INPUT`, which
+        holds the exact counts of the hands and the orders of every tick, as a recording does. An array of another type
+        raises TypeError."""
         if not isinstance(inputs, np.ndarray) or inputs.dtype != INPUT or inputs.ndim != 1:
             raise TypeError("inputs is not an array with one axis and the type cournand.INPUT")
         given = np.ascontiguousarray(inputs)
         self._core.advance(given.view(np.uint8).reshape(given.size, INPUT.itemsize))
 
     def order(self, kind: Order, *values: int) -> None:
-        """Gives an order to the core for the next tick. The core tries the order first on a copy of its state."""
+        """Requests an order for the core's next tick. The core first tries the order on a copy of its state."""
         self._core.order(int(kind), list(values))
 
     def exchange(self, position: int, tool: int) -> None:
-        """Takes tools off the line, and puts the tool with this number (from 1; 0: none) on (docs/session.md)."""
+        """Takes tools out of use, and puts the tool with this number (from 1; 0 for none) into use
+        (docs/session.md)."""
         self.order(Order.EXCHANGE, position, tool)
 
     # --- reading ---
@@ -257,7 +265,7 @@ class World:
         return Reading._make(self._core.read())
 
     def tip(self, position: int = 0) -> Place:
-        """Returns the vessel in which the tip of a tool lies, and how far inside."""
+        """Returns the vessel in which the tip of a tool lies, and how far the tip is inside this vessel."""
         return Place._make(self._core.tip(position))
 
     def hash(self) -> int:
@@ -270,23 +278,22 @@ class World:
 
     @property
     def patient(self) -> Patient | None:
-        """The patient of a world that was made with `patient=True`, else None."""
+        """The patient of a world that was made with `patient=True`; otherwise None."""
         return Patient(self) if self._has_patient else None
 
     # --- snapshots ---
 
     def snapshot(self) -> bytes:
-        """Returns the state as bytes with a version and a check: 37 kB, and about 30 kB more with a
-        patient."""
+        """Returns the state as bytes with a version and a checksum: 37 kB, and about 30 kB more with a patient."""
         return bytes(self._core.save())
 
     def restore(self, snapshot: bytes) -> None:
-        """Sets the world to a snapshot of any world with the same scene, tools and options, also of another process or
-        machine. It then continues bit for bit."""
+        """Sets the world to the state in a snapshot of any world with the same scene, tools and options, also from
+        another process or machine. The world then continues bit for bit."""
         self._core.restore(snapshot)
 
     def fork(self) -> World:
-        """Returns another world with the same set-up and state, for a search that branches."""
+        """Returns another world with the same set-up and state, for example for each branch of a search."""
         snapshot = self.snapshot()
         made = World.__new__(World)
         made.scene, made.tools = self.scene, self.tools
@@ -298,9 +305,9 @@ class World:
 
     @contextmanager
     def record(self, path: str | os.PathLike[str], session: str = "python") -> Iterator[None]:
-        """Records the world, which is at tick 0, until the end of the `with` block, for `cournand replay`.
+        """Records the world from tick 0 to the end of the `with` block, as a file for `cournand replay`.
 
-        The file gets its name when it is complete.
+        The file gets its name when the recording is complete.
         """
         self._core.record(os.fspath(path), session)
         try:

@@ -26,7 +26,7 @@ class Label(enum.IntFlag):
     TOOL_1 = 2
     TOOL_2 = 4
     MEDIUM = 8
-    """Contrast medium in a vessel, from 1/32 mm of undiluted medium on."""
+    """Marks contrast medium in a vessel, if there is at least 1/32 mm of undiluted medium along the ray."""
     STENT = 16
     BALLOON = 32
     """The medium in a balloon."""
@@ -34,30 +34,30 @@ class Label(enum.IntFlag):
 
 @dataclass(frozen=True)
 class View:
-    """Geometry and beam of a picture."""
+    """Geometry and X-ray beam of a picture."""
 
     primary_deg: float = 0.0
-    """+ LAO, - RAO: -120 .. 120."""
+    """Primary angle of the C-arm in degrees, -120 .. 120: positive towards LAO, negative towards RAO."""
     secondary_deg: float = 0.0
-    """+ cranial, - caudal: -50 .. 50."""
+    """Secondary angle of the C-arm in degrees, -50 .. 50: positive cranial, negative caudal."""
     isocentre_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Point of the patient at the isocentre."""
+    """Point of the patient that lies at the isocentre."""
     source_detector_m: float = 1.05
     source_isocentre_m: float = 0.75
     field_m: float = 0.32
-    """Width of the square field at the detector, 0.1 .. 0.45."""
+    """Width of the square field at the detector, 0.1 .. 0.45 m."""
     dose_nGy: float = 40.0
-    """At the detector per picture, 1 .. 10000."""
+    """Dose at the detector per picture, 1 .. 10000 nGy."""
 
     def numbers(self) -> tuple[float, ...]:
-        """Returns the numbers in the order of the C struct."""
+        """Returns the view's numbers in the order of the C struct."""
         primary, secondary, isocentre, *rest = astuple(self)
         x, y, z = isocentre
         return (float(primary), float(secondary), float(x), float(y), float(z), *map(float, rest))
 
     def matrix(self, size: int = 512) -> npt.NDArray[np.float64]:
-        """Returns the projection P, float64 [3, 4]: P (x, y, z, 1) in m gives (u w, v w, w) with the column u and the
-        row v in pixels; pixel centres are at .5."""
+        """Returns the projection matrix P, float64 [3, 4]: P (x, y, z, 1), in m, is (u w, v w, w) with the column u and
+        the row v in pixels; pixel centres have fractions of .5."""
         return np.array(_core.view_matrix(self.numbers(), size)).reshape(3, 4)
 
     def project(self, points_m: npt.ArrayLike, size: int = 512) -> npt.NDArray[np.float64]:
@@ -68,15 +68,15 @@ class View:
 
 
 class Picture(NamedTuple):
-    """A picture; row 0 is on top."""
+    """A picture; row 0 is the top row."""
 
     tick: int
     grey: npt.NDArray[np.uint8] | None
-    """uint8 [size, size]: as on the screen. None without a picture."""
+    """Grey values as on the screen, uint8 [size, size]. None without a picture."""
     raw: npt.NDArray[np.uint16] | None
-    """uint16 [size, size]: of the detector, 0 .. 16383, in proportion to the dose. None without a picture."""
+    """Values of the detector in proportion to the dose, uint16 [size, size], 0 .. 16383. None without a picture."""
     labels: npt.NDArray[np.uint8] | None
-    """uint8 [size, size]: bits of Label. None without labels."""
+    """Label image with the bits of Label, uint8 [size, size]. None without labels."""
     is_underexposed: bool
     tube_voltage_kV: float
     tube_current_mA: float
@@ -95,10 +95,10 @@ class Picture(NamedTuple):
 
 
 class XRay:
-    """A renderer of one size for the worlds of a scene.
+    """Renders pictures of one size for the worlds of one scene.
 
-    Equal worlds, views and seeds give equal pictures bit for bit, with any number of threads. Pictures from the same
-    view are faster than those from changing views.
+    Equal worlds, views and seeds give equal pictures, bit for bit, with any number of threads. Pictures take less time
+    if the view does not change from picture to picture.
     """
 
     def __init__(self, scene: Scene, size: int = 512, *, threads: int = 1) -> None:
@@ -120,11 +120,11 @@ class XRay:
         seed: int = 0,
         copy: bool = True,
     ) -> Picture:
-        """Renders the world as it is now. Without a view, the leading tip is at the isocentre.
+        """Renders the present state of the world. If no view is given, the leading tip is at the isocentre.
 
-        `picture=False` renders only the label image. With `sequence`, exposure and lag follow this renderer's last
-        picture, as under fluoroscopy. With `copy=False` the arrays are read-only views that change with the next
-        picture of this renderer.
+        `picture=False` renders only the label image. With `sequence=True`, exposure and lag depend on the last picture
+        of this renderer, as in real fluoroscopy. With `copy=False` the arrays are read-only views that change with the
+        next picture of this renderer.
         """
         flags = 0
         if not picture:

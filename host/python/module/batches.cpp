@@ -1,6 +1,6 @@
-// Many worlds that advance together over a pool of threads: the engine of cournand.envs. One call moves the
-// worlds, reads them into arrays, and renders them; no Python code runs in between. What a world computes
-// does not depend on the number of threads. One thread at a time is inside a batch.
+// Advances many worlds together over a pool of threads; cournand.envs uses this code. One call moves the
+// worlds, reads them into arrays, and renders them; no Python code runs in between. The results of a world do
+// not depend on the number of threads. Only one thread at a time can use a batch.
 #include "host/python/module/pictures.hpp"
 #include <algorithm>
 #include <atomic>
@@ -15,8 +15,9 @@ namespace cournand_python
 namespace
 {
 
-// Numbers of one world in `states`: points of the leading tip's shape, then for each of three positions
-// length inserted, force and torque of the hand, then what FIGURES in cournand/batch.py names.
+// The numbers of one world in `states` are: points of the leading tip's shape; then, for each of
+// three positions, the inserted length and the force and torque of the hand; then the values that FIGURES in
+// cournand/batch.py names.
 constexpr std::size_t figures = 8, of_hands = 9;
 constexpr std::uint32_t points_max = 1000;
 constexpr std::size_t count_max = 1'000'000;
@@ -35,7 +36,8 @@ Pool *create_pool(std::uint32_t threads)
     return new Pool(pool);
 }
 
-// Keeps the status of each call in a pool, with its text, which the library keeps for each thread.
+// Keeps the status and the text of each call in a pool, because the library keeps texts separately for each
+// thread.
 class Outcomes
 {
   public:
@@ -93,7 +95,8 @@ class Batch
     nb::object labels(nb::handle self) const { return pictures(labels_, self); }
 
   private:
-    // A second thread is refused, as by a world; it would overwrite what the first one reads.
+    // A call from a second thread is refused, because it would overwrite the arrays that the first thread
+    // reads.
     class Inside
     {
       public:
@@ -134,7 +137,7 @@ class Batch
     cournand_status read(std::size_t index, cournand_world *world);
     cournand_status read_points(cournand_world *world, float *to);
     // Calls work(i) for each i below `count` in the pool, without the interpreter's lock, and throws the
-    // first refusal.
+    // first refusal, if any.
     template <class Work> void run(std::size_t count, const Work &work);
     void read_all(const std::vector<std::size_t> &which, const std::vector<cournand_world *> &worlds);
 
@@ -146,7 +149,7 @@ class Batch
     std::size_t width_;
     std::vector<nb::object> worlds_;
     std::atomic_flag is_busy_ = ATOMIC_FLAG_INIT;
-    // Allocated once for each size of pictures, so that views keep their memory.
+    // The arrays are allocated once for each size of pictures, so that views of them stay valid.
     std::vector<float> states_, places_;
     std::vector<std::int32_t> vessels_;
     std::vector<std::uint8_t> grey_, labels_;
@@ -173,7 +176,7 @@ void Batch::read_all(const std::vector<std::size_t> &which, const std::vector<co
     run(which.size(), [&](std::size_t i) { return read(which[i], worlds[i]); });
 }
 
-// Interpolates the positions of points at equal distances from the leading tip.
+// Interpolates the positions of equally spaced points along the shape, beginning at the leading tip.
 cournand_status Batch::read_points(cournand_world *world, float *to)
 {
     auto pose = sized<cournand_pose>();
@@ -221,7 +224,8 @@ void Batch::step(const Given<float> &actions, std::uint32_t ticks, const std::ve
         throw nb::value_error("actions has one row of 8 numbers per world");
     const Inside inside(is_busy_);
     const auto worlds = handles(which);
-    // The caller may write to its array meanwhile, so what is checked would not be what is used.
+    // Works on a copy, because the caller may write to its array meanwhile, and could then change values that
+    // were already checked.
     const std::vector<float> rows(actions.data(), actions.data() + actions.size());
     Outcomes outcomes(which.size());
     auto reads = [&](std::size_t i) { outcomes.take(i, read(which[i], worlds[i])); };
@@ -260,7 +264,8 @@ void Batch::restore(const std::vector<nb::bytes> &snapshots, const std::vector<s
     try {
         run(which.size(), [&](std::size_t i) { return take(i, bytes[i].data, bytes[i].size); });
     } catch (const StatusError &) {
-        // What refuses its own state (a world that is recorded) has refused the snapshot, too.
+        // If a world refuses to save its present state (because it is recorded), it has already refused the
+        // snapshot, too.
         run(which.size(), [&](std::size_t i) {
             take(i, before[i].data(), before[i].size());
             return COURNAND_OK;
@@ -269,8 +274,9 @@ void Batch::restore(const std::vector<nb::bytes> &snapshots, const std::vector<s
     }
 }
 
-// A batch with one renderer per world keeps the views of all worlds, which makes pictures of unchanged views
-// faster; fewer renderers are shared. Pictures do not depend on the renderer.
+// If a batch has one renderer per world, each renderer keeps its world's view, which makes pictures of
+// unchanged views faster; with fewer renderers, worlds share them. The pictures do not depend on which
+// renderer makes them.
 void Batch::render(const nb::list &renderers, const std::vector<ViewNumbers> &views, std::uint32_t flags,
                    const std::vector<std::uint64_t> &seeds, const std::vector<std::size_t> &which)
 {

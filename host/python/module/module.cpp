@@ -1,5 +1,6 @@
-// The module cournand._core: scenes, tools, and what makes exceptions of statuses. The classes for people are
-// in host/python/cournand; those here take checked arguments and return tuples.
+// The module cournand._core contains the scenes and the tools, and converts error statuses into exceptions.
+// The public classes are in host/python/cournand; the classes of this module take checked arguments and
+// return tuples.
 #include "host/python/module/module.hpp"
 #include <cstring>
 #include <nanobind/stl/pair.h>
@@ -80,7 +81,7 @@ Tool *scaled_tool(const Tool &tool, double bend, double twist, double mass, doub
     return new Tool(made);
 }
 
-// The class of the exception is looked up when it is needed, so the module keeps no reference to Python
+// The exception class is looked up when it is needed, so that the module keeps no references to Python
 // objects.
 void raise(const std::exception_ptr &thrown, void *)
 {
@@ -89,7 +90,7 @@ void raise(const std::exception_ptr &thrown, void *)
     } catch (const StatusError &error) {
         const nb::object kind =
             nb::module_::import_("cournand.errors").attr("of_status")(static_cast<int>(error.status));
-        // A text may quote bytes of a path or of a file that are no UTF-8.
+        // A text may quote bytes of a path or of a file that are not valid UTF-8.
         const char *text = error.what();
         const auto decoded =
             nb::steal(PyUnicode_DecodeUTF8(text, static_cast<Py_ssize_t>(std::strlen(text)), "replace"));

@@ -1,5 +1,6 @@
-// What the parts of the Python module share. The module calls the functions of cournand.h and nothing else of
-// the project. It releases the interpreter's lock in every call that takes more than microseconds.
+// Declarations that the parts of the Python module share. The module uses only the functions of cournand.h
+// and nothing else of the project. It releases the interpreter's lock in every call that takes more than
+// microseconds.
 #pragma once
 #include "host/library/cournand.h"
 #include <memory>
@@ -18,7 +19,7 @@ namespace cournand_python
 
 namespace nb = nanobind;
 
-// Becomes the exception of its status in cournand/errors.py.
+// This C++ exception becomes the Python exception of the same status in cournand/errors.py.
 class StatusError : public std::runtime_error
 {
   public:
@@ -28,7 +29,8 @@ class StatusError : public std::runtime_error
     cournand_status status;
 };
 
-// Call it in the thread of the refused call, because the library keeps its text for each thread.
+// Call it in the thread of the refused call, because the library keeps the text of a refusal separately for
+// each thread.
 inline void check(cournand_status status)
 {
     if (status != COURNAND_OK) throw StatusError(status, cournand_error_text());
@@ -41,8 +43,8 @@ template <class Call> void unlocked(Call call)
     check(call());
 }
 
-// Holds a handle of the library and frees it. Views refer to memory behind the handle, so the Python object
-// that owns the handle is the owner of its views, and a view keeps the memory.
+// Holds a handle of the library and frees it. Views refer to memory that belongs to the handle, so the Python
+// object that holds the handle owns its views, and a view keeps this object alive.
 template <class Handle, cournand_status (*free)(Handle *)> class Owned
 {
   public:
@@ -62,7 +64,7 @@ using World = Owned<cournand_world, cournand_world_free>;
 using Pool = Owned<cournand_pool, cournand_pool_free>;
 using Recording = Owned<cournand_recording, cournand_recording_free>;
 
-// Returns an empty struct of the API with its size.
+// Returns an empty struct of the API in which its size is set.
 template <class Struct> Struct sized()
 {
     Struct made{};
@@ -70,7 +72,7 @@ template <class Struct> Struct sized()
     return made;
 }
 
-// Read-only arrays over memory of the library.
+// Makes read-only arrays over memory of the library.
 template <class Number> using View = nb::ndarray<nb::numpy, const Number, nb::c_contig>;
 template <class Number> using Given = nb::ndarray<const Number, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 

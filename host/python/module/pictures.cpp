@@ -14,7 +14,7 @@ cournand_renderer *create(const Scene &scene, std::uint32_t threads)
     return renderer;
 }
 
-// The library takes 0 for its usual size; a caller of Python states every size.
+// In the library, the size 0 stands for the usual size; a Python caller must always state the size.
 std::uint32_t stated(std::uint32_t size)
 {
     if (size == 0)

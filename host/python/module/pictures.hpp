@@ -1,5 +1,5 @@
-// Renderers of one size. The size never changes, so the memory of a picture keeps its place while the
-// renderer lives, and views of it never dangle.
+// Renderers of one size. The size never changes, so the memory of a picture stays at the same address while
+// the renderer exists, and views of it stay valid.
 #pragma once
 #include "host/python/module/module.hpp"
 #include <array>
@@ -20,7 +20,7 @@ class Renderer
     Handle handle_;
 };
 
-// Primary and secondary angle, isocentre, distances, field and dose, in the order of cournand_view.
+// The primary and secondary angles, isocentre, distances, field and dose, in the order of cournand_view.
 using ViewNumbers = std::array<double, 9>;
 cournand_view make_view(const ViewNumbers &numbers, std::uint32_t size, std::uint32_t flags,
                         std::uint64_t seed);

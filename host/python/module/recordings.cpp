@@ -1,4 +1,4 @@
-// Recordings: their description, their inputs as an array of bytes, and worlds that can replay them.
+// Recordings: their descriptions, their inputs as arrays of bytes, and worlds that can replay them.
 #include "host/python/module/module.hpp"
 #include <cstring>
 

@@ -1,4 +1,5 @@
-// Worlds. Their arrays are views of the library's memory: it keeps its place while the world lives.
+// Worlds. The arrays are views of the library's memory, which stays at the same address while the world
+// exists.
 #include "host/python/module/module.hpp"
 #include <cmath>
 #include <limits>
@@ -54,7 +55,7 @@ using Inputs =
 
 void advance(const World &world, const Inputs &inputs)
 {
-    // The bytes of a NumPy array may begin anywhere.
+    // The bytes of a NumPy array may begin at any address, also at one that is not aligned.
     std::vector<cournand_input> copies(inputs.shape(0));
     if (!copies.empty()) std::memcpy(copies.data(), inputs.data(), copies.size() * sizeof(cournand_input));
     unlocked([&] { return cournand_world_advance(world.get(), copies.data(), copies.size()); });

@@ -1,8 +1,8 @@
-"""Checks that the tests of the environments share."""
+"""Checks that several tests of the environments use."""
 
 
 def refuses(call, kind=ValueError):
-    """Returns True if the call raises this exception with a text."""
+    """Returns True if the call raises this exception with a non-empty text."""
     try:
         call()
     except kind as error:

@@ -1,5 +1,5 @@
-"""Runs of the factory of labelled pictures for its tests: small data sets, runs that are killed, and folders that are
-compared byte by byte."""
+"""Runs the factory of labelled pictures for its tests: makes small data sets, kills runs, and compares folders byte by
+byte."""
 
 import contextlib
 import hashlib
@@ -23,7 +23,7 @@ KEPT = "parts"  # holds locks and what a killed run has left
 
 
 def factory(*words):
-    """Runs a command of the factory in this process, and returns its exit code and its texts."""
+    """Runs a command of the factory in this process, and returns its exit code and its output."""
     printed, errors = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
         code = cli.main(words)
@@ -31,21 +31,22 @@ def factory(*words):
 
 
 def made(folder, *words):
-    """Makes a data set, and returns whether it succeeded; prints the errors."""
+    """Makes a data set, and returns whether this succeeded; prints the errors."""
     code, _, errors = factory(*words, "--out", folder, "--quiet")
     print("".join("# %s\n" % line for line in errors.splitlines()), end="")
     return code == 0
 
 
 def run_command(*words):
-    """Runs a command of the factory in a process of its own, as its workers need, and returns its exit code."""
+    """Runs a command of the factory in a separate process, which its worker processes need, and returns its exit
+    code."""
     ended = subprocess.run([*WORDS, *words], capture_output=True, text=True, check=False)
     print("".join("# %s\n" % line for line in ended.stderr.splitlines()), end="")
     return ended.returncode
 
 
 def contents(folder):
-    """Returns the hash of each file of a data set by its path."""
+    """Returns the hash of each file of a data set, by the file's path."""
     found = {}
     for at, folders, names in os.walk(folder):
         folders[:] = [name for name in folders if name != KEPT]
@@ -57,7 +58,7 @@ def contents(folder):
 
 
 def equal(first, second):
-    """Returns whether two data sets have the same files with the same bytes; prints the first difference."""
+    """Returns whether two data sets contain the same files with the same bytes; prints the first difference."""
     a, b = contents(first), contents(second)
     for path in sorted(set(a) | set(b)):
         if a.get(path) != b.get(path):
@@ -77,8 +78,8 @@ def written(folder):
 
 
 def killed(folder, words, size, seconds):
-    """Begins a run, and kills it with its workers, as a failing machine would, a moment after it has written this many
-    bytes. Returns whether it was still at work."""
+    """Starts a run; after it has written this many bytes, kills the run and its workers, as a machine failure would.
+    Returns whether the run was still working when it was killed."""
     run = subprocess.Popen(
         [*WORDS, *words, "--quiet"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
     )
@@ -93,8 +94,8 @@ def killed(folder, words, size, seconds):
 
 
 def survives_kills(folder, whole, words, kills, seed, workers=1):
-    """Kills a run at random moments, continues it each time, and compares the data set with `whole`. The moments follow
-    from what is written, so they do not depend on the speed of the machine."""
+    """Kills a run at random moments, continues it each time, and compares the data set with the complete data set
+    `whole`. The moments depend on the number of written bytes, so they do not depend on the speed of the machine."""
     draw, hit, work = random.Random(seed), 0, ["--workers", str(workers)]
     shard = sum(os.path.getsize(os.path.join(at, name)) for at, _, names in os.walk(whole) for name in names)
     shard /= 2 * len(os.listdir(os.path.join(whole, "shards")))  # every file has two names

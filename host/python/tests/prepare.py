@@ -1,5 +1,5 @@
-"""Builds the Python package for its tests: a virtual environment with the pinned packages of requirements.txt, and the
-module over the static library of the build folder, both below BUILD/python.
+"""Prepares the tests of the Python package: makes a virtual environment with the pinned packages of requirements.txt,
+and builds the module with the static library of the build folder; both are below BUILD/python.
 
 A test calls enter(), which continues the test in that environment.
 """
@@ -22,7 +22,7 @@ REQUIREMENTS = os.path.join(ROOT, "host", "python", "requirements.txt")
 
 
 def run(words, **more):
-    """Runs a command quietly; a failure ends the program with its output."""
+    """Runs a command without printing its output; if it fails, prints the output and ends the program."""
     ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, **more)
     if ended.returncode != 0:
         sys.exit("%s\n%s: exit code %d" % (ended.stdout.decode(errors="replace"), " ".join(words), ended.returncode))
@@ -30,7 +30,8 @@ def run(words, **more):
 
 
 def environment(folder, requirements):
-    """Makes a virtual environment with pinned packages, unless it exists, and returns its Python."""
+    """Makes a virtual environment with pinned packages, unless it exists already, and returns the path of its
+    Python."""
     try:
         return pinned_environment.make(folder, requirements)
     except pinned_environment.EnvironmentFault as fault:
@@ -58,7 +59,8 @@ def build(python):
 
 
 def prepare():
-    """Builds everything once, also if several tests begin at the same time, and returns the environment's Python."""
+    """Builds everything once, even if several tests begin at the same time, and returns the path of the environment's
+    Python."""
     os.makedirs(FOLDER, exist_ok=True)
     with open(os.path.join(FOLDER, "lock"), "w", encoding="ascii") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -73,7 +75,7 @@ def prepare():
 
 
 def sources():
-    """Returns the path of every file that the package is built of."""
+    """Returns the path of every source file of the package."""
     places = ["host/python/cournand", "host/python/module", "shared/examples/instruments", "shared/examples/stents"]
     single = ["host/library/cournand.h", "shared/version.h", "shared/examples/scenes/aorta.tar.xz"]
     files = [REQUIREMENTS, os.path.join(BUILD, "lib", "libcournand.a")] + [os.path.join(ROOT, one) for one in single]
@@ -85,7 +87,7 @@ def sources():
 
 
 def digest():
-    """Returns a hash of everything that the package is built of."""
+    """Returns a hash of all source files of the package."""
     hashed = hashlib.sha256()
     for path in sources():
         with open(path, "rb") as file:
@@ -94,7 +96,7 @@ def digest():
 
 
 def joined(more):
-    """Returns the path of a requirements file with the packages of the tests and those of another file."""
+    """Returns the path of a requirements file that combines the packages of the tests with those of another file."""
     path = os.path.join(FOLDER, more)
     text = ""
     for name in ("requirements.txt", more):
@@ -107,7 +109,7 @@ def joined(more):
 
 def enter(script, more=None):
     """Continues a test script in the environment of the package, unless it is there already. `more` names a file with
-    further packages, for which there is an environment of its own."""
+    additional packages; there is a separate environment for them."""
     if os.environ.get("COURNAND_PYTHON_TEST") == script:
         return
     python = prepare()

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Tests the Python package `cournand`: the bits of `cournand run`, views without copies that never dangle, exceptions
-that leave the world as it was, threads, pictures, recordings and the patient. Prints TAP."""
+"""Tests the Python package `cournand`: it computes the same bits as `cournand run`; its views need no copies and stay
+valid; an exception leaves the world unchanged; it supports threads, pictures, recordings and the patient. Prints
+TAP."""
 
 import os
 import random
@@ -30,7 +31,7 @@ def world(**options):
 
 
 def raises(kind, call):
-    """Returns True if the call raises this exception with a text."""
+    """Returns True if the call raises this exception with a non-empty text."""
     try:
         call()
     except kind as error:
@@ -39,7 +40,7 @@ def raises(kind, call):
 
 
 def run_of_the_program(folder):
-    """Runs a session by `cournand run`, and returns its recording and the hash that the program states."""
+    """Runs a session with `cournand run`, and returns its recording and the hash that the program prints."""
     script, path = os.path.join(folder, "a.session"), os.path.join(folder, "a.rec")
     with open(script, "w", encoding="ascii") as file:
         file.write(SCRIPT)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The examples of docs/python.md, gymnasium.md, tasks.md and factory.md run from top to bottom, and the page of the
-package names every public class and exception. Prints TAP."""
+"""The examples in docs/python.md, gymnasium.md, tasks.md and factory.md run from top to bottom, and docs/python.md
+names every public class and exception. Prints TAP."""
 
 import os
 import re
@@ -24,7 +24,8 @@ def blocks(page):
 
 
 def runs(page):
-    """Runs the examples of a page in an empty folder, one after the other, with one set of names."""
+    """Runs the examples of a page one after the other in an empty folder; later examples can use the names of earlier
+    ones."""
     names, before = {}, os.getcwd()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)

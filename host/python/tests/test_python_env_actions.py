@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests contrast medium and the C-arm as actions of an environment, and episodes that draw the heart rate and the
-scene. All must give the same bits with any number of threads, and after a snapshot. Prints TAP."""
+"""Tests contrast medium and the C-arm as actions of an environment, and random heart rates and scenes. All results must
+be equal, bit for bit, with any number of threads and after a restored snapshot. Prints TAP."""
 
 import os
 import shutil
@@ -36,7 +36,7 @@ def same(a, b):
 
 
 def played(envs, steps=8, seed=11):
-    """Returns everything that a vector environment gives for random actions."""
+    """Returns everything that a vector environment returns for random actions."""
     envs.action_space.seed(7)
     seen = [envs.reset(seed=seed)[0]]
     for _ in range(steps):
@@ -160,7 +160,7 @@ def episodes_draw_the_heart_rate():
 
 
 def episodes_draw_the_scene():
-    """The second scene is a copy of the first, so that an episode may only differ in the number of its scene."""
+    """The second scene is a copy of the first, so that episodes can differ only in the number of their scene."""
     with tempfile.TemporaryDirectory() as folder:
         path = find("scenes", ".scene", "aorta")
         for ending in (".scene", ".bodies"):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests the factory of labelled pictures (docs/factory.md): its bytes do not depend on workers, parts or kills; its
-labels agree with the geometry; its files are read back by readers that share no code with the writers; wrong options
-are refused by name. Prints TAP."""
+labels agree with the geometry; readers that share no code with the writers can read its files; wrong options are
+refused by name. Prints TAP."""
 
 import io
 import json
@@ -186,7 +186,7 @@ def a_refused_set_of_tools_is_drawn_again():
 
 
 def read_png(content):
-    """Reads a PNG by the text of its standard: chunks with their checks, filters 0 and 1."""
+    """Reads a PNG file as the PNG standard describes it: chunks with their checksums, and the filters 0 and 1."""
     at, data, kinds = 8, b"", []
     while at < len(content):
         (size,) = struct.unpack(">I", content[at : at + 4])
@@ -209,7 +209,7 @@ def read_png(content):
 
 
 def read_tar(shard):
-    """Yields the facts and the members of each frame of a shard."""
+    """Yields the metadata and the files of each frame of a shard."""
     with tarfile.open(os.path.join(WHOLE, "webdataset", "%06d.tar" % shard)) as tar:
         members = {}
         for member in tar.getmembers():
@@ -250,7 +250,7 @@ def a_tar_holds_every_frame_once_and_its_masks_have_the_stated_areas():
 
 
 def unpacked(text):
-    """Reads the text of run lengths letter by letter."""
+    """Reads the text of a run-length mask letter by letter."""
     counts, at = [], 0
     while at < len(text):
         number, shift = 0, 0
@@ -391,7 +391,7 @@ def a_plan_is_shown_without_work():
 
 
 def the_script_for_slurm_makes_every_shard():
-    """Runs the printed script as Slurm would: each task of the array, then the job that depends on it."""
+    """Runs the printed script as Slurm would: first each task of the array, then the job that depends on them."""
     at = folder("slurm")
     code, text, _ = runs.factory("slurm", *runs.SMALL, *runs.FORMATS, "--out", at, "--tasks", "2", "--cpus", "1")
     good = code == 0 and "#SBATCH --array=0-1\n" in text and "afterok" in text

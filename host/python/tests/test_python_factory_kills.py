@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Tests the factory of labelled pictures for as long as a make of the data takes: a run that is killed 20 times, a run
-that loses workers, and Ray on this machine. All must write the bytes of a run that nobody disturbs. Prints TAP. It has
-the label `hours`, because Ray is a large download and each of the kills waits for a new process."""
+"""Tests the factory of labelled pictures with tests that take too long for `make test`: a run that is killed 20 times,
+a run that loses its workers, and Ray on this machine. All runs must write the same bytes as an undisturbed run. Prints
+TAP. The test has the label `hours`, because Ray is a large download and each killed run must start a new process."""
 
 import os
 import signal
@@ -36,7 +36,7 @@ def twenty_kills_lose_and_double_nothing():
 
 
 def children(parent):
-    """Returns the processes that a process has begun."""
+    """Returns the child processes of a process."""
     with open("/proc/%d/task/%d/children" % (parent, parent), encoding="ascii") as file:
         return [int(word) for word in file.read().split()]
 

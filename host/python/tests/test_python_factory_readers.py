@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Reads the files of the factory of labelled pictures by the libraries for which they are made: pycocotools, pydicom,
-webdataset, and pyarrow, pandas and datasets for LeRobot. All must find the pixels and masks of the same frames. Prints
-TAP."""
+"""Reads the files of the factory of labelled pictures with the libraries that people use for them: pycocotools,
+pydicom, webdataset, and, for LeRobot, pyarrow, pandas and datasets. All libraries must find the same pixels and masks
+for the same frames. Prints TAP."""
 
 import io
 import json
@@ -74,7 +74,8 @@ def pycocotools_gives_the_masks_of_the_label_images():
 
 
 def clear_key_points_of_coco_lie_on_the_masks():
-    """A covered point (1) may lie where the mask of its tool has no pixel; a clear one (2) never does."""
+    """At a covered point (visibility 1), the mask of its tool may have no pixel; at a clear point (2), it always has
+    one."""
     coco, found = COCO(path("coco", "annotations.json")), 0
     for annotation in coco.loadAnns(coco.getAnnIds(catIds=[1, 2, 3])):
         points = np.array(annotation["keypoints"], dtype=float).reshape(-1, 3)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Tests the environments for Gymnasium: its own checks, seeds that reproduce bit for bit in one environment and in
-many, with any number of threads, the ends of episodes, snapshots, and domain randomisation. Prints TAP."""
+"""Tests the environments for Gymnasium: Gymnasium's own checks, the ends of episodes, snapshots and domain
+randomisation. Equal seeds must give equal results, bit for bit, in a single and in a vector environment, with any
+number of threads. Prints TAP."""
 
 import os
 import sys
@@ -47,7 +48,7 @@ def actions(env, steps, seed=7):
 
 
 def played(envs, given, seed=11):
-    """Returns everything that a vector environment gives for these actions."""
+    """Returns everything that a vector environment returns for these actions."""
     seen = [envs.reset(seed=seed)[0]]
     for action in given:
         seen += envs.step(action)[:4]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""`pip install .` in an empty virtual environment compiles the C library and the module from source, as a user does it,
-and the five lines of the README give a picture. It compiles for minutes, so it has the label `hours`. Prints TAP."""
+"""`pip install .` in an empty virtual environment compiles the C library and the module from source, as for a user, and
+the five lines of the README make a picture. The test compiles for minutes, so it has the label `hours`. Prints TAP."""
 
 import os
 import re

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests what the Python package refuses: a refused batch moves no world, texts of refusals survive every letter, arrays
-of other types are not taken for inputs, and threads that share objects get exceptions. Prints TAP."""
+"""Tests what the Python package refuses: a refused batch moves no world; texts of refusals may contain any letter;
+arrays of other types are not accepted as inputs; threads that share objects get exceptions. Prints TAP."""
 
 import os
 import sys
@@ -37,7 +37,7 @@ def exception_of(call):
 
 
 def raises(kind, call):
-    """Returns True if the call raises this exception with a text."""
+    """Returns True if the call raises this exception with a non-empty text."""
     error = exception_of(call)
     return type(error) is kind and len(str(error)) > 10
 
@@ -143,8 +143,8 @@ def two_threads_in_one_batch_get_whole_exceptions():
 
 
 def lets_another_thread_run(call):
-    """Returns whether another thread has run within the call, for which it needs the interpreter's lock. No thread
-    gives the lock away by itself meanwhile."""
+    """Returns whether another thread could run during the call, which is possible only if the call releases the
+    interpreter's lock. During this time no thread releases the lock by itself."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(1000.0)
     try:

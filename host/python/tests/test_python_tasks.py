@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Tests the named tasks of docs/tasks.md: fixed seeds, score cards with the same bits for any number of threads, and
-success that a force makes unsafe; policies by name, module and file; anatomies that are complete or absent. Prints
-TAP."""
+"""Tests the named tasks of docs/tasks.md: fixed seeds; score cards with the same bits for any number of threads; a
+success that a large force makes unsafe; policies by name, module and file; anatomies that are complete or absent.
+Prints TAP."""
 
 import contextlib
 import io
@@ -44,7 +44,7 @@ def refusal(call, kind=ValueError):
 
 
 def said(main, *words):
-    """Calls a command, and returns its exit code and what it wrote."""
+    """Calls a command, and returns its exit code and its output."""
     out = io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
         try:
@@ -90,7 +90,8 @@ def a_random_policy_is_reproducible_and_differs_between_episodes():
 
 
 def a_force_above_the_limit_makes_a_success_unsafe():
-    """With a limit of nearly 0 N, the same pushes reach the same targets in the same steps, but no success is safe."""
+    """With a force limit of nearly 0 N, the same pushes must reach the same targets in the same steps, but no success
+    is safe."""
     strict = replace(SHORT, task=replace(NEAR, force_limit_N=1e-6))
     free, limited = played("push"), played("push", strict)
     print("# success %.2f, safe %.2f" % (limited["summary"]["success"], limited["summary"]["safe_success"]))
@@ -103,7 +104,8 @@ def a_force_above_the_limit_makes_a_success_unsafe():
 
 
 def a_resting_policy_goes_nowhere():
-    """Its tip only curls up to the J, which the introducer had straightened: by 8 mm."""
+    """The tip of the J wire only curls up into its J shape, which the introducer had straightened; this moves the tip
+    by 8 mm."""
     figures = played("rest")["summary"]
     return figures["success"] == 0.0 and figures["steps_median"] == 40 and figures["tip_travel_median_m"] < 0.025
 
@@ -115,7 +117,8 @@ def the_expert_reaches_an_easy_target_safely():
 
 
 def the_expert_turns_the_bend_towards_the_target():
-    """A tip along x that bends to y, with the target on the side of z: a right angle; on the side of y: none."""
+    """The tip points along x and bends towards y: for a target on the side of z the angle is a right angle, and for one
+    on the side of y it is 0."""
     shape = np.array([[0.004, 0.0004, 0.0], [0.002, 0.0, 0.0], [0.0, 0.0, 0.0]])
     right = expert.bend_angle(shape - (0.004, 0.0004, 0.02))
     none = expert.bend_angle(shape - (0.004, 0.02, 0.0))
@@ -217,7 +220,8 @@ def wrong_calls_are_refused_with_text():
 
 
 def programs_of(folder, bake_words):
-    """Writes an `anatomy` that draws nothing, and a `bake` that copies the shipped scene, into a folder."""
+    """Writes two replacement programs into a folder: an `anatomy` that draws nothing, and a `bake` that copies the
+    shipped scene."""
     scene = os.path.splitext(find("scenes", ".scene", "aorta"))[0]
     texts = {
         "anatomy": '#!/bin/sh\nfor last; do :; done\nmkdir -p "$last"\necho "$3" >>"%s/drawn"\n' % folder,
@@ -231,7 +235,7 @@ def programs_of(folder, bake_words):
 
 
 def a_scene_is_complete_or_absent_and_made_once():
-    """The programs are replaced by scripts that take no time: what is tested is what happens around them."""
+    """Scripts that take no time replace the programs, because the test checks only the code that calls them."""
     with tempfile.TemporaryDirectory() as folder:
         programs, out = os.path.join(folder, "programs"), os.path.join(folder, "scenes")
         os.mkdir(programs)
@@ -257,7 +261,7 @@ def a_scene_is_complete_or_absent_and_made_once():
 
 
 def a_killed_run_is_continued():
-    """SIGKILL while `bake` runs leaves no scene under its name, and the next run makes it."""
+    """If SIGKILL comes while `bake` runs, there is no scene with the final name, and the next run makes it."""
     with tempfile.TemporaryDirectory() as folder:
         programs, out = os.path.join(folder, "programs"), os.path.join(folder, "scenes")
         os.mkdir(programs)

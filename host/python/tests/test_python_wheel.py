@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Builds a wheel of the package over the static library of the build folder, completes it by auditwheel, and uses it in
-an empty virtual environment: the five lines of the README, an environment by gymnasium.make, and the notebook. Checks
-the types by mypy. Prints TAP."""
+"""Builds a wheel of the package with the static library of the build folder, completes it with auditwheel, and installs
+it in an empty virtual environment. There, the five lines of the README, an environment from gymnasium.make and the
+notebook must work. Checks the types by mypy. Prints TAP."""
 
 import glob
 import os
@@ -28,7 +28,7 @@ UNWANTED = re.compile(r"lib(X|GL|EGL|OpenGL|glfw|dcm|ofstd|usb|png|archive|openh
 
 
 def environment():
-    """Returns the Python of an environment with the tools of this test."""
+    """Returns the path of the Python of a virtual environment with the tools of this test."""
     os.makedirs(prepare.FOLDER, exist_ok=True)
     pinned = "".join(tree.read("host/python/requirements%s.txt" % name) for name in ("", "-lab"))
     if not os.path.exists(LAB) or open(LAB, encoding="utf-8").read() != pinned:
@@ -52,7 +52,7 @@ TOOLS = dict(os.environ, PATH=BIN + os.pathsep + os.environ["PATH"])
 
 
 def processor_s():
-    """Returns the processor's time of all commands so far, which other work on the machine does not lengthen."""
+    """Returns the processor time of all commands so far, which does not depend on other work on the machine."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

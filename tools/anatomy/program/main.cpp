@@ -95,7 +95,7 @@ Mesh make_mesh(const Options &options, const std::string &name, const MeshReques
 
 /* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes the
  * text of the lesions before the meshes, so that a mistake on the command line is reported at once and not
- * after minutes. The calcium of a lesion lies in the body that contains the vessels. */
+ * after minutes. The calcium of a lesion is a part of the body that contains the vessels. */
 std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
 {
     std::vector<Lesion> lesions;
@@ -247,7 +247,7 @@ struct BeatOptions {
     std::vector<double> left_mm, right_mm, apex_mm;
 };
 
-/* Moves the mesh of another heart with the beat of the shipped heart. */
+/* Moves the mesh of another heart in the same way as the shipped heart beats. */
 int make_beat(const BeatOptions &options)
 {
     crn::check_output_folder({"--output", options.folder.string()});

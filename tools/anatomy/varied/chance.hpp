@@ -1,5 +1,5 @@
-/* Random numbers that are the same on every machine: the generator SplitMix64 (Steele 2014, OOPSLA, "Fast
- * splittable pseudorandom number generators"). */
+/* Makes random numbers that are the same on every machine, with the generator SplitMix64 (Steele 2014,
+   OOPSLA, "Fast splittable pseudorandom number generators"). */
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -11,17 +11,17 @@ namespace anatomy
 class Chance
 {
   public:
-    /* Equal pairs give equal numbers; `stream` separates the attempts for one seed. */
+    /* Equal pairs of seed and stream give equal numbers; each attempt for a seed has its own stream. */
     Chance(std::uint64_t seed, std::uint64_t stream) : state_(mixed(seed) ^ mixed(~stream)) {}
 
-    /* Returns a number in low .. high, evenly spread. */
+    /* Returns a uniformly distributed number in low .. high. */
     double uniform(double low, double high)
     {
         state_ += STEP;
         return low + (high - low) * std::ldexp(static_cast<double>(mixed(state_) >> 11), -53);
     }
 
-    /* Returns a number from the normal distribution, at most two standard deviations from the mean. */
+    /* Returns a normally distributed number, at most two standard deviations from the mean. */
     double normal(double mean, double deviation)
     {
         for (int i = 0; i < TRIES_MAX; ++i) {

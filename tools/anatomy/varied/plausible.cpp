@@ -34,7 +34,7 @@ double to_bone_mm(const Curve &curve)
     return least_mm;
 }
 
-/* The circle through three points that are `reach` samples apart. */
+/* The circle goes through three points of a curve that are `reach` samples apart. */
 double bend_radii(const Curve &curve)
 {
     constexpr size_t REACH = 3;
@@ -49,7 +49,9 @@ double bend_radii(const Curve &curve)
     return least;
 }
 
-/* Pairs of parent and branch are not measured: the branch leaves its parent at any angle. */
+/* The distance between a parent and its own branch is not measured, because a branch may leave its parent at
+ * any angle.
+ */
 double apart_mm(const Vessel &one, const Curve &curve, const Vessel &other, const Curve &other_curve)
 {
     double least_mm = 1e9;

@@ -1,5 +1,5 @@
-/* The rules that a drawn tree must keep. A distance that is already shorter in the shipped tree may stay as
- * short. */
+/* Contains the rules that a drawn tree of arteries must keep. A distance that is too short in the shipped
+   tree may be as short in the drawn tree. */
 #pragma once
 #include "tools/anatomy/vessels.hpp"
 #include <string>
@@ -11,10 +11,11 @@ namespace anatomy
 constexpr double TO_BONE_MM =
     1.0; // the least distance that a lumen keeps from bones, unless the shipped one is closer
 
-/* Returns the distance from a point to the nearest bone of the shipped skeleton, negative inside. */
+/* Returns the distance from a point to the nearest bone of the shipped skeleton; it is negative inside the
+ * bone. */
 double bone_distance_mm(const Vec3 &point);
 
-/* Measures of one tree, in the order of its vessels. */
+/* Measured distances and bends of one tree, in the order of its vessels. */
 struct TreeSpaces {
     std::vector<double> to_bone_mm;            // from each vessel's lumen to the nearest bone
     std::vector<double> bend_radii;            // least radius of curvature, in radii of the lumen
@@ -23,8 +24,8 @@ struct TreeSpaces {
 
 TreeSpaces spaces_of(const std::vector<Vessel> &vessels);
 
-/* Returns the first rule that the tree breaks, "" if it keeps all. `usual` holds the measures of the shipped
- * tree, whose vessels have the same order. */
+/* Returns a text about the first rule that the tree breaks, or "" if it keeps all rules. `usual` holds the
+   measured values of the shipped tree, whose vessels have the same order. */
 std::string broken_rule(const std::vector<Vessel> &vessels, const TreeSpaces &usual);
 
 } // namespace anatomy

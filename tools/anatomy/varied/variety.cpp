@@ -43,8 +43,8 @@ std::vector<Vessel> vessels_of(const TreeDraft &draft)
     return vessels;
 }
 
-/* What every draw begins with: the shipped tree, its measures, and the shipped brachiocephalic arteries of
- * the three types with the height at which each begins. */
+/* Holds the basis of every drawn tree: the shipped tree, its measured values, and the courses of the
+   brachiocephalic artery for the three arch types, with the height at which each begins. */
 struct Shipped {
     TreeDraft draft;
     TreeSpaces spaces;
@@ -66,7 +66,7 @@ Shipped read_shipped()
     return shipped;
 }
 
-/* The proportions of the types and of the common trunk are rounded values of published CT series
+/* The shares of the arch types and of the common trunk are rounded values of published CT series
  * (docs/vessels.md). */
 ArchFigures drawn_arch(Chance &chance)
 {
@@ -80,7 +80,8 @@ ArchFigures drawn_arch(Chance &chance)
     return arch;
 }
 
-/* Places the brachiocephalic artery between, or a little beyond, the courses of the shipped arches. */
+/* Interpolates, or slightly extrapolates, the course of the brachiocephalic artery from the courses of the
+   shipped arches. */
 void set_trunk(TreeDraft &draft, const Shipped &shipped, double drop_widths)
 {
     const size_t i = drop_widths < shipped.drop_widths[1] ? 0 : 1;
@@ -94,7 +95,8 @@ void set_trunk(TreeDraft &draft, const Shipped &shipped, double drop_widths)
     }
 }
 
-/* The left common carotid artery leaves the brachiocephalic artery, `part` of the way along its first 25 mm.
+/* Makes the left common carotid artery leave the brachiocephalic artery, at the fraction `part` of that
+ * artery's first 25 mm.
  */
 void set_common_trunk(TreeDraft &draft, double part)
 {
@@ -112,7 +114,8 @@ void set_common_trunk(TreeDraft &draft, double part)
     stations[1].source.clear();
 }
 
-/* Winds an iliac artery about its course. The winding fades out towards both ends, so origin and groin stay.
+/* Makes an iliac artery wind around its original course. The winding decreases to zero towards both ends, so
+ * the origin and the groin stay in place.
  */
 void wind(Vessel &vessel, double amplitude_mm, Chance &chance)
 {
@@ -163,8 +166,8 @@ void turn_about_origin(Vessel &vessel, double up_deg, double forward_deg)
         station.position_mm = origin + turn * (station.position_mm - origin);
 }
 
-/* Moves space smoothly by a few waves. All vessels move together, so branches stay in their parents. The
- * aortic valve and the groins stay in place. */
+/* Displaces all points of space smoothly by a sum of a few waves. All vessels move together, so branches stay
+ * connected with their parents. The aortic valve and the groins stay in place. */
 class Drift
 {
   public:
@@ -199,7 +202,8 @@ class Drift
     std::array<Wave, 4> waves_;
 };
 
-/* Moves stations that came too close to a bone away from it. The groins stay. */
+/* Moves stations (points of the centreline) that are too close to a bone away from the bone. The groins
+ * stay. */
 void give_way_to_bones(Vessel &vessel, double wanted_mm)
 {
     constexpr double SPARE_MM = 0.4,
@@ -251,7 +255,8 @@ void scale_diameters(DrawnAorta &drawn, Chance &chance)
 
 DrawnAorta attempt(const Shipped &shipped, std::uint64_t seed, unsigned number)
 {
-    // The arch comes from the seed alone, so that the rules do not change how often each type occurs.
+    // The arch depends only on the seed, and not on the attempt, so that the rules do not change how often
+    // each arch type occurs.
     Chance first(seed, 0), chance(seed, number + 1);
     DrawnAorta drawn;
     drawn.seed = seed;

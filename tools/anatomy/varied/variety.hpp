@@ -1,5 +1,5 @@
-/* Draws the arteries of different men from a seed. The drawn trees are variants of the shipped aorta in the
- * shipped skeleton (docs/vessels.md, "Drawn anatomies"). */
+/* Makes random variants of arteries, as different men might have them, each from a seed. The drawn trees are
+   variants of the shipped aorta, in the shipped skeleton (docs/vessels.md, "Drawn anatomies"). */
 #pragma once
 #include "tools/anatomy/vessel_file.hpp"
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace anatomy
 
 enum class ArchType { I, II, III };
 
-/* What is drawn first, and measured on the drawn tree again. */
+/* Figures of an arch, which are drawn first, and then measured again on the drawn tree. */
 struct ArchFigures {
     ArchType type = ArchType::I;
     double drop_widths =
@@ -29,17 +29,19 @@ struct DrawnAorta {
     unsigned refused = 0;   // earlier attempts with this seed that broke a rule (plausible.hpp)
 };
 
-/* Draws the tree of a seed. Every seed has one. Throws crn::FileError if the shipped files cannot be read. */
+/* Makes the tree that belongs to a seed. Every seed has one. Throws crn::FileError if the shipped files
+ * cannot be read.
+ */
 DrawnAorta drawn_aorta(std::uint64_t seed);
 
 /* Returns the tree as the text of a vessel file. */
 std::string vessel_file_text(const DrawnAorta &drawn);
 
-/* Measures the arch of a tree, also of one that was not drawn. The arch is where the aorta lies highest.
- * Throws std::invalid_argument if a vessel of the arch is missing. */
+/* Measures the arch of a tree, which may also be a tree that was not drawn. The arch is the highest part of
+ * the aorta. Throws std::invalid_argument if a vessel of the arch is missing. */
 ArchFigures arch_figures(const std::vector<Vessel> &vessels);
 
-/* Returns the name of a type: "I", "II" or "III". */
+/* Returns the name of an arch type: "I", "II" or "III". */
 const char *arch_type_name(ArchType type);
 
 } // namespace anatomy

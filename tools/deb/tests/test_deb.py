@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Tests the Debian packages that make_packages.py makes of the programs of the build folder: their fields, files,
-dependencies and bytes, what lintian says, and that the programs find their data beside them. It installs nothing;
-test_deb_installed.sh installs the packages into a bare Debian. Prints TAP."""
+"""Tests the Debian packages that make_packages.py makes from the programs of the build folder. The test checks their
+fields, files, dependencies and bytes, lintian's messages, and that the programs find their data. The test installs
+nothing; test_deb_installed.sh installs the packages into a bare Debian. Prints TAP."""
 
 import glob
 import gzip
@@ -51,7 +51,7 @@ MAY_NEED = {
 
 
 def ask(*words, **options):
-    """Returns the exit code of a command, and what it printed."""
+    """Returns the exit code of a command, and its output."""
     done = subprocess.run(
         words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, cwd=tree.ROOT, **options
     )
@@ -59,7 +59,7 @@ def ask(*words, **options):
 
 
 def explain(faults):
-    """Prints the faults below a test, and returns True if there are none."""
+    """Prints the faults below a test's line, and returns True if there are none."""
     for fault in faults:
         print("# " + str(fault).strip().replace("\n", "\n# "))
     return not faults
@@ -70,7 +70,7 @@ def field(path, name):
 
 
 class Made:
-    """The packages, made once and unpacked."""
+    """Holds the packages, which are made once and unpacked."""
 
     def __init__(self, folder):
         self.folder = folder

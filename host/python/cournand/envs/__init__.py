@@ -1,11 +1,11 @@
-"""Environments for Gymnasium, which this import registers.
+"""Environments for Gymnasium; importing this package registers them.
 
     import cournand.envs
     import gymnasium
     env = gymnasium.make("cournand/Aorta-v0", observation=("state", "fluoroscopy"), size=128)
     envs = gymnasium.make_vec("cournand/ArchBranch-v0", num_envs=64, vectorization_mode="vector_entry_point")
 
-The page docs/gymnasium.md is the guide.
+The guide to the environments is docs/gymnasium.md.
 """
 
 from ..registration import register

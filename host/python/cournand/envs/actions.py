@@ -1,8 +1,9 @@
-"""What a policy decides in each step: the actions of an environment as numbers.
+"""Defines the actions of an environment: the numbers that a policy chooses in each step.
 
-An action has these parts, in this order: the push of each tool, the turn of each tool, the flow of contrast medium if
-it is an action, and the speeds of both angles of the C-arm and its pedal if the C-arm is an action. Pushes, turns and
-angles are parts of their largest speeds, -1 .. 1; the flow and the pedal are 0 .. 1.
+An action has these parts, in this order: the push of each tool, the turn of each tool, the flow of contrast medium, the
+speeds of the C-arm's two angles, and the C-arm's pedal. The parts for contrast medium and for the C-arm exist only if
+the environment has these options. Pushes, turns and angle speeds are from -1 to 1, relative to their largest speeds;
+the flow and the pedal are from 0 to 1.
 """
 
 from __future__ import annotations
@@ -27,13 +28,14 @@ class Actions:
         self.positions, self.is_continuous = positions, kind == "continuous"
         self.push, self.turn = slice(0, positions), slice(positions, 2 * positions)
         self.contrast = 2 * positions if contrast else None
-        """Column of the flow of contrast medium; None: it is not an action."""
+        """Column of the flow of contrast medium; None if the environment has no contrast medium."""
         self.c_arm = 2 * positions + int(contrast) if c_arm else None
-        """Column of the first speed of the C-arm; the pedal is two columns behind. None: it is not an action."""
+        """Column of the primary angle's speed; the secondary angle's speed and the pedal are in the next two columns.
+        The value is None if the environment has no C-arm."""
         self.width = 2 * positions + int(contrast) + 3 * int(c_arm)
 
     def space(self) -> Space[Any]:
-        """Returns the space of one environment's actions."""
+        """Returns the action space of a single environment."""
         if self.is_continuous:
             low = np.full(self.width, -1.0, dtype=np.float32)
             if self.contrast is not None:
@@ -53,8 +55,8 @@ class Actions:
         return choices
 
     def parts(self, space: Space[Any], given: Any, count: int) -> npt.NDArray[np.float32]:
-        """Returns the parts of the actions of `count` environments, float32 [count, width], within their limits.
-        `space` is the space of all these actions."""
+        """Returns the actions of `count` environments as numbers within their limits, float32 [count, width]. `space`
+        is the common action space of all environments."""
         actions = np.asarray(given)
         if actions.dtype.kind not in ("fiu" if self.is_continuous else "iu"):
             wanted = "numbers" if self.is_continuous else "integers"

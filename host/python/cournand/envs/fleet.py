@@ -1,7 +1,7 @@
-"""Many episodes of one task: what the single and the vector environment share.
+"""Holds many episodes of one task; the single and the vector environment share this code.
 
-Episode e of an environment with seed s draws from numpy.random.default_rng([s, e]) alone. What happens in it depends
-on neither other environments, nor earlier episodes, nor the number of threads.
+All random numbers of episode e of an environment with seed s come from numpy.random.default_rng([s, e]). An episode
+depends neither on other environments, nor on earlier episodes, nor on the number of threads.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LEAST_ML, LEAST_ML_PER_S = 0.001, 0.001
 
 @dataclass
 class Episode:
-    """What one episode has besides its world."""
+    """Holds the state of one episode, except for its world."""
 
     seed: int = 0
     number: int = 0
@@ -49,22 +49,22 @@ class Episode:
     drawn: dict[str, float] = None  # type: ignore[assignment]
     is_done: bool = False
     ordered_ml: float = 0.0
-    """Of the syringe; the injected volume follows within 40 ticks."""
+    """Volume that the syringe was ordered to inject; the injected volume reaches it within 40 ticks."""
     injected_ml: float = 0.0
     flow_ml_per_s: float = 0.0
     pictures: int = 1
-    """Made under the pedal, with the one at the beginning."""
+    """Number of pictures that were made with the pedal down, plus the picture at the beginning of the episode."""
     wants_picture: bool = True
     held: dict[str, npt.NDArray[np.uint8]] = field(default_factory=dict)
-    """The last picture of each kind; its arrays never change."""
+    """Holds the last picture of each kind; these arrays are never changed in place."""
 
     def following(self) -> tuple[int, int]:
-        """Returns the seed and the number of the next episode."""
+        """Returns the seed and the episode number of the next episode."""
         return self.seed, self.number + 1
 
     @property
     def stage(self) -> int:
-        """The number of its scene among those of the fleet."""
+        """Number of the episode's scene in the fleet's list of scenes."""
         return int(self.drawn["scene"])
 
     def copy(self) -> Episode:
@@ -72,7 +72,7 @@ class Episode:
 
 
 class Stage:
-    """A scene with the targets of a task."""
+    """Holds a scene, and the vessels in it that contain the task's targets."""
 
     def __init__(self, name: str, task: Task) -> None:
         self.scene = Scene(name)
@@ -82,7 +82,7 @@ class Stage:
 
 
 class Fleet:
-    """The worlds and episodes of `count` environments."""
+    """Holds the worlds and the episodes of `count` environments."""
 
     def __init__(
         self,
@@ -138,7 +138,7 @@ class Fleet:
         return 3 * POINTS + 3 + 3 * self.positions + 3 + 2 * self.has_contrast + 2 * self.has_c_arm + self.actions.width
 
     def _check_flow(self) -> None:
-        """Refuses a flow that the lumen of the task's tool never lets through."""
+        """Raises an exception if the task's largest flow does not pass through the lumen of its tool."""
         tried = self._world(self.tools, 0)
         assert tried.patient is not None
         tried.patient.inject(1.0, ml_per_s=self.task.contrast_max_ml_per_s)
@@ -149,14 +149,14 @@ class Fleet:
         return World(self.stages[stage].scene, tools, contact_ticks=self.task.contact_ticks, patient=self.has_contrast)
 
     def _ready_world(self, number: int, stage: int) -> World:
-        """Returns the world of an environment with unchanged tools in a scene, which is made once."""
+        """Returns an environment's world with the unchanged tools in this scene; the world is made only once."""
         ready = self._ready[number]
         if stage not in ready:
             ready[stage] = self._world(self.tools, stage)
         return ready[stage]
 
     def _world_of(self, number: int, episode: Episode) -> World:
-        """Returns a world with the tools and the scene of an episode, in whatever state."""
+        """Returns a world with the tools and the scene of an episode; its state may be any."""
         if not self.randomise.changes_tools:
             return self._ready_world(number, episode.stage)
         return self._world(self._drawn_tools(episode.drawn), episode.stage)
@@ -166,8 +166,9 @@ class Fleet:
         return (episode.stage, *factors)
 
     def _approach(self, worlds: Sequence[World], episodes: Sequence[Episode]) -> None:
-        """Brings worlds to where the task begins: from a snapshot, or by pushing all others in together. The snapshots
-        of the last approaches are kept, so that episodes with fixed seeds are only pushed in once."""
+        """Brings worlds to the state in which the task begins: by restoring a snapshot or, if there is none, by pushing
+        the tools in. The snapshots after the last approaches are kept, so that episodes with fixed seeds do not push
+        the tools in again."""
         keys = [self._start_key(episode) for episode in episodes]
         new = list({key: number for number, key in enumerate(keys) if key not in self._starts}.values())
         ticks = round(self.task.approach_m / APPROACH_M_PER_S * TICKS_PER_S)
@@ -187,7 +188,7 @@ class Fleet:
         Batch(self.pool, worlds, points=0).restore([starts[key] for key in keys])
 
     def _world_at_start(self, world: World, episode: Episode) -> World:
-        """Returns a world at tick 0 like `world`, which may be used by an episode now."""
+        """Returns a world at tick 0 that is like `world`, because an episode may still be using `world`."""
         if world.tick == 0:
             return world
         tools = self._drawn_tools(episode.drawn) if self.randomise.changes_tools else self.tools
@@ -201,8 +202,8 @@ class Fleet:
     # --- episodes ---
 
     def begin(self, which: Sequence[int], seeds: Sequence[tuple[int, int]]) -> None:
-        """Begins an episode in each of some environments, from its seed and its number. What can be refused comes
-        first, so that a refusal leaves all episodes as they are."""
+        """Begins an episode in each of the given environments, from its seed and its episode number. Everything that
+        can be refused is done first, so that a refusal changes no episode."""
         begun = [self._drawn_episode(seed, number) for seed, number in seeds]
         worlds = [self._world_of(number, episode) for number, episode in zip(which, begun)]
         self._approach(worlds, begun)
@@ -215,7 +216,7 @@ class Fleet:
             episode.path_m = self._path(number)
 
     def _set_heart_rates(self, which: Sequence[int], begun: Sequence[Episode]) -> None:
-        """Gives each heart its rate. The order takes a tick, in which the tools rest."""
+        """Gives each heart its rate. The order for the heart rate takes one tick, during which the tools rest."""
         rates = [round(episode.drawn["heart_rate_per_min"]) for episode in begun]
         if not any(rates):
             return
@@ -251,8 +252,8 @@ class Fleet:
     # --- steps ---
 
     def step(self, parts: npt.NDArray[np.float32], which: Sequence[int]) -> tuple[npt.NDArray[Any], ...]:
-        """Moves some environments by the parts of their actions (Actions.parts()), and returns rewards, terminated and
-        truncated of all."""
+        """Moves the given environments by their actions (as numbers of Actions.parts()). Returns the rewards, and
+        whether each episode is terminated or truncated, for all environments."""
         task, rows = self.task, np.zeros((len(which), 8), dtype=np.float32)
         rows[:, : self.positions] = parts[:, self.actions.push] * task.push_max_m_per_s
         rows[:, 3 : 3 + self.positions] = parts[:, self.actions.turn] * task.turn_max_rad_per_s
@@ -285,7 +286,7 @@ class Fleet:
         return rewards, terminated, truncated
 
     def _inject(self, number: int, part: float) -> None:
-        """Injects medium during the next step, as long as the syringe has some."""
+        """Injects contrast medium during the next step, as long as the syringe is not empty."""
         flow = part * self.task.contrast_max_ml_per_s
         episode = self.episodes[number]
         left_ml = self.task.contrast_limit_ml - episode.ordered_ml
@@ -303,7 +304,7 @@ class Fleet:
         episode.injected_ml, episode.flow_ml_per_s = reading.injected_ml, reading.injection_flow_ml_per_s
 
     def _move_c_arm(self, episode: Episode) -> bool:
-        """Turns the C-arm as in this step's action, and returns whether the pedal is down."""
+        """Turns the C-arm by this step's action, and returns whether the pedal is down."""
         first = self.actions.c_arm
         assert first is not None
         most_deg = self.task.c_arm_max_deg_per_s * self.task.ticks / TICKS_PER_S
@@ -324,7 +325,8 @@ class Fleet:
         return self.episodes[number].force_peak_N <= self.task.force_limit_N
 
     def _path(self, number: int) -> float:
-        """Returns the distance to the target along the vessels; where the tip's vessel is not known, the last one."""
+        """Returns the tip's distance to the target along the vessels; if the tip's vessel is not known, returns the
+        last known distance."""
         episode, vessel = self.episodes[number], int(self.batch.vessels[number])
         if vessel < 0:
             return episode.path_m if np.isfinite(episode.path_m) else self.tip_distance(number)
@@ -354,7 +356,7 @@ class Fleet:
     # --- observations ---
 
     def observe(self, which: Sequence[int]) -> None:
-        """Renders the pictures that some environments want. States need no work."""
+        """Renders the pictures that the given environments need. States need no work."""
         wanted = [number for number in which if self.episodes[number].wants_picture]
         if not self.has_pictures:
             return
@@ -388,7 +390,7 @@ class Fleet:
         return int(words[0])
 
     def observation(self, number: int) -> Any:
-        """Returns the observation of one environment, in memory of its own."""
+        """Returns a copy of one environment's observation."""
         held = self.episodes[number].held
         parts = {kind: self._state(number) if kind == "state" else held[kind].copy() for kind in self.kinds}
         return parts if self.is_dict else parts[self.kinds[0]]
@@ -430,7 +432,7 @@ class Fleet:
         return self.worlds[number].snapshot(), self.episodes[number].copy()
 
     def load(self, number: int, saved: tuple[bytes, Episode]) -> None:
-        """Continues from a saved episode of any environment with the same task and options."""
+        """Restores a saved episode of any environment with the same task and options."""
         snapshot, episode = saved
         if self._start_key(episode) != self._start_key(self.episodes[number]):
             world = self._world_of(number, episode)

@@ -1,4 +1,5 @@
-"""The environments for Gymnasium: one, and many that advance over a pool of threads."""
+"""The environments for Gymnasium: a single one, and a vector environment, which advances many worlds over a pool of
+threads."""
 
 from __future__ import annotations
 
@@ -23,14 +24,14 @@ SEED_MAX = 2**32 - 1
 
 @dataclass(frozen=True)
 class EnvSnapshot:
-    """The state of an environment: of its world, and of its episode."""
+    """Holds the state of an environment, that is, of its world and of its episode."""
 
     world: bytes
     episode: Episode
 
     @property
     def is_done(self) -> bool:
-        """True if the episode had ended."""
+        """True if the saved episode had ended."""
         return self.episode.is_done
 
     def saved(self) -> tuple[bytes, Episode]:
@@ -49,7 +50,8 @@ def _observation_space(fleet: Fleet) -> Space[Any]:
 
 
 def _checked_seed(seed: Any) -> int:
-    """Returns a seed. Larger numbers would be cut into words of 32 bits, and would give the episodes of other seeds."""
+    """Returns a seed. Returns a seed. NumPy would cut larger numbers into words of 32 bits, so they would give the same
+    episodes as other seeds."""
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
         raise TypeError("a seed is an integer, not %r" % (seed,))
     if not 0 <= seed <= SEED_MAX:
@@ -63,7 +65,7 @@ def _check_render_mode(mode: str | None) -> None:
 
 
 class NavigationEnv(gymnasium.Env[Any, Any]):
-    """One environment of a task (docs/gymnasium.md)."""
+    """A single environment of a task (docs/gymnasium.md)."""
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": FPS}
 
@@ -102,7 +104,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
     @property
     def world(self) -> Any:
-        """The world of this environment; moving it by hand changes the episode."""
+        """The world of this environment; if a caller moves the world directly, the episode changes, too."""
         return self._fleet.worlds[0]
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -127,7 +129,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         return self._observed(), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._fleet.info(0)
 
     def render(self) -> npt.NDArray[np.uint8] | None:
-        """Returns the fluoroscopy of 512 x 512 pixels as a colour picture."""
+        """Returns the fluoroscopy picture of 512 x 512 pixels as a colour picture."""
         if self.render_mode is None:
             return None
         episode = self._fleet.episodes[0]
@@ -138,13 +140,13 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         return np.repeat(grey[:, :, None], 3, axis=2)
 
     def snapshot(self) -> EnvSnapshot:
-        """Returns the state, from which restore() of any environment with the same task and options continues bit for
-        bit."""
+        """Returns the state of the environment; restore() of any environment with the same task and options continues
+        from it bit for bit."""
         self._check_begun()
         return EnvSnapshot(*self._fleet.save(0))
 
     def restore(self, snapshot: EnvSnapshot) -> Any:
-        """Continues from a snapshot, and returns its observation."""
+        """Restores a snapshot, and returns the observation of the restored state."""
         self._fleet.load(0, snapshot.saved())
         self._has_begun = True
         return self._observed()
@@ -157,8 +159,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     """Environments of a task that advance over a pool of threads in C.
 
-    Environment i with the seed s does what a NavigationEnv with the seed s + i does, bit for bit, with any number of
-    threads.
+    Environment i of a vector environment with the seed s behaves like a NavigationEnv with the seed s + i, bit for bit,
+    with any number of threads.
     """
 
     metadata = {"render_modes": [], "render_fps": FPS}
@@ -221,7 +223,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return self._observed(), self._infos(which)
 
     def _given_seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
-        """Returns the given seed of each environment; None where there is none."""
+        """Returns the seed that was given for each environment, or None for an environment without a given seed."""
         if seed is None:
             return [None] * self.num_envs
         if isinstance(seed, (int, np.integer)):
@@ -231,7 +233,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return [None if one is None else _checked_seed(one) for one in seed]
 
     def _seeded(self, given: Sequence[int | None]) -> list[tuple[int, int]]:
-        """Returns the seed and the number of every environment's next episode."""
+        """Returns the seed and the episode number of the next episode of every environment."""
         if not self._has_begun:
             VectorEnv.reset(self, seed=given[0])
             drawn = [int(self.np_random.integers(2**31)) for _ in range(self.num_envs)]
@@ -239,7 +241,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return [now.following() if one is None else (one, 0) for one, now in zip(given, self._fleet.episodes)]
 
     def _begin(self, which: Sequence[int], begun: Sequence[tuple[int, int]]) -> None:
-        """Begins episodes with the seeds and numbers that `begun` has for all environments."""
+        """Begins an episode in every environment, with the seeds and episode numbers in `begun`."""
         self._fleet.begin(which, [begun[number] for number in which])
         self._has_begun = True
         self._fleet.observe(which)
@@ -275,7 +277,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return self._observed(), rewards, terminated, truncated, infos
 
     def _observed(self) -> Any:
-        """Returns all observations in memory of their own."""
+        """Returns a copy of all observations."""
         each = [self._fleet.observation(number) for number in range(self.num_envs)]
         if not self._fleet.is_dict:
             return np.stack(each)
@@ -295,8 +297,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return EnvSnapshot(*self._fleet.save(number))
 
     def restore(self, number: int, snapshot: EnvSnapshot) -> None:
-        """Continues one environment from a snapshot of any environment with the same task and options. If its episode
-        had ended, the next step begins another one, or reset() must."""
+        """Restores a snapshot of any environment with the same task and options in one environment. If the saved
+        episode had ended, the next step begins another episode; with autoreset disabled, reset() must begin it."""
         self._check_begun()
         self._fleet.load(number, snapshot.saved())
         self._fleet.observe([number])

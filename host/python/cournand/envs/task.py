@@ -1,4 +1,4 @@
-"""What an environment asks of its policy, and how far the target is along the vessels."""
+"""Describes what an environment demands of its policy, and computes the distance to the target along the vessels."""
 
 from __future__ import annotations
 
@@ -17,11 +17,13 @@ __all__ = ["AORTA", "ARCH_BRANCH", "TASKS", "TOOL_FACTORS", "Randomise", "Task",
 
 @dataclass(frozen=True)
 class Task:
-    """Bring the tip of the innermost tool to a point, without pressing the wall harder than a limit.
+    """The task is to bring the tip of the innermost tool to a target without pressing the wall with more than a
+    limiting force.
 
-    The tip is there within `reach_m` of the target, a random point of the centrelines of `targets`. The episode then
-    terminates; it is a success only if the peak wall force stayed within `force_limit_N`. It also terminates where
-    physics leaves its range, and is truncated after `steps` steps.
+    The target is a random point on the centrelines of the vessels `targets`; it is reached if the tip is within
+    `reach_m` of it. The episode then terminates; it is a success only if the largest wall force was at most
+    `force_limit_N`. The episode also terminates if the simulation leaves its valid range, and is truncated after
+    `steps` steps.
     """
 
     targets: tuple[str, ...]
@@ -30,33 +32,36 @@ class Task:
     """Path or shipped name."""
     tools: tuple[str, ...] = ("j_wire",)
     approach_m: float = 0.0
-    """Length that the tools are pushed at 60 mm/s before the episode begins."""
+    """Length by which the tools are pushed in at 60 mm/s before the episode begins."""
     target_part: Range = (0.0, 1.0)
-    """Part of each target vessel, from its beginning in the direction of the blood, in which targets lie."""
+    """Part of each target vessel in which targets lie, from 0 (its beginning, where the blood enters) to 1 (its
+    end)."""
     steps: int = 300
     ticks: int = 133
-    """Of one step: 7.5 steps per second."""
+    """Ticks of 1 ms in one step; 133 ticks give 7.5 steps per second."""
     reach_m: float = 0.005
     force_limit_N: float = 2.0
-    """On the sum of all contact forces in every sample. A shorter peak between two samples is not seen."""
+    """Limit for the sum of all contact forces in every sample. A shorter peak of the force between two samples is not
+    seen."""
     contact_ticks: int = 19
-    """Ticks between two samples of the contact forces, 1 .. `ticks`, so that every step has a sample."""
+    """Ticks between two samples of the contact forces, from 1 to `ticks`, so that every step has at least one
+    sample."""
     push_max_m_per_s: float = 0.035
     turn_max_rad_per_s: float = 3.14
     contrast_max_ml_per_s: float = 4.0
-    """Flow of contrast medium for an action of 1, if contrast medium is an action."""
+    """Flow of contrast medium that an action of 1 demands, if the environment has contrast medium."""
     contrast_limit_ml: float = 60.0
-    """Medium for one episode; when it is used up, the syringe is empty."""
+    """Volume of contrast medium for one episode; after that, the syringe is empty."""
     c_arm_max_deg_per_s: float = 25.0
-    """Speed of both angles of the C-arm for an action of 1, if the C-arm is an action."""
+    """Speed of the C-arm's two angles for an action of 1, if the environment has a C-arm."""
     view: View = View()
-    """The isocentre is moved to the target, which is therefore in the middle of every picture."""
+    """The C-arm's view; its isocentre is moved to the target, so the target is in the middle of every picture."""
     reward_reached: float = 1.0
     reward_per_m: float = 1.0
-    """For path gained along the vessels."""
+    """Reward for each metre by which the path to the target becomes shorter."""
     reward_per_step: float = -0.005
     reward_per_picture: float = 0.0
-    """For every picture under the pedal, if the C-arm is an action."""
+    """Reward for every picture that is made with the pedal down, if the environment has a C-arm."""
 
     def __post_init__(self) -> None:
         if not self.targets or not 1 <= self.steps <= 1_000_000 or not 1 <= len(self.tools) <= 3:
@@ -88,7 +93,7 @@ TASKS = {"aorta": AORTA, "arch_branch": ARCH_BRANCH}
 
 
 def task_of(given: Task | str) -> Task:
-    """Returns a task by its name, or as it is."""
+    """Returns the task with this name, or the given task itself."""
     if isinstance(given, Task):
         return given
     if given not in TASKS:
@@ -97,7 +102,7 @@ def task_of(given: Task | str) -> Task:
 
 
 class VesselPaths:
-    """Distances along the centrelines of a scene's tree of vessels."""
+    """Computes distances along the centrelines of the tree of vessels in a scene."""
 
     def __init__(self, scene: Scene) -> None:
         if not scene.vessels:
@@ -118,14 +123,15 @@ class VesselPaths:
             self.begins.append(float(self._along[vessel.parent][nearest]))
 
     def point(self, vessel: int, part: float) -> tuple[npt.NDArray[np.float64], float]:
-        """Returns the point of a centreline after a part of its length, and its length to there."""
+        """Returns the point of a centreline at a given part of its length, and the length up to this point."""
         along, points = self._along[vessel], self._scene.vessels[vessel].points_m
         at = part * along[-1]
         return np.array([np.interp(at, along, points[:, axis]) for axis in range(3)]), float(at)
 
     def towards(self, vessel: int, along_m: float) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-        """Returns, for each vessel, where its shortest path to a target leaves it, and the distance from there. A
-        place is abs(along - exits[vessel]) + beyond[vessel] from the target."""
+        """Returns, for each vessel, the position at which the shortest path to a target leaves this vessel, and the
+        distance from this position to the target. The distance from a position `along` in a vessel to the target is
+        abs(along - exits[vessel]) + beyond[vessel]."""
         exits, beyond = np.zeros(len(self.parents)), np.zeros(len(self.parents))
         on_path = {vessel}
         exits[vessel] = along_m

@@ -1,4 +1,4 @@
-"""Tasks that judge every policy in the same way: named tasks, policies, score cards (docs/tasks.md).
+"""Tasks that judge every policy in the same way: named tasks, policies and score cards (docs/tasks.md).
 
 python -m cournand.judge iliac --policy expert --episodes 20 --json card.json
 """

@@ -1,4 +1,4 @@
-"""Score cards: what a policy reached in a challenge, as data and as a table."""
+"""Score cards: the results of a policy in a named task, as data and as a table."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def score(
     split: str = "judge",
     anatomies: str | os.PathLike[str] = "anatomies",
 ) -> dict[str, Any]:
-    """Plays the first episodes of a split, and returns the card. Everything but `speed` has the same bits with any
-    number of threads. `name` states the policy."""
+    """Plays the first episodes of a split (training or judging), and returns the score card. With any number of
+    threads, everything except `speed` is equal, bit for bit. `name` states the policy."""
     if episodes < 1:
         raise ValueError("episodes: %d is less than 1" % episodes)
     seeds = challenge.episodes(split, episodes)
@@ -66,7 +66,7 @@ def score(
 
 
 def summary(rows: Sequence[Row]) -> dict[str, Any]:
-    """Returns the figures of a card. Forces are the largest sample of each episode."""
+    """Returns the summary figures of a score card. The forces are the largest sample of each episode."""
     reached = [row for row in rows if row.is_reached]
     forces = [row.force_peak_N for row in rows]
     gained = [(row.path_begin_m - row.path_end_m) / max(row.path_begin_m, 1e-9) for row in rows]
@@ -86,7 +86,7 @@ def summary(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def write(card: dict[str, Any], path: str | os.PathLike[str]) -> None:
-    """Writes a card, which appears under its name when it is complete. Each episode has a line of its own."""
+    """Writes a score card; the file gets its name when it is complete. Each episode has its own line in the file."""
     rows = card["episodes"]
     text = json.dumps({**card, "episodes": []}, indent=1, sort_keys=False)
     lines = ",\n  ".join(json.dumps(row) for row in rows)
@@ -108,7 +108,7 @@ def read(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def table(cards: Sequence[dict[str, Any]]) -> str:
-    """Returns a table of cards in Markdown."""
+    """Returns score cards as a Markdown table."""
     lines = [
         "| task | policy | episodes | success | safe success | steps | path | peak force, median and 95 % |",
         "|---|---|---|---|---|---|---|---|",

@@ -1,7 +1,8 @@
 """The named tasks, from easy to hard, and the seeds of their episodes (docs/tasks.md).
 
-A seed s of an episode gives two numbers, numpy.random.default_rng(s).integers(0, 2**31) twice: the first one is the
-anatomy's, the second one the target's. Even anatomies are for training, odd ones for judging.
+The seed s of an episode determines two numbers, by two calls of numpy.random.default_rng(s).integers(0, 2**31): the
+first one is for the anatomy, and the second one for the target. Anatomies with even numbers are for training, and those
+with odd numbers are for judging.
 """
 
 from __future__ import annotations
@@ -29,26 +30,26 @@ class EpisodeSeed(NamedTuple):
     seed: int
     """Of the chain."""
     anatomy: int
-    """Seed of the drawn anatomy; -1: the scene of the task."""
+    """Seed of the drawn anatomy; -1 stands for the scene of the task."""
     target: int
     """Seed with which the environment is reset."""
 
 
 @dataclass(frozen=True)
 class Challenge:
-    """A task with a name, a version, and its anatomies."""
+    """A task with a name, a version, and a set of anatomies."""
 
     name: str
     title: str
     task: Task
     source: str
-    """What it is the counterpart of."""
+    """Name of the task of another project that this task corresponds to."""
     pool: int = 0
-    """Number of drawn anatomies, with the seeds 0 .. pool - 1; 0: the scene of the task alone."""
+    """Number of drawn anatomies, which have the seeds 0 .. pool - 1; 0 if only the scene of the task is used."""
     is_always_new: bool = False
-    """True if every episode has an anatomy of its own, with a seed of 31 bits."""
+    """True if every episode has its own anatomy, with a seed of 31 bits."""
     version: int = 1
-    """Grows when anything changes that can change a score."""
+    """Increases with every change that can change a score."""
 
     def __post_init__(self) -> None:
         if self.pool < 0 or self.pool % 2 or (self.pool and self.is_always_new):
@@ -59,7 +60,7 @@ class Challenge:
         return self.pool > 0 or self.is_always_new
 
     def episode(self, seed: int) -> EpisodeSeed:
-        """Returns what the chain draws from a seed."""
+        """Returns the two numbers that follow from the seed of an episode."""
         random = np.random.default_rng(seed)
         vessel, target = int(random.integers(0, 2**31)), int(random.integers(0, 2**31))
         if not self.is_drawn:
@@ -76,29 +77,31 @@ class Challenge:
                 yield self.episode(seed)
 
     def episodes(self, split: str, count: int) -> list[EpisodeSeed]:
-        """Returns the first episodes of training or of judging: the seeds 0, 1, 2, ... whose first number is even, or
-        odd. Both lists are fixed, and have no seed and no drawn anatomy in common."""
+        """Returns the first episodes of a split. Seeds 0, 1, 2, ... whose first number is even are for training, and
+        those whose first number is odd are for judging. The two lists are fixed, and share neither a seed nor a drawn
+        anatomy."""
         return list(islice(self._of_split(split), count))
 
     def anatomies(self, split: str, count: int = 100) -> list[int]:
-        """Returns the seeds of the anatomies of the first `count` episodes, each once; for a pool, all of the split."""
+        """Returns the seeds of the anatomies of the first `count` episodes, each seed once; if the task has a pool of
+        anatomies, returns all seeds of the split."""
         if self.pool:
             return list(range(SPLITS.index(split), self.pool, 2))
         return list(dict.fromkeys(one.anatomy for one in self.episodes(split, count))) if self.is_always_new else []
 
     def scene(self, folder: str | os.PathLike[str], anatomy: int) -> str:
-        """Returns the scene of an anatomy."""
+        """Returns the path of an anatomy's scene."""
         return str(path_of(folder, anatomy)) if anatomy >= 0 else self.task.scene
 
     def need_scenes(self, folder: str | os.PathLike[str], episodes: list[EpisodeSeed]) -> None:
-        """Raises BadFileError with the remedy if a scene of some episodes does not exist."""
+        """Raises BadFileError with the remedy if the scene of an episode does not exist."""
         command = "python -m cournand.anatomies --task %s --out %s" % (self.name, os.fspath(folder))
         if self.is_always_new:
             command += " --episodes %d" % max(len(episodes), 1)
         need(folder, [one.anatomy for one in episodes if one.anatomy >= 0], command)
 
     def limited_to(self, steps: int) -> Challenge:
-        """Returns the challenge with shorter episodes, for a trial."""
+        """Returns the same task with shorter episodes, for a trial."""
         return replace(self, task=replace(self.task, steps=steps))
 
 
@@ -177,7 +180,7 @@ CHALLENGES = {
 
 
 def challenge_of(given: Challenge | str) -> Challenge:
-    """Returns a challenge by its name, or as it is."""
+    """Returns the named task, or the given task itself."""
     if isinstance(given, Challenge):
         return given
     if given not in CHALLENGES:

@@ -1,9 +1,9 @@
-"""A scripted expert, which uses only what the state observation has.
+"""A scripted expert, which uses only the values of the state observation.
 
-It pushes, and turns the tip towards the target when the target is near. When the path to the target grows, or does not
-shrink, the tip is in a wrong branch or caught: the expert pulls the tool back, turns it, and pushes again. It pushes
-slowly while the force on the wall is above half of the limit. It knows the path along the vessels, as every policy
-does, but neither the shape of the vessels nor the picture.
+The expert pushes the tool, and turns its tip towards the target when the target is near. If the path to the target
+becomes longer, or stays the same, the tip is in a wrong branch or caught: the expert then pulls the tool back, turns
+it, and pushes again. The expert pushes slowly while the force on the wall is above half of the limit. Like every
+policy, the expert knows the path along the vessels, but it knows neither the shape of the vessels nor the picture.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Expert:
         self._low_m, self._steps = np.inf, 0
 
     def __call__(self, observation: npt.NDArray[np.float32], info: dict[str, Any]) -> npt.NDArray[np.float32]:
-        """Returns the action for an observation; it does not look at `info`."""
+        """Returns the action for an observation, without using `info`."""
         figures = 12 + 3 * self.tools
         force, path_m = float(observation[figures]), float(observation[figures + 2])
         if self._phase is Phase.PUSH and self._is_stuck(path_m):
@@ -59,7 +59,7 @@ class Expert:
         return self._action(push, float(np.clip(0.5 * bend_angle(points), -1.0, 1.0)) if is_near else 0.0)
 
     def _is_stuck(self, path_m: float) -> bool:
-        """Returns True if pushing does not bring the tip nearer."""
+        """Returns True if pushing has not brought the tip nearer to the target."""
         if path_m < self._best_m - PROGRESS_M:
             self._best_m, self._idle = path_m, 0
         else:
@@ -67,7 +67,8 @@ class Expert:
         return path_m > self._best_m + GROWN_M or self._idle > PUSHES_WITHOUT_GAIN
 
     def _has_pulled(self, path_m: float) -> bool:
-        """Returns True once the tip is out of the wrong branch, where the path begins to grow, and then turns."""
+        """Returns True when the tip is out of the wrong branch, where the path begins to grow longer; a turn is then
+        due."""
         self._low_m, self._steps = min(self._low_m, path_m), self._steps + 1
         if not (path_m > self._low_m + GROWN_M and self._steps > 2) and self._steps <= PULLS_MAX:
             return False
@@ -75,13 +76,13 @@ class Expert:
         return True
 
     def _action(self, push: float, turn: float) -> npt.NDArray[np.float32]:
-        """Moves the innermost tool, and lets the others follow at the same speed without a turn."""
+        """Moves the innermost tool; the other tools follow at the same speed without a turn."""
         return np.array([push] * self.tools + [turn] + [0.0] * (self.tools - 1), dtype=np.float32)
 
 
 def bend_angle(points: npt.NDArray[np.float64]) -> float:
-    """Returns the angle about the tip's heading from the side to which the tip bends to the side on which the target
-    is. `points` are three points of the tip's shape from the target, in m, beginning at the tip."""
+    """Returns the angle, about the direction of the tip, from the side to which the tip bends to the side on which the
+    target lies. `points` are three points of the tip's shape in m, relative to the target, beginning at the tip."""
     heading = points[0] - points[1]
     heading = heading / max(float(np.linalg.norm(heading)), 1e-9)
     bend, target = points[0] - 2.0 * points[1] + points[2], -points[0]

@@ -1,4 +1,4 @@
-"""Plays episodes of a challenge over several threads. Each episode has an environment of its own, so the rows do not
+"""Plays episodes of a named task over several threads. Each episode has its own environment, so the results do not
 depend on the number of threads."""
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ class Row:
     target: int
     is_reached: bool
     is_success: bool
-    """Reached, and no sample of the force on the wall above the limit."""
+    """True if the target was reached and no sample of the force on the wall was above the limit."""
     is_out_of_range: bool
     """Physics left its range."""
     steps: int
     rewards: float
     path_begin_m: float
-    """From the tip to the target along the vessels, at the beginning."""
+    """Length of the path from the tip to the target along the vessels, at the beginning of the episode."""
     path_end_m: float
     tip_travel_m: float
-    """Sum of the tip's displacements between steps."""
+    """Sum of the distances by which the tip moved from step to step."""
     force_peak_N: float
     hash: str
-    """CRC-32 of all observations, and the hash of the last state of the core."""
+    """Checksum (CRC-32) of all observations, and the hash of the core's last state."""
 
 
 class Player:
-    """Environments of a challenge, which episodes use again."""
+    """Keeps the environments of a named task, so that later episodes can use them again."""
 
     def __init__(self, challenge: Challenge, folder: str | os.PathLike[str] = "anatomies", threads: int = 1) -> None:
         if threads < 1:
@@ -54,7 +54,7 @@ class Player:
         self._free: dict[int, list[NavigationEnv]] = {}
 
     def environment(self, anatomy: int) -> NavigationEnv:
-        """Makes an environment of the challenge in one of its anatomies."""
+        """Makes an environment of the task in one of its anatomies."""
         return NavigationEnv(replace(self.challenge.task, scene=self.challenge.scene(self.folder, anatomy)))
 
     def _take(self, anatomy: int) -> NavigationEnv:
@@ -70,7 +70,8 @@ class Player:
                 self._free[anatomy].append(env)
 
     def play(self, episodes: Sequence[EpisodeSeed], makers: PolicyMaker | Sequence[PolicyMaker]) -> list[Row]:
-        """Plays episodes, with one policy maker for all or one for each, and returns their rows in the same order."""
+        """Plays episodes, with one policy maker for all of them or one for each, and returns their results in the same
+        order."""
         each = list(makers) if isinstance(makers, Sequence) else [makers] * len(episodes)
         self.challenge.need_scenes(self.folder, list(episodes))
         with ThreadPoolExecutor(self.threads) as pool:

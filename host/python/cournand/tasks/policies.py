@@ -1,7 +1,7 @@
-"""Policies that a judge can be given by a name, a module or a file.
+"""Policies that a score card can be made for, given by a name, a module or a file.
 
-A policy is a function of the observation and of `info`, and returns an action. A policy maker is called once per
-episode with the challenge and the episode's seeds, and returns the policy of that episode. So a policy may have a
+A policy is a function of the observation and of `info` that returns an action. A policy maker is called once per
+episode with the task and the episode's seeds, and returns the policy for that episode. A policy may therefore have a
 memory, and several episodes may be played at the same time.
 """
 
@@ -31,14 +31,14 @@ def _rest(challenge: Challenge, episode: EpisodeSeed) -> Policy:
 
 
 def _push(challenge: Challenge, episode: EpisodeSeed) -> Policy:
-    """All tools forward at full speed, without a turn."""
+    """A policy that pushes all tools forward at full speed, without a turn."""
     tools = len(challenge.task.tools)
     action = np.concatenate([np.ones(tools), np.zeros(tools)]).astype(np.float32)
     return lambda observation, info: action
 
 
 def _random(challenge: Challenge, episode: EpisodeSeed) -> Policy:
-    """Even numbers for every speed, anew in each step."""
+    """A policy that chooses uniformly distributed random speeds in each step."""
     random, width = np.random.default_rng([episode.seed, episode.target]), 2 * len(challenge.task.tools)
     return lambda observation, info: random.uniform(-1.0, 1.0, width).astype(np.float32)
 
@@ -51,7 +51,7 @@ POLICIES: dict[str, PolicyMaker] = {"rest": _rest, "random": _random, "push": _p
 
 
 class Linear:
-    """A policy whose action is a linear function of the observation's state, cut to -1 .. 1."""
+    """A policy whose action is a linear function of the state observation, limited to -1 .. 1."""
 
     def __init__(
         self,
@@ -69,7 +69,7 @@ class Linear:
         return action
 
     def make(self, challenge: Challenge, episode: EpisodeSeed) -> Policy:
-        """The policy maker: all episodes share the policy, which has no memory."""
+        """Returns this policy as a policy maker: all episodes share the policy, because it has no memory."""
         width = 2 * len(challenge.task.tools)
         if len(self.weights) != width:
             raise ValueError(
@@ -79,7 +79,7 @@ class Linear:
         return self
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a file which appears under its name when it is complete."""
+        """Writes a file that gets its name when it is complete."""
         temporary = os.fspath(path) + ".part"
         with open(temporary, "wb") as file:
             np.savez(
@@ -114,7 +114,8 @@ class Linear:
 
 
 def policy_of(given: str) -> PolicyMaker:
-    """Returns a policy maker: by a name of POLICIES, as MODULE:FUNCTION, or from a file of `cournand.train`."""
+    """Returns the policy maker with this name in POLICIES, the policy maker MODULE:FUNCTION, or one for a policy file
+    of `cournand.train`."""
     if given in POLICIES:
         return POLICIES[given]
     if given.endswith(".npz"):

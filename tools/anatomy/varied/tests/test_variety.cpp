@@ -1,5 +1,5 @@
-// These tests check the drawn aortas: every seed gives one tree that a person could have, and always the same
-// one.
+// These tests check the drawn aortas: every seed gives a tree that a person could have, and always the same
+// tree.
 #include "host/base/pending_file.hpp"
 #include "host/base/tests/folder.hpp"
 #include "tools/anatomy/varied/plausible.hpp"
@@ -121,8 +121,8 @@ void the_arch_of_a_drawn_tree_has_the_type_of_its_title(void **)
     }
 }
 
-// Of 60 draws with the part p, 60 p are expected, with a standard deviation of sqrt(60 p (1 - p)): 3.9 for 55
-// %, 3.5 for 30 %, and 2.8 for 15 %. The bars are three of them.
+// Of 60 trees with the probability p, 60 p are expected, with a standard deviation of sqrt(60 p (1 - p)): 3.9
+// for 55 %, 3.5 for 30 %, and 2.8 for 15 %. The test allows deviations of three standard deviations.
 void types_and_common_trunks_occur_as_often_as_stated(void **)
 {
     std::array<double, 3> types = {};
@@ -136,7 +136,8 @@ void types_and_common_trunks_occur_as_often_as_stated(void **)
     assert_true(trunks > 0 && std::abs(trunks - 9.3) < 8.4);
 }
 
-// An iliac artery is at least as winding as half of the shipped one's excess, and some are much more so.
+// The ratio of length to straight distance exceeds 1 in each iliac artery by at least half as much as in the
+// shipped one, and in some by much more.
 void iliac_arteries_wind_differently(void **)
 {
     double least = 1e9, most = 0;
