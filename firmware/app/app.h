@@ -220,11 +220,11 @@ bool crn_app_order(crn_app *app, uint8_t action);
  * afterwards app->setup.tracks contains the accepted values. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
-/* A program that runs the device in its own process can give it a scene without an upload. The bytes stay the
- * program's own memory, which must neither change nor go while the device uses the scene, so that many
- * devices may share them. `crc32` is the CRC-32 of the bytes, and the bytes begin at a multiple of 4. The
- * function returns false if the state is not READY, or if the scene is not valid; the device then has no
- * scene. */
+/* A program that runs the device in its own process can give the device a scene without an upload. The
+ * scene's bytes stay in the program's memory, where many devices may share them; they must neither change nor
+ * be freed while a device uses the scene. `crc32` is the CRC-32 of the bytes; the address of the bytes must
+ * be a multiple of 4. The function returns false if the state is not READY, or if the scene is not valid; the
+ * device then has no scene. */
 bool crn_app_scene_share(crn_app *app, const uint8_t *bytes, uint32_t byte_count, uint32_t crc32);
 
 /* A program that runs the device in its own process, such as the simulated port, can take a snapshot by

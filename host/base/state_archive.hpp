@@ -7,10 +7,10 @@
 //       state.real(flow_ml_s_, 0.0, 50.0);
 //   }
 //
-// The bytes have the byte order of the machine. When an archive restores, the bytes may come from anywhere: a
-// value outside its limits, or bytes that end too early, refuse the archive. After a refusal the archive
-// changes no further value. An object that has read from a refused archive is in no particular state, so that
-// its owner must restore another state.
+// The bytes have the byte order of the machine that saved them. The bytes may come from any source: the
+// archive is refused if a value is outside its limits, or if the bytes end too early. After the archive is
+// refused, it changes no further value. If the archive is refused, the object has an undefined state, and its
+// owner must restore another state.
 #pragma once
 #include <cmath>
 #include <concepts>
@@ -30,7 +30,7 @@ namespace crn
 class StateArchive
 {
   public:
-    // Returns an archive that appends the state to `bytes`.
+    // Returns an archive that saves a state by appending it to `bytes`.
     static StateArchive saving(std::vector<std::uint8_t> &bytes)
     {
         StateArchive archive;
@@ -47,7 +47,7 @@ class StateArchive
     bool restores() const { return to_ == nullptr; }
     bool is_refused() const { return is_refused_; }
     bool is_at_end() const { return from_.empty(); } // of the bytes from which the archive restores
-    // Refuses the archive if a condition on restored values does not hold.
+    // Marks the archive as refused if a condition on restored values does not hold.
     void require(bool holds) { is_refused_ = is_refused_ || !holds; }
 
     template <std::integral Number>
@@ -60,7 +60,7 @@ class StateArchive
         if (restores()) require(read >= least && read <= most);
         if (!is_refused_) value = read;
     }
-    // A number that counts or names something has 8 bytes on every machine.
+    // A count or an index has 8 bytes on every machine.
     void index(std::size_t &value, std::size_t below)
     {
         std::uint64_t read = value;
@@ -68,7 +68,7 @@ class StateArchive
         if (restores()) require(read < below);
         if (!is_refused_) value = static_cast<std::size_t>(read);
     }
-    // Refuses numbers that are not finite, too.
+    // Also refuses numbers that are infinite or not a number.
     template <std::floating_point Real> void real(Real &value, double least = -largest, double most = largest)
     {
         Real read = value;
@@ -102,11 +102,12 @@ class StateArchive
         std::string read = value;
         read.resize(size);
         raw(read.data(), size);
-        // A text is shown as a line, so that it has no control characters.
+        // A text must have no control characters, because it is shown on one line.
         for (const char letter : read) require(static_cast<unsigned char>(letter) >= 0x20 && letter != 0x7f);
         if (!is_refused_) value = std::move(read);
     }
-    // Calls each(item) for every item; a restored list gets the saved number of items.
+    // Calls each(item) for every item of the list; when restoring, the list first gets the saved number of
+    // items.
     template <class List, class Each> void list(List &items, Each each)
     {
         std::size_t count = items.size();
@@ -130,7 +131,7 @@ class StateArchive
         if (restores()) value = has_value ? std::optional<Value>(Value{}) : std::nullopt;
         if (value) each(*value);
     }
-    // Bytes of another format, with their number in front.
+    // Saves or restores bytes of another format, preceded by their number.
     void bytes(std::vector<std::uint8_t> &value)
     {
         std::size_t size = value.size();

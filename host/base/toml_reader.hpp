@@ -41,8 +41,7 @@ struct TomlDocument; // a parsed file, with its name and its sources
 class TomlTable;
 
 // Holds the value of a key in a TOML table, or records that the key is absent. If the key is absent, all
-// functions throw an error, except the first functions of this class, which only describe the key and the
-// kind of its value.
+// functions throw an error, except those that only state whether a value exists and of what kind it is.
 class TomlValue
 {
   public:

@@ -74,8 +74,8 @@ std::string even_wire(double element_mm)
     return path;
 }
 
-// `elements` is the number of elements in the body while the wire is being inserted. If `elements` is 0, the
-// wire has the elements of the shipped file.
+// `elements` is the number of rod elements inside the patient when the wire is fully inserted. If `elements`
+// is 0, the wire has the elements of the shipped file.
 cournand_world *world_of(int elements)
 {
     const std::string path = elements == 0 ? wire_file : even_wire(600.0 / elements);

@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t story_bytes_min = 60, teaching_bytes_min = 60;
 constexpr TomlKind lesion_kind{"a text with lesions", "a file with [[lesion]] tables (docs/lesions.md)"};
 
-// Makes a vessel tree that has only the names of the recipe's vessels, without their shapes. If the scene's
-// aorta will be divided into three vessels, the class VesselMap divides the aorta of this tree too.
+// Makes a vessel tree that has only the names of the recipe's vessels, without their shapes. If VesselMap
+// will divide the scene's aorta into three vessels, it divides the aorta of this tree, too.
 VesselTree tree_of_names(const std::vector<RecipeVessel> &vessels)
 {
     VesselTree tree;

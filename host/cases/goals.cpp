@@ -84,9 +84,9 @@ void GoalSink::frame(const SessionFrame &frame)
         goals_.look({inserted_m, places, witness_, tick_}, turned_deg);
         next_ = tick_ + GoalWatch::look_every_ticks - tick_ % GoalWatch::look_every_ticks;
     }
-    // At this point the patient's state has already advanced to the tick of the frame, so next_tick() of the
-    // other observer gives a later tick. The other observer therefore gets every frame, and ignores the
-    // frames that it does not need.
+    // The patient has already advanced to the tick of this frame, so next_tick() of the inner observer no
+    // longer returns this tick. The inner observer therefore gets every frame, and ignores the frames that it
+    // does not need.
     if (inner_) inner_->frame(frame);
 }
 

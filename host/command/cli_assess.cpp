@@ -29,7 +29,7 @@ AssessPlan plan_of(const PlanOptions &options, const SessionLog &log)
     return plan;
 }
 
-// The plan's vessels that the case does not name are those of the case's goals.
+// A vessel of the plan that the case does not name is the vessel of one of the case's goals.
 AssessPlan read_case_plan(const Case &lesson, bool has_balloon)
 {
     AssessPlan plan;

@@ -278,7 +278,7 @@ void ContrastFlow::archive(StateArchive &state)
     for (std::vector<double> *sums : {&branch_injected_mg_, &branch_out_mg_}) state.reals(*sums);
     state.integer(widening_steps_, 0, 1000);
     for (std::size_t i = 0; i < cells_.size(); ++i) {
-        // Outside of a widening, every cell has the volume that follows from its shape.
+        // A cell that is not being widened has the volume that follows from its shape.
         const double shape_ml = cells_[i].volume_ml;
         const double widest = widening_steps_ > 0 ? 1e4 : 1.0;
         state.real(volume_ml_[i], shape_ml / widest, shape_ml * widest);

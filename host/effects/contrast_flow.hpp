@@ -94,9 +94,10 @@ class ContrastFlow
     // both for the branch and for the side branches.
     std::vector<double> received_mg() const;
 
-    // Saves or restores the whole state, except the shape of the vessels. A caller with open lesions must
-    // reshape the vessels before restoring. An archive of other vessels is refused. snapshot() returns the
-    // same state as bytes; restore() changes nothing if it refuses the bytes.
+    // Saves or restores the whole state, except the shape of the vessels. If lesions are open, the caller
+    // must give the vessels their saved shape before it restores the state. An archive that belongs to other
+    // vessels is refused. snapshot() returns the same state as bytes; restore() changes nothing if it refuses
+    // the bytes.
     void archive(StateArchive &state);
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);

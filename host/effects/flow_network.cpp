@@ -196,8 +196,9 @@ double FlowNetwork::pressure_mmHg(std::size_t cell) const
 
 // In the following equations, c is the conductance from a run's last cell to the veins, and s is the flow
 // that is injected into this cell. Let p be the pressure in the last cell, u the pressure upstream, and g the
-// conductance of the path between them. The balance of flows is then g (u - p) + s = c p. Seen from upstream,
-// the run has the conductance g c / (g + c) and the source g s / (g + c).
+// conductance of the path between them. With the pressures u upstream and p in the run's last cell, and the
+// conductance g between them, the balance of flows is g (u - p) + s = c p. Seen from upstream, the run
+// therefore acts as a conductance of g c / (g + c) with an injected flow of g s / (g + c).
 void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources)
 {
     const bool is_divided =

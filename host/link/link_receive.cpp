@@ -36,8 +36,8 @@ void Link::check_patience()
                   waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
 }
 
-// A device that sends without end causes an error in the same way as a silent device does. `frames` counts
-// down from a number of frames that no correct device sends without a pause.
+// A device that sends without end causes an error in the same way as a silent device does. `frames` is the
+// number of frames that may still arrive; no correct device sends so many without a pause.
 bool Link::receive_one_of(std::uint32_t &frames)
 {
     if (!receive()) return false;

@@ -18,8 +18,9 @@ class SimTransport final : public Transport
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
     bool has_own_clock() const override { return false; }
-    // Gives the device a scene that stays in the caller's memory, which must live as long as the device.
-    // Returns false if the device refuses the scene. A host that then loads the same scene sends no bytes.
+    // Lets the device use a scene in the caller's memory; this memory must exist as long as the device.
+    // Returns false if the device refuses the scene. If a host then loads the same scene, it does not send
+    // the scene's bytes.
     bool share_scene(std::span<const std::uint8_t> scene, std::uint32_t crc32);
     // The next functions copy the state of a LOCKSTEP session and restore such a copy, each within
     // microseconds (sim.h). After a state has been restored, the Link of this device must be told the tick

@@ -62,7 +62,8 @@ class Motion
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:
-    // Holds a lattice of nodes. At each node, each of the three components of displacement has `row` numbers.
+    // Holds a lattice of nodes. At each node of the lattice, `row` numbers are stored for each of the three
+    // components of the displacement.
     struct Lattice {
         explicit Lattice(const crn_scene_motion &scene, std::size_t row);
         // Finds the lattice node at corner 0 of the cell that contains a position, the strides to the other

@@ -36,7 +36,7 @@ class CatheterAir
     // Returns the ticks of the injections that were given while the lumen might hold air.
     const std::vector<std::uint32_t> &injections() const { return injections_; }
 
-    // Saves or restores the state; `tools` are those at the positions of the line.
+    // Saves or restores the state; `tools` lists the tools in use, by position.
     void archive(StateArchive &state, const std::vector<Instrument> &tools);
 
   private:

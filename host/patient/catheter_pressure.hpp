@@ -72,7 +72,7 @@ class CatheterPressure
     // Returns the name of the tool with the transducer; empty if no tool has a lumen.
     const std::string &tool_name() const { return name_; }
 
-    // Saves or restores the state at tick `now`; `tools` are those at the positions of the line.
+    // Saves or restores the state at tick `now`; `tools` lists the tools in use, by position.
     void archive(StateArchive &state, std::uint32_t now, const std::vector<Instrument> &tools);
 
   private:

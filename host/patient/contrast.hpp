@@ -101,8 +101,9 @@ class PatientContrast
     VesselTree opened_vessels() const; // and with lesions as far open as in the last frame
     const ContrastCost &cost() const { return cost_; }
 
-    // Saves or restores the medium at tick `now`. `tools` are those at the positions of the line, and `last`
-    // is the last tick. The columns of medium are made again from the restored state.
+    // Saves or restores the state of the contrast medium at tick `now`. `tools` lists the tools in use, by
+    // position, and `last` is the last tick. The columns of medium are not saved, but are made again from the
+    // restored state.
     void archive(StateArchive &state, std::uint32_t now, const std::vector<Instrument> &tools,
                  const crn_wire_tick_state &last);
 
@@ -168,7 +169,8 @@ class PatientContrast
     crn_wire_tick_state last_{};
     std::vector<Refusal> refusals_;
     std::vector<SweptCurve> curves_;
-    // The moment of the heart and the breath, and the strength of the medium, for which curves_ were made.
+    // Holds the phases of heart and breath, and the strength of the medium, for which the columns in curves_
+    // were made.
     MotionMoment curves_at_;
     double curves_mg_per_ml_ = iodine_default_mg_per_ml;
 };

@@ -31,8 +31,8 @@ void PatientContrast::archive(StateArchive &state, std::uint32_t now, const std:
     state.choice(state_, State::flows);
     state.integer<std::int64_t>(seen_tick_, -1, now);
     state.integer<std::uint32_t>(look_tick_, 0, now);
-    // Medium that flows is advanced at least every look_every_ticks; a longer time would take long to catch
-    // up.
+    // Flowing medium is advanced at least every look_every_ticks; if more time has passed, catching up would
+    // take long.
     if (state.restores() && state_ != State::idle) state.require(flow_.cells().size() > 0);
     if (state.restores() && state_ == State::flows)
         state.require(now - seen_tick_ <= std::int64_t{look_every_ticks} + 1);
@@ -45,8 +45,8 @@ void PatientContrast::archive(StateArchive &state, std::uint32_t now, const std:
     archive_columns(state);
 }
 
-// Restored vessels get the shape of the saved ones. Building the cells again takes long, so they are only
-// built if a lesion is open otherwise.
+// The restored vessels get the shape of the saved vessels. Building the cells takes long, so they are built
+// again only if the opening of a lesion differs from the saved one.
 void PatientContrast::archive_lesions(StateArchive &state)
 {
     const std::vector<double> before = flow_open_;

@@ -38,7 +38,8 @@ struct PatientSettings {
     std::vector<StentDesign> stents; // stents that a session may load, in this order
     int threads = 2;                 // threads of the measuring chamber
     LineNumbers line{};              // tools on the line at the start (tool_line.hpp); empty: all
-    // The bodies for X-rays, which patients of the same anatomy may share; null: the patient makes them.
+    // Holds the bodies (closed meshes) for X-ray pictures, which several patients of the same anatomy may
+    // share; if the pointer is null, the patient makes them.
     std::shared_ptr<const XrayScene> xray_scene{};
 };
 
@@ -54,10 +55,10 @@ class Patient
     Patient(const Patient &) = delete;
     Patient &operator=(const Patient &) = delete;
 
-    // --- what happens to the patient --- A command takes effect in its own tick, so call command() before
-    // look() for that tick. If a command cannot be carried out now, it is kept in refusals() or
-    // stents()->refusals(), and notice() reports it. Throws std::runtime_error if no state of the X-ray room
-    // allows the command (unknown action, or a value out of range).
+    // A command takes effect in its own tick, so call command() before look() for that tick. If a command
+    // cannot be carried out now, it is kept in refusals() or stents()->refusals(), and notice() reports it.
+    // Throws std::runtime_error if no state of the X-ray room allows the command (unknown action, or a value
+    // out of range).
     void command(std::uint32_t tick, const RoomCommand &command);
     // Receives every tick in order, with its input and its result.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
@@ -79,10 +80,10 @@ class Patient
     // them: they are in the recording. ---
     void give_orders(crn_wire_order_list &orders);
 
-    // Saves or restores everything on which the patient's future depends, but the events of the last look.
-    // `last` is the result of the session's last tick, and `now` its number. An archive of a session with
-    // other vessels, stents or tools is refused; the patient must then be restored from an archive of its
-    // own.
+    // Saves or restores the whole state of the patient, except the events of the last call of look(). `last`
+    // is the result of the session's last tick, and `now` is the number of that tick. An archive from a
+    // session with other vessels, stents or tools is refused; the caller must then restore the patient from
+    // an archive of this session.
     void archive(StateArchive &state, std::uint32_t now, const crn_wire_tick_state &last);
 
     // --- state ---

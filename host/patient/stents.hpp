@@ -97,7 +97,7 @@ class PatientStents
     std::vector<StentResult> results();
     const std::vector<std::string> &refusals() const { return refusals_; }
 
-    // Saves or restores the stents; `tools` are those at the positions of the line.
+    // Saves or restores the stents; `tools` lists the tools in use, by position.
     void archive(StateArchive &state, const std::vector<Instrument> &tools);
 
   private:

@@ -1,4 +1,5 @@
-// Saves and restores the stents of a session. Walls are made again from the vessels of the scene.
+// Saves and restores the stents of a session. The walls of stents are not saved, but are made again from the
+// scene's vessels.
 #include "host/patient/stents.hpp"
 #include <algorithm>
 #include <stdexcept>
@@ -20,7 +21,8 @@ void archive_ring(StateArchive &state, crn_wire_strut &ring)
         state.integer<std::int32_t>(*place_um, -far_um, far_um);
     state.integer<std::uint16_t>(ring.inside_um, 0, 20'000);
     state.integer<std::uint16_t>(ring.thickness_um, 0, 1000);
-    // A ring that a core has is at least as wide as ring_of() makes it; 0 takes a ring away.
+    // The radius of a ring in the core is at least that which ring_of() computes; the radius 0 removes a
+    // ring.
     if (state.restores())
         state.require(ring.inside_um == 0 || (ring.inside_um >= 200 && ring.thickness_um >= 10));
 }
@@ -50,7 +52,7 @@ void PatientStents::archive(StateArchive &state, const std::vector<Instrument> &
     state.list(refusals_, [&](std::string &why) { state.text(why); });
 }
 
-// A wall that this session already has is used again, because making one takes long.
+// A wall that already exists is used again, because making a wall takes long.
 void PatientStents::archive_walls(StateArchive &state)
 {
     std::vector<std::size_t> branches;
@@ -104,7 +106,7 @@ void PatientStents::archive_story(StateArchive &state, Story &story)
     state.optional(story.vessel, [&](std::size_t &vessel) { state.index(vessel, walls_.size()); });
 }
 
-// What the core has, and the orders that it has not got yet.
+// Saves or restores the rings and openings that the core has, and the orders that it has not received yet.
 void PatientStents::archive_core(StateArchive &state)
 {
     for (std::vector<std::uint32_t> &known : known_256_)

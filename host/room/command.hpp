@@ -58,7 +58,7 @@ struct Refusal {
 // room forbids it, class Room reports the refusal when it happens.
 std::string refusal(const RoomCommand &command);
 
-// Saves or restores a command. The archive refuses a command that refusal() refuses.
+// Saves or restores a command. An archive with a command that refusal() does not allow is refused.
 void archive_command(StateArchive &state, RoomCommand &command);
 void archive_refusal(StateArchive &state, Refusal &refusal);
 

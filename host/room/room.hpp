@@ -114,7 +114,7 @@ class Room
     double field_m() const { return field_um_ * 1e-6; }
     std::int64_t tick() const { return tick_; } // the last processed tick; -1: none
 
-    // Saves or restores the room at tick `now`, without the events of the last look.
+    // Saves or restores the state of the X-ray room at tick `now`, without the last events.
     void archive(StateArchive &state, std::uint32_t now);
 
   private:

@@ -36,7 +36,7 @@ void archive_dose(StateArchive &state, Dose &dose)
     state.integer(dose.beam_ticks);
 }
 
-// The archive refuses a rate that no command can set.
+// An archive with a pulse or frame rate that no command can set is refused.
 template <class Rate, std::size_t count>
 void archive_rate(StateArchive &state, Rate &rate, const std::int32_t (&rates)[count])
 {
@@ -103,7 +103,8 @@ void Room::archive(StateArchive &state, std::uint32_t now)
     archive_settings(state);
     archive_beam(state);
     state.list(refusals_, [&](Refusal &one) { archive_refusal(state, one); });
-    // What is due later is due no earlier than now; otherwise the room would have to catch up.
+    // The saved time of a future event must not be before the present tick, because the room would otherwise
+    // have to make up for the missed ticks.
     if (state.restores() && !state.is_refused()) state.require(next_tick() >= now);
 }
 

@@ -23,7 +23,7 @@ GLFWwindow *open_glfw_window(const std::string &title, int width, int height)
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-    // A desktop finds the window's icon by this class (tools/desktop/cournand.desktop).
+    // A desktop finds the window's icon by this window class (tools/desktop/cournand.desktop).
     glfwWindowHintString(GLFW_X11_CLASS_NAME, "cournand");
     glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "cournand");
     GLFWwindow *window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);

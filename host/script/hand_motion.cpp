@@ -14,9 +14,10 @@ std::int64_t divide_rounded(std::int64_t a, std::int64_t b)
     return a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b);
 }
 
-// Returns a time, in ticks, multiplied by 2 r^3. In the returned time, a hand at full speed moves as far as
-// an accelerating hand in the first t ticks of a ramp of r ticks. The returned number is t^3 (2 r - t), which
-// follows from the integral of the smoothstep function 3u^2 - 2u^3.
+// Returns a time in ticks, multiplied by 2 r^3 so that it is a whole number; r is the length of the ramp in
+// ticks. In the returned time, a hand at full speed moves as far as an accelerating hand in the first t ticks
+// of a ramp of r ticks. The returned number is t^3 (2 r - t), which follows from the integral of the
+// smoothstep function 3u^2 - 2u^3.
 std::int64_t ramp_numerator(std::int64_t t, std::int64_t r)
 {
     return t * t * t * (2 * r - t);

@@ -52,7 +52,7 @@ class Reader
     {
         for (int k = 0; k < 3; ++k) (*this)(v[k]);
     }
-    // Numbers that are infinite, not numbers, or far outside a patient make the snapshot useless.
+    // A snapshot is refused if it contains numbers that are infinite, not a number, or far outside a patient.
     void operator()(double &value)
     {
         constexpr double largest = 1e4;

@@ -109,7 +109,8 @@ class Stent
     // refuses a snapshot of another stent design.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
-    // Returns false if the stent's state names a triangle that a wall with this number of triangles lacks.
+    // Returns false if the stent's state refers to a triangle that does not exist in a wall with this number
+    // of triangles.
     bool fits(std::size_t triangle_count) const;
 
   private:

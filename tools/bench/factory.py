@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Measures the factory of labelled pictures (docs/factory.md): frames per hour of one processor core, with all labels
-and everything else that a shard needs, and where the time goes.
+"""Measures the speed of the factory of labelled pictures (docs/factory.md): the frames per hour of one processor core,
+with all labels and files, and the time for each stage.
 
   factory.py [--shards N] [--size N] [--formats LIST] [--compression stored|fast] [--output FILE]
 
-Counts the processor's time, so other work on the machine disturbs it little. Writes `name<TAB>value<TAB>unit<TAB>
-context` lines to out/factory.tsv. The shards are those of the seed 1, so the figure is a mean over the sets of tools.
+The program measures processor time, which other work on the machine hardly changes. The program writes lines
+`name<TAB>value<TAB>unit<TAB> context` to out/factory.tsv. The program always makes the shards of seed 1, so the figure
+is a mean over the same sets of tools.
 """
 
 import argparse
@@ -40,7 +41,7 @@ def timed(kind, call):
 
 
 def measure(options, shards):
-    """Returns the processor's time in s for each frame of these shards."""
+    """Returns the processor time in s for each frame of these shards."""
     course.World.move = timed("physics", cournand.World.move)
     course.XRay.render = timed("pictures", cournand.XRay.render)
     with tempfile.TemporaryDirectory() as folder:

@@ -8,11 +8,12 @@ import venv
 
 
 class EnvironmentFault(Exception):
-    """The environment cannot be made; the text has the remedy."""
+    """This exception means that the environment cannot be made; its text states the remedy."""
 
 
 class PackagesFault(Exception):
-    """pip cannot install the packages; the text is what pip printed. The caller knows the remedy."""
+    """This exception means that pip cannot install the packages; its text is the output of pip. The caller knows the
+    remedy."""
 
 
 def python_of(folder):
@@ -20,8 +21,8 @@ def python_of(folder):
 
 
 def make(folder, requirements, announce=lambda: None):
-    """Makes the environment, unless it exists with these requirements, and returns its Python. Calls `announce` before
-    it downloads anything."""
+    """Makes the environment, unless one with the same requirements exists, and returns the path of its Python. Calls
+    `announce` before it downloads anything."""
     stamp = os.path.join(folder, "requirements.sha256")
     with open(requirements, "rb") as file:
         wanted = hashlib.sha256(file.read()).hexdigest()

@@ -20,7 +20,7 @@ typedef struct crn_sim crn_sim;
 crn_sim *crn_sim_create(uint32_t scene_slot_bytes);
 void crn_sim_destroy(crn_sim *sim);
 
-/* Gives the device a scene that stays in the caller's memory, without an upload: crn_app_scene_share(). */
+/* Lets the device use a scene in the caller's memory, without an upload (crn_app_scene_share()). */
 bool crn_sim_share_scene(crn_sim *sim, const uint8_t *bytes, uint32_t byte_count, uint32_t crc32);
 
 /* Brown-out: the processor restarts. After crn_sim_reset the scene slots still have their contents, and the

@@ -244,8 +244,9 @@ void the_score_is_the_mean_of_its_parts_by_weight(void **)
     const crn::SessionLog log =
         session([](double s, crn::SessionMoment &moment) { moment.is_xray_on = s < 4.0 || s > 6.0; });
     crn::AssessPlan plan = plan_with("not x-ray on", 0.5, 1.0, crn::Severity::serious);
-    // Errors give 50 * (1 - 4/40) marks, and the burden on the patient gives 10 of 10. The other parts of the
-    // score do not apply, because the session has no phases and lesions.
+    // In this test, the part of the score for handling errors gives 50 * (1 - 4/40) marks, and the part for
+    // the burden on the patient gives 10 of 10 marks. The other parts of the score do not apply, because the
+    // session has no phases and lesions.
     assert_float_equal(percent(plan, log), 100.0 * (45.0 + 10.0) / 60.0, 1e-9);
     plan.phases.push_back({"one", "One", {}, condition("injecting"), 1.0, {}});
     assert_float_equal(percent(plan, log), 100.0 * (45.0 + 0.0 + 10.0) / 80.0, 1e-9);

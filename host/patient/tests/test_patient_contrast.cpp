@@ -366,7 +366,8 @@ void a_lesion_that_gives_way_widens_cells_and_columns(void **)
     assert_true(often.vessels().branches[0].radii_m[19] == 0.002);
 }
 
-// At 1500 ms the lesion gives way and the cells widen; the other object has its lesion half open before.
+// In this test a lesion yields at 1500 ms, and its cells widen; in the object that restores the saved state,
+// the lesion was half open before.
 void a_saved_lesion_continues_bit_for_bit(void **)
 {
     const LesionOpening opening(narrowed_aorta(), {&stations_of_aorta, 1});

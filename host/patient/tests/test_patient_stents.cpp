@@ -167,7 +167,7 @@ void a_saved_stent_continues_bit_for_bit(void **)
     }
 }
 
-// A triangle, a vessel or a design that does not exist must be refused.
+// A saved state that names a triangle, a vessel or a stent design that does not exist must be refused.
 void damaged_stents_are_refused_or_can_continue(void **)
 {
     PatientStents healthy = session_stents();

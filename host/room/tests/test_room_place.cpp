@@ -1,5 +1,5 @@
-// Tests where the shown picture was taken: a held picture and a frame of a run keep the C-arm's pose of their
-// pulse, although the C-arm has moved since.
+// Tests which C-arm pose belongs to the shown picture: a held picture, or a frame of a run, keeps the pose of
+// its own pulse, even if the C-arm has moved since.
 #include "host/room/room_screen.hpp"
 #include <csetjmp>
 #include <cstdarg>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests the options by which `anatomy` draws the arteries of other men from a seed. Prints TAP."""
+"""Tests the options by which `anatomy` makes random variants of the arteries from a seed. Prints TAP."""
 
 import json
 import os
@@ -47,7 +47,8 @@ def a_drawn_file_makes_the_same_lumen_as_its_seed():
 
 
 def a_common_trunk_carries_the_left_carotid():
-    """Seed 7 has a common trunk: the carotid's centreline begins in the brachiocephalic artery."""
+    """The tree of seed 7 has a common trunk: the centreline of the left carotid artery begins in the brachiocephalic
+    artery."""
     with tempfile.TemporaryDirectory() as folder:
         made = run("aorta", "--seed", "7", *COARSE, "-o", folder)
         curves = {}
