@@ -24,8 +24,8 @@ inline constexpr ExampleKind scene_archives{"scenes", "scene", ".tar.xz"};
 
 // Returns the existing folders with the files of this kind that come with the program, in the order in which
 // they are searched. The files are in share/cournand/examples/KIND of the installed program, and in
-// shared/examples/KIND of the repository. The program looks for both folders in the four folders above the
-// running program, and for shared/examples/KIND also in the current folder.
+// shared/examples/KIND of the repository. The program looks for each of these two folders in the four folders
+// above its own folder, and for shared/examples/KIND also in the current folder.
 std::vector<std::filesystem::path> shipped_folders(const ExampleKind &kind);
 
 // Returns the user's own folder, $XDG_DATA_HOME/cournand/KIND or ~/.local/share/cournand/KIND, if it exists,

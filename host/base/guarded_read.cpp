@@ -87,8 +87,8 @@ void set_limits(const ReadLimits &limits, std::uint64_t space_before)
     limit(RLIMIT_FSIZE, 0, 0); // it must not leave any file behind (such as a sanitizer's report)
 }
 
-// The parent's signal handlers would remove the parent's files, so the child process sets them back to the
-// default action.
+// The signal handlers of the parent process would remove the parent's files, so the child process resets
+// these signals to their default actions.
 void reset_signals()
 {
     for (int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM}) std::signal(number, SIG_DFL);

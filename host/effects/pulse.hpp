@@ -42,8 +42,8 @@ class PulseMonitor
     // Receives every tick. After a call of tick(), the curve shows the aortic pressure.
     void tick(const crn_wire_tick_state &state);
     // The next two functions together do the same as tick(), for a curve that shows the pressure of another
-    // transducer: advance() computes the aortic pressure, and show() receives the measured pressure of the
-    // same tick.
+    // transducer. The function advance() computes the aortic pressure, and show() receives the measured
+    // pressure of the same tick.
     void advance(const crn_wire_tick_state &state);
     void show(double measured_mmHg);
 

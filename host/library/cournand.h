@@ -56,7 +56,7 @@ extern "C" {
 #endif
 
 /* The version of this header. A higher minor version may add functions, and members of structs; only a higher
-   major version may remove or change any. */
+   major version may remove or change them. */
 #define COURNAND_VERSION_MAJOR 0
 #define COURNAND_VERSION_MINOR 1
 #define COURNAND_VERSION_PATCH 0

@@ -41,10 +41,11 @@ MotionWeights motion_weights(const MotionMoment &moment)
 
 double motion_plane_weight(int corner, const Eigen::Vector3d &place)
 {
-    // In Kuhn's division of a cell, each tetrahedron follows a path of edges from corner 0 of the cell. The
-    // path passes through a corner if the position in the cell has larger coordinates along the axes leading
-    // to this corner than along the other axes. The weight of the corner is the smallest coordinate along the
-    // axes that lead to it, minus the largest coordinate along the other axes.
+    // In Kuhn's division of a cell, each tetrahedron belongs to a path along the cell's edges from corner 0,
+    // first along the axis on which the position has its largest coordinate. A corner therefore belongs to
+    // the position's tetrahedron only if the coordinates along the axes that lead to this corner are larger
+    // than the other coordinates. The weight of a corner is the smallest coordinate along the axes that lead
+    // to it, minus the largest of the other coordinates.
     double least = 1, most = 0;
     for (int k = 0; k < 3; ++k) {
         if ((corner >> k & 1) != 0)

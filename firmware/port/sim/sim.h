@@ -50,9 +50,9 @@ void crn_sim_set_tick_us(crn_sim *sim, uint32_t tick_us);
 
 /* These functions copy the state of a LOCKSTEP session as a snapshot, and set the device to the state of a
  * snapshot, without messages over the pipe. The bytes of a snapshot are those of the snapshot messages in the
- * wire protocol (docs/wire.md). The functions crn_sim_take_snapshot and crn_sim_put_snapshot return false,
- * and leave the session as it is, when the device has no session in LOCKSTEP, `count` is not
- * crn_sim_snapshot_bytes(), or the bytes are not a valid snapshot of this session. */
+ * wire protocol (docs/wire.md). These two functions return false, and leave the session as it is, in three
+ * cases: the device has no session in LOCKSTEP, `count` is not crn_sim_snapshot_bytes(), or the bytes are not
+ * a valid snapshot of this session. */
 size_t crn_sim_snapshot_bytes(void);
 bool crn_sim_take_snapshot(crn_sim *sim, uint8_t *bytes, size_t count);
 bool crn_sim_put_snapshot(crn_sim *sim, const uint8_t *bytes, size_t count);

@@ -2,9 +2,9 @@
 
     python -m cournand.train iliac --minutes 10 --out policy.npz
 
-In the method of Mania, Guy and Recht (Simple random search of static policies, NeurIPS 2018), a linear policy is
-changed by steps in random directions, forwards and backwards, and then moves along the directions with the best
-rewards. The method needs no graphics processor and no gradients.
+The method is that of Mania, Guy and Recht (Simple random search of static policies, NeurIPS 2018). In each iteration, a
+linear policy is changed by steps in random directions, forwards and backwards, and then moves along the directions with
+the best rewards. The method needs no graphics processor and no gradients.
 """
 
 from __future__ import annotations

@@ -38,8 +38,9 @@ double euler_two_spans(double a, double d);
 double greenhill(); // M L / B of a rod clamped at both ends
 
 // Computes how a long twisted rod with clamped ends coils (van der Heijden and Thompson 2000; van der
-// Heijden, Neukirch, Goss, Thompson 2003). The inputs of the coil's computation are the slack d = 1 -
-// distance / L, the end rotation of R radians, and B / C = `bend_over_twist`. The function returns the end
+// Heijden, Neukirch, Goss, Thompson 2003). The inputs are the slack d = 1 - distance / L
+// (from the distance of the ends and the rod's length L), the rotation of one end in radians, and
+// `bend_over_twist`, the ratio B / C of the bending to the torsional stiffness. The function returns the end
 // moment divided by B/L, and the tension divided by B/L^2.
 struct Writhe {
     double moment, tension;
