@@ -35,7 +35,7 @@ WORKERS_MAX = 1024
 
 
 class Parser(argparse.ArgumentParser):
-    """Raises a mistake instead of ending the program."""
+    """A parser of the command line that raises an error where argparse would end the program."""
 
     def error(self, message: str) -> Any:
         raise UsageError("%s. Remedy: see --help" % message)
@@ -113,7 +113,7 @@ def _options(given: argparse.Namespace) -> Options:
 
 
 def _part(given: argparse.Namespace) -> tuple[int, int]:
-    """Returns the part of the shards that this run makes. It also checks the number of workers."""
+    """Returns the part of the shards that this run makes. The function also checks the number of workers."""
     if not 1 <= given.workers <= WORKERS_MAX:
         raise UsageError("--workers: %d is not within 1 and %d" % (given.workers, WORKERS_MAX))
     try:
@@ -215,7 +215,7 @@ def _dispatch(words: Sequence[str]) -> int:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Runs a command line, and returns the exit code."""
+    """Runs one command line of the factory, and returns the exit code."""
     given = list(sys.argv[1:] if words is None else words)
     if given and given[0] not in COMMANDS and given[0] not in ("-h", "--help", "--version"):
         given.insert(0, "run")

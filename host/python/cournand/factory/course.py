@@ -22,12 +22,12 @@ SCENES_KEPT = 2
 
 
 class OutOfRange(Exception):
-    """The physics of a course left its valid range."""
+    """The physics of a shard's world left the range in which it is valid."""
 
 
 @lru_cache(maxsize=SCENES_KEPT)
 def _opened(scene: str, size: int) -> tuple[Scene, XRay, float]:
-    """Returns a scene, its renderer, and the longest way through its vessels in m."""
+    """Returns a scene, its renderer, and the length of the longest way through the scene's vessels in m."""
     opened = Scene(scene)
     ways: list[float] = []
     for vessel in opened.vessels:  # parents have lower numbers
@@ -40,7 +40,7 @@ def _kind(tool: Tool) -> str:
 
 
 class Course:
-    """One shard's world, and its frames in order."""
+    """The simulated world of one shard, and the shard's frames in order."""
 
     def __init__(self, options: Options, plan: ShardPlan) -> None:
         self._options, self._plan = options, plan
@@ -63,7 +63,8 @@ class Course:
         self._first_tick = self._world.tick
 
     def frames(self) -> Iterator[LabelledFrame]:
-        """Yields the frames of the shard. Their pictures are views until the next one."""
+        """Yields the frames of the shard. The arrays of a frame's pictures are overwritten when the next frame is
+        made."""
         number = 0
         for count, block in enumerate(self._plan.blocks):
             view = self._view(block)
@@ -76,7 +77,8 @@ class Course:
                 number += 1
 
     def _view(self, block: Block) -> View:
-        """Looks at the leading tip, which is where the hands have brought it, with the drawn offset."""
+        """Returns a view whose middle is the tip of the leading tool, moved by the offset that the plan drew for this
+        block."""
         tip = self._world.pose().positions_m[0]
         x, y, z = (round(float(np.clip(tip[k] + block.offset_m[k], -1.9, 1.9)), 4) for k in range(3))
         return View(
@@ -95,7 +97,7 @@ class Course:
             raise OutOfRange("tick %d" % self._world.tick)
 
     def _inject(self, injection: Injection) -> None:
-        """Injects if the tools let the medium through: a wire in a catheter may leave too little space."""
+        """Injects contrast medium if the tools leave room for it: a wire in a catheter may leave too little space."""
         patient = self._world.patient
         if patient is None:
             return

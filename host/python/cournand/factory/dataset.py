@@ -5,8 +5,8 @@
     webdataset/ coco/ dicom/ lerobot/    the same files by format (hard links), with what a format has for all shards
     index.json datasheet.md statistics.html contact_sheet.png
 
-Everything below the first two lines is made from the manifests, in the order of the shards. It can be made again at any
-time, and has the same bytes each time.
+The files of the last two lines above are made from the manifests, in the order of the shards. These files can be made
+again at any time, and have the same bytes each time.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ INDEX, DATASHEET, STATISTICS, SHEET = "index.json", "datasheet.md", "statistics.
 
 
 def begin(dataset: Path, options: Options) -> None:
-    """Writes the plan into a folder that has none, or finds the same one there."""
+    """Writes the plan into a folder that has no plan, or checks that the folder's plan is the same."""
     path = dataset / PLAN
     if path.exists():
         if load(dataset) != options:
@@ -72,7 +72,7 @@ def missing(dataset: Path, options: Options) -> list[int]:
 
 
 def complete(dataset: Path, options: Options) -> None:
-    """Makes everything that describes the whole data set. All shards must be made."""
+    """Makes all files that describe the whole data set. All shards must be made."""
     absent = missing(dataset, options)
     if absent:
         raise StoreError(
@@ -101,7 +101,8 @@ def complete(dataset: Path, options: Options) -> None:
 
 
 def _link(source: Path, target: Path) -> None:
-    """Gives a file of a shard its second name; where the system has no hard links, a relative symbolic link."""
+    """Gives a file of a shard a second name: a hard link, or a relative symbolic link where the system has no hard
+    links."""
     target.parent.mkdir(parents=True, exist_ok=True)
     if target.exists() and os.path.samefile(source, target):
         return
@@ -119,7 +120,7 @@ def _link(source: Path, target: Path) -> None:
 
 
 def faults(dataset: Path, options: Options) -> list[str]:
-    """Returns what is wrong with the files of a data set."""
+    """Returns a text for each defect that the check finds in the files of a data set."""
     found: list[str] = []
     for shard in range(options.shards):
         found += faults_of_shard(dataset, shard, options.frames_of(shard))
@@ -132,7 +133,8 @@ def faults(dataset: Path, options: Options) -> list[str]:
 
 
 def differences(dataset: Path, options: Options, shard: int) -> list[str]:
-    """Makes a shard again in a temporary folder, and returns which of its files differ."""
+    """Makes a shard again in a temporary folder, and returns the names of its files that differ from those of the data
+    set."""
     if not 0 <= shard < options.shards:
         raise UsageError("--again: there is no shard %d: they are 0 to %d" % (shard, options.shards - 1))
     before = read_manifest(dataset, shard)

@@ -1,4 +1,5 @@
-"""Who makes the shards: this process, several processes of this machine, or Ray over many machines."""
+"""The executors, which decide where the shards are made: in this process, in several processes of this machine, or with
+Ray on many machines."""
 
 from __future__ import annotations
 
@@ -21,11 +22,11 @@ RAY_RETRIES = 5
 RAY_WAITING = 2  # shards that wait for each processor, so that a long list does not fill the memory of Ray's server
 
 Report = Callable[[int, int], None]
-"""Is called with the number of a shard that is made, and its frames."""
+"""A function that is called when a shard is made, with the shard's number and its number of frames."""
 
 
 def run(options: Options, dataset: Path, shards: Sequence[int], workers: int, executor: str, report: Report) -> None:
-    """Makes these shards. What is made already stays as it is."""
+    """Makes these shards. Shards that are already made stay as they are."""
     if executor == "ray":
         _run_on_ray(options, dataset, shards, workers, report)
     elif workers == 1 or len(shards) <= 1:
@@ -36,7 +37,8 @@ def run(options: Options, dataset: Path, shards: Sequence[int], workers: int, ex
 
 
 def _run_in_processes(options: Options, dataset: Path, shards: Sequence[int], workers: int, report: Report) -> None:
-    """A worker that is killed takes its whole pool with it. The next pool makes what is missing."""
+    """When the system kills one worker process, Python ends the whole pool of workers. The next pool makes the shards
+    that are still missing."""
     losses, reported = 0, set()
     context = multiprocessing.get_context("spawn")
     while True:

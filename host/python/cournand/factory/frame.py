@@ -1,7 +1,7 @@
-"""One labelled frame: its picture and masks, and the geometry and the figures that go with them.
+"""One labelled frame: its picture, its masks, and the positions and measured values that are stored with them.
 
-Lengths are in mm here, in the patient frame of the package (+x left, +y head, +z front). Columns and rows are in pixels
-with the centres of pixels at .5.
+In this module, lengths are in mm, in the package's frame of the patient (+x left, +y head, +z front). Columns and rows
+are in pixels, counted so that the centre of the first pixel is at 0.5.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from ..world import Pose
 from ..xray import Label, Picture, View
 
 OUTSIDE, COVERED, CLEAR = 0, 1, 2
-"""Visibility of a point: outside the picture; in the picture, but another object lies over it there, or the mask of its
-tool does not have it; in the picture, and no other object lies over it."""
+"""The visibility of a point has one of three values. OUTSIDE: the point is outside the picture. COVERED: the point is
+in the picture, but another object lies over it, or the mask of the point's tool has no pixel there. CLEAR: the point is
+in the picture, and no other object lies over it."""
 
 KEYPOINTS, KEYPOINT_MM = 32, 5.0
 COLUMNS = ("position", "arc_mm", "x_mm", "y_mm", "z_mm", "column", "row", "visibility")
@@ -40,27 +41,28 @@ class ToolLabel:
     """One tool of a frame."""
 
     position: int
-    """On the line, 0 innermost; its bit in the masks is 1 << position."""
+    """The tool's place among the nested tools, 0 for the innermost one. In the label image, the tool's bit is
+    1 << position."""
     file: str
     name: str
     kind: str
     """"guidewire", "catheter" or "balloon catheter"."""
     inserted_mm: float
     vessel: str
-    """In which the tip lies; "" if it is not known."""
+    """The name of the vessel in which the tip lies, or "" if the vessel is not known."""
     tip: Point
     markers: tuple[Point, ...]
-    """Marker bands of a balloon that are beyond the introducer, from the tip on."""
+    """The marker bands of a balloon that have left the introducer, in order from the tip."""
     centreline: Floats
-    """float64 [n, 8], with the columns COLUMNS, from the tip to the introducer."""
+    """The tool's centreline from the tip to the introducer, as float64 [n, 8] with the columns COLUMNS."""
     keypoints: Floats
-    """float64 [KEYPOINTS, 3]: column, row and visibility of the points 0, 5, 10 mm ... behind the tip; zeros beyond the
-    introducer."""
+    """Column, row and visibility of the points at 0, 5, 10 mm ... behind the tip, as float64 [KEYPOINTS, 3]; points
+    that are not yet in the patient have zeros."""
 
 
 @dataclass(frozen=True)
 class LabelledFrame:
-    """Everything of one frame that the formats write."""
+    """All data of one frame that the formats write."""
 
     key: str
     index: int
@@ -72,15 +74,17 @@ class LabelledFrame:
     picture: Picture
     view: View
     projection: Floats
-    """float64 [3, 4]: P (x, y, z, 1) in mm gives (u w, v w, w)."""
+    """The projection, as float64 [3, 4]: this matrix times (x, y, z, 1) in mm gives (u w, v w, w), where u is the
+    column and v the row in pixels."""
     tools: tuple[ToolLabel, ...]
     action: tuple[float, ...]
-    """Push of each position in m/s, turn in rad/s, and the inflator in kPa, until this frame."""
+    """The commands until this frame: the push of each position in m/s, its turn in rad/s, and the pressure of the
+    inflator in kPa."""
     force_N: tuple[float, ...]
     areas: dict[str, int]
     """Pixels of each mask."""
     facts: dict[str, Any]
-    """Scene, timing, contrast, balloon and stent."""
+    """Facts about the scene, the time, the contrast medium, the balloon and the stent."""
 
     @property
     def grey(self) -> npt.NDArray[np.uint8]:
@@ -99,20 +103,21 @@ class LabelledFrame:
 
 
 def projection_of(view: View, size: int) -> Floats:
-    """Returns the projection for points in mm."""
+    """Returns the projection matrix for points whose coordinates are in mm."""
     scaled: Floats = view.matrix(size) * np.array([1e-3, 1e-3, 1e-3, 1.0])
     return scaled
 
 
 def project(matrix: Floats, points_mm: Floats) -> Floats:
-    """Returns column and row of points [n, 3]. It adds in a fixed order, so that every machine finds the same bits."""
+    """Returns the column and the row of each of the points [n, 3]. The function adds in a fixed order, so that every
+    machine computes the same bits."""
     x, y, z = points_mm[:, 0], points_mm[:, 1], points_mm[:, 2]
     rows = [row[0] * x + row[1] * y + row[2] * z + row[3] for row in matrix]
     return np.stack([rows[0] / rows[2], rows[1] / rows[2]], axis=1)
 
 
 def visibilities(pixels: Floats, labels: npt.NDArray[np.uint8], bit: int) -> npt.NDArray[np.int64]:
-    """Returns the visibility of points of the tool with this bit."""
+    """Returns the visibility of each point of a tool; `bit` is the tool's bit in the label image."""
     size = len(labels)
     inside = ((pixels >= 0.0) & (pixels < size)).all(axis=1)
     columns = np.where(inside, pixels[:, 0], 0.0).astype(np.int64)
@@ -121,12 +126,12 @@ def visibilities(pixels: Floats, labels: npt.NDArray[np.uint8], bit: int) -> npt
 
 
 def areas_of(labels: npt.NDArray[np.uint8]) -> dict[str, int]:
-    """Returns the pixels of each mask."""
+    """Returns the number of pixels of each mask."""
     return {label.name or "": int(np.count_nonzero(labels & np.uint8(label))) for label in Label}
 
 
 class Axis:
-    """The common centreline of the tools of a pose, in mm."""
+    """The common centreline of the nested tools at one moment, in mm."""
 
     def __init__(self, pose: Pose) -> None:
         self._points = pose.positions_m.astype(np.float64) * 1e3
@@ -141,20 +146,21 @@ class Axis:
         return bool(self._inserted_mm[position] > 0.0 and self._tips_mm[position] <= self.end_mm)
 
     def at(self, position: int, behind_mm: Floats) -> tuple[Floats, npt.NDArray[np.bool_]]:
-        """Returns the points of a tool at these distances behind its tip, and which of them are in the patient."""
+        """Returns the points of a tool at the given distances behind its tip, and tells for each point if it is in the
+        patient."""
         arcs = self._tips_mm[position] + behind_mm
         points = np.stack([np.interp(arcs, self._arcs, self._points[:, k]) for k in range(3)], axis=1)
         return points, behind_mm <= self._inserted_mm[position]
 
     def arcs(self, position: int) -> Floats:
-        """Returns the distances behind the tip of a tool's nodes, from its tip to the introducer."""
+        """Returns the distances of a tool's nodes from its tip, in order from the tip to the introducer."""
         tip, inserted = self._tips_mm[position], self._inserted_mm[position]
         nodes = self._arcs[(self._arcs > tip + 1e-3) & (self._arcs - tip < inserted)]
         return np.concatenate([[0.0], nodes - tip, [inserted]])
 
 
 class Trace(NamedTuple):
-    """The places of one tool in a frame."""
+    """The positions of one tool's points in a frame."""
 
     tip: Point
     markers: tuple[Point, ...]
@@ -165,7 +171,8 @@ class Trace(NamedTuple):
 def trace(
     axis: Axis, position: int, markers_mm: Sequence[float], matrix: Floats, labels: npt.NDArray[np.uint8]
 ) -> Trace:
-    """Finds tip, markers, centreline and key points of a tool. All are projected in one go, which is faster."""
+    """Finds the tip, the marker bands, the centreline and the key points of a tool. The function projects all these
+    points in one call, because this is faster."""
     arcs = axis.arcs(position)
     line, points = len(arcs), len(arcs) + KEYPOINTS
     behind = np.concatenate([arcs, np.arange(KEYPOINTS, dtype=np.float64) * KEYPOINT_MM, markers_mm])

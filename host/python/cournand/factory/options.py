@@ -1,4 +1,4 @@
-"""What a data set is made from: the options of its run, which stand in its file plan.json."""
+"""The options from which a data set is made, which stand in its file plan.json."""
 
 from __future__ import annotations
 
@@ -53,27 +53,29 @@ VARIATION = Randomise(
 
 
 class UsageError(Exception):
-    """An option has a value that the factory cannot use; the text says which, and the remedy."""
+    """An option has a value that the factory cannot use; the message names the option and the remedy."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """Everything on which the bytes of a data set depend, besides the versions of the programs."""
+    """All values that decide the bytes of a data set, besides the versions of the programs."""
 
     frames: int
     seed: int = 0
     size: int = 512
     shard_frames: int = 240
-    """Frames of a shard, which is one course of one set of tools. The last shard has what is left."""
+    """The number of frames of a shard; a shard is one simulated course with one set of tools. The last shard has the
+    frames that are left."""
     block_frames: int = 24
-    """Frames from one view, with one dose and one motion of the hands."""
+    """The number of frames of a block; a block has one view, one dose and one motion of the hands."""
     pulses_per_s: float = 15.0
     scenes: tuple[str, ...] = ("aorta",)
     """Shipped names or paths."""
     tools: tuple[str, ...] = TOOL_SETS
     formats: tuple[str, ...] = ("webdataset",)
     compression: str = "stored"
-    """Of pictures: "stored" is the fastest, "fast" makes files smaller by a third. Masks are always compressed."""
+    """The compression of the pictures: "stored" is the fastest, "fast" makes the files smaller by a third. Masks are
+    always compressed."""
     variation: Randomise = field(default=VARIATION)
 
     def __post_init__(self) -> None:
@@ -119,7 +121,7 @@ def _known(name: str, given: tuple[str, ...], known: tuple[str, ...]) -> None:
 
 
 def split_tools(text: str) -> tuple[list[str], str]:
-    """Returns the tools of a set, and its stent or ""."""
+    """Returns the tools of a set, and the name of its stent, or "" for a set without a stent."""
     tools, _, stent = text.partition("@")
     return tools.split("+"), stent
 
@@ -148,7 +150,7 @@ def _check_scene(scene: str) -> None:
 
 
 def versions(options: Options) -> dict[str, str]:
-    """Returns the versions of everything that has a part in the bytes of a data set."""
+    """Returns the versions of all programs and libraries that can change the bytes of a data set."""
     found = {
         "cournand": __version__,
         "core": str(CORE_VERSION),
@@ -164,7 +166,7 @@ def versions(options: Options) -> dict[str, str]:
 
 
 def read_options(text: str) -> tuple[Options, dict[str, str]]:
-    """Returns the options and the versions of the file plan.json."""
+    """Returns the options and the versions of programs that a file plan.json holds."""
     try:
         plan = json.loads(text)
         given = dict(plan["options"])

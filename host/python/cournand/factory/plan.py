@@ -1,8 +1,10 @@
-"""The plan of a shard: everything that is drawn for it, from the data set's seed and the shard's number alone.
+"""The plan of a shard: all values that are drawn at random for it, from nothing but the data set's seed and the shard's
+number.
 
-A shard whose physics leaves its range, or whose tools are refused, is planned again with the next attempt. Its scene
-and its tools stay; what is drawn with the number of the attempt are the factors on the tools and the course. A shard
-therefore has one content, whoever makes it, and a set of tools is as frequent as it is drawn.
+If the physics of a shard leaves its valid range, or its tools are refused, the shard is planned again with the next
+number of attempt. The new attempt keeps the scene and the set of tools; the course and the factors on the tools'
+properties depend on the attempt's number. A shard therefore has the same content on every machine, and a set of tools
+whose first attempts fail is no rarer than the other sets.
 """
 
 from __future__ import annotations
@@ -39,7 +41,7 @@ INFLATION_PART = 0.5  # of the blocks, if a tool has a balloon
 
 
 class Injection(NamedTuple):
-    """Contrast medium that is injected from a frame of a block on."""
+    """An injection of contrast medium, which begins with one frame of a block."""
 
     frame: int
     volume_ml: float
@@ -49,7 +51,7 @@ class Injection(NamedTuple):
 
 @dataclass(frozen=True)
 class Block:
-    """Frames that follow each other from one view."""
+    """A sequence of frames that have one view."""
 
     frames: int
     motion: str
@@ -75,13 +77,13 @@ class ShardPlan:
     tools: tuple[str, ...]
     stent: str
     factors: tuple[dict[str, float], ...]
-    """For each tool, the factors of Tool.scaled()."""
+    """For each tool, the factors with which Tool.scaled() changes its properties."""
     heart_per_min: int
     breath_per_min: int
     approach_part: float
     blocks: tuple[Block, ...]
     sample: int
-    """The frame that represents the shard on the page of statistics."""
+    """The number of the frame that represents the shard on the page of statistics."""
 
 
 @lru_cache(maxsize=64)
@@ -94,13 +96,13 @@ def _stream(options: Options, shard: int, attempt: int, which: int) -> np.random
 
 
 def noise_seeds(options: Options, shard: int, attempt: int, frames: int) -> list[int]:
-    """Returns the seed of the noise of each frame of a shard."""
+    """Returns a seed for the noise of each frame of a shard."""
     words = np.random.SeedSequence([options.seed, shard, attempt, _NOISE]).generate_state(frames, np.uint64)
     return [int(word) for word in words]
 
 
 def plan_shard(options: Options, shard: int, attempt: int = 0) -> ShardPlan:
-    """Draws the plan of a shard."""
+    """Draws all values of a shard's plan from streams of random numbers."""
     frames = options.frames_of(shard)
     chosen = _stream(options, shard, 0, _SCENE)
     scene = options.scenes[int(chosen.integers(len(options.scenes)))]
@@ -172,8 +174,8 @@ def _draw_block(
 
 
 def _even_in_log(value: float, limits: tuple[float, float]) -> float:
-    """Turns an even draw within limits above 0 into one whose logarithm is even: low doses are as frequent as high
-    ones."""
+    """Turns a value that is evenly distributed within limits above 0 into one whose logarithm is evenly distributed, so
+    that low doses are as frequent as high ones."""
     low, high = limits
     if not 0.0 < low < high:
         return value
@@ -181,7 +183,8 @@ def _even_in_log(value: float, limits: tuple[float, float]) -> float:
 
 
 def _draw_motion(tools: int, course: np.random.Generator) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
-    """Draws a motion, and the speeds of push and turn of each tool. A single tool is its own inner and outer one."""
+    """Draws the kind of motion, and for each tool the speed of its push and of its turn. If there is only one tool, it
+    counts as the innermost and as the outermost one."""
     motion = MOTIONS[int(course.choice(len(MOTIONS), p=MOTION_WEIGHTS))]
     speed = round(float(course.uniform(*SPEED_M_PER_S)), 4)
     turn = round(float(course.uniform(*TURN_RAD_PER_S)), 3)
@@ -207,7 +210,7 @@ def _draw_injection(frames: int, block_frames: int, contrast: np.random.Generato
 
 
 def describe(plan: ShardPlan) -> dict[str, Any]:
-    """Returns what a person wants to know of a plan in one row."""
+    """Returns the main values of a plan as one row of a table for a person."""
     return {
         "shard": plan.shard,
         "frames": plan.frames,

@@ -1,4 +1,4 @@
-"""PNG files of grey and colour pictures, written for speed, and read back as this module writes them."""
+"""Writes PNG files of grey and colour pictures quickly, and reads PNG files that this module has written."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ def _chunk(kind: bytes, body: bytes) -> bytes:
 
 
 def _stored(rows: bytes) -> bytes:
-    """Returns a zlib stream without compression, in blocks of a fixed size, so that its bytes depend on no library."""
+    """Returns a zlib stream of stored blocks of a fixed size, without compression, so that its bytes depend on no
+    library."""
     parts = [b"\x78\x01"]
     for begin in range(0, len(rows), STORED_BLOCK):
         part = rows[begin : begin + STORED_BLOCK]
@@ -38,7 +39,8 @@ def _packed(rows: bytes, strategy: int) -> bytes:
 def encode(pixels: npt.NDArray[Any], compression: str = "fast") -> bytes:
     """Returns the PNG of an image, uint8 or uint16 [h, w], or uint8 [h, w, 3].
 
-    `compression` is "stored" for none, "fast" for noisy pictures, or "flat" for images of few values such as masks.
+    `compression` is "stored" for no compression, "fast" for noisy pictures, or "flat" for images of few values such as
+    masks.
     """
     height, width = pixels.shape[:2]
     is_wide = pixels.dtype == np.uint16
@@ -64,7 +66,7 @@ def encode(pixels: npt.NDArray[Any], compression: str = "fast") -> bytes:
 
 
 def decode_colour(png: bytes) -> npt.NDArray[np.uint8]:
-    """Returns the image, uint8 [h, w, 3], of a colour PNG that encode() has made with "flat"."""
+    """Returns the image, as uint8 [h, w, 3], of a colour PNG file that encode() has made with "flat"."""
     width, height = struct.unpack(">II", png[16:24])
     (count,) = struct.unpack(">I", png[33:37])
     rows = np.frombuffer(zlib.decompress(png[41 : 41 + count]), dtype=np.uint8)

@@ -28,7 +28,7 @@ Image = npt.NDArray[np.uint8]
 
 
 def sample_of(frame: LabelledFrame) -> bytes:
-    """Returns a PNG with the picture on the left, and the picture with its labels on the right."""
+    """Returns a PNG file with the picture on the left, and the same picture with coloured labels on the right."""
     step = max(1, len(frame.labels) // EDGE)
     grey = _reduced(frame.grey, step)
     plain = np.repeat(grey[:, :, None], 3, axis=2)
@@ -66,7 +66,7 @@ def _cross(image: Image, column: float, row: float) -> None:
 
 
 def sheet(pictures: Sequence[Image], columns: int) -> Image:
-    """Returns pictures of one size as one picture, row by row."""
+    """Joins pictures of equal size in rows, and returns them as one picture."""
     height, width = pictures[0].shape[:2]
     rows = -(-len(pictures) // columns)
     made = np.full((rows * (height + GAP) - GAP, columns * (width + GAP) - GAP, 3), 255, dtype=np.uint8)

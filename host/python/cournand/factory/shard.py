@@ -1,4 +1,4 @@
-"""The making of one shard, which is the unit of work of all executors."""
+"""Makes one shard, which is the unit of work that an executor gives to a worker."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ SAMPLE = "sample.png"
 
 
 def make_shard(options: Options, dataset: Path, shard: int, parent: int | None = None) -> int:
-    """Makes a shard, unless it is made already, and returns its number of frames. The bytes depend on the options and
-    the shard's number alone.
+    """Makes a shard, unless it is made already, and returns its number of frames. The bytes of a shard depend only on
+    the options and the shard's number.
 
-    `parent` is the process that a worker works for: without it, the worker ends.
+    `parent` is the process that started this worker; if that process ends, the worker ends too.
     """
     if is_made(dataset, shard):
         return options.frames_of(shard)
@@ -40,7 +40,7 @@ def make_shard(options: Options, dataset: Path, shard: int, parent: int | None =
 
 
 def _fill(options: Options, plan: ShardPlan, folder: ShardFolder, parent: int | None) -> dict[str, Any]:
-    """Writes all files of a shard, and returns what its manifest says."""
+    """Writes all files of a shard, and returns the content of its manifest."""
     made, tally, frames = writers(options, plan, folder), Tally(), 0
     for frame in Course(options, plan).frames():
         if parent is not None and os.getppid() != parent:

@@ -1,4 +1,5 @@
-"""The page of statistics: counts of all frames and a sheet of pictures, as one HTML file that needs no network."""
+"""The page of statistics: the counts of all frames and a sheet of sample pictures, in one HTML file that needs no
+network."""
 
 from __future__ import annotations
 
@@ -27,7 +28,8 @@ figcaption{color:#555}"""
 
 
 def _order(name: str) -> tuple[int, float, str]:
-    """Numbers come in their order, and texts in theirs."""
+    """Returns a key for sorting: names that are numbers come first, in the order of numbers, and other names follow in
+    alphabetical order."""
     try:
         return (0, float(name), name)
     except ValueError:
@@ -73,7 +75,7 @@ def _map(counts: dict[str, int]) -> str:
 
 
 def pictures_of(dataset: Path, manifests: list[dict[str, Any]]) -> bytes:
-    """Returns a PNG with one frame of each of up to 24 shards, which are spread over the data set."""
+    """Returns a PNG file with one frame of each of up to 24 shards, which are evenly spread over the data set."""
     step = max(1, len(manifests) // SAMPLES_MAX)
     chosen = manifests[::step][:SAMPLES_MAX]
     pictures = [

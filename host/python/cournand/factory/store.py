@@ -1,8 +1,8 @@
-"""Shards on the disk: each appears whole, or not at all.
+"""Stores shards on the disk so that each shard appears complete or not at all.
 
-A shard is written into a folder of its own below `parts`. When it is complete, its files and its manifest are synced to
-the disk, and the folder gets its final name below `shards`. A killed run therefore leaves only folders below `parts`,
-which the next run removes, and a shard that has its name is complete.
+A shard is first written into its own folder below `parts`. When it is complete, its files and its manifest are synced
+to the disk, and the folder gets its final name below `shards`. A killed run therefore leaves only folders below
+`parts`, which the next run removes, and a shard that has its name is complete.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ SHARDS, PARTS, MANIFEST = "shards", "parts", "manifest.json"
 
 
 class StoreError(Exception):
-    """A data set on the disk is not as it must be; the text says what, where, and the remedy."""
+    """A data set on the disk is not as it must be; the message names the file, the defect and the remedy."""
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file that appears when it is complete."""
+    """Writes a file that appears under its name only when it is complete."""
     write_parts(path, (content,))
 
 
 def write_parts(path: Path, parts: Iterable[bytes]) -> None:
-    """Writes a file that appears when it is complete, and that may be larger than the memory."""
+    """Writes a file that appears under its name only when it is complete; the file may be larger than the memory."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(".%s.part%d" % (path.name, os.getpid()))
     try:
@@ -55,7 +55,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 class HashedFile:
-    """A file that is written once from its begin to its end, with its size and hash."""
+    """A file that is written once, from its beginning to its end, while its size and its hash are computed."""
 
     def __init__(self, path: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -80,7 +80,7 @@ class HashedFile:
 
 
 class ShardFolder:
-    """The folder of a shard while it is written."""
+    """The folder of a shard during the writing of the shard."""
 
     def __init__(self, dataset: Path, shard: int) -> None:
         self._dataset, self.shard = dataset, shard
@@ -102,7 +102,7 @@ class ShardFolder:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def open(self, name: str) -> HashedFile:
-        """Opens a file of the shard by its path within the shard."""
+        """Opens a file of the shard; `path` is relative to the shard's folder."""
         self._files[name] = HashedFile(self.folder / name)
         return self._files[name]
 
@@ -116,7 +116,7 @@ class ShardFolder:
         self.close(name)
 
     def publish(self, facts: dict[str, Any]) -> None:
-        """Closes all files, writes the manifest, and gives the shard its name."""
+        """Closes all files, writes the manifest, and gives the shard's folder its final name."""
         for name in list(self._files):
             self.close(name)
         files = {name: self._closed[name] for name in sorted(self._closed)}
@@ -153,7 +153,7 @@ def read_manifest(dataset: Path, shard: int) -> dict[str, Any]:
 
 
 def faults_of_shard(dataset: Path, shard: int, frames: int) -> list[str]:
-    """Returns what is wrong with a shard: missing, changed or additional files, or a wrong number of frames."""
+    """Returns a text for each defect of a shard: a missing, changed or additional file, or a wrong number of frames."""
     folder = shard_folder(dataset, shard)
     if not folder.exists():
         return ["%s is missing: resume makes it" % folder]
@@ -183,7 +183,7 @@ def hash_file(path: Path) -> str:
 
 
 def remove_parts(dataset: Path, shards: list[int]) -> None:
-    """Removes what a killed run has left of these shards."""
+    """Removes the unfinished folders that a killed run has left for these shards."""
     folder = dataset / PARTS
     wanted = {"%06d" % shard for shard in shards}
     for path in folder.glob("*-*") if folder.exists() else ():
@@ -193,7 +193,8 @@ def remove_parts(dataset: Path, shards: list[int]) -> None:
 
 @contextmanager
 def only_run(dataset: Path, name: str) -> Iterator[None]:
-    """Refuses a second run that makes the same shards at the same time. The system ends the lock with its process."""
+    """Refuses a second run that makes the same shards at the same time. If a process ends, the operating system
+    releases the lock of this process."""
     (dataset / PARTS).mkdir(parents=True, exist_ok=True)
     with open(dataset / PARTS / (name + ".lock"), "w", encoding="ascii") as lock:
         try:

@@ -1,4 +1,4 @@
-"""Counts of a shard for the page of statistics, which can be added over shards."""
+"""Counts the frames of a shard for the page of statistics; the counts of several shards can be added."""
 
 from __future__ import annotations
 
@@ -26,12 +26,13 @@ def _bin(value: float, width: float) -> str:
 
 
 def _area(part: float) -> str:
-    """Returns the upper end of the bin of a mask's area, in percent of the picture; 0 for an empty mask."""
+    """Returns the upper limit of the range into which a mask's area falls, in percent of the picture; an empty mask
+    gives 0."""
     return "0" if part == 0.0 else "%g" % next(end for end in AREA_ENDS_PCT if part * 100.0 <= end)
 
 
 class Tally:
-    """How many frames have which property."""
+    """The number of frames that have each value of each property."""
 
     def __init__(self) -> None:
         self._counts: dict[str, Counter[str]] = {}
@@ -69,7 +70,7 @@ class Tally:
 
 
 def added(tallies: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
-    """Returns the sum of the tallies of shards."""
+    """Returns the sum of the counts of all shards."""
     total: dict[str, Counter[str]] = {}
     for tally in tallies:
         for what, counts in tally.items():

@@ -1,4 +1,4 @@
-"""The formats of a data set. Each has a writer of the files of one shard."""
+"""The formats of a data set. Each format has a class that writes the files of one shard."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Writer(Protocol):
     """Writes one shard in one format."""
 
     def add(self, frame: LabelledFrame) -> None:
-        """Writes a frame. Its pictures change after the call."""
+        """Writes a frame. The caller overwrites the frame's pictures after the call."""
 
     def end(self) -> dict[str, Any]:
         """Ends the shard, and returns what its manifest must keep for the completion of the data set."""

@@ -1,7 +1,7 @@
 """COCO: pictures as PNG files, and one file of annotations with masks and key points.
 
-Each shard has its images and annotations, which the completion of the data set puts into one file. The numbers of
-images and annotations follow from the index of the frame, so they do not depend on the order of work.
+Each shard has a list of its images and annotations; when the data set is completed, these lists are joined in one file.
+The numbers of images and annotations follow from the index of the frame, so they do not depend on the order of work.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def annotations_of(frame: LabelledFrame) -> list[dict[str, Any]]:
 
 
 class CocoWriter:
-    """Writes the pictures of a shard, and its part of the annotations."""
+    """Writes the pictures of a shard, and the list of the shard's annotations."""
 
     def __init__(self, options: Options, plan: ShardPlan, folder: ShardFolder) -> None:
         self._compression, self._folder, self._shard = options.compression, folder, plan.shard
@@ -101,7 +101,8 @@ class CocoWriter:
 
 
 def merged(dataset: Path, shards: int, info: dict[str, Any]) -> Iterable[bytes]:
-    """Yields the parts of the file of all annotations. One shard after the other is in memory."""
+    """Yields the text of the file of all annotations, piece by piece. The memory holds the annotations of only one
+    shard at a time."""
     yield b'{"info": %s,\n"licenses": [],\n"categories": %s' % (
         json.dumps(info).encode(),
         json.dumps(categories()).encode(),

@@ -1,8 +1,9 @@
-"""DICOM: each block of a shard, which has one view, as one X-Ray Angiographic Image with overlays.
+"""Each block of a shard, which has one view, is written as one DICOM file: an X-Ray Angiographic Image with overlays.
 
-Pixels are the values of the detector, proportional to the intensity. Each kind of mask is an overlay plane of all
-frames (PS3.3, C.9.2): group 6000 and the following even ones, with the kind in the overlay's label. Private elements
-(group 0023) hold the projection and the tips of the tools, for which the class has no attribute.
+The pixels are the values of the detector, which are proportional to the X-ray intensity. Each kind of mask is an
+overlay plane of all frames (PS3.3, C.9.2) in group 6000 or one of the next even groups, and the overlay's label names
+the kind. Private elements (group 0023) hold the projection and the tips of the tools, because this class of DICOM
+images has no attribute for them.
 """
 
 from __future__ import annotations
@@ -26,13 +27,14 @@ LETTERS = (("L", "R"), ("H", "F"), ("A", "P"))
 
 
 def _letters(axis: npt.NDArray[np.float64]) -> str:
-    """Returns the patient's directions along an axis of the picture, the nearest first."""
+    """Returns the letters of the patient's directions, such as L for left, towards which an axis of the picture points;
+    the direction with the smallest angle comes first."""
     order = sorted(range(3), key=lambda k: -abs(axis[k]))
     return "".join(LETTERS[k][0 if axis[k] > 0 else 1] for k in order if abs(axis[k]) > DIRECTION_MIN)
 
 
 def orientation_of(frame: LabelledFrame) -> tuple[str, str]:
-    """Returns the directions of the picture's right and lower edge."""
+    """Returns the patient's directions towards which the picture's right edge and its lower edge lie."""
     rows = frame.projection[:, :3] / np.linalg.norm(frame.projection[2, :3])
     middle = len(frame.labels) * 0.5
     right, down = rows[0] - middle * rows[2], rows[1] - middle * rows[2]
@@ -179,7 +181,8 @@ class DicomWriter:
 
 
 def _tips(frame: LabelledFrame) -> list[float]:
-    """Returns column, row and visibility of the tip of each of three positions; zeros for a free one."""
+    """Returns column, row and visibility of the tool's tip for each of the three positions; a position without a tool
+    has zeros."""
     found = {tool.position: tool.tip for tool in frame.tools}
     rows = [(*found[k].px, float(found[k].visibility)) if k in found else (0.0, 0.0, 0.0) for k in range(3)]
     return [number for row in rows for number in row]

@@ -1,4 +1,4 @@
-"""DICOM's explicit little-endian encoding of data elements, as much of it as the factory's files need (PS3.5, 7.1)."""
+"""The part of DICOM's explicit little-endian encoding of data elements (PS3.5, 7.1) that the factory's files need."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ def decimal(value: float) -> str:
 
 
 def uid(*parts: str) -> str:
-    """Returns an identifier that follows from texts (PS3.5, B.2)."""
+    """Returns a DICOM identifier (UID) that is computed from texts, so that the same texts give the same identifier
+    (PS3.5, B.2)."""
     return "2.25.%d" % int.from_bytes(hashlib.sha256("\n".join(parts).encode()).digest()[:16], "big")
 
 
 class Elements:
-    """Data elements, which are written in ascending order of their tags."""
+    """A list of data elements, which are written in ascending order of their tags."""
 
     def __init__(self) -> None:
         self._made: dict[int, bytes] = {}
@@ -58,7 +59,8 @@ class Elements:
 
 
 def file_of(sop_class: str, instance: str, elements: Elements) -> bytes:
-    """Returns a DICOM file (PS3.10): preamble, file meta information, data set."""
+    """Returns the bytes of a DICOM file (PS3.10), which consists of a preamble, the file meta information and the data
+    set."""
     meta = Elements()
     meta.put(0x00020001, "OB", b"\0\1")
     meta.text(0x00020002, "UI", sop_class)

@@ -1,6 +1,6 @@
 """LeRobot, version 3 of its format: each shard is one episode in one Parquet file. It needs pyarrow.
 
-Pictures and label images are PNG files in the table, so that no value is changed by a film's compression.
+Pictures and label images stand as PNG files in the table; a video's compression would change values of pixels.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ WHOLE = ("timestamp", "float32"), ("frame_index", "int64"), ("episode_index", "i
 
 
 def place(shard: int) -> tuple[int, int]:
-    """Returns the numbers of chunk and file of an episode."""
+    """Returns the number of the chunk and the number of the file in which an episode lies."""
     return divmod(shard, FILES_PER_CHUNK)
 
 
@@ -137,7 +137,8 @@ def tasks_of(options: Options) -> list[str]:
 
 
 def _sums(rows: list[list[float]]) -> list[list[float]]:
-    """Returns count, sum, least, most and sum of squares of each column."""
+    """Returns the number of values, their sum, the smallest and the largest one, and the sum of squares, for each
+    column."""
     table = np.asarray(rows, dtype=np.float64)
     count = [float(len(table))] * table.shape[1]
     made = [count, table.sum(axis=0), table.min(axis=0), table.max(axis=0), (table * table).sum(axis=0)]
@@ -145,7 +146,7 @@ def _sums(rows: list[list[float]]) -> list[list[float]]:
 
 
 def _statistics(parts: list[list[Any]]) -> dict[str, Any]:
-    """Adds the sums of all episodes, one after the other."""
+    """Computes the statistics of all episodes from those of each episode, in the order of the episodes."""
     count, total, squares = (np.sum([part[k] for part in parts], axis=0) for k in (0, 1, 4))
     mean = total / count
     return {

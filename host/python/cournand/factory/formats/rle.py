@@ -1,4 +1,5 @@
-"""Masks as run lengths, as COCO's files have them: counts of pixels column by column, packed into text."""
+"""Masks in COCO's run-length encoding: the lengths of runs of equal pixels, counted down one column after the other,
+and packed into text."""
 
 from __future__ import annotations
 
@@ -9,8 +10,8 @@ import numpy.typing as npt
 
 
 def runs(mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
-    """Returns the lengths of the runs of a mask, down its columns from the left, beginning with a run of zeros that may
-    be empty."""
+    """Returns the lengths of the runs of equal pixels in a mask, counted down one column after the other from the left;
+    the first run is of zeros and may be empty."""
     flat = mask.T.ravel()
     changes = np.flatnonzero(flat[1:] != flat[:-1]) + 1
     begins = [0] if flat.size and flat[0] else []
@@ -19,9 +20,10 @@ def runs(mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
 
 
 def packed(counts: npt.NDArray[np.int64]) -> str:
-    """Returns the text of run lengths. From the third on, each number is the difference to the number two before it.
-    A number is written in groups of five bits, the lowest first; bit 5 says that another group follows; the last group
-    carries the sign; 48 is added, so that every group is a letter."""
+    """Returns the text that encodes a list of run lengths. From the fourth run on, the text holds the difference
+    between a run's length and the length of the run two places before it. A number is written in groups of five bits,
+    the lowest bits first. If another group follows, 32 is added to the group. Bit 4 of the last group is the sign. Each
+    group is written as the character whose code is 48 plus the group's value."""
     numbers = counts.copy()
     numbers[3:] -= counts[1:-2]
     letters: list[npt.NDArray[np.int64]] = []
@@ -37,7 +39,7 @@ def packed(counts: npt.NDArray[np.int64]) -> str:
 
 
 def annotation_of(mask: npt.NDArray[np.bool_]) -> dict[str, Any]:
-    """Returns the members `segmentation`, `area` and `bbox` of an annotation; the mask is not empty."""
+    """Returns the members `segmentation`, `area` and `bbox` of an annotation for a mask that is not empty."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     top, left = int(rows[0]), int(columns[0])
     height, width = mask.shape

@@ -1,7 +1,7 @@
 """WebDataset: one tar file for each shard, which any program that reads tar can read.
 
-The members of a frame begin with its key, such as 000012-00003, which is unique in the data set. Members have no owner
-and the time 0, so equal frames give equal tar files.
+The members of a frame begin with its key, such as 000012-00003, which is unique in the data set. All files in the tar
+file have no owner and the time 0, so equal frames give equal tar files.
 """
 
 from __future__ import annotations
