@@ -141,7 +141,7 @@ static void build_span(crn_span *span, const crn_knot *a, const crn_knot *b)
     }
 }
 
-/* Stores those properties of a tool of the table that crn_exchange reads. */
+/* Stores the properties of a tool in the session's table that crn_exchange needs later. */
 static void build_table_tool(crn_table_tool *kept, const crn_instrument *instrument)
 {
     kept->whole_um = instrument->whole_um;

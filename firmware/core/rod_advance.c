@@ -20,10 +20,10 @@ static void move_node(crn_state *state, uint32_t i)
     }
 }
 
-/* Returns the elongation of all free edges together. The result is the elongation at the predicted
- * configuration x*, plus the terms t . (delta[i+1] - delta[i]), plus the length that rod_length.c took back
- * because edges turned. Edges that turn too slowly for the correction in rod_length.c get longer by the
- * fraction angle^2 / 2. For these edges the fraction angle^2 / 2 is below 0.4 %, and is not counted in the
+/* Returns the elongation of all free edges together. The result is the sum of three parts: the elongation at
+ * the predicted configuration x*, the terms t . (delta[i+1] - delta[i]) of the solve's deviations, and the
+ * length that rod_length.c took back because edges turned. Edges that turn too slowly for the correction in
+ * rod_length.c get longer by the fraction angle^2 / 2, which is below 0.4 % and is not counted in the
  * elongation. Format: sum of Q33 m in 64 bits. Overflow is impossible, because the length of an edge is below
  * 2^25 in Q30 m. */
 static int64_t elongation_m_q33(const crn_model *model, const crn_state *state)

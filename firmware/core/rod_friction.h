@@ -44,7 +44,8 @@ static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_
     return most_N_q22 < limit_N_q22 ? (int32_t)most_N_q22 : limit_N_q22;
 }
 
-/* Returns 1 / |a| from |a|^2 > 0 as a reciprocal root and a shift: 1/|a| = root_q30 2^(half_lead - 62). */
+/* Returns 1/|a| for a vector a, given |a|^2 > 0, as a reciprocal root and a shift:
+ * 1/|a| = root_q30 2^(half_lead - 62). */
 static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
 {
     unsigned lead = (unsigned)__builtin_clzll((uint64_t)square) & ~1u;

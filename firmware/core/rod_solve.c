@@ -196,7 +196,7 @@ typedef struct given {
     int_fast32_t r[3], r_before[3];
 } given;
 
-/* Points to the joints i-1, i and i+1 around row i. */
+/* Holds pointers to the joints i-1, i and i+1, which contribute to row i of the matrix. */
 typedef struct joints3 {
     const crn_joint *before, *here, *after;
 } joints3;
@@ -243,8 +243,9 @@ static inline void gather_rest(crn_sym3 *rest, const given *from, const int32_t 
     rest->m[ZZ] += r[ZZ] - taken(t + 2, v_q29 + 2, second, p_q29[ZZ]);
 }
 
-/* Computes Q = next I + kb' (I - V'^T). Overflow is impossible: kb is below 2^27, because a diagonal entry
- * holds W (a + c)^2 >= 4 kb, so 8 kb fits. */
+/* Computes the block Q = next I + kb' (I - V'^T) of a row; V' and kb' belong to the last eliminated row.
+ * Overflow is impossible: kb is below 2^27, because a diagonal entry holds W (a + c)^2 >= 4 kb, so 8 kb
+ * fits. */
 static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const int32_t *v_q29)
 {
     const int32_t minus_q3 = -8 * second;
@@ -256,9 +257,10 @@ static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const 
     }
 }
 
-/* Returns one component of the force r + r' - V'^T r' - P'' r'', limited to 256 newtons. Overflow is
- * impossible: forces are within 2^30, and the magnitudes of a row of V^T and of a row of P add up to less
- * than 2^31 and 2^30, so sums stay below 2^62. */
+/* Returns one component of the right side r + r' - V'^T r' - P'' r'', limited to 256 newtons; one prime marks
+ * the last eliminated row, and two primes the row before it. Overflow is impossible: forces are within 2^30,
+ * and the magnitudes of a row of V^T and of a row of P add up to less than 2^31 and 2^30, so sums stay below
+ * 2^62. */
 static inline int32_t gather_force(int64_t sum_N_q22, const int32_t *v_q29, const int_fast32_t *r, int32_t p0,
                                    int32_t p1, int32_t p2, const int_fast32_t *r_before)
 {

@@ -223,7 +223,7 @@ float limited(std::int32_t length, std::int32_t there)
     return static_cast<float>(std::max(length, -there));
 }
 
-// Returns the mean transmission of the rays of a pixel, each with its own path lengths.
+// Returns the mean transmission of a pixel's rays, each of which has its own path lengths.
 float mean_of_rays(const XrayChain &chain, std::size_t touched, const Exponents &body)
 {
     const ToolPaths &tools = chain.paths.tools();

@@ -239,7 +239,7 @@ void begin_labels(TubeLabels &labels, int size)
     labels.sums_q10mm.resize(pixels, 0);
 }
 
-// Sets the bit of the pixels whose sum is large enough, and sets all sums to 0.
+// Sets the label bit of each pixel whose sum of path lengths reaches the threshold, and resets all sums to 0.
 void end_sums(TubeLabels &labels, const LabelledCurves &run)
 {
     for (const std::int32_t pixel : labels.summed) {

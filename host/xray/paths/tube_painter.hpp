@@ -23,8 +23,9 @@ class TubePainter
     // usually blood, that tools and contrast medium displace.
     TubePainter(const View &view, std::span<const Material> materials, Material displaced, ToolPaths &paths);
 
-    // Names the label image of the next pieces, and their bit; 0 for no label. With `is_summed`, the path
-    // lengths are added to the sums of the pixels, and the caller sets the bit.
+    // Sets the label image for the following pieces, and the bit that they set; a bit of 0 stands for no
+    // label. If `is_summed` is true, the path lengths are added to the sums of the pixels, and the caller
+    // sets the bits later.
     void label(TubeLabels *labels, std::uint8_t bit, bool is_summed);
     void paint(const TubePiece &piece);
 

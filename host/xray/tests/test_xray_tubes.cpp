@@ -214,8 +214,8 @@ static std::vector<std::uint8_t> met_alone(const XrayFrame &frame, const View &v
     return met;
 }
 
-// A label image, which is drawn in one pass, must have the pixels that each kind covers when it is drawn
-// alone; and the path lengths must be those without labels.
+// A label image that is drawn in one pass must mark the same pixels as if each kind of object were drawn
+// alone, and must not change the path lengths.
 static void labels_are_those_of_each_kind_alone(void **)
 {
     const RadiopaqueInstrument wire_look{{{0.0, 1.0, Material::nitinol, 1.0, 0.4}}, {}},
