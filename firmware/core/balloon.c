@@ -258,9 +258,10 @@ static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_ball
     return centre;
 }
 
-/* Returns the force N = p 2 pi r ds with which a ball of the balloon presses on the vessel wall. Format: Pa,
- * Q30 m -> Q22 N. Overflow: r below 2^24 and ds below 2^22, so their product is below 2^26 in Q40; times 2 pi
- * below 2^29, times 2^22 Pa below 2^51. */
+/* Returns the force N = p 2 pi r ds with which a ball of the balloon presses on the vessel wall (p: pressure
+ * on the wall, r: radius of the ball, ds: length that the ball represents). Format: Pa, Q30 m -> Q22 N.
+ * Overflow: r below 2^24 and ds below 2^22, so their product is below 2^26 in Q40; times 2 pi below 2^29,
+ * times 2^22 Pa below 2^51. */
 static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t length_m_q30)
 {
     int64_t area_q40 = ((int64_t)radius_m_q30 * length_m_q30) >> 20;

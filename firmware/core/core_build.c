@@ -71,8 +71,8 @@ static void build_cells(crn_model *model)
 
 /* Chooses the lengths of the mesh's elements. The elements are short at the tip. Each element is at most 1.5
  * times as long as its neighbour nearer to the tip, up to the element length of the shaft. The lengths of the
- * elements never decrease towards the base. This order of lengths keeps the magnitude of the matrix W = V - I
- * of the solve (rod_solve.c) at most 2. The mesh ends at the last whole element. */
+ * elements never decrease towards the base. With such a mesh, the matrix W = V - I, with which the solve
+ * works (rod_solve.c), has a magnitude of at most 2. The mesh ends at the last whole element. */
 static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 {
     int32_t length = plan->tip;
@@ -263,8 +263,8 @@ static int64_t cell_stiffness_q26(const crn_model *model, uint32_t node, int32_t
     return ((int64_t)bend_N_m2_q35 * model->mesh[node].inverse_cell_per_m_q18) >> 27;
 }
 
-/* Chooses the exponent of the number format of the matrix so that the stiffest diagonal entry stays below
- * 2^29 and the softest block keeps enough bits. */
+/* Chooses the exponent of the matrix's number format so that the stiffest diagonal entry stays below 2^29 and
+ * the softest block keeps enough bits. */
 static crn_build_status choose_exponent(crn_model *model)
 {
     int64_t worst_q8 = 0;
@@ -289,8 +289,8 @@ static crn_build_status choose_exponent(crn_model *model)
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
     /* If less than 1/CRN_CLIP_SURE of a joint's cell lies outside the introducer sheath, rod_feed.c keeps the
-     * joint's part of the diagonal entry below 2^28. The other terms of this joint's diagonal entry must also
-     * stay below 2^28, so that the sum stays below 2^29. */
+     * joint's part of the diagonal entry below 2^28. The other terms in the diagonal entry of the joint at
+     * the sheath's end must also stay below 2^28, so that the sum stays below 2^29. */
     worst_q8 = worst_q8 > 2 * unclipped_q8 ? worst_q8 : 2 * unclipped_q8;
     worst_q8 += (int64_t)(2 * LOAD_RESERVE_N_m) << 8;
     uint32_t exponent = 14;

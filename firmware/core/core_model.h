@@ -20,8 +20,7 @@
 
 enum { CRN_ARRAY_NODES = CRN_NODE_MAX + 4 };
 
-/* These are the physical constants of the contact and of the user's hand; docs/rod.md gives the source of
- * each constant. */
+/* Gives the physical constants of the contact and of the user's hand; docs/rod.md states their sources. */
 enum {
     CRN_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
     CRN_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond CRN_CONTACT_DEEP */

@@ -28,13 +28,14 @@ static void scale_step(crn_state *state, int32_t share_q30)
     }
 }
 
-/* Scales down the deviation of all nodes when one of two limits is exceeded. The first limit is exceeded if a
- * node would deviate from its slide along the tool by more than 0.5 mm and by more than 1.5 times the tick's
- * feed. The second limit is exceeded if a node would end inside a wall at rest where no contact was found.
- * One scale factor for all nodes keeps the shape; a separate limit for each node would add energy
- * (docs/rod.md, "contact"). When consecutive ticks miss a contact, the deviation is scaled down only in the
- * first of these ticks. If the deviation were scaled down in every tick that misses a contact, the tools
- * would be held back tick after tick. The function returns whether the solve missed a contact. */
+/* Scales down the deviation of all nodes when one of two limits is exceeded. The first limit on a tick's step
+ * is exceeded if a node would deviate from its slide along the tool by more than 0.5 mm and by more than 1.5
+ * times the tick's feed. The second limit on a tick's step is exceeded if a node would end inside a wall at
+ * rest where no contact was found. One scale factor for all nodes keeps the shape; a separate limit for each
+ * node would add energy (docs/rod.md, "contact"). When consecutive ticks miss a contact, the deviation is
+ * scaled down only in the first of these ticks. If the deviation were scaled down in every tick that misses a
+ * contact, the tools would be held back tick after tick. The function returns whether the solve missed a
+ * contact. */
 static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =

@@ -1,5 +1,5 @@
-/* These fixed-point functions are too long to be inline; fixed.h states their formats, overflow and error
- * bounds. */
+/* This file has the fixed-point functions that are too long to be inline; fixed.h states their formats,
+ * overflow and error bounds. */
 #include "firmware/core/fixed.h"
 
 int32_t crn_sqrt64(uint64_t a)
@@ -7,7 +7,8 @@ int32_t crn_sqrt64(uint64_t a)
     if (a == 0) {
         return 0;
     }
-    /* a = m 2^(32 - shift) with m in [2^30, 2^32), so sqrt(a) = m rsqrt(m) 2^-(30 + shift/2). */
+    /* The square root of a = m 2^(32 - shift), with the mantissa m in [2^30, 2^32), is sqrt(a) = m rsqrt(m)
+     * 2^-(30 + shift/2), where rsqrt(m) is 1/sqrt(m). */
     unsigned shift = crn_clz64(a) & ~1u;
     uint64_t m_q32 = (a << shift) >> 32;
     uint64_t root = m_q32 * (uint64_t)crn_rsqrt_q30((uint32_t)m_q32);
@@ -46,7 +47,8 @@ static int32_t polynomial_q31(const int32_t *coefficients, int count, int32_t z_
     return value;
 }
 
-/* Computes sin x = x + x z p(z) and cos x = 1 - z/2 + z^2 q(z) with z = x^2, |x| <= pi/4. */
+/* Computes sin x = x + x z p(z) and cos x = 1 - z/2 + z^2 q(z) with two polynomials p and q of z = x^2, for
+ * |x| <= pi/4. */
 static void sincos_octant(int32_t x_q31, int32_t *sin_q30, int32_t *cos_q30)
 {
     /* -1/3!, 1/5!, -1/7!, 1/9!, -1/11! and 1/4!, -1/6!, 1/8!, -1/10!, 1/12! times 2^31 */
@@ -87,8 +89,8 @@ void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30
     }
 }
 
-/* Computes asin x = x + x z p(z) with z = x^2 for 0 <= x <= 1/2. Every x from 0 to 1/2 fits Q31. Format: Q31
- * -> Q31 radians, at most pi/6. */
+/* Computes asin x = x + x z p(z) with a polynomial p of z = x^2, for 0 <= x <= 1/2. Every x from 0 to 1/2
+ * fits Q31. Format: Q31 -> Q31 radians, at most pi/6. */
 static int32_t asin_small_q31(int32_t x_q31)
 {
     int32_t z_q31 = crn_mul(x_q31, x_q31, 31);

@@ -252,7 +252,7 @@ typedef struct crn_line_q30 {
     uint32_t drop;
 } crn_line_q30;
 
-/* These constants are defined in fixed_tables.c, which tools/check/make_tables.py writes. */
+/* The tables' constants are defined in fixed_tables.c, which tools/check/make_tables.py writes. */
 extern const crn_line_q30 crn_reciprocal_lines[128];
 extern const crn_line_q30 crn_rsqrt_lines[192];
 extern const int32_t crn_asin_coefficients_q31[7];
@@ -268,9 +268,9 @@ static inline uint32_t crn_line_at(const crn_line_q30 *line, uint32_t fraction, 
 
 /* Returns the reciprocal of a positive normalised mantissa, by a linear table and one Newton step y + y (1 -
  * m y). No divide. Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]. The caller normalises;
- * another m gives a wrong number but still reads inside the table. Overflow: the result 1/0.5 = 2 does not
- * fit, so m = 2^30 gives 2^31 - 1. The error of the reciprocal is at most 1 LSB of Q30 (0.63 LSB in the
- * test). */
+ * another m gives a wrong number but still reads inside the table. Overflow: only the mantissa m = 2^30 has
+ * the result 1/0.5 = 2, which does not fit, so the function returns 2^31 - 1 for it. The error of the
+ * reciprocal is at most 1 LSB of Q30 (0.63 LSB in the test). */
 static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
 {
     const crn_line_q30 *line = &crn_reciprocal_lines[(m_q31 >> 23) & 127u];
@@ -284,8 +284,9 @@ static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
 
 /* Returns the reciprocal square root of a mantissa, by a linear table and one Newton step y + y (1 - m y y) /
  * 2. No divide. Format: m in [2^30, 2^32) read as Q32 in [0.25, 1) -> Q30 in [1, 2]. The caller normalises: a
- * smaller m reads before the table. Overflow: the result 1/sqrt(0.25) = 2 does not fit, so m = 2^30 gives
- * 2^31 - 1. The error of the reciprocal square root is at most 1.5 LSB of Q30 (1.39 LSB in the test). */
+ * smaller m reads before the table. Overflow: only the mantissa m = 2^30 has the result 1/sqrt(0.25) = 2,
+ * which does not fit, so the function returns 2^31 - 1 for it. The error of the reciprocal square root is at
+ * most 1.5 LSB of Q30 (1.39 LSB in the test). */
 static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
 {
     const crn_line_q30 *line = &crn_rsqrt_lines[(m_q32 >> 24) - 64u];
@@ -299,7 +300,7 @@ static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
 }
 
 /* Returns the square root of a 64-bit integer. Format: Q2n -> Qn, rounded. Overflow: the result saturates at
- * 2^31 - 1. The error is at most 1/2 LSB + 2^-29 of the square root; the root of 0 is 0. */
+ * 2^31 - 1. The error of the result is at most 1/2 LSB plus 2^-29 of the square root; the root of 0 is 0. */
 int32_t crn_sqrt64(uint64_t a);
 
 /* Returns the quotient of two 64-bit integers; the function computes one bit in each of 64 steps. The

@@ -83,7 +83,9 @@ bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32
 
 /* --- the wall of an open lesion ------------------------------------------------------------------------- */
 
-/* Holds the map X = c + k (x - middle) that widens the lesion at one of its points. */
+/* Holds the map X = c + k (x - middle) from a point x at the opened lesion to the point X at the narrowed
+ * one, for one point of the lesion; k is the ratio of the radii, and c and `middle` are the centres of the
+ * narrowed and the opened lumen. */
 typedef struct station_map {
     int32_t ratio_q30; /* k */
     crn_vec3 middle_m_q30;

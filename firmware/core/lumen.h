@@ -2,8 +2,8 @@
  * read-only during a session.
  *
  * The signed distance phi, in metres in Q30, is negative inside the lumen (where blood is), and positive in
- * the wall and beyond. The contact depth of a wire of radius r is phi + r. The inward normal is n =
- * -grad(phi)/|grad(phi)|.
+ * the wall and beyond. The contact depth of a wire of radius r is phi + r, where phi is the signed distance
+ * of the wire's centre from the wall. The inward normal is n = -grad(phi)/|grad(phi)|.
  *
  * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. The voxel edge of level L is 2^(20-L)
  * Q30 units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm). A shift and a mask split a patient

@@ -409,9 +409,9 @@ int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, cr
     return distance_inside(lumen, motion, pose, world_m_q30, shrink_q30, far_m_q30);
 }
 
-/* Returns the mapped normal (I + dw/dx)^T n for a unit normal n. Format: Q30 -> Q26. Overflow is impossible:
- * a component of the result is at most 1 + 5/8 sqrt(3), and the number format holds values below 8. Error: 2
- * LSB. */
+/* Returns the mapped normal (I + dw/dx)^T n for a unit normal n, where w is the displacement by the
+ * heartbeat. Format: Q30 -> Q26. Overflow is impossible: a component of the result is at most 1 + 5/8
+ * sqrt(3), and the number format holds values below 8. Error: 2 LSB. */
 static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3 *normal_q30)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;
@@ -423,8 +423,9 @@ static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3
     return mapped;
 }
 
-/* Multiplies the mapped normal by (I + depth db/dx)^T. Overflow is impossible: the components of the normal
- * grow by a factor of at most 1 + 3/8 sqrt(3), and stay below 8, the limit of the number format. */
+/* Multiplies the mapped normal by (I + depth db/dx)^T, where b is the displacement by breath. Overflow is
+ * impossible: the components of the normal grow by a factor of at most 1 + 3/8 sqrt(3), and stay below 8, the
+ * limit of the number format. */
 static inline void map_by_breath(const crn_motion *motion, const crn_motion_pose *pose, crn_vec3 *mapped_q26)
 {
     const crn_vec3 beaten_q26 = *mapped_q26;

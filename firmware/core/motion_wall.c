@@ -108,9 +108,9 @@ static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
 }
 
 /* Computes the displacement of the wall by heartbeat and breath together, (I + J)^-1 u, by the series u - J
- * (u - J u). The vector u is the heartbeat's step less the change of breath. The relative error of the result
- * is
- * |J|^3, which is 1/20 for the steepest breath motion that a scene may have, and 0.3 % in the shipped heart.
+ * (u - J u), from the step u and the gradient J of the breath displacement. The vector u is the heartbeat's
+ * step less the change of breath. The relative error of the result is |J|^3 for the gradient J of the breath
+ * displacement: 1/20 for the steepest breath motion that a scene may have, and 0.3 % in the shipped heart.
  * Overflow is impossible: u is at most 4 mm, and the sum of the series is below 6 mm, which is below 2^26 in
  * Q33 m. */
 static void step_with_breath(const crn_motion *motion, crn_motion_pose *pose, crn_vec3 *step_m_q33)

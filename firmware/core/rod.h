@@ -53,9 +53,10 @@ static inline int64_t crn_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q
 }
 
 /* Returns the axial spring stiffness EA / length of an edge. W is the bending stiffness of the softer of the
- * edge's two joints. The result is limited to the largest axial stiffness of the model and to 512 W a^2. With
- * an axial stiffness far above 512 W a^2, the determinant of a matrix block would lose its significant bits.
- * The result has the unit N/m with 8 fractional bits. */
+ * edge's two joints. The result is limited to the largest axial stiffness of the model and to 512 W a^2,
+ * where W is a joint's bending stiffness and 1/a the edge's length. If the axial stiffness were far above 512
+ * W a^2 (W: bending stiffness of a joint, 1/a: length of an edge), the determinant of a matrix block would
+ * lose its significant bits. The result has the unit N/m with 8 fractional bits. */
 static inline int64_t crn_axial_spring_q8(const crn_model *model, uint32_t edge, int32_t bend_N_m_q26)
 {
     int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;
@@ -70,9 +71,10 @@ static inline int32_t crn_to_exponent(int64_t value_q8, unsigned exponent)
     return crn_sat32(exponent >= 8 ? value_q8 << (exponent - 8) : crn_rshift_round64(value_q8, 8 - exponent));
 }
 
-/* Returns the inertia term m / h^2 in Q(a) N/m, a <= 14. A mass in Q40 kg, multiplied by 1e6 2^10 / 2^32,
- * gives a stiffness in Q18 N/m. The matrix and the right side must contain the same rounded inertia term,
- * because a difference of 2 % between them would cancel the damping. Overflow: impossible, below 2^29. */
+/* Returns the inertia term m / h^2 (node's mass over the square of the tick) in Q(a) N/m, with a <= 14. A
+ * mass in Q40 kg, multiplied by 1e6 2^10 / 2^32, gives a stiffness in Q18 N/m. The matrix and the right side
+ * must contain the same rounded inertia term, because a difference of 2 % between them would cancel the
+ * damping. Overflow: impossible, below 2^29. */
 static inline int32_t crn_line_inertia(const crn_model *model, const crn_line_node *line)
 {
     return crn_asr32(crn_mulh(line->mass_kg_q40, 1024000000), 18 - model->stiffness_exponent);
@@ -142,8 +144,8 @@ void crn_exchange_take_line(crn_model *model, const crn_state_words *words);
 bool crn_exchange_is_valid(const crn_model *model, const crn_state_words *words);
 
 /* These functions return two values of a restored state whose tools are valid but not yet in the model. The
- * two values are how far the tool at a position may be inserted (Q30 m), and the number of balls of the
- * balloon. */
+ * first value is how far the tool at a position may be inserted (Q30 m), and the second value is the number
+ * of balls of the balloon. */
 int32_t crn_exchange_inserted_max(const crn_model *model, const crn_state_words *words, uint32_t position);
 uint32_t crn_exchange_balls(const crn_model *model, const crn_state_words *words);
 
@@ -212,7 +214,7 @@ static inline int32_t crn_surface_way(int32_t radius_m_q30, int32_t turn_q30)
     return (int32_t)(((int64_t)radius_m_q30 * turn_q30 + (1 << 26)) >> 27);
 }
 
-/* These two functions return the rest rotation of joint i in the frames of this tick. The first function
+/* Two functions return the rest rotation of joint i in the frames of the present tick. The first function
  * returns the rest rotation for one tool, and the second for all tools whose rest shape is curved at the
  * joint. Format: Q30 rad. */
 crn_vec3 crn_rod_tool_turn(const crn_state *state, const crn_joint *joint, uint32_t tool, uint32_t i);
@@ -260,8 +262,8 @@ int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t larg
 /* Updates the friction displacements (bristles) after the solve, and fills the output's contact fields. */
 void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *output);
 
-/* Solves the linear system of the tick by block LDL^T, from tip to base and back (rod_solve.c). The solution
- * is written to the scratch memory, in Q33 m. */
+/* Solves the linear system of the tick by block LDL^T decomposition, from tip to base and back (rod_solve.c).
+ * The solution is written to the scratch memory, in Q33 m. */
 void crn_rod_solve(const crn_model *model, crn_state *state);
 /* Returns the axial force that the tools exert on the two nodes inside the introducer sheath, after the
  * solve; a positive force pushes outwards, towards the hand. Q22 N. */

@@ -1,18 +1,17 @@
 /* This file computes contact and friction of the tools on the vessel wall (docs/rod.md, "contact").
  *
- * At the predicted configuration x*, a node of radius r has the contact depth phi + r and the inward normal n
- * of the wall. The node touches the wall when its depth is positive or when its drift will make the depth
- * positive.
+ * At the predicted configuration x*, a node of radius r has the contact depth phi + r, where phi is the
+ * signed distance from the wall, and the inward normal n of the wall. The node touches the wall when its
+ * depth is positive or when its drift will make the depth positive.
  * - Normal direction: k_n n n^T goes into the matrix, and k_c depth (+ k_deep beyond 0.2 mm) along n into the
  *   right side.
  * - Friction: the bristle z has the stiffness k_f = min(k_t, mu N / |z + displacement|) (lagged secant: true
- *   stick, no chatter). While it does not stick, mu N is limited to some times its value after the last
- *   solve.
+ *   stick, no chatter). Unless it sticks, mu N is limited to some times its value after the last solve.
  *
  * The displacement of a tool's surface has three terms: the displacement of the node, the slide of the outer
- * tool along the common centreline, and r theta along n x t for the tool's rotation theta. One friction limit
- * mu N bounds sliding and turning together, so a wire that slides turns freely. After the solve, the
- * surface's displacement is added to the friction displacement z (bristle), which is limited to mu N / k_t.
+ * tool along the common centreline, and radius times rotation, r theta, across the normal n and the tangent
+ * t. One friction limit mu N bounds sliding and turning together, so a wire that slides turns freely. After
+ * the solve, the surface's displacement is added to the friction displacement z, at most mu N / k_t.
  *
  * Stent struts (strut.h) are treated like the vessel wall. A node that touches both stent struts and vessel
  * wall has two contacts. The matrix contains the normals of a node's two contacts. The friction displacement
@@ -475,8 +474,9 @@ int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t larg
     return share_q30;
 }
 
-/* Adds the surface's displacement to the friction displacement (bristle) z and limits the sum to mu N / k_t;
- * the contact sticks when the sum is within this limit. `inwards_m_q33` is the deviation along the normal. */
+/* Adds the surface's displacement to the friction displacement (bristle) z and limits the sum to mu N / k_t,
+ * the friction limit over the stiffness; within this limit the contact sticks. `inwards_m_q33` is the
+ * deviation along the normal. */
 static inline void move_bristle(const crn_state *state, crn_node_state *node, const crn_work *work,
                                 const crn_line_node *line, int32_t depth_m_q30, int32_t inwards_m_q33)
 {

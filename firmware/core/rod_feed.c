@@ -212,8 +212,8 @@ static void free_node(crn_state *state, uint32_t i)
     }
 }
 
-/* Computes the mean T of the tangents of the two edges at a node. Returns the square of the mean tangent T in
- * Q28, which is cos^2 of half the joint's angle. */
+/* Computes the mean T of the tangents of the two edges at a node. Returns the square of the length of the
+ * mean tangent T in Q28, which is cos^2 of half the joint's angle. */
 static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 *mean_q30)
 {
     const crn_vec3 *ahead = &state->words.nodes[i > 0 ? i - 1 : 0].tangent_q30;
@@ -226,10 +226,11 @@ static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 
     return square_q28;
 }
 
-/* Computes the slide T / T^2 ds of a node in a fold (a sharp bend). The slide in a fold moves the node along
- * each of its two edges as far as the other end of this edge moves. For bends of a right angle or more, the
- * slide in a fold is limited to twice the slide of a straight tool. Overflow is impossible, because a fold
- * increases a slide of 0.5 mm to at most 0.71 mm. */
+/* Computes the slide of a node in a fold (a sharp bend), T / T^2 ds, where T is the mean tangent of the
+ * node's edges and ds the feed. The slide in a fold moves the node along each of its two edges as far as the
+ * other end of this edge moves. For bends of a right angle or more, the slide in a fold is limited to twice
+ * the slide of a straight tool. Overflow is impossible, because a fold increases a slide of 0.5 mm to at most
+ * 0.71 mm. */
 CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 {
     const int32_t factor_q28 = square_q28 > 1 << 27 ? crn_quotient(1 << 28, square_q28, 28) : 1 << 29;
@@ -239,10 +240,11 @@ CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 }
 
 /* Puts node i at its predicted position x* = x + slide, and adds the inertia m/h^2 ((1 - gamma h) u - slide)
- * to the right side. Overflow is impossible. Slides stay below 2^24 in Q33 m: the feed contributes at most
- * 0.71 mm, the tip's rotation at most 0.6 mm, and the shift at most 0.5 mm. Displacements per tick are below
- * 2^25 (the step limit and the shift permit 1.25 mm more than the slide), their differences are below 2^26,
- * and eight times these differences are below 2^29. */
+ * to the right side (m: mass, h: tick, gamma: drag, u: motion in the last tick). Overflow is impossible.
+ * Slides stay below 2^24 in Q33 m: the feed contributes at most 0.71 mm, the tip's rotation at most 0.6 mm,
+ * and the shift at most 0.5 mm. Displacements per tick are below 2^25 (the step limit and the shift permit
+ * 1.25 mm more than the slide), their differences are below 2^26, and eight times these differences are below
+ * 2^29. */
 static inline void predict_node(const crn_model *model, crn_state *state, uint32_t i,
                                 const crn_vec3 *slide_m_q33)
 {

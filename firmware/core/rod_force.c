@@ -7,7 +7,7 @@
  *
  * The vector g is the sum of the tools' rest rotations, that is, of the angles of their stress-free shapes.
  * The twisting moment tau of the tools bends their common centreline with the force F = tau kb / 2, where kb
- * = 2 t x t' / (1 + t.t'). */
+ * = 2 t x t' / (1 + t.t') is the curvature vector of a joint between edges with the tangents t and t'. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -30,9 +30,9 @@ static inline void add(crn_vec3 *sum, int k, int32_t value)
     sum->v[k] = crn_add_sat(sum->v[k], value);
 }
 
-/* These two functions return the strain sqrt(1 + 2e) - 1 and the inverse length of an edge from e = (|w|^2 -
- * 1) / 2. The error e^4 * 5/8 of the series is at most 2.4e-3 for an e of 25 %, 1.5e-4 for 12.5 %, and
- * below 1e-8 for 1 %. */
+/* Two functions return the strain sqrt(1 + 2e) - 1 and the inverse length of an edge from e = (|w|^2 - 1) /
+ * 2, where w is the edge's vector divided by its unloaded length. The series has the error e^4 * 5/8, which
+ * is at most 2.4e-3 for a strain e of 25 %, 1.5e-4 for 12.5 %, and below 1e-8 for 1 %. */
 static int32_t strain_of(int32_t e)
 {
     int32_t e2 = crn_scale_q30(e, e);
@@ -143,10 +143,10 @@ void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q3
 }
 
 /* Computes 1 / (1 + c) and `lack` = 1 - c in Q30, where c is the cosine of the angle between two edges. For
- * small angles, 1 / (1 + c) is the series 1/2 + lack/4 + lack^2/8, which is accurate to 1e-4 at 40 degrees.
- * For angles above 90 degrees, the function returns the values for 90 degrees. Rounding may make the cosine
- * of nearly straight edges more than one, so `lack` is limited to 0 .. 1. Overflow: impossible, 7/8 at
- * most. */
+ * small angles, 1 / (1 + c) with the cosine c = 1 - lack is the series 1/2 + lack/4 + lack^2/8, which is
+ * accurate to 1e-4 at 40 degrees. For angles above 90 degrees, the function returns the values for 90
+ * degrees. Rounding may make the cosine of nearly straight edges more than one, so `lack` is limited to 0 ..
+ * 1. Overflow: impossible, 7/8 at most. */
 static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
 {
     const int32_t lack = CRN_ONE_Q30 - crn_clamp(cosine_q30, 0, CRN_ONE_Q30);
@@ -155,7 +155,8 @@ static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
 }
 
 /* Returns the force term tau kb / 2 = tau (t x t') / (1 + t.t'), with which the twisting moment tau bends the
- * tool. Format: tau Q30 N m -> Q30 N m. Overflow is impossible, because the factor of tau is at most 7/8. */
+ * tool at a joint between edges with the tangents t and t'. Format: tau Q30 N m -> Q30 N m. Overflow is
+ * impossible, because the factor of the twisting moment tau is at most 7/8. */
 static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, const crn_vec3 *after)
 {
     int32_t lack = 0;
@@ -169,16 +170,17 @@ static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, cons
 }
 
 /* If the two edges of a bent joint tilt by d and d' out of the plane of the joint, the joint twists by |kb| /
- * 2 times the length of d + d'. Where a tool's curved rest shape fixes its material frames, the twist
- * stiffness GJ resists the twist of a bent joint. The resistance to twist at a joint adds its force to the
- * right side of the linear system, and k |kb|^2 / 4 (|d|^2 + |d'|^2) to the matrix. The matrix term of the
- * resistance to twist is at least half of the resistance. With this matrix term an oscillation does not grow,
- * and the other terms of the matrix damp it. Without the matrix term of the resistance to twist, a J-shaped
- * wire tip of 1.5 mm radius oscillated by 11 um for ever (docs/rod.md, "rows"). Tools that are straight at
- * the joint when free of stress turn freely and add nothing to the twist resistance. Overflow is impossible:
- * the sum of the tools' twisting moments is limited to 32 bits, and the product of this sum and a factor of
- * at most 7/8 fits. The sum of the matrix term for twist and the geometric stiffness k_g is limited to the
- * edge's axial stiffness. */
+ * 2 times the length of d + d', where kb is the curvature vector of the joint. Where a tool's curved rest
+ * shape fixes its material frames, the twist stiffness GJ resists the twist of a bent joint. The resistance
+ * to twist at a joint adds its force to the right side of the linear system, and k |kb|^2 / 4 (|d|^2 +
+ * |d'|^2) to the matrix (k: twist stiffness, kb: curvature vector, d and d': tilts of the two edges). The
+ * matrix term of the resistance to twist is at least half of the resistance. With the matrix term for twist
+ * an oscillation does not grow, and the other terms of the matrix damp it. Without the matrix term of the
+ * resistance to twist, a J-shaped wire tip of 1.5 mm radius oscillated by 11 um for ever (docs/rod.md,
+ * "rows"). Tools that are straight at the joint when free of stress turn freely and add nothing to the twist
+ * resistance. Overflow is impossible: the sum of the tools' twisting moments is limited to 32 bits, and the
+ * product of this sum and a factor of at most 7/8 fits. The sum of the matrix term for twist and the
+ * geometric stiffness k_g is limited to the edge's axial stiffness. */
 static void resist_twist(const crn_model *model, crn_state *state, const crn_joint *joint, uint32_t i)
 {
     const crn_node_state *node = &state->words.nodes[i];

@@ -2,8 +2,8 @@
  *
  * Each edge has a reference axis u, which all tools share. The code carries the reference axis u over from
  * edge to edge, from the introducer sheath to the tip, without rotation about the tangent (Bishop frame). A
- * tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), so the twist of a joint is simply the
- * difference of two angles (docs/rod.md, "twist"). */
+ * tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), where u is the reference axis and t the
+ * tangent, so the twist of a joint is simply the difference of two angles (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {

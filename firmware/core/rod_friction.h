@@ -23,8 +23,9 @@ static inline int32_t friction_of(const crn_node_state *node, const crn_line_nod
     return node->contact == CRN_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
-/* Returns the length of the friction displacement (bristle) at which friction reaches its limit mu N / k_t.
- * Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. Overflow: impossible, 128 N. */
+/* Returns the length of the friction displacement (bristle) at which friction reaches its limit: mu N / k_t,
+ * the limit divided by the friction stiffness. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20.
+ * Overflow: impossible, 128 N. */
 static inline int32_t bristle_limit(int32_t limit_N_q22)
 {
     return limit_N_q22 + crn_mulh(limit_N_q22, 25166 << 12);
@@ -54,8 +55,8 @@ static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
 }
 
 /* Returns the friction stiffness k_f in Q(a). The friction stiffness k_f is k_t while the length `reach` of
- * the friction displacement is within its limit, and mu N / reach otherwise. Format: N Q22 / m Q33 -> Q(a): N
- * root 2^(half_lead - 62) 2^(11 + a). */
+ * the friction displacement is within its limit, and otherwise mu N / reach, where mu N is the friction
+ * limit. Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62) 2^(11 + a). */
 static inline int32_t friction_stiffness(const crn_model *model, int32_t limit_N_q22,
                                          const crn_vec3 *reach_m_q33)
 {

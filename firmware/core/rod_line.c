@@ -82,8 +82,9 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
 /* Returns the rest rotation g of a joint. In the stress-free shape, the direction of the tool changes by the
  * angle `turn` at the joint. At the angle `turn`, the unit vectors along the two edges differ by 2 sin(turn /
  * 2). The rotation g is applied along the mean of the two edges' axes, whose length is cos(turn / 2). The
- * rest rotation g is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). The error of the series for the
- * rest rotation g is 0.1 % at 1 rad. */
+ * length g of the rest rotation vector is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120), where
+ * `turn` is the angle of the unloaded tool at a joint. The error of the series for the rest rotation g is 0.1
+ * % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);

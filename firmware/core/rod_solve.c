@@ -5,8 +5,9 @@
  *
  * The two nodes na and na+1, which the introducer sheath holds, do not deviate from the slide (delta = 0). In
  * the diagonal block of a node, S is the stiffness of the edge behind the node, and R is the stiffness of
- * everything else that acts on the node. The other blocks are T = R + Q, V = D^-1 T (so that D^-1 (Q - S) is
- * V - I), and P = kb D^-1.
+ * everything else that acts on the node. The elimination uses the blocks T = R + Q, V = D^-1 T (so that D^-1
+ * (Q - S) is V - I), and P = kb D^-1, where D = R + S is the diagonal block, and Q - S and kb I are the two
+ * blocks to its right.
  *
  *   R[i+1] += R + Q + Q^T - T^T V     R[i+2] -= kb P      Q[i+1] += kb (I - V^T)
  *   r[i+1] += r - V^T r               r[i+2] -= P r
@@ -54,8 +55,8 @@ static inline int64_t minor(int32_t a, int32_t b, int32_t c, int32_t d)
 /* Adjugate over determinant. Format: D Q(a), |D| < 2^29, positive definite. The adjugate matrix is computed
  * exactly in 64 bits (2 x 2^58). The adjugate matrix is shifted to 30 bits according to its largest diagonal
  * entry, which bounds every entry of a positive definite matrix. The determinant keeps 22 bits or more while
- * the stiffness ratio k_s / w is at most 2^9. Overflow is impossible, because the determinant of a 3x3 block
- * is below 3 * 2^29 * 2^30. */
+ * the ratio k_s / w of an edge's axial stiffness to its bending stiffness is at most 2^9. Overflow is
+ * impossible, because the determinant of a 3x3 block is below 3 * 2^29 * 2^30. */
 static inline void invert(const crn_sym3 *d, inverse3 *inverse)
 {
     const int32_t xx = d->m[XX], xy = d->m[XY], xz = d->m[XZ], yy = d->m[YY], yz = d->m[YZ], zz = d->m[ZZ];
@@ -88,8 +89,9 @@ static inline int32_t row_times(int_fast32_t a, int_fast32_t b, int_fast32_t c, 
     return crn_narrow64((int64_t)a * t[0] + (int64_t)b * t[3] + (int64_t)c * t[6], shift);
 }
 
-/* Computes V = D^-1 T in Q29, column by column. Overflow is impossible: a sum is at most 3 * 2^29 * 2^29, and
- * |W| = |V - I| is at most 2 for meshes whose elements grow towards the base. */
+/* Computes the block V = D^-1 T in Q29, column by column, from the inverse of the diagonal block D. Overflow
+ * is impossible: a sum is at most 3 * 2^29 * 2^29, and |W| = |V - I| is at most 2 for meshes whose elements
+ * grow towards the base. */
 static inline void times(const inverse3 *inverse, const int_fast32_t *t, int32_t *v_q29)
 {
     const int_fast32_t *n = inverse->m;
@@ -130,8 +132,8 @@ static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigne
     z->v[2] = row_apply(n[XZ], n[YZ], n[ZZ], r, shift);
 }
 
-/* Computes P = kb D^-1 in Q29. Overflow is impossible: P is at most 1, because kb is at most the smallest
- * eigenvalue of D. */
+/* Computes the block P = kb D^-1 in Q29, from the inverse of the diagonal block D. Overflow is impossible: P
+ * is at most 1, because kb is at most the smallest eigenvalue of D. */
 static inline void second_neighbour(const inverse3 *inverse, int32_t second, crn_sym3 *p_q29)
 {
     unsigned shift = inverse->exponent - 29;
@@ -140,7 +142,7 @@ static inline void second_neighbour(const inverse3 *inverse, int32_t second, crn
     }
 }
 
-/* Adds the matrix k v v^T to a block. Overflow: |k| < 2^29. */
+/* Adds the stiffness k along the vector v, that is, the matrix k v v^T, to a block. Overflow: |k| < 2^29. */
 static inline void add_along(const crn_vec3 *v_q30, int32_t stiffness, crn_sym3 *d)
 {
     int32_t x = 4 * crn_mulh(4 * stiffness, v_q30->v[0]);
@@ -166,12 +168,14 @@ static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
     add_along(t, state->line.nodes[i].spring - geometric, d);
 }
 
-/* Adds the stiffness of a touching node, k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T), where t' is
- * the tangent across n. A step across the normal n and the tangent t' turns the direction of the normal
- * force, because the wall is round. Without k_r = N / r, a step across the normal would oscillate for ever
- * where there is no friction (docs/rod.md, "contact"). With b = n x t and c = n.t, the last bracket I - n n^T
- * - t' t'^T is b b^T + c^2 (I - n n^T). If a tip touches the wall head on, there is no tangent t' across n,
- * and k_r then acts in all directions across n. */
+/* Adds the stiffness of a touching node, k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T), where n is
+ * the wall's normal, t' is the tangent across n, k_n and k_f are the stiffnesses of contact and friction, and
+ * k_r is that of the round wall. A step across the normal n and the tangent t' turns the direction of the
+ * normal force, because the wall is round. Without the stiffness k_r = N / r (normal force over an assumed
+ * radius of 1 mm), a step across the normal would oscillate for ever where there is no friction (docs/rod.md,
+ * "contact"). With b = n x t and c = n.t, for the wall's normal n and the tool's tangent t, the bracket I - n
+ * n^T - t' t'^T is b b^T + c^2 (I - n n^T). If a tip touches the wall head on, there is no tangent t' across
+ * n, and k_r then acts in all directions across n. */
 static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_sym3 *d)
 {
     const crn_vec3 *n = &work->normal_q30;
@@ -220,8 +224,8 @@ static inline crn_sym3 load_rest(const crn_model *model, const crn_state *state,
     return rest;
 }
 
-/* Returns one entry of T^T V + kb P, which the elimination subtracts from a diagonal block. Overflow is
- * impossible, because the sum is at most 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
+/* Returns one entry of the matrix T^T V + kb P, which the elimination subtracts from a diagonal block.
+ * Overflow is impossible, because the sum is at most 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
 static inline int32_t taken(const int_fast32_t *t, const int32_t *v_q29, int_fast32_t second, int32_t p_q29)
 {
     int64_t sum = (int64_t)t[0] * v_q29[0] + (int64_t)t[3] * v_q29[3] + (int64_t)t[6] * v_q29[6] +

@@ -3,15 +3,18 @@
  *
  * The tools share one centreline, so the code does not compute a contact between the inner tool and the outer
  * tool's bore. A tool presses on the tool around it with the force that its bending puts on the nodes that
- * the two tools share. Friction mu N between the two tools then resists sliding and turning, in both
- * directions. For each pair of tools, one friction displacement along the centreline represents sliding, and
- * one friction displacement per edge represents turning (rod_twist.c).
+ * the two tools share. Friction between the two tools, at most the coefficient mu times the normal force N,
+ * then resists sliding and turning, in both directions. For each pair of tools, one friction displacement
+ * along the centreline represents sliding, and one friction displacement per edge represents turning
+ * (rod_twist.c).
  *
  * If a tool does not lead, the force on the hand that holds it is the change of the elastic energy of all
  * tools as this tool slides along a centreline of fixed shape. Where the tool's properties change, the force
- * on the hand is the jump of psi = |M + P|^2 / (2 EI) - S / 2. In psi, M is the bending moment, and P = sum
- * EI_m kappa_m and S = sum EI_m kappa_m^2 are sums over all tools at this point. The jump of psi is the
- * configurational force of a rod whose cross-section changes abruptly. */
+ * on the hand is the jump of psi = |M + P|^2 / (2 EI) - S / 2, where M is the bending moment, and P and S are
+ * sums over all tools that depend on their unloaded curvatures. For the formula of psi, P = sum EI_m kappa_m
+ * and S = sum EI_m kappa_m^2 are summed over all tools m at a point, where kappa_m is the unloaded curvature
+ * and EI_m the bending stiffness of tool m. In continuum mechanics, such a force at an abrupt change of a
+ * rod's cross-section is called a configurational force. */
 #include "firmware/core/rod.h"
 
 /* --- how hard tools press on each other ----------------------------------------------------------------- */
@@ -30,8 +33,8 @@ static inline int32_t limited(int64_t value, int64_t most)
     return (int32_t)(value > 0 ? most : -most);
 }
 
-/* Returns a / 2^n limited to +-2^log2_most, for 32 - log2_most < n < 32. To detect an overflow on a 32-bit
- * machine, the code examines only the upper word of the 64-bit number. */
+/* Returns a / 2^n, limited to the range from -2^log2_most to 2^log2_most, for 32 - log2_most < n < 32. To
+ * detect an overflow on a 32-bit machine, the code examines only the upper word of the 64-bit number. */
 static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
 {
     if (sizeof(void *) > 4) {
@@ -151,11 +154,11 @@ static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *a
     }
 }
 
-/* Returns the stiffness of the friction against turning. While the length `reach` of the friction
- * displacement (bristle) is within the limit mu N r, the stiffness against turning is that of the bristle;
- * beyond the limit it is limit / reach. The value of `reach` follows from the rotations of the last tick.
- * Overflow is impossible, because the quotient limit / reach, which is used only beyond the limit, is below
- * 4e-4 N m. */
+/* Returns the stiffness of the friction against turning. The friction displacement (bristle) of length
+ * `reach` has its own stiffness against turning while it is within the limit mu N r (friction limit times
+ * lever arm); beyond this limit, the stiffness is the limit divided by `reach`. The value of `reach` follows
+ * from the rotations of the last tick. Overflow is impossible, because the quotient limit / reach, which is
+ * used only beyond the limit, is below 4e-4 N m. */
 static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, uint32_t around,
                                       int32_t limit_N_m_q30)
 {
@@ -168,9 +171,9 @@ static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair,
     return (uint16_t)crn_quotient(limit_N_m_q30, reach, 26);
 }
 
-/* Computes, for every edge of a pair of tools, the limit mu N r of the friction torque and the friction's
- * stiffness against turning. The function also sums the friction mu N over the edges; this sum limits
- * sliding. */
+/* Computes, for every edge of a pair of tools, the limit mu N r of the friction torque (friction coefficient,
+ * normal force, lever arm) and the friction's stiffness against turning. The function also sums the friction
+ * limits mu N of all edges; this sum limits sliding. */
 static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     uint32_t na = state->words.free_count;
@@ -312,8 +315,8 @@ static crn_vec3 moment_around(const crn_model *model, const crn_state *state, ui
     return moment;
 }
 
-/* Returns joint i's contribution to the force on the hand that holds tool k: psi (defined at the top of this
- * file) at the beginning of the cell minus psi at its end. */
+/* Returns joint i's contribution to the force on the hand that holds tool k: the value psi (defined at the
+ * top of this file) at the beginning of the joint's cell minus psi at its end. */
 static int32_t joint_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                             int32_t from, int32_t to)
 {
@@ -415,12 +418,13 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
     return inserted > offset ? crn_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
 }
 
-/* Bent tools push on the introducer sheath along its axis with EI kappa^2 / 2 at the distal end, because the
- * part that is fed in has to be straight. The push of bent tools on the sheath is the configurational force
- * of a sliding sleeve (Bigoni et al. 2014, Mechanics Research Communications). The sheath's distal end cuts
- * the cell of one joint, and `part` is the length of this cell outside the sheath. A joint with a cut cell
- * has W = EI / part, and the angle between its edges is kappa times part. Format: Q26 N m x Q30^2 -> Q30 N m,
- * / Q30 m -> Q22 N. */
+/* Tools with the curvature kappa at the distal end of the introducer sheath push on the sheath along its axis
+ * with the force EI kappa^2 / 2, because the part that is fed in has to be straight. The push of bent tools
+ * on the sheath is the configurational force of a sliding sleeve (Bigoni et al. 2014, Mechanics Research
+ * Communications). The sheath's distal end cuts the cell of one joint, and `part` is the length of this cell
+ * outside the sheath. A joint whose cell is cut to the length `part` has the bending stiffness W = EI / part,
+ * and the angle between its edges is the curvature kappa times `part`. Format: Q26 N m x Q30^2 -> Q30 N m, /
+ * Q30 m -> Q22 N. */
 static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;
@@ -454,7 +458,8 @@ void crn_tools_handles(const crn_model *model, crn_state *state)
 
 /* --- after the solve ------------------------------------------------------------------------------------ */
 
-/* Updates the elastic rotation between a pair of tools at each edge, limited to mu N r / stiffness. */
+/* Updates the elastic rotation between a pair of tools at each edge, limited to the friction torque mu N r
+ * divided by the stiffness. */
 void crn_tools_turned(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {

@@ -1,12 +1,12 @@
 /* This file computes the quasi-static twist of every tool along its length at the predicted configuration.
  *
- * The unknown rotations theta of a tool's edges minimise sum k/2 (m + theta[i] - theta[i-1])^2 plus the
- * bending energy. The bending energy depends on the stress-free curvature of a tool, which turns with the
- * tool's frames; this dependence makes a J-shaped tip follow the hand. Two kinds of friction resist the
- * rotation: the friction of the wall on the tool that touches it, and the friction between a tool and the
- * tool around it. The twist of each tool takes one tridiagonal solve, from the tool's tip to the base. The
- * edge in the introducer sheath is held at the angle of the user's hand, so torque from the hand reaches the
- * tip within the same tick (docs/rod.md, "twist"). */
+ * The unknown rotations theta of a tool's edges minimise sum k/2 (m + theta[i] - theta[i-1])^2 (k: twist
+ * stiffness of a joint, m: its twist before the tick) plus the bending energy. The bending energy depends on
+ * the stress-free curvature of a tool, which turns with the tool's frames; this dependence makes a J-shaped
+ * tip follow the hand. Two kinds of friction resist the rotation: the friction of the wall on the tool that
+ * touches it, and the friction between a tool and the tool around it. The twist of each tool takes one
+ * tridiagonal solve, from the tool's tip to the base. The edge in the introducer sheath is held at the angle
+ * of the user's hand, so torque from the hand reaches the tip within the same tick (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -53,10 +53,11 @@ typedef struct resistance {
     int32_t torque_N_m_q30, stiffness_q26;
 } resistance;
 
-/* Returns the wall's friction on the tool that touches it. The tool's surface moves by r theta along n x t in
- * addition to its displacement along the wall, and one friction displacement represents the two motions
- * together (rod_contact.c). Overflow is impossible: k_f r is below 2000 N/m x 2 mm = 2^24 in Q22 and the
- * reach of the friction displacement is below 2^30.5, so the torque is below 2^29. */
+/* Returns the wall's friction on the tool that touches it. The tool's surface moves by the radius r times the
+ * rotation theta, along the direction n x t across normal and tangent, in addition to its displacement along
+ * the wall; one friction displacement represents the two motions together (rod_contact.c). Overflow is
+ * impossible: k_f r is below 2000 N/m x 2 mm = 2^24 in Q22 and the reach of the friction displacement is
+ * below 2^30.5, so the torque is below 2^29. */
 static inline __attribute__((always_inline)) resistance
 wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
 {
@@ -102,9 +103,9 @@ typedef struct twist_carry {
     int32_t reduced_torque;          /* the remaining torque after the edge ahead was eliminated */
 } twist_carry;
 
-/* Returns right / pivot in Q30, given the reciprocal 2^61 / mantissa, for `right` in Q30 and pivot = mantissa
- * 2^(1 - lead) in Q26. To detect an overflow on a 32-bit machine, the code examines only the upper word of
- * the 64-bit number. Overflow: saturates. */
+/* Returns right / pivot in Q30 from the reciprocal 2^61 / mantissa, where `right` is in Q30, and the pivot is
+ * mantissa 2^(1 - lead) in Q26. To detect an overflow on a 32-bit machine, the code examines only the upper
+ * word of the 64-bit number. Overflow: saturates. */
 static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, int32_t reciprocal,
                                                                 unsigned lead)
 {
@@ -164,7 +165,8 @@ static inline __attribute__((always_inline)) void eliminate_edge(const crn_model
     carry->reduced_torque = crn_mul_q30(right, ratio);
 }
 
-/* Turns the material axis of an edge by the angle a, to d1 (1 - a^2/2) + d2 a. */
+/* Turns the material axis d1 of an edge by the small angle a towards the axis d2, to d1 (1 - a^2/2) + d2
+ * a. */
 static void turn_axis(const crn_vec3 *tangent, int32_t angle_q30, crn_vec3 *axis1)
 {
     crn_vec3 axis2 = crn_vec3_cross_unit(tangent, axis1);

@@ -1,4 +1,4 @@
-/* These vector functions are too long to be inline; vector.h states formats and bounds. */
+/* This file has the vector functions that are too long to be inline; vector.h states formats and bounds. */
 #include "firmware/core/vector.h"
 
 /* Returns a b - c d, rounded once. Overflow is impossible before saturation, because |a b - c d| <= 2^63 -
@@ -29,8 +29,8 @@ crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length)
         }
         return fallback;
     }
-    /* The length follows from square = m 2^(32 - shift) with m in [2^30, 2^32): y = 1/sqrt(m) and |a| = 2^(32
-     * - shift/2) / y. */
+    /* The length |a| of a vector follows from its square = m 2^(32 - shift), with the mantissa m in [2^30,
+     * 2^32): with y = 1/sqrt(m), it is |a| = 2^(32 - shift/2) / y. */
     unsigned shift = crn_clz64(square) & ~1u;
     uint32_t m_q32 = (uint32_t)((square << shift) >> 32);
     int32_t y_q30 = crn_rsqrt_q30(m_q32);
