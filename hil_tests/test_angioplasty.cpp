@@ -335,8 +335,8 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
 
 // At a balloon pressure of 8 bar, friction (0.1 times the wall force) resists the hand with 5.3 N. The
 // balloon moves with the hand, and the stent moves with the balloon. The stent is deployed at its new
-// position when the pressure is released. In this session, the nested tools are stretched by 0.77 %. If the
-// balloon were inflated to 10 bar, friction would hold it with 6.2 N, and the balloon would come loose
+// position when the pressure is released. In the tested session, the nested tools are stretched by 0.77 %. If
+// the balloon were inflated to 10 bar, friction would hold it with 6.2 N, and the balloon would come loose
 // suddenly when the pressure had fallen to 9 bar. The tools would then be stretched by 1.30 % under 10 N,
 // beyond the limit of 1 % at which a run ends as out of range (range_watch.hpp).
 void pulled_without_deflation_the_balloon_holds_its_stent(void **)

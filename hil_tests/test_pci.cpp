@@ -284,7 +284,7 @@ void a_stent_of_the_right_size_in_the_right_place_leaves_no_stenosis(void **)
     check("score", score["percent"], 90, 100);
 }
 
-// In this session the balloon is not filled enough: at 4 bar its diameter is 2.84 mm in an artery of 3.02 mm.
+// In one session the balloon is not filled enough: at 4 bar its diameter is 2.84 mm in an artery of 3.02 mm.
 void a_stent_opened_too_little_stands_off_the_wall(void **)
 {
     copy_changed(stent_session, "small.session", [](const std::string &line) {
@@ -296,7 +296,7 @@ void a_stent_opened_too_little_stands_off_the_wall(void **)
     check("score", score["percent"], 0, 95);
 }
 
-// In this session the balloon and the stent are of size 2.5 mm: at 16 bar their diameter is 2.68 mm in an
+// In one session the balloon and the stent are of size 2.5 mm: at 16 bar their diameter is 2.68 mm in an
 // artery of 3.02 mm. The lesion must open only as far as the diameter of the balloon.
 void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
 {
@@ -320,7 +320,7 @@ void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
     check("score", score["percent"], 0, 90);
 }
 
-// In this session the stent is 7 mm too far distal, so the beginning of the lesion has no stent.
+// In one session the stent is 7 mm too far distal, so the beginning of the lesion has no stent.
 void a_stent_beyond_the_lesion_misses_it(void **)
 {
     int pushes = 0;

@@ -193,8 +193,8 @@ void bentson_wire_reaches_the_arch_inside_the_vessel(void **)
     drive({"bentson.toml"}, iliac_to_arch(), 450.0);
 }
 
-// In this session the wire advances into the aorta, the catheter follows over it, both advance together, and
-// the wire is drawn back into the catheter.
+// In the tested session the wire advances into the aorta, the catheter follows over it, both advance
+// together, and the wire is drawn back into the catheter.
 void a_catheter_follows_a_wire_inside_the_vessel(void **)
 {
     drive({"bentson.toml", "beacon_5f.toml"},

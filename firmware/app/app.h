@@ -26,7 +26,7 @@ enum {
     CRN_APP_LIVE_QUEUE_ticks = 256,
     CRN_APP_EVENT_QUEUE = 32,
     /* The ring buffer has space for CRN_APP_LIVE_QUEUE_ticks encoded ticks of three tools, and for a hundred
-       commands that belong to these ticks. */
+     * commands that belong to these ticks. */
     CRN_APP_LIVE_QUEUE_BYTES =
         CRN_APP_LIVE_QUEUE_ticks *
             ((int)CRN_WIRE_BYTES_live_tick - (int)CRN_WIRE_MAX_order_list_items * (int)CRN_WIRE_BYTES_order) +

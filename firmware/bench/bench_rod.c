@@ -302,8 +302,9 @@ static double run_us(const bench_case *self)
     return fastest;
 }
 
-/* Returns the largest error of the tip's position for the six tip loads P L^2 / EI from 0.5 to 10. The
- * benchmark's argument is ten times the number of elements, plus the index of the stiffness. */
+/* Returns the largest error of the tip's position for six tip loads P on a rod of length L, with P L^2 / EI
+ * from 0.5 to 10. The benchmark's argument is ten times the number of elements, plus the index of the
+ * stiffness. */
 static double run_elastica(const bench_case *self)
 {
     static const double bend_N_m2[] = {2e-6, 1e-5, 1e-4, 1.85e-3, 4.9e-3};

@@ -163,7 +163,8 @@ static void a_stop_is_carried_out_at_its_tick(void **state)
 static crn_wire_live_tick session[600];
 
 /* In this test the hand pushes, turns and trembles, and feels the tool through the coupling and the friction
- * of the seal. The same inputs in LOCKSTEP give the same hashes, forces and motor values in every tick. */
+ * of the seal. If a session in LOCKSTEP gets the inputs of a FREE_RUN session, it must give the same hashes,
+ * forces and motor values in every tick. */
 static void free_run_replays_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;

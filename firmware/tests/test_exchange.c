@@ -19,8 +19,8 @@
 
 static const double Q30 = 1073741824.0;
 
-/* These constants are the numbers of the tools in the tests' table, as an order gives them. The second wire
- * is short: it is 1.2 m long. */
+/* Gives the numbers of the tools in the tests' table, as an order to exchange tools names them. The second
+ * wire is short: it is 1.2 m long. */
 enum { STIFF_WIRE = 1, SHORT_WIRE, BALLOON, MONORAIL, GUIDE, THICK_WIRE, NARROW_GUIDE, TABLE_COUNT = 7 };
 enum { INNER, MIDDLE, OUTER };
 

@@ -162,8 +162,8 @@ static void distance_is_that_of_contact_bit_for_bit(void **state)
 }
 
 /* Fills every level-0 brick with values of a function of the position, in voxels from the lattice corner. The
- * function first filters the values by c = f - (second differences) / 8, which is exact for quadratic
- * functions. */
+ * function first computes the spline's coefficients c = f - (second differences) / 8 from the values f, which
+ * is exact for quadratic functions. */
 typedef double (*field)(double x, double y, double z);
 static void fill(field f)
 {

@@ -173,9 +173,9 @@ static double depth_at(crn_motion_pose *pose, const double *x)
 }
 
 /* The normal that the core computes must agree, within 1 degree, with the central differences of the distance
- * in the reference pose, which the test computes over 20 um. The expected distance is phi divided by the
- * length of its gradient, where phi is the distance in the reference pose. Near the border of two lattice
- * cells, a central difference uses points in both cells, so up to 2 % of the tested points may fail. */
+ * in the reference pose, which the test computes over 20 um. The expected distance is the distance phi in the
+ * reference pose, divided by the length of the gradient of phi. Near the border of two lattice cells, a
+ * central difference uses points in both cells, so up to 2 % of the tested points may fail. */
 static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
 {
     (void)state;
@@ -435,9 +435,9 @@ static double normal_sum_N(void)
 }
 
 /* A soft wire of 5 g/m lies on the floor of a narrow straight tube, and a hand holds the wire while the floor
- * slides. The hand feels a force of mu times the weight on the floor, within 2 %, in one direction in systole
- * and in the other in diastole. The floor supports the wire's weight, except for the span that hangs from the
- * introducer sheath's distal end. */
+ * slides. The hand feels a force of the friction coefficient mu times the weight on the floor, within 2 %, in
+ * one direction in systole and in the other in diastole. The floor supports the wire's weight, except for the
+ * span that hangs from the introducer sheath's distal end. */
 static void a_wall_that_slides_drags_at_mu_N(void **state)
 {
     (void)state;

@@ -157,10 +157,11 @@ static void blocked_tip_stalls_the_feed(void **context)
 /* --- friction ------------------------------------------------------------------------------------------- */
 
 /* A wire rests on the floor of a straight tube of 1.5 mm radius; the hand pulls and pushes it at constant
- * speed. The force on the handle is mu N, where N is the wire's weight without the part that the introducer
- * sheath supports. The sheath supports two thirds of the span (72 EI h / w)^(1/4) over which the wire, of
- * weight w per length, hangs from height h. The first 10 mm of travel bring every friction displacement
- * (bristle) to its limit. The tolerance of the force is 10 %, because the push bends the hanging span. */
+ * speed. The force on the handle is the friction coefficient mu times N, where N is the wire's weight without
+ * the part that the introducer sheath supports. The sheath supports two thirds of the span (72 EI h /
+ * w)^(1/4) over which the wire hangs from the height h; w is the wire's weight per length, and EI its bending
+ * stiffness. The first 10 mm of travel bring every friction displacement (bristle) to its limit. The
+ * tolerance of the force is 10 %, because the push bends the hanging span. */
 static void sliding_on_the_floor_costs_mu_times_weight(void **context)
 {
     (void)context;

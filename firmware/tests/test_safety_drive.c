@@ -160,8 +160,8 @@ static void a_force_that_a_hand_holds_stays(void **state)
 /* --- what stops --- */
 
 /* During the first `edges` edges of the timer, the motor gives 40 mN to a carriage at rest that nobody
- * touches. After these edges, the carriage moves by `counts` encoder counts at every edge, and the force
- * sensor shows `felt_mN` millinewtons. */
+ * touches. After the first `edges` edges of the timer, the carriage moves by `counts` encoder counts at every
+ * edge, and the force sensor shows `felt_mN` millinewtons. */
 static int run_away(int edges, int32_t counts, int32_t felt_mN)
 {
     safety_bench_drive(&bench);

@@ -202,8 +202,8 @@ static void withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape(void **co
     free(r);
 }
 
-/* Two nested, heavy tools sag under their common weight by (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small
- * sags. L 100 mm, 1 %. */
+/* Two nested, heavy tools of masses m_w and m_c per length sag under their common weight by (m_w + m_c) g L^4
+ * / (8 (EI_w + EI_c)), if the sag is small compared with their length L. L 100 mm, 1 %. */
 static void stiffness_and_weight_add_where_tools_overlap(void **context)
 {
     (void)context;
@@ -220,10 +220,10 @@ static void stiffness_and_weight_add_where_tools_overlap(void **context)
 
 /* --- forces --------------------------------------------------------------------------------------------- */
 
-/* Pushing the catheter over the wire's J-shaped tip stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm =
- * 4.32 mJ of energy. The work of the hands equals the stored energy of 4.32 mJ, which the hands get back when
- * the wire is pushed out again. The tolerance of 5 % of the work allows for the drag of the blood on the
- * moving tip. */
+/* Pushing the catheter over the wire's J-shaped tip of curvature kappa stores EI_w EI_c / (EI_w + EI_c)
+ * kappa^2 / 2 x 30 mm = 4.32 mJ of energy, where EI_w and EI_c are the stiffnesses of wire and catheter. The
+ * work of the hands equals the stored energy of 4.32 mJ, which the hands get back when the wire is pushed out
+ * again. The tolerance of 5 % of the work allows for the drag of the blood on the moving tip. */
 static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
 {
     (void)context;
@@ -383,9 +383,11 @@ static double resting_torque(double friction, double sliding_m_s)
     return torque;
 }
 
-/* A wire that lies on the floor of a tube resists turning with the torque mu N r. The force N is the wire's
- * weight minus the weight that the sheath supports. The sheath supports two thirds of the span over which the
- * wire hangs, (72 EI h / w)^(1/4) = 123 mm at a height h of 2 mm. The tolerance is 8 %. */
+/* A wire of radius r that lies on the floor of a tube resists turning with the torque mu N r, where mu is the
+ * friction coefficient and N the normal force. The force N is the wire's weight minus the weight that the
+ * sheath supports. The sheath supports two thirds of the span over which the wire hangs, which is (72 EI h /
+ * w)^(1/4) = 123 mm for a height h of 2 mm and a weight w per length. The tolerance is 8 %.
+ */
 static void the_wall_resists_turning_with_mu_n_r(void **context)
 {
     (void)context;
@@ -395,9 +397,9 @@ static void the_wall_resists_turning_with_mu_n_r(void **context)
     assert_true(fabs(resting_torque(0, 0)) < 1e-7);
 }
 
-/* The friction limit mu N holds for the slip along the wire and the slip around the wire together. When a
- * hand draws a wire ten times as fast as the wire's surface turns (6.67 mm/s against 0.667 mm/s), the wire
- * resists turning by only about a tenth, 1 / sqrt(101). */
+/* The friction limit, the coefficient mu times the normal force N, holds for the slip along the wire and the
+ * slip around the wire together. When a hand draws a wire ten times as fast as the wire's surface turns (6.67
+ * mm/s against 0.667 mm/s), the wire resists turning by only about a tenth, 1 / sqrt(101). */
 static void a_wire_that_slides_turns_almost_freely(void **context)
 {
     (void)context;

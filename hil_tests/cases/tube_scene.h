@@ -1,5 +1,5 @@
 /* Makes scenes for test cases that need a vessel wall: tubes around a path of straight pieces and bends. In
- * these scenes a formula gives the distance to the wall. */
+ * the tube scenes, a formula gives the distance to the wall. */
 #ifndef CRN_HIL_TUBE_SCENE_H
 #define CRN_HIL_TUBE_SCENE_H
 

@@ -24,9 +24,9 @@ struct SparcSettings {
 // least two values, not all of them zero; otherwise the result is 0.
 double sparc(std::span<const double> speed, double rate_Hz, const SparcSettings &settings = {});
 
-// Returns the logarithmic dimensionless jerk of a speed profile, -ln(T^3 / v_peak^2 * integral of
-// (d2v/dt2)^2). A larger result means a smoother motion. `speed` has at least three values; a profile without
-// jerk gives 0.
+// Returns the logarithmic dimensionless jerk of a speed profile v: -ln(T^3 / v_peak^2 * integral of
+// (d2v/dt2)^2), where T is the duration and v_peak the highest speed. A larger result means a smoother
+// motion. `speed` has at least three values; a profile without jerk gives 0.
 double ldlj(std::span<const double> speed, double rate_Hz);
 
 // Returns the number of peaks of a speed profile. A peak is counted if it rises above the higher of the two

@@ -7,7 +7,7 @@ namespace crn
 {
 
 // Installs signal handlers: from now on the first Ctrl-C or SIGTERM only sets a flag. The second signal
-// removes pending files and ends the program, whatever the program is doing.
+// (Ctrl-C or SIGTERM) removes pending files and ends the program, whatever the program is doing.
 void watch_for_interrupt();
 bool is_interrupted();
 

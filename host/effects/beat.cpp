@@ -7,8 +7,8 @@ namespace crn
 namespace
 {
 
-// A constant part of the mean flow passes during the whole beat. The remaining flow rises and falls once per
-// beat. These fractions are assumptions (docs/contrast.md).
+// A constant part of the mean flow passes during the whole beat. The other part of the mean flow rises and
+// falls once per beat. These fractions are assumptions (docs/contrast.md).
 constexpr double systemic_even = 0.6;        // the hump fills systole
 constexpr double left_coronary_even = 0.25;  // the hump fills diastole
 constexpr double right_coronary_even = 0.75; // the hump fills diastole

@@ -38,9 +38,9 @@ FlowDrive flow_drive(const BeatPhase &phase);
 // systole and closes at its end. During asystole (`is_resting`) there is no flow.
 BeatPhase core_beat(double beat_ms, double interval_ms, bool is_resting);
 
-// Returns the phase of a regular heartbeat that starts at tick 0 and has 20 .. 250 beats per minute. In this
-// model, ejection lasts 413 ms - 1.7 ms x heart rate (in beats per minute), as in men (Weissler et al.,
-// Circulation 37 (1968) 149).
+// Returns the phase of a regular heartbeat that starts at tick 0 and has 20 .. 250 beats per minute. The
+// heart model assumes that ejection lasts 413 ms - 1.7 ms x heart rate (in beats per minute), as in men
+// (Weissler et al., Circulation 37 (1968) 149).
 BeatPhase steady_beat(std::uint32_t tick, double beats_per_min);
 
 } // namespace crn

@@ -36,8 +36,9 @@ void ContrastFlow::take_volumes()
     for (std::size_t i = 0; i < cells_.size(); ++i) {
         const double radius_mm = cells_[i].radius_mm;
         per_volume_[i] = 2.0 / volume_ml_[i];
-        // The mixing rate of the two layers of blood is the mean speed Q / (pi r^2) of the blood divided by
-        // the mixing length. The mixing length is mixing_radii times the radius r.
+        // The mixing rate of the two layers of blood is the mean speed Q / (pi r^2) of the blood (flow Q in a
+        // vessel of radius r) divided by the mixing length. The mixing length is mixing_radii times the
+        // radius r.
         mixing_[i] = 1e3 / (pi * radius_mm * radius_mm * radius_mm * settings_.mixing_radii);
     }
     network_.set_volumes(volume_ml_);

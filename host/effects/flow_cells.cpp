@@ -45,8 +45,9 @@ Vector3d between(const std::vector<Vector3d> &points_m, const FlowCell::Place &p
 }
 
 // Integrates along the part of a branch that a cell covers; the radius changes linearly from one point of the
-// branch to the next. The function computes three quantities of that part: its length, the integral of pi r^2
-// ds, and the integral of ds / r^4.
+// branch to the next. The function computes three quantities of that part of a vessel: its length, its volume
+// (the integral of pi r^2 ds), and the integral of ds / r^4, which determines its flow resistance (r: radius,
+// s: arc length).
 void measure(FlowCell &cell, const VesselBranch &branch)
 {
     double volume_mm3 = 0.0;

@@ -84,8 +84,8 @@ class FlowCells
     std::vector<Eigen::Vector3d> middle_m_;
 };
 
-// Returns the mean flow out of a vessel of this radius by Murray's law: pi/4 500/s r^3, which gives a wall
-// shear rate of 500/s.
+// Returns the mean flow out of a vessel of radius r by Murray's law: pi/4 500/s r^3, which gives a wall shear
+// rate of 500/s.
 double murray_flow_ml_s(double radius_mm);
 
 } // namespace crn

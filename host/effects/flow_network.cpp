@@ -16,9 +16,10 @@ constexpr double blood_kg_m3 = 1060.0;
 constexpr double expansion_loss = 1.5; // K_t, approximately (Young and Tsai 1973)
 constexpr int settle_rounds = 60;      // each round at least halves the remaining error
 
-// Returns a stenosis's pressure loss K_t rho/2 (A0/As - 1)^2 v0^2, divided by the square of the flow through
-// the stenosis. Format: mm and ml/s -> mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). The loss is 0 where
-// the lesion's narrowest point is no narrower than the vessel.
+// Returns a stenosis's pressure loss K_t rho/2 (A0/As - 1)^2 v0^2 (K_t: loss coefficient, rho: density, A0
+// and As: areas of the healthy vessel and of the stenosis, v0: speed in the healthy vessel), divided by the
+// square of the flow through the stenosis. Format: mm and ml/s -> mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1
+// m/s). The loss is 0 where the lesion's narrowest point is no narrower than the vessel.
 double loss_of(const FlowThroat &throat, double tool_radius_mm)
 {
     const double area = throat.healthy_radius_mm * throat.healthy_radius_mm;
@@ -72,8 +73,8 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
     divide({});
 }
 
-// Computes the flow resistances of the cells by Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4,
-// converted from Pa s/m^3 to mmHg s/ml.
+// Computes the flow resistances of the cells by Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4 (mu:
+// viscosity, r: radius, s: arc length), converted from Pa s/m^3 to mmHg s/ml.
 void FlowNetwork::take_shape(const FlowCells &cells)
 {
     open_.resize(cells.size());
@@ -196,9 +197,10 @@ double FlowNetwork::pressure_mmHg(std::size_t cell) const
 
 // In the following equations, c is the conductance from a run's last cell to the veins, and s is the flow
 // that is injected into this cell. Let p be the pressure in the last cell, u the pressure upstream, and g the
-// conductance of the path between them. With the pressures u upstream and p in the run's last cell, and the
-// conductance g between them, the balance of flows is g (u - p) + s = c p. Seen from upstream, the run
-// therefore acts as a conductance of g c / (g + c) with an injected flow of g s / (g + c).
+// conductance of the path between them. With the pressures u upstream and p in the run's last cell, the
+// conductance g between them, the flow s into this cell, and the conductance c from this cell to the veins,
+// the balance of flows is g (u - p) + s = c p. Seen from upstream, the run therefore acts as a conductance of
+// g c / (g + c) with an injected flow of g s / (g + c).
 void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources)
 {
     const bool is_divided =

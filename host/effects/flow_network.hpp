@@ -15,9 +15,9 @@ namespace crn
 {
 
 // Returns the conductance of a round tube with a concentric round rod in it, divided by that of the empty
-// tube; k is the rod's radius divided by the tube's radius. The remaining fraction of the conductance is 1 -
-// k^4 - (1 - k^2)^2 / ln(1/k), and 0 from k = 0.98 on (Bird, Stewart, Lightfoot, Transport Phenomena, flow
-// through an annulus).
+// tube; k is the rod's radius divided by the tube's radius. If a guidewire of radius k times the lumen's
+// radius lies in the lumen, the remaining fraction of the conductance is 1 - k^4 - (1 - k^2)^2 / ln(1/k), and
+// 0 from k = 0.98 on (Bird, Stewart, Lightfoot, Transport Phenomena, flow through an annulus).
 double annulus_share(double share);
 
 struct CellSource {

@@ -1,12 +1,13 @@
 // Computes the pressure that an injection needs to pass through a tool's lumen, when other tools may lie in
 // that lumen.
 //
-// Laminar flow Q of viscosity mu through a lumen of radius R needs dp/ds = 8 mu Q / (pi R^4). A concentric
-// guidewire of radius k R leaves an annulus with the fraction 1 - k^4 - (1 - k^2)^2 / ln(1/k) of the lumen's
-// conductance (Bird, Stewart, Lightfoot, Transport Phenomena, 2.4). Beside a guidewire on the wall of the
-// lumen, the conductance is at most 2.5 times that beside a concentric guidewire (for a narrow gap 1 + 1.5
-// e^2, Snyder and Goldstein 1965). The functions return the least pressure that the injection can need, so
-// that an injection is never refused without reason.
+// Laminar flow Q of a fluid of viscosity mu through a lumen of radius R needs the pressure gradient dp/ds = 8
+// mu Q / (pi R^4). A concentric guidewire of radius k R leaves an annulus with the fraction 1 - k^4 - (1 -
+// k^2)^2 / ln(1/k) of the lumen's conductance (Bird, Stewart, Lightfoot, Transport Phenomena, 2.4). Beside a
+// guidewire on the wall of the lumen, the conductance is at most 2.5 times that beside a concentric guidewire
+// (for a narrow gap with the relative eccentricity e, 1 + 1.5 e^2 times; Snyder and Goldstein 1965). The
+// functions return the least pressure that the injection can need, so that an injection is never refused
+// without reason.
 #pragma once
 #include "host/model/instrument.hpp"
 #include <span>

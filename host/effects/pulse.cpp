@@ -49,8 +49,8 @@ double ecg_mV(double phase, double beat_ms, double interval_ms, std::uint8_t bit
            0.28 * bell(beat_ms - 60.0, 8.0) + 0.30 * t;
 }
 
-// The flow out of the ventricle follows the curve s^a (1-s)^b with area 1: it rises fast and falls slowly,
-// like the flow in the aortic root.
+// The flow out of the ventricle follows the curve s^a (1-s)^b of the fraction s of the ejection time, scaled
+// to the area 1: it rises fast and falls slowly, like the flow in the aortic root.
 double ejection_shape(double share)
 {
     if (share <= valve_opens_share || share >= valve_closes_share) return 0.0;

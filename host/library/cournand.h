@@ -56,7 +56,7 @@ extern "C" {
 #endif
 
 /* The version of this header. A higher minor version may add functions, and members of structs; only a higher
-   major version may remove or change them. */
+ * major version may remove or change them. */
 #define COURNAND_VERSION_MAJOR 0
 #define COURNAND_VERSION_MINOR 1
 #define COURNAND_VERSION_PATCH 0
@@ -97,12 +97,12 @@ COURNAND_API const char *cournand_status_name(cournand_status status);
 COURNAND_API const char *cournand_error_text(void);
 
 /* The next two functions return the library's version, as a text such as "0.1.0" and as the number major *
-   1000000 + minor * 1000 + patch. */
+ * 1000000 + minor * 1000 + patch. */
 COURNAND_API const char *cournand_version_text(void);
 COURNAND_API uint32_t cournand_version(void);
 
 /* Returns the version of the core. Two cores with equal versions compute equal results from equal inputs, bit
-   for bit, and each can replay the other's recordings. */
+ * for bit, and each can replay the other's recordings. */
 COURNAND_API uint32_t cournand_core_version(void);
 
 /* --- scenes -----------------------------------------------------------------------------------------------
@@ -211,7 +211,7 @@ typedef struct cournand_world_options {
     uint32_t inserted_count;
     float inserted_m[COURNAND_POSITIONS_MAX];
     /* The number of ticks between two samples of the wall forces for cournand_reading::wall_force_peak_N, 1
-       .. 1000; 0 switches the samples off. */
+     * .. 1000; 0 switches the samples off. */
     uint32_t contact_ticks;
     uint32_t stent_count; /* stents that the patient may get, in this order; needs COURNAND_WITH_PATIENT */
     const char *const *stents; /* paths of stent files (docs/stent.md) */
@@ -504,8 +504,8 @@ COURNAND_API cournand_status cournand_render(cournand_renderer *renderer, courna
                                              const cournand_view *view, cournand_picture *picture);
 
 /* Returns the projection of a view as a matrix P, double [3][4], row by row. P (x, y, z, 1), with x, y and z
-   in m, is (u w, v w, w), where u is the column and v the row in pixels; pixel centres have fractions of
-   .5. */
+ * in m, is (u w, v w, w), where u is the column and v the row in pixels; pixel centres have fractions of
+ * .5. */
 COURNAND_API cournand_status cournand_view_matrix(const cournand_view *view, double matrix[12]);
 
 /* --- recordings
@@ -545,7 +545,7 @@ COURNAND_API cournand_status cournand_recording_inputs(const cournand_recording 
                                                        uint32_t count, cournand_input *inputs);
 
 /* Makes a world at tick 0 with the recording's tools, line, entry and stents. `scene` must be the scene of
-   the recording, that is, its file must have the same size and checksum. `flags` as in the options. */
+ * the recording, that is, its file must have the same size and checksum. `flags` as in the options. */
 COURNAND_API cournand_status cournand_recording_world(const cournand_recording *recording,
                                                       const cournand_scene *scene, uint32_t flags,
                                                       cournand_world **world);

@@ -2,7 +2,7 @@
 // breathes, the saturation is 98 %. While the breath is held, the saturation stays at 98 % for 20 s, because
 // the lungs store oxygen and the blood needs time to reach the finger. If the breath is held for longer than
 // 20 s, the saturation falls faster and faster, to 90 % after 70 s. When the patient breathes again, the
-// saturation recovers five times as fast as it fell. These saturation values are assumptions for a healthy
+// saturation recovers five times as fast as it fell. The saturation values are assumptions for a healthy
 // adult who breathes air.
 #pragma once
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Measures how the window performs on this machine: pictures per second, the delay from hand to picture, and
-// how punctual the physics is. These measurements are not part of a session's result.
+// how punctual the physics is. The measured times of the window are not part of a session's result.
 #pragma once
 #include "host/live/picture_thread.hpp"
 #include "host/live/suite_state.hpp"

@@ -77,8 +77,8 @@ class Values
     std::optional<TomlTable> all_;
 };
 
-// Returns pi/4 (R^4 - r^4), the second moment of area of a tube or, with r = 0, of a round wire, in m^4; the
-// radii are in mm.
+// Returns pi/4 (R^4 - r^4), the second moment of area in m^4 of a tube with the outer radius R and the inner
+// radius r or, with r = 0, of a round wire; the radii are in mm.
 double area_moment_m4(double outer_mm, double inner_mm)
 {
     return std::numbers::pi / 4.0 * (std::pow(outer_mm, 4) - std::pow(inner_mm, 4)) * 1e-12;

@@ -133,9 +133,10 @@ Eigen::Vector3d Motion::pull(const Eigen::Vector3d &x_m, const MotionMoment &mom
 namespace
 {
 
-// Solves x = X - w(x) for the position x by fixed-point iteration, where w is the lattice's displacement. The
-// iteration converges because the displacement w changes by less than x does. Each round of the iteration
-// multiplies the error by the gradient of w, which is a third in the lattice of a heart.
+// Solves x = X - w(x) for the position x by fixed-point iteration, where X is the point in the reference pose
+// and w the lattice's displacement. The iteration converges because the displacement w changes by less than x
+// does. Each round of the iteration multiplies the error by the gradient of w, which is a third in the
+// lattice of a heart.
 template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;

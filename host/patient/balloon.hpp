@@ -12,8 +12,7 @@ namespace crn
 {
 
 // A balloon is filled with contrast medium (350 mg of iodine per ml) that is diluted with an equal volume of
-// saline. This constant is the iodine concentration of the mixture of contrast medium and saline in a
-// balloon.
+// saline. The mixture in a balloon has this concentration of iodine.
 inline constexpr double balloon_iodine_mg_per_ml = 175.0;
 
 // Returns the index of the tool with a balloon, counted from the innermost, or no value if no tool has a

@@ -15,8 +15,8 @@ namespace crn
 class CatheterAir
 {
   public:
-    // This volume fills the lumen of the longest catheter of the project; the program assumes it for all
-    // catheters.
+    // The assumed volume fills the lumen of the longest catheter of the project; the program assumes it for
+    // all catheters.
     static constexpr std::int32_t enough_ul = 2000;
 
     // The catheter is the outermost of `tools` that has a lumen. The catheter is flushed with saline before

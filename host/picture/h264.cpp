@@ -17,7 +17,7 @@ constexpr int quality = 23; // QP, 0 .. 51, small is good
 constexpr std::size_t start_code_bytes = 4; // before every NAL unit: 0 0 0 1
 constexpr int type_mask = 31, type_sequence_parameters = 7, type_picture_parameters = 8;
 
-// These factors convert RGB to the colour space BT.709 (ITU-R BT.709-6, 3.4): brightness 16 .. 235, colour
+// The factors convert RGB to the colour space BT.709 (ITU-R BT.709-6, 3.4): brightness 16 .. 235, colour
 // differences 16 .. 240 around 128. The fixed-point factors that convert RGB have 16 binary places.
 constexpr double red_share = 0.2126, blue_share = 0.0722, brightness_range = 219.0 / 255,
                  colour_range = 224.0 / 255;

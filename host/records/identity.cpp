@@ -64,7 +64,7 @@ template <std::size_t words> class Hash
     std::uint64_t length_ = 0;
 };
 
-// These constants of SHA-256 are the first 32 bits of the fractional parts of the cube roots of the first 64
+// Holds the constants of SHA-256: the first 32 bits of the fractional parts of the cube roots of the first 64
 // primes (FIPS 180-4, 4.2.2).
 constexpr std::array<std::uint32_t, 64> sha_constants{
     0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,

@@ -11,7 +11,7 @@ namespace
 
 constexpr int scales = 60; // of the exponential, from half a session to four times their number
 
-// This is a deterministic generator of random numbers with a full period (Steele, Lea and Flood 2014,
+// The function is a deterministic generator of random numbers with a full period (Steele, Lea and Flood 2014,
 // SplitMix64). Distributions of the C++ standard library may differ between implementations.
 class Random
 {

@@ -15,10 +15,10 @@ inline constexpr std::size_t cohort_people_min = 5; // fewer people could be rec
 inline constexpr std::size_t fit_sessions_min = 6;  // three parameters, and three sessions to judge them by
 inline constexpr int fit_resamples = 2000;
 
-// Holds the exponential curve value(n) = plateau + gain exp(-(n - 1) / scale) of session n = 1, 2, ...,
-// fitted by least squares. The learning of a single person follows an exponential, not a power law
-// (Heathcote, Brown and Mewhort 2000). The pointwise 95 % band of the curve comes from a bootstrap of the
-// residuals (Efron and Tibshirani 1993, 9.4).
+// Holds the exponential curve value(n) = plateau + gain exp(-(n - 1) / scale), fitted by least squares, where
+// n = 1, 2, ... is the number of the session. The learning of a single person follows an exponential, not a
+// power law (Heathcote, Brown and Mewhort 2000). The pointwise 95 % band of the curve comes from a bootstrap
+// of the residuals (Efron and Tibshirani 1993, 9.4).
 struct LearningFit {
     double plateau = 0.0, gain = 0.0, scale_sessions = 0.0;
     std::vector<double> value, low, high; // one per session
@@ -71,11 +71,11 @@ struct CusumSettings {
 };
 
 // Computes a learning-curve CUSUM (cumulative sum; Biau and others 2008): S = max(0, S + W), where W is ln((1
-// - good)/(1 - bad)) after a success and ln(good/bad) after a failure. The trainee counts as competent when
-// the cumulative sum S reaches its limit. After a trainee has become competent, a second CUSUM detects a
-// relapse: a failure adds ln(bad/good), and a success adds ln((1 - bad)/(1 - good)). When the sum of the
-// second CUSUM reaches its limit, a relapse is signalled and the sum begins again at 0. The limit of each
-// CUSUM was computed from 20,000 simulated trainees.
+// - good)/(1 - bad)) after a success and ln(good/bad) after a failure, with a good and a bad rate of
+// failures. The trainee counts as competent when the cumulative sum S reaches its limit. After a trainee has
+// become competent, a second CUSUM detects a relapse: a failure adds ln(bad/good), and a success adds ln((1 -
+// bad)/(1 - good)). When the sum of the second CUSUM reaches its limit, a relapse is signalled and the sum
+// begins again at 0. The limit of each CUSUM was computed from 20,000 simulated trainees.
 struct Cusum {
     CusumSettings settings;
     double success = 0.0, failure = 0.0; // what each adds to `learning`

@@ -13,8 +13,8 @@ namespace crn
 namespace
 {
 
-// These colours have a contrast ratio of at least 4.5 to white; each kind of line also has its own dash
-// pattern.
+// The colours of the curves have a contrast ratio of at least 4.5 to white; each kind of line also has its
+// own dash pattern.
 constexpr const char *own = "#1f5fa8", *expert = "#1b6e3c", *cohort = "#a8560f", *alarm = "#b3261e";
 constexpr const char *expert_dash = "8 4", *cohort_dash = "2 4";
 

@@ -17,7 +17,7 @@ namespace
 
 using Cause = RecordsError::Cause;
 
-// These are the numbers by which PostgreSQL names the types of result columns (pg_type.dat).
+// Gives the numbers by which PostgreSQL names the types of result columns (pg_type.dat).
 enum : pqxx::oid {
     type_bool = 16,
     type_int8 = 20,

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 // ends with .invalid never resolves (RFC 2606).
 const std::string space = std::string(records_home_page) + "/xapi/";
 
-// These characters may be in an IRI without an escape (RFC 3986, 2.3).
+// The listed characters may be in an IRI without an escape (RFC 3986, 2.3).
 std::string iri_part(const std::string &text)
 {
     std::string part;

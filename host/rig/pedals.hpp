@@ -50,8 +50,9 @@ class RigSyringe
             window_ = tick / window_ticks;
             return {};
         }
-        // This limit is higher than the flow that a hand can inject with the syringe. If the plunger seems to
-        // move faster than a hand can, its sensor has jumped, and nothing is injected.
+        // The program's limit for the flow is higher than the flow that a hand can inject with the syringe.
+        // If the plunger seems to move faster than a hand can, its sensor has jumped, and nothing is
+        // injected.
         if (moved > 0 && moved <= inject_rate_max_ul_s) volume_ul_ += moved;
         if (tick / window_ticks == window_) return {};
         window_ = tick / window_ticks;

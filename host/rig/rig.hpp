@@ -39,8 +39,8 @@ struct RigTalk {
 };
 RigTalk console_talk();
 
-// This exception is thrown when the user ends the dialogue; its message states which settings were left
-// unchanged.
+// The rig dialogue throws this exception when the user ends the dialogue; its message states which settings
+// were left unchanged.
 class RigStopped : public std::runtime_error
 {
   public:

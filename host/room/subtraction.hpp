@@ -33,8 +33,8 @@ void subtract(const std::vector<float> &mask_log2, const std::vector<float> &liv
 void grey_of_density(const std::vector<float> &density, std::span<const std::uint8_t> open, float window,
                      std::uint8_t background, std::vector<std::uint8_t> &grey);
 
-// Computes peak[i] = max(peak[i], density[i]) for every pixel; if `peak` is empty, it becomes equal to
-// `density`.
+// Sets peak[i] to the larger of peak[i] and density[i] for every pixel i; if `peak` is empty, it becomes
+// equal to `density`.
 void hold_peak(const std::vector<float> &density, std::vector<float> &peak);
 
 // Draws the peak of opacification (the densest state of each pixel) in white over a live picture. Before

@@ -16,8 +16,8 @@ std::int64_t divide_rounded(std::int64_t a, std::int64_t b)
 
 // Returns a time in ticks, multiplied by 2 r^3 so that it is a whole number; r is the length of the ramp in
 // ticks. In the returned time, a hand at full speed moves as far as an accelerating hand in the first t ticks
-// of a ramp of r ticks. The returned number is t^3 (2 r - t), which follows from the integral of the
-// smoothstep function 3u^2 - 2u^3.
+// of a ramp of r ticks. The returned number is t^3 (2 r - t) for the time t within a ramp of r ticks, which
+// follows from the integral of the smoothstep function 3u^2 - 2u^3.
 std::int64_t ramp_numerator(std::int64_t t, std::int64_t r)
 {
     return t * t * t * (2 * r - t);
@@ -72,8 +72,8 @@ void LiveHand::set_speed(std::int64_t translation_counts_per_s, std::int64_t rot
     rotation_.target = rotation_counts_per_s;
 }
 
-// With these steps of the speed per tick, a resting hand reaches 60 mm/s and one turn per second in about 150
-// ms.
+// With the given steps of the speed per tick, a resting hand reaches 60 mm/s and one turn per second in about
+// 150 ms.
 void LiveHand::advance_tick()
 {
     translation_.advance(400);

@@ -11,8 +11,8 @@ namespace
 
 constexpr std::int64_t mm = 1000; // um
 
-// Holds the parameters of the simulated hand that steers a tool. These parameters were found by trials on the
-// shipped aorta and heart, with friction, stiffness and initial angle varied by some per cent
+// Holds the parameters of the simulated hand that steers a tool. The parameters of the steering were found by
+// trials on the shipped aorta and heart, with friction, stiffness and initial angle varied by some per cent
 // (tools/check/tests/test_sessions.py). No parameter is adjusted to a single session.
 struct Habit {
     double speed_m_s, depth_m, limit_s;

@@ -22,8 +22,8 @@ namespace
 constexpr std::uint32_t look_ms = 5;         // the device has read its rig by then
 constexpr std::uint32_t silent_max_ms = 500; // without a tick
 constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
-// With this stiffness of the virtual coupling, the motors did not oscillate in any of the five situations
-// that docs/haptics.md describes.
+// With a virtual coupling of 800 N/m, the motors did not oscillate in any of the five situations that
+// docs/haptics.md describes.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
 // Returns the wanted coupling stiffness, but at most four fifths of the largest stiffness that the device

@@ -39,7 +39,8 @@ struct StentDesign {
 
     // Returns the length of a strut as seen along the stent's axis, which is the chord 2 r sin(pi / 2 N).
     double chord_mm(double radius_mm) const;
-    // Returns the height of a ring along the axis, if the struts keep their length: sqrt(strut^2 - chord^2).
+    // Returns the height of a ring along the axis, if the struts keep their length: sqrt(strut^2 - chord^2),
+    // where `chord` is the distance between neighbouring points around the axis.
     double ring_height_mm(double radius_mm) const;
     // Returns the distance between two crowns that a link joins, which is the length that the rings of a
     // crimped stent leave for links.

@@ -82,8 +82,8 @@ struct Builder {
     }
 };
 
-// Returns (d length / d R)^2 of the chord between two points on one side of a ring of radius R, which is 4
-// sin^2(half the angle between them).
+// Returns (d length / d R)^2, the squared change of a chord's length with the ring's radius R; the chord
+// joins two points on one side of the ring, and the value is 4 sin^2(half the angle between them).
 double chord_share(const StentLattice &lattice, const StentSpring &spring)
 {
     const double half = (lattice.angle(spring.ends[1]) - lattice.angle(spring.ends[0])) / 2;

@@ -15,8 +15,7 @@ namespace crn
 {
 
 inline constexpr float page_margin = 60.0f; // units, at the left of the screens
-// These are the indices of the textures for the preparation and the case cards; the monitors use lower
-// indices.
+// Gives the indices of the textures for the preparation and the case cards; the monitors use lower indices.
 inline constexpr std::size_t prep_slot = 4, card_slot = 8;
 
 struct PageChoice {

@@ -5,9 +5,9 @@
 // (2012) 2826). The exposure control estimates the patient's thickness as centimetres of water from the
 // signal of the last pulse. A fixed curve then gives the technique for the estimated thickness.
 //
-// On this fixed curve (an "anti-isowatt" curve) voltage, current and pulse width increase together. At the
-// limit of the current, or at the power limit of the tube ("isowatt"), only the voltage increases further, to
-// 125 kV.
+// On the fixed curve of the exposure control (an "anti-isowatt" curve), voltage, current and pulse width
+// increase together. At the limit of the current, or at the power limit of the tube ("isowatt"), only the
+// voltage increases further, to 125 kV.
 //
 // The exposure control takes the thickest copper filter with which the voltage stays low enough for iodine
 // (80 kV in fluoroscopy, 75 kV otherwise). With the thinnest copper filter the voltage may exceed the limit

@@ -2,8 +2,8 @@
 //
 // The model has one kind of trap, as in Siewerdsen and Jaffray, "A ghost story", Med Phys 26 (1999) 1624, who
 // measured a lag of 2 to 10 %. A fraction a = 3 % of each picture's signal s is trapped. Within the time T to
-// the next read-out, the traps release the fraction b(T) = 1 - 2^(-T/h) of the trapped signal q, with h = 140
-// ms.
+// the next read-out, the traps release the fraction b(T) = 1 - 2^(-T/h) of their signal, where h = 140 ms is
+// the half-life.
 //     out = (1 - a) s + b q,   q <- (1 - b) q + a s
 // No signal is lost. After a long exposure, the first picture without X-rays has 3 % of the last picture's
 // signal, at any picture rate. The signal of each later picture without X-rays is 1 - b times the signal of

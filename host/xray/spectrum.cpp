@@ -13,15 +13,17 @@ constexpr double electron_rest_keV = 510.99895;
 constexpr double edge_K_keV = 69.525;
 constexpr double output_scale = 1.17; // scales to spekpy's kerma: spectrum.hpp
 
-// Holds the constant alpha r_e^2 Z^2 / A of tungsten, in cm2 per g.
+// Holds the constant alpha r_e^2 Z^2 / A of tungsten in cm2 per g (alpha: fine-structure constant, r_e:
+// electron radius, Z: atomic number, A: atomic mass).
 constexpr double cross_section_cm2_g =
     1.0 / 137.036 * 2.8179403e-13 * 2.8179403e-13 * 74 * 74 / (183.84 * 1.66053907e-24);
 
 // Holds the number of electrons of one mAs, divided by the area in mm2 of a sphere with radius 1 m.
 constexpr double per_mm2_mAs = 6.241509e15 / (4.0 * 3.14159265358979 * 1e6);
 
-// Returns the constant c of Thomson and Whiddington, T0^2 - T^2 = c x, with x in g/cm2. The constant c is in
-// keV2 cm2/g, and is interpolated linearly between measured voltages.
+// Returns the constant c of the law of Thomson and Whiddington, T0^2 - T^2 = c x, for an electron's energies
+// T0 at the surface and T at the depth x, which is in g/cm2. The constant c is in keV2 cm2/g, and is
+// interpolated linearly between measured voltages.
 double whiddington(double kV)
 {
     constexpr double at_kV[] = {40.0, 50.0, 75.0, 100.0, 150.0};

@@ -1,7 +1,7 @@
 /* This file checks the LESIONS section of a body file and gives access to the lesions. */
 #include "shared/scene/scene_check.h"
 
-/* These constants give the fields of a lesion as byte offsets from the lesion's beginning. */
+/* Gives the fields of a lesion as byte offsets from the lesion's beginning. */
 enum {
     BRANCH_AT = 32,
     POINT_AT = 36,

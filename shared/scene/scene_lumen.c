@@ -1,7 +1,7 @@
 /* Checks the LUMEN section. The lumen's child rows, which refine bricks, form two ranks. Rows of the first
  * rank, which refine coarse bricks, come first and may refer to rows of the second rank; rows of the second
- * rank refer to no rows. Because of the two ranks, the refinement of bricks always ends, and the check needs
- * no walk through the rows. */
+ * rank refer to no rows. Because child rows have only two ranks, the refinement of bricks always ends, and
+ * the check needs no walk through the rows. */
 #include "shared/scene/scene_check.h"
 
 enum { OUTSIDE_AND_INSIDE = 2, REFINED = 0x8000 };

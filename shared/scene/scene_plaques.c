@@ -2,8 +2,8 @@
  * must be within the range for which the core's arithmetic is proved to be correct. */
 #include "shared/scene/scene_check.h"
 
-/* These constants give the fields as byte offsets from the beginning of a plaque's record and from the
- * beginning of one of its points. */
+/* Gives the fields of a plaque as byte offsets from the beginning of its record and from the beginning of one
+ * of its points. */
 enum {
     BOX_AT = 0,
     CHORD_AT = 24,

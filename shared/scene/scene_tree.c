@@ -1,7 +1,7 @@
 /* This file checks the TREE section of a body file and gives access to the vessel tree. */
 #include "shared/scene/scene_check.h"
 
-/* These constants give the fields of a branch as byte offsets from the branch's beginning. */
+/* Gives the fields of a branch as byte offsets from the branch's beginning. */
 enum {
     PARENT_AT = 32,
     PARENT_POINT_AT = 36,

@@ -24,7 +24,7 @@ enum {
     CRN_WIRE_CRC_BYTES = 4,
     CRN_WIRE_BODY_MAX = CRN_WIRE_HEADER_BYTES + CRN_WIRE_PAYLOAD_MAX + CRN_WIRE_CRC_BYTES,
     /* The COBS encoding adds one byte for each full or partial block of 254 bytes, and a zero byte ends the
-       frame. */
+     * frame. */
     CRN_WIRE_FRAME_MAX = CRN_WIRE_BODY_MAX + CRN_WIRE_BODY_MAX / 254 + 2,
 };
 

@@ -35,7 +35,7 @@ struct HeartPlacement {
 /* Throws std::invalid_argument when the three landmarks are impossible for a human heart; the message names
  * the command-line option that may be wrong. The shipped heart must be 0.6 to 1.6 times as large as the other
  * heart. After the fit, no landmark may be more than 20 mm away from its counterpart on the shipped heart.
- * The three landmarks must not lie on one straight line. */
+ * The three landmarks that a borrowed heartbeat needs must not lie on one straight line. */
 HeartPlacement place_heart(const HeartLandmarks &other);
 
 /* Writes the vertex positions of the mesh in the 24 frames of the beat to FOLDER/NAME_00.ply ...

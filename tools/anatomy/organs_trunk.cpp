@@ -65,7 +65,7 @@ Solid skin()
     part.add<Formula>(
         [shoulders](const Vec3 &p) {
             double inside = smooth_min(trunk_distance(p), shoulders.distance(p), SHOULDER_BLEND_MM);
-            // The next two lines cut out the gap between the thighs.
+            // The next two lines of code cut out the gap between the thighs.
             const double gap = std::hypot(p.x() * 1.6, std::max(0.0, p.y() + 400.0)) - 26.0;
             inside = smooth_max(inside, -gap, 20.0);
             return smooth_max(inside, std::max(BOTTOM_MM - p.y(), p.y() - SKIN_TOP_MM), RIM_MM);

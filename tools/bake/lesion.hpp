@@ -45,8 +45,8 @@ VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 // Returns the regions in which the field must resolve the narrowed wall, even where the scene's text permits
 // a larger tolerance. Near the narrowed wall the distance may be wrong by a fifteenth of the narrowest
 // radius, or by 0.03 mm if this is larger. The edge of a voxel is at most 0.7 times the narrowest radius, if
-// the scene container permits such small voxels. With this resolution, a guidewire or catheter that passes
-// the narrowest point of the mesh also passes that of the field.
+// the scene container permits such small voxels. With the chosen resolution, a guidewire or catheter that
+// passes the narrowest point of the mesh also passes that of the field.
 std::vector<FineRegion> fine_regions(const VesselTree &tree);
 
 // Returns a shell of calcium in the plaque of the lesion, over the arc that the lesion's text states. Only

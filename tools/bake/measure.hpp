@@ -41,14 +41,14 @@ struct Referee {
 };
 
 // Tests random capsules whose axis lies in the lumen and whose radius reaches the wall. Compares the core's
-// contact depth, the largest phi + r along the axis, with libccd's deepest penetration of the triangles
-// around the capsule.
+// contact depth, the largest phi + r (signed distance of the axis plus radius) along the capsule's axis, with
+// libccd's deepest penetration of the triangles around the capsule.
 Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::size_t poses,
                         std::uint64_t seed, Progress &progress);
 
-// Returns the radius of the smallest ball that touches two opposite walls. The two points of contact must be
-// at least 120 degrees apart as seen from the ball's centre. The function tries up to `points` points of the
-// surface.
+// Returns the radius of the smallest ball that touches two opposite walls. The ball's two points of contact
+// with the walls must be at least 120 degrees apart as seen from the ball's centre. The function tries up to
+// `points` points of the surface.
 Worst smallest_radius(const TriangleTree &tree, std::size_t points);
 
 } // namespace crn::bake

@@ -66,8 +66,9 @@ double outlet_cubes_mm3(const Network &network, std::size_t branch)
 
 } // namespace
 
-// The flow resistance is R = 8 mu/pi times the integral of r^-4 along the length. For a tube with end radii a
-// and b the integral of r^-4 is (a^2 + a b + b^2) / (3 a^3 b^3) per unit of length.
+// The flow resistance is R = 8 mu/pi times the integral of r^-4 along the length (mu: viscosity, r: radius).
+// For a tube with end radii a and b, the mean of r^-4 over the length (r: radius) is (a^2 + a b + b^2) / (3
+// a^3 b^3).
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s)
 {
     const double length = (b.centre_mm - a.centre_mm).norm(), ra = a.radius_mm, rb = b.radius_mm;

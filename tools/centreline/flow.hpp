@@ -16,9 +16,9 @@ struct FlowSettings {
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s);
 
 // Sets speed_mm_s of every sphere. Returns for every branch the flow, in ml/min, just downstream of its first
-// sphere. Each outlet ends in a vascular bed of flow resistance K / r^3, where r is the outlet's radius
-// (Murray). All vascular beds have the same constant `K`. The function chooses `K` so that, at the given
-// inlet flow, the beds alone cause the given pressure drop.
+// sphere. Each outlet ends in a vascular bed of flow resistance K / r^3 (Murray), where r is the outlet's
+// radius and K a constant of the tree. All vascular beds have the same constant `K`. The function chooses `K`
+// so that, at the given inlet flow, the beds alone cause the given pressure drop.
 std::vector<double> set_flow(Tree &tree, const FlowSettings &settings);
 
 } // namespace crn::centreline

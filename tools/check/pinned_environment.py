@@ -8,11 +8,11 @@ import venv
 
 
 class EnvironmentFault(Exception):
-    """This exception means that the environment cannot be made; its text states the remedy."""
+    """Reports that the virtual environment cannot be made; the exception's text states the remedy."""
 
 
 class PackagesFault(Exception):
-    """This exception means that pip cannot install the packages; its text is the output of pip. The caller knows the
+    """Reports that pip cannot install the packages; the exception's text is the output of pip. The caller knows the
     remedy."""
 
 

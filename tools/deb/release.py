@@ -13,7 +13,7 @@ WIDTH = 78
 
 
 class Fault(Exception):
-    """This exception means that packages cannot be made; its text states what is wrong, where, and the remedy."""
+    """Reports that packages cannot be made; the exception's text states what is wrong, where, and the remedy."""
 
 
 def read(*parts):

@@ -72,10 +72,9 @@ void crn_sim_set_plant(crn_sim *sim, const crn_port_inputs *inputs);
 /* Makes the power stage unable to turn off, as when its transistors have failed as short circuits. */
 void crn_sim_weld_stage(crn_sim *sim, bool is_welded);
 
-/* These constants are the damping that the simulated rig itself has, according to its builder's data.
- * According to the data of the simulated rig's builder, the motors have no lag, and an encoder count is 1 um
- * or 1/65,536 turn. To set a larger damping than the rig itself has, a host needs the local unlock (a switch
- * inside the rig). */
+/* Gives the damping that the simulated rig itself has, according to its builder's data. According to the data
+ * of the simulated rig's builder, the motors have no lag, and an encoder count is 1 um or 1/65,536 turn. To
+ * set a larger damping than the rig itself has, a host needs the local unlock (a switch inside the rig). */
 enum { CRN_SIM_DAMPING_mN_s_per_m = 1000, CRN_SIM_DAMPING_nN_m_s_per_rad = 2000 };
 
 /* Returns rig inputs with all sensors present and healthy, hands at position 0, a good supply voltage, the

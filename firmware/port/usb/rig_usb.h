@@ -18,7 +18,7 @@
 
 enum {
     /* The app's longest answer is the one to a request for a snapshot: the snapshot's chunks with their
-       headers and COBS bytes, and the messages begin, end and status. */
+     * headers and COBS bytes, and the messages begin, end and status. */
     CRN_RIG_USB_REPLY_BYTES = CRN_APP_SNAPSHOT_BYTES + CRN_APP_SNAPSHOT_BYTES / 50 + CRN_WIRE_FRAME_MAX,
     CRN_RIG_USB_QUEUE_BYTES = 2 * CRN_RIG_USB_REPLY_BYTES,
 };

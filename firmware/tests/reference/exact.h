@@ -7,8 +7,8 @@
 
 __extension__ typedef __int128 reference_wide;
 
-/* Returns floor(a / 2^n), computed by division, so that the function does not rely on the right shift of a
- * negative value. */
+/* Returns floor(a / 2^n) by a division, so that the function does not rely on the right shift of a negative
+ * value. */
 static inline reference_wide reference_floor_shift(reference_wide a, unsigned n)
 {
     reference_wide unit = (reference_wide)1 << n;

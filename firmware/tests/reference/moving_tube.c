@@ -63,8 +63,8 @@ void reference_pull(reference_map map, const double *x, double phase, double bre
     }
 }
 
-/* Finds periodic coefficients c with (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i] by Gauss-Seidel iteration, whose
- * error falls by a factor of 9 in each round. */
+/* Finds the periodic coefficients c of a spline through the values w, (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i],
+ * by Gauss-Seidel iteration, whose error falls by a factor of 9 in each round. */
 static void prefilter(const double *w, double *c)
 {
     enum { N = CRN_MOTION_KEYFRAMES };

@@ -25,7 +25,7 @@ reference_motion *reference_motion_make(reference_map map, const double *low_m, 
 void reference_motion_free(reference_motion *motion);
 
 /* Finds the point X of the reference pose that the map moves to x, by fixed-point iteration. The displacement
- * w(x) = X - x that follows from X is exact. */
+ * w(x) = X - x from a point x to its point X in the reference pose is exact. */
 void reference_pull(reference_map map, const double *x_m, double phase, double breath, double *X_m);
 
 /* Returns the contraction of a heart whose largest contraction is 1. The value is 0 at phase 0 (end of

@@ -55,8 +55,8 @@ void a_free_tool_accelerates_by_newton(void **)
     near("tool in m", axis.tool(), expected, 1e-9);
 }
 
-// A tool is released at the speed v0, and the friction F stops it after the distance m v0^2 / (2 F). After
-// the stop, the tool's position stays equal to the last bit.
+// A tool of mass m is released at the speed v0, and the friction F stops it after the distance m v0^2 / (2
+// F). After the stop, the tool's position stays equal to the last bit.
 void friction_stops_a_free_tool_and_holds_it(void **)
 {
     AxisSettings s = ideal();
@@ -115,8 +115,9 @@ void the_hand_feels_the_motor_at_rest(void **)
     near("deflection of the hand's spring in m", -spring.tool(), 1.5 / 600.0, 0.0501 / 600.0);
 }
 
-// The motor's current follows i = I (1 - exp(-t / tau)). If the motor has no power, the current decays to
-// zero, whatever the device commands.
+// When a motor is switched on, its current follows i = I (1 - exp(-t / tau)), with the final current I, the
+// time t and the time constant tau. If the motor has no power, the current decays to zero, whatever the
+// device commands.
 void the_motor_lags_and_loses_power(void **)
 {
     const AxisSettings s;

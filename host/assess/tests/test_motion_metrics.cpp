@@ -23,8 +23,8 @@ std::vector<double> bell(double narrowness, double centre_s = 0.0)
     return speed;
 }
 
-// For exp(-5 t^2), with t from -1 to 1 s at 100 Hz, the program of SPARC's authors gives a spectral arc
-// length of -1.41403.
+// For the speed profile exp(-5 t^2), with t from -1 to 1 s at 100 Hz, the program of SPARC's authors gives a
+// spectral arc length of -1.41403.
 void sparc_has_its_published_check_value(void **)
 {
     assert_float_equal(crn::sparc(bell(5.0), 100.0), -1.41403, 5e-6);

@@ -139,10 +139,11 @@ void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 }
 
 // The two layers of blood move at U(1 +- 1/2), where U is the mean speed, and the difference of their
-// concentrations falls at the rate U/lambda, where lambda is the mixing length. A pulse of contrast medium in
-// these two layers spreads with the dispersion D = U lambda / 4. The upwind rule with cells of length L adds
-// U L / 2 to the dispersion, and the time step removes a part of this addition. With L = 1.5 mm, the upwind
-// rule and the time step together add 3 % to the dispersion.
+// concentrations falls at the rate U/lambda, where lambda is the mixing length. In these two layers of blood,
+// with the mean speed U and the mixing length lambda, a pulse of contrast medium spreads with the dispersion
+// D = U lambda / 4. The upwind rule with cells of length L adds U L / 2 to the dispersion, and the time step
+// removes a part of this addition. With L = 1.5 mm, the upwind rule and the time step together add 3 % to the
+// dispersion.
 void a_pulse_spreads_as_the_two_layers_say(void **)
 {
     const VesselTree tree{{straight("tube", {0, 0, 0}, {1900, 0, 0}, 3.0, 10.0)}};
@@ -195,8 +196,8 @@ void a_fork_divides_iodine_as_its_conductances(void **)
             8 * 3.5e-3 * length_mm * 1e-3 / (pi * std::pow(radius_mm * 1e-3, 4)) * 1e-6 / 133.322;
         return 1.0 / (vessel + mean_pressure_mmHg / flow_ml_s);
     };
-    // At this moment hardly any contrast medium has left the tree of vessels, so each branch still holds all
-    // medium that entered it.
+    // When the test compares the branches, hardly any contrast medium has left the tree of vessels, so each
+    // branch still holds all medium that entered it.
     assert_true(contrast.budget().out_mg < 1e-6 * contrast.budget().injected_mg);
     within("wide over thin", held_in(contrast, 1) / held_in(contrast, 2),
            conductance(1, 3.0, 6.0) / conductance(2, 1.0, 3.0), 0.01);

@@ -87,8 +87,8 @@ void the_curve_begins_with_the_first_sample(void **)
         assert_true(patient.monitor.samples()[i].pressure_mmHg > 60.0f);
 }
 
-// Without beats the windkessel empties: P - 6 mmHg falls by a factor of e in R C = 1.42 s, and the
-// electrocardiogram is flat.
+// Without heartbeats the windkessel empties: the pressure P less 6 mmHg falls by a factor of e in R C = 1.42
+// s (resistance times compliance), and the electrocardiogram is flat.
 void asystole_is_a_flat_line_and_a_falling_pressure(void **)
 {
     Patient patient;

@@ -56,8 +56,8 @@ VesselTree vessel(double throat_mm)
     return {{branch}, {lesion}};
 }
 
-// Returns the integral of ds / r^4 over the lesion, which consists of 18 mm at the minimal radius and two
-// tapers of 1 mm.
+// Returns the integral of ds / r^4 (r: radius, s: arc length) over the lesion, which consists of 18 mm at the
+// minimal radius and two tapers of 1 mm.
 double per_r4_mm3(double throat_mm)
 {
     const double a = throat_mm, b = healthy_mm;
@@ -69,8 +69,9 @@ double viscous_mmHg(double throat_mm, double q_ml_s)
     return 8 * viscosity_mPa_s * q_ml_s * per_r4_mm3(throat_mm) / pi * mmHg_per_Pa;
 }
 
-// Returns the pressure loss of the jet, K_t rho / 2 (A0 / As - 1)^2 v0^2, with K_t = 1.5 (Young and Tsai
-// 1973).
+// Returns the pressure loss of the jet behind a stenosis, K_t rho / 2 (A0 / As - 1)^2 v0^2, with the
+// coefficient K_t = 1.5 (Young and Tsai 1973), the density rho, the areas A0 of the vessel and As of the
+// stenosis, and the speed v0 in the vessel.
 double jet_mmHg(double throat_mm, double q_ml_s)
 {
     const double widening = healthy_mm * healthy_mm / (throat_mm * throat_mm) - 1;

@@ -54,8 +54,9 @@ void viscosity_is_the_labels(void **)
     assert_true(contrast_viscosity_mPa_s(400.0) == contrast_viscosity_mPa_s(350.0));
 }
 
-// The pressure is 8 mu L Q / (pi R^4): about 11,000 psi for 4 ml/s through a lumen of 0.42 mm diameter and
-// 1.4 m length. The tolerance of this test allows for rounding only.
+// The pressure that a flow Q needs is 8 mu L Q / (pi R^4) (mu: viscosity, L: length and R: radius of the
+// lumen): about 11,000 psi for 4 ml/s through a lumen of 0.42 mm diameter and 1.4 m length. The tolerance of
+// this test allows for rounding only.
 void an_empty_lumen_needs_hagen_and_poiseuilles_pressure(void **)
 {
     const double expected_kPa = 8.0 * 10.4e-3 * 1.4 * 4e-6 / (pi * std::pow(0.21e-3, 4)) * 1e-3;

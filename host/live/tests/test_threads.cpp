@@ -196,7 +196,7 @@ void the_reference_monitor_shows_copies_and_runs(void **)
     session->finish();
 }
 
-// In this session a guidewire is at the first position, the second position has no tool, and a guiding
+// In the tested session a guidewire is at the first position, the second position has no tool, and a guiding
 // catheter is in the session's table but not in use. The GUI window gets the tools in use at every moment,
 // and the reason for every refusal.
 void a_hand_exchanges_tools_and_hears_why_not(void **)

@@ -407,8 +407,8 @@ void another_one_is_loaded_outside_only(void **)
 }
 
 // The test compares the iodine in the column of medium with that in the parts of the balloon. The parts of
-// the balloon in this test are the cylinder, the cones and the waist. A conical end of the balloon has the
-// volume pi h / 3 (R^2 + R r + r^2), less that of the shaft.
+// the balloon in this test are the cylinder, the cones and the waist. A conical end of the balloon with the
+// radii R and r and the length h has the volume pi h / 3 (R^2 + R r + r^2), less that of the shaft.
 void the_filling_holds_as_much_as_the_balloon(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();

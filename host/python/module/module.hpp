@@ -19,7 +19,7 @@ namespace cournand_python
 
 namespace nb = nanobind;
 
-// This C++ exception becomes the Python exception of the same status in cournand/errors.py.
+// The C++ exception of a refused call becomes the Python exception of the same status in cournand/errors.py.
 class StatusError : public std::runtime_error
 {
   public:

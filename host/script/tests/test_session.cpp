@@ -83,7 +83,7 @@ void withdraw_and_negative_turns_go_the_other_way(void **)
     assert_int_equal(inputs.back().hands[0].rotation_counts, -16384);
 }
 
-// This move consists of three strokes with two pauses of 150 ms.
+// The tested move consists of three strokes with two pauses of 150 ms.
 void strokes_add_up_to_the_whole(void **)
 {
     const auto whole = play("advance 100 mm at 50 mm/s"),

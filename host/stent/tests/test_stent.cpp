@@ -156,9 +156,9 @@ static void stent_opens_to_its_balloon(void **)
     }
 }
 
-// A diamond cell consists of struts of length s with a chord c = 2 r sin(pi/2N), so its height per strut is
-// sqrt(s^2 - c^2). The test computes the expected length of the stent by a separate formula, and compares it
-// with the distance between the stent's outermost points.
+// A diamond cell of a ring with the radius r and 2N points consists of struts of length s with a chord c = 2
+// r sin(pi/2N), so its height per strut is sqrt(s^2 - c^2). The test computes the expected length of the
+// stent by a separate formula, and compares it with the distance between the stent's outermost points.
 static void cells_shorten_as_diamonds_do(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -221,9 +221,9 @@ static void ring_is_as_stiff_as_stated(void **)
     }
 }
 
-// A ring that a wall holds at a radius R below its free radius R0 stores the energy K/2 (R0 - R)^2 in its
-// springs. The radius R of a ring is that of a circle with the same area as the ring. The flat facets of the
-// wall, and the braces between rings, make the ring uneven, which adds 10 % to its energy.
+// A ring of stiffness K that a wall holds at a radius R below its free radius R0 stores the energy K/2 (R0 -
+// R)^2 in its springs. The radius R of a ring is that of a circle with the same area as the ring. The flat
+// facets of the wall, and the braces between rings, make the ring uneven, which adds 10 % to its energy.
 static void pressed_ring_stores_what_its_stiffness_says(void **)
 {
     const TestVessel vessel = tube(1.5);

@@ -19,10 +19,10 @@ struct RadiopaqueSection {
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
-    // This member is the inner radius of the section of a tool, as a fraction of the tool's outer radius. A
-    // section with an inner radius above 0 is a ring around this radius, such as a jacket or a marker band;
-    // `fill` is the filled fraction of the ring. A section with the inner radius 0 reaches inwards to the
-    // lumen; `fill` is the filled fraction of the tool's whole cross-section.
+    // Holds the inner radius of a tool's section, as a fraction of the tool's outer radius. A section with an
+    // inner radius above 0 is a ring around this radius, such as a jacket or a marker band; `fill` is the
+    // filled fraction of the ring. A section with the inner radius 0 reaches inwards to the lumen; `fill` is
+    // the filled fraction of the tool's whole cross-section.
     double inner_radius_share = 0.0;
 };
 

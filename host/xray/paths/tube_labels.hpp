@@ -13,7 +13,8 @@ struct LabelledCurves {
     std::size_t count = 0;
     std::uint8_t bit = 0; // 0: no label
     // A pixel gets the bit if the sum of its rays' path lengths in these curves, in 1/1024 mm, is at least
-    // this number. If this number is 0, a pixel gets the bit if at least one ray meets a curve.
+    // this number. If the threshold for a label is 0, a pixel gets the label's bit if at least one ray meets
+    // a curve.
     std::int64_t sum_min_q10mm = 0;
 };
 

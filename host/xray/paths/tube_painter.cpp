@@ -1,6 +1,6 @@
-// A ray consists of the points t d with the direction d = (u, v, focal length) in pixels, and the middle of
-// the cylinder lies at t0 d0. Single precision is enough, because all values computed in it are small: the
-// distances in pixels from d0, and t - t0.
+// A ray consists of the points t d for all numbers t, with the direction d = (u, v, focal length) in pixels;
+// the middle of the cylinder lies at t0 d0, on the ray with the direction d0. Single precision is enough,
+// because all values computed in it are small: the distances in pixels from d0, and t - t0.
 #include "host/xray/paths/tube_painter.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>

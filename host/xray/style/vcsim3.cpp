@@ -39,8 +39,8 @@ constexpr double contrast_depth =
     8.0; // a quarter of undiluted medium looks nearly as dark as undiluted medium
 constexpr double density_per_log2 = 1.4426950408889634 / 65536.0; // converts 1/65536 nepers to powers of two
 
-// Returns the optical density -ln(1 - A (1 - |n.v|)^p) of a surface with normal n, seen along v, in units of
-// 1/65536.
+// Returns the optical density -ln(1 - A (1 - |n.v|)^p) of a surface with the normal n, seen along v, in units
+// of 1/65536; A is the opacity seen edge-on, and p states how fast it decreases.
 std::int32_t density_q16(const SurfaceLook &look, double cosine)
 {
     const double opacity = look.edge_opacity * std::pow(1.0 - std::min(1.0, std::abs(cosine)), look.power);

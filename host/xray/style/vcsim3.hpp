@@ -1,6 +1,6 @@
 // Draws pictures that look like the fluoroscopy screen of the simulator VCSim3 (thesis, 5.3.4.1), as an
-// alternative to the physical picture. This look has no attenuation. In this style a surface's opacity
-// depends on the angle between its normal and the direction of view; noise is added to the picture
+// alternative to the physical picture. This look has no attenuation. In the style of VCSim3, a surface's
+// opacity depends on the angle between its normal and the direction of view; noise is added to the picture
 // afterwards. The thesis gives the idea without an equation; ours is in docs/xray-style.md:
 //
 //   I = product over all surfaces s on the ray of (1 - A_s (1 - |n_s . v|)^p_s),   grey = 255 (b I + sigma g)

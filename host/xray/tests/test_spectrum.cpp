@@ -86,10 +86,10 @@ bool is_near(const char *what, double value, double expected, double share)
 } // namespace
 
 // The reference is the program spekpy 2.5.4, whose model uses other cross-sections (by Omar) than this
-// project. In both models the anode angle is 11 degrees, and the beam passes 2.5 mm Al + 0.2 mm Cu and 20 cm
-// of soft tissue. In both models the signal is that of 0.55 mm of CsI crystal. The model of this project and
-// that of spekpy differ by 1 % in mean energy, and therefore by 1 % in the attenuation of tissue and by 5 %
-// in that of bone.
+// project. In the model of this project and in that of spekpy, the anode angle is 11 degrees, and the beam
+// passes 2.5 mm Al + 0.2 mm Cu and 20 cm of soft tissue. In the model of this project and in that of spekpy,
+// the signal is that of 0.55 mm of CsI crystal. The model of this project and that of spekpy differ by 1 % in
+// mean energy, and therefore by 1 % in the attenuation of tissue and by 5 % in that of bone.
 static void beam_behind_a_patient_agrees_with_spekpy(void **)
 {
     struct Row {

@@ -93,7 +93,8 @@ static void exposure_keeps_its_limits_and_underexposes_at_them(void **)
 
 // A plate lies in the beam for 40 pictures, and then the table moves it out of the beam. The ghost of the
 // plate must begin at 3 % of the change in signal, and each later ghost must be 2^(-T/h) times that in the
-// previous picture. Without an XrayMemory there must be no lag.
+// previous picture, where T is the time between pictures and h the half-life of the trapped signal. Without
+// an XrayMemory there must be no lag.
 static void lag_is_the_stated_share_and_decays_per_picture(void **)
 {
     Room room({{box_body("plate", "soft_tissue", -1, {-0.02, -0.02, -0.1}, {0.02, 0.02, 0.1})}});

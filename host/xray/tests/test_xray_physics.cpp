@@ -412,9 +412,9 @@ static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness
 }
 
 // Digital subtraction subtracts the logarithms of two raw pictures that have the same fixed technique. In one
-// of the two pictures the beam also passes 4 mm of undiluted contrast medium. The two logarithms must differ
-// by the attenuation that the beam's table gives for contrast medium behind the same patient. Beside the
-// contrast medium the two pictures must be equal to the last bit.
+// of the two pictures the beam also passes 4 mm of undiluted contrast medium. The logarithms of the two
+// pictures must differ by the attenuation that the beam's table gives for contrast medium behind the same
+// patient. Beside the contrast medium the two pictures must be equal to the last bit.
 static void logarithms_of_raw_values_subtract_exactly(void **)
 {
     const Body trunk = box_body("trunk", "soft_tissue", -1, {-0.5, -0.5, -0.1}, {0.5, 0.5, 0.1});

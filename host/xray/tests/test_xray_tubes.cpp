@@ -107,8 +107,9 @@ static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
                 0.004); // displaced by the wall; the lumen stays
 }
 
-// The expected amount is the volume of a cone, pi h (a^2 + a b + b^2)/3, times the mean fraction of contrast
-// medium between positions s and t along the cone. The mean fraction is exact for pieces of 0.5 mm.
+// The expected amount is the volume of a cone of length h with the radii a and b, pi h (a^2 + a b + b^2)/3,
+// times the mean fraction of contrast medium between positions s and t along the cone. The mean fraction is
+// exact for pieces of 0.5 mm.
 static void contrast_column_holds_the_iodine_of_its_cone(void **)
 {
     for (double thickest_m : {0.0005, 0.002, 0.012}) {

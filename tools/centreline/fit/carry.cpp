@@ -37,8 +37,9 @@ std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sph
     return chosen;
 }
 
-// Fits the displacements u of the wall vertices x by u = t + A (x - mean), by least squares. The matrix A is
-// regularised towards 0, because vertices in one plane or on one line do not determine A completely.
+// Fits the displacements u of the wall vertices x by u = t + A (x - mean), by least squares, with a
+// translation t and a matrix A. The matrix A is regularised towards 0, because vertices in one plane or on
+// one line do not determine A completely.
 Eigen::Vector3d carried_to(const Eigen::Vector3d &p, double radius_mm,
                            const std::vector<std::uint32_t> &carriers, const bake::Mesh &from,
                            const bake::Mesh &to)

@@ -70,7 +70,7 @@ class Voxels
 };
 
 // Holds the cheapest paths from the source voxels to every voxel. A millimetre of path costs 1 / depth^2,
-// where depth is the distance to the wall, so the cheapest paths run in the middle of the vessel.
+// where depth is the distance to the vessel wall, so the cheapest paths run in the middle of the vessel.
 struct Ways {
     std::vector<std::int32_t> from;   // -1: not reached; a source points to itself
     std::vector<float> length_mm;     // from the source

@@ -125,8 +125,8 @@ void own_spheres_begin_outside_the_parent(void **)
     assert_int_equal(first_own_sphere(tree, 1), 6); // at x = 3, where it leaves the parent's tube
 }
 
-// The flow resistance of a cylinder is R = 8 mu L / (pi r^4); for a cone the formula uses the mean of r^-4
-// over the length.
+// The flow resistance of a cylinder of length L and radius r is R = 8 mu L / (pi r^4) for the viscosity mu;
+// for a cone the formula uses the mean of r^-4 over the length.
 void resistance_of_a_tube_is_poiseuilles(void **)
 {
     is_near(tube_resistance({{0, 0, 0}, 1.5}, {{0, 7, 0}, 1.5}, 3.5),

@@ -9,8 +9,8 @@
 namespace crn::calibrate
 {
 
-// The formulas are those of a round wire. The shaft has EI = E pi r^4 / 4, alpha is E of the tip over E of
-// the shaft, and the mass per length is density pi r^2.
+// The formulas are those of a round wire. The shaft of radius r has EI = E pi r^4 / 4 with Young's modulus E;
+// alpha is E of the tip divided by E of the shaft, and the mass per length is density pi r^2.
 struct CordeValues {
     double young_Pa = 0.0, tip_over_shaft = 0.0, radius_mm = 0.0, density_kg_m3 = 0.0, parallel_N = 0.0;
 

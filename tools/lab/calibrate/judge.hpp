@@ -16,11 +16,11 @@ struct Distances {
 double distance_to_line_mm(const Vector3d &point, std::span<const Vector3d> line);
 Distances distances_of(std::span<const Vector3d> nodes_mm, std::span<const Vector3d> reference_mm);
 
-// Returns the relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over
-// the samples of the reference from `from_mm` to `to_mm`. Before the comparison, the function replaces each
-// force by the median of the forces within `smooth_mm` around its sample. A tip that snaps past an edge
-// causes a peak of force; different rod models have this peak at different inserted lengths. Returns nothing
-// when the reference has no sample between `from_mm` and `to_mm`.
+// Returns the relative RMS of the difference between a force trace F and a reference F_ref: sqrt(sum (F -
+// F_ref)^2 / sum F_ref^2) over the samples of the reference from `from_mm` to `to_mm`. Before the comparison,
+// the function replaces each force by the median of the forces within `smooth_mm` around its sample. A tip
+// that snaps past an edge causes a peak of force; different rod models have this peak at different inserted
+// lengths. Returns nothing when the reference has no sample between `from_mm` and `to_mm`.
 std::optional<double> force_error(std::span<const insertion::ForceSample> simulated,
                                   std::span<const insertion::ForceSample> reference, double from_mm,
                                   double to_mm, double smooth_mm);

@@ -3,9 +3,9 @@
 //
 // An instrument file states EI at every position along the instrument. The shaft's EI and alpha do not change
 // how EI is distributed between tip and shaft. Where the instrument file's EI is (EI of the shaft) *
-// alpha_file^w, the new EI is (new EI of the shaft) * alpha^w. The weight w is thus 1 at the tip and 0 on the
-// shaft, and it lies between 0 and 1 on a taper. The EI of the shaft scales the whole instrument, and alpha
-// states how soft the tip is relative to the shaft. GJ keeps its ratio to EI.
+// alpha_file^w, with a weight w between 0 and 1, the new EI is (new EI of the shaft) * alpha^w. The weight w
+// is thus 1 at the tip and 0 on the shaft, and it lies between 0 and 1 on a taper. The EI of the shaft scales
+// the whole instrument, and alpha states how soft the tip is relative to the shaft. GJ keeps its ratio to EI.
 #pragma once
 #include "shared/wire/wire.h"
 
@@ -22,7 +22,7 @@ struct Stiffness {
 Stiffness stiffness_of(const crn_wire_instrument &table);
 
 // Returns the weight w of a position at which the instrument file states an EI of `bend_N_m2`. On an
-// instrument with alpha 1, w is 0 everywhere.
+// instrument with alpha 1 (tip as stiff as the shaft), the weight w is 0 everywhere.
 double tip_weight(double bend_N_m2, const Stiffness &nominal);
 
 // Returns a copy of the instrument whose EI of the shaft and alpha have the given values. The EI and GJ of

@@ -47,9 +47,9 @@ std::vector<Vector3d> part_of(const std::vector<Vector3d> &line, double begin_mm
     return result;
 }
 
-// Fits a smooth curve to weighted points, with a penalty on the third differences of neighbouring points: (W
-// + k D'D) x = W m. The matrix of the fit's equations has seven diagonals, and Cholesky's method solves the
-// equations.
+// Fits a smooth curve x to points m with the weights W, with a penalty k on the third differences D x of
+// neighbouring points: (W + k D'D) x = W m. The matrix of the fit's equations has seven diagonals, and
+// Cholesky's method solves the equations.
 std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vector<double> &weights,
                              double against)
 {

@@ -261,8 +261,8 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     for (Volume *part : {&mask, &merged.distance, &merged.filled, &merged.hidden, &lumen.restored})
         *part = cut_out(*part, low, high);
     lumen.hidden = std::move(merged.hidden);
-    // The steepest slope of a smooth edge is contrast / (sigma sqrt(2 pi)), with the measured contrast; a
-    // slope of at least half this size counts as an edge.
+    // The steepest slope of an edge that is smoothed by sigma is contrast / (sigma sqrt(2 pi)), with the
+    // measured contrast; a slope of at least half this size counts as an edge.
     const double steepest = contrast / (2.5066 * std::hypot(options.smooth_mm, 0.45));
     lumen.edge_HU_per_mm = 0.5 * steepest;
     lumen.first = level_of(mask, lumen.restored, lumen.edge_HU, steepest);

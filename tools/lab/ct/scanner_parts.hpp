@@ -9,8 +9,8 @@
 namespace crn::ct
 {
 
-// Describes the parallel rays of one slice. The rays of view v have the direction (-sin, cos), and ray i lies
-// at s = (i + 0.5 - bins / 2) pitch along (cos, sin).
+// Describes the parallel rays of one slice. The rays of view v have the direction (-sin, cos) of the view's
+// angle, and ray i lies at the distance s = (i + 0.5 - bins / 2) pitch along (cos, sin).
 struct Rays {
     Rays(int views, int bins, double pitch_mm);
     int views, bins;

@@ -55,9 +55,9 @@ Reconstruction::Reconstruction(const Rays &rays, double blur_mm) : rays_(rays)
             frequency[static_cast<std::size_t>(i)].real() *
             static_cast<float>(std::exp(-2 * pi * pi * left * cycles_per_mm * cycles_per_mm)));
     }
-    // The filter's gain for white noise is the mean of |response|^2. Linear interpolation, averaged over all
-    // positions between samples, leaves 2/3 of this gain. After the ramp filter, neighbouring noise values
-    // are hardly correlated; a test measures the resulting noise.
+    // The filter's gain for white noise is the mean of |response|^2 over all frequencies. Linear
+    // interpolation, averaged over all positions between samples, leaves 2/3 of this gain. After the ramp
+    // filter, neighbouring noise values are hardly correlated; a test measures the resulting noise.
     for (const float value : response_) row_gain_ += static_cast<double>(value * value) / size;
     row_gain_ *= 2.0 / 3;
 }

@@ -9,7 +9,7 @@ namespace crn::ct
 {
 
 Volume smoothed(const Volume &volume, double sigma_mm);
-// Smooths the volume by sigma, and returns the magnitude of its gradient in HU per mm.
+// Smooths the volume by a Gaussian of width sigma, and returns the magnitude of its gradient in HU per mm.
 Volume gradient_magnitude(const Volume &volume, double sigma_mm);
 // Returns the speed of the snake (active contour): 1 in even regions and 0 at edges; the speed is 0.5 where
 // the gradient is `edge_HU_per_mm`.

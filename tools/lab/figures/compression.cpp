@@ -141,7 +141,7 @@ Simulation make_simulation(const Preset &preset, const Mode &mode, const Vessel 
     SimulationSettings settings;
     settings.mode = mode;
     // Shorter elements need proportionally shorter time steps h, because the product 2/l sqrt(Kp/mass per
-    // length) h must stay constant.
+    // length) h must stay constant (l: length of an element, Kp: stiffness of the parallel constraint).
     settings.substeps =
         static_cast<int>(std::ceil(preset.substeps * preset_element_m / protocol.element_m - 1e-9));
     return Simulation(

@@ -33,7 +33,8 @@ CONTACT = 'condim="3" friction="%g 0 0" solref="0.002 1"' % FRICTION
 
 
 def tube_planes():
-    """Yields the planes that form the tube; all normals point to the tube's axis. The first plane is below the rod."""
+    """Yields the planes that form the tube; all normals point to the tube's axis. The first of the planes around the
+    rod is below the rod."""
     for k in range(PLANES):
         angle = 2 * math.pi * k / PLANES
         normal = (0.0, math.sin(angle), math.cos(angle))

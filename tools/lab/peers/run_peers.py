@@ -165,8 +165,8 @@ def merge(rounds):
 
 
 def hanging_tip_mm(bend_N_m2, mass_g_per_m):
-    """Returns the tip's position of an inextensible elastica under its own weight, by a shooting method for EI k' = w
-    (L - s) cos(angle)."""
+    """Returns the tip's position of an inextensible elastica (elastic rod) under its own weight w per length, by a
+    shooting method for EI k' = w (L - s) cos(angle), where k is the curvature at the arc length s and L the length."""
     length, weight = LENGTH_mm * 1e-3, mass_g_per_m * 1e-3 * GRAVITY_m_s2
 
     def shoot(curvature, steps=1000):

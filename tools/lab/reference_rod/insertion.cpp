@@ -78,9 +78,10 @@ void Insertion::place(double inserted_m, double turn_rad)
     stiffen_mouth();
 }
 
-// A joint represents the rod over half an edge to either side (its cell). The two joints next to the sheath's
-// end may bend only where their cells are outside the sheath. If these two joints could bend over their whole
-// cells, the rod would behave as if it were clamped up to one edge behind the sheath's end.
+// A joint represents the rod over half an edge to either side (its cell). The two joints next to the
+// introducer sheath's end may bend only where their cells are outside the sheath. If the two joints next to
+// the sheath's end could bend over their whole cells, the rod would behave as if it were clamped up to one
+// edge behind the sheath's end.
 void Insertion::stiffen_mouth()
 {
     constexpr double least = 0.02; // of a cell
@@ -95,12 +96,12 @@ double Insertion::cell_front_m(int joint) const
 }
 
 // Returns the sum of two forces on the rod at the sheath's end. One force holds the nodes in the sheath. The
-// other force is the push of a sleeve on a rod that is bent where it leaves the sleeve; this force is EI
-// kappa^2 / 2 (Bigoni et al., Eshelby-like forces acting on elastic structures, 2015). The push of the sleeve
-// arises because every step frees a further part of the rod, which can then bend. Without the push of the
-// sleeve, the work of the hand would not equal the energy that the rod stores. The computed push includes
-// bending alone. Twist at the sheath's end would add GJ m^2 / 2 (m is the twist per metre), which is below 1
-// mN here.
+// other force is EI kappa^2 / 2, with which a sleeve pushes on a rod of curvature kappa that is bent where it
+// leaves the sleeve (Bigoni et al., Eshelby-like forces acting on elastic structures, 2015). The push of the
+// sleeve arises because every step frees a further part of the rod, which can then bend. Without the push of
+// the sleeve, the work of the hand would not equal the energy that the rod stores. The computed push includes
+// bending alone. Twist at the sheath's end would add the force GJ m^2 / 2, where m is the twist per metre;
+// this force is below 1 mN here.
 double Insertion::held_N() const
 {
     double force_N = 0.0;

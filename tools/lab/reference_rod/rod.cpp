@@ -35,7 +35,8 @@ void set_reference(State &state, int joint, double guess)
     state.reference[joint] = angle_near(carry(state.axis[joint], te, tf), state.axis[joint - 1], tf, guess);
 }
 
-// Adds the energy weight * (measure - rest)^2 / 2 of one joint, and the derivatives of this energy.
+// Adds the energy weight * (measure - rest)^2 / 2 of one joint (`measure` is a curvature or twist, `rest` its
+// unloaded value), and the derivatives of this energy.
 double add_square(const Measure &m, double rest, double weight, int first, Eigen::VectorXd *slope,
                   Band *second)
 {

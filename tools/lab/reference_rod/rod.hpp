@@ -40,10 +40,12 @@ struct Rod {
 struct Cut {
     double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
     double fine_m = 0.0; // length from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
-    // The axial stiffness EA is stretch * EI / edge^2, with the smaller of the EI at the two ends of the
-    // edge. In a bend of radius R the axial force is EI / R^2, which shortens an edge of length h by the
-    // fraction (h / R)^2 / stretch of its length. The fraction (h / R)^2 / stretch is 3e-5 for an edge of 2
-    // mm and a radius of 50 mm. A higher value of `stretch` would only increase the number of iterations.
+    // The axial stiffness EA is stretch * EI / edge^2, where `edge` is the edge's length, and EI is the
+    // smaller one of the values at its two ends. In a bend of radius R the axial force is EI / R^2, which
+    // shortens an edge of length h by the fraction (h / R)^2 / stretch of its length, where `stretch` is the
+    // factor between EA and EI / h^2. The fraction (h / R)^2 / stretch by which the force shortens an edge is
+    // 3e-5 for an edge of h = 2 mm and a bend of R = 50 mm. A higher value of `stretch` would only increase
+    // the number of iterations.
     double stretch = 64.0;
 };
 

@@ -153,8 +153,9 @@ void self_weight(Result &result, bool quick)
 
 // Models half of the span of a three-point bending test. By symmetry the middle of the beam is clamped, and
 // each support pushes with P / 2. Returns the load P on the beam divided by the beam's deflection.
-// `mass_factor` multiplies the mass m of the rod. For a time step h, the result depends on h only through m /
-// h^2 and the drag. A mass factor of 4 therefore has the same effect as a time step of half the length.
+// `mass_factor` multiplies the mass m of the rod. The result depends on the time step h only through the
+// inertia m / h^2 of a node of mass m, and through the drag. A mass factor of 4 therefore has the same effect
+// as a time step of half the length.
 double bench_stiffness(double bend_N_m2, double span_m, double deflection_m, double mass_factor, int ticks)
 {
     double half = span_m / 2, element = element_length(half, bend_N_m2 > 2e-3 ? 10 : 20);

@@ -27,8 +27,8 @@ struct Oscillation {
     double omega, decay; // rad/s, 1/s
 };
 
-// The samples q of every decaying oscillation satisfy q[n+1] = a q[n] + b q[n-1] with two constants. We fit a
-// and b by least squares and take the complex root of the equation z^2 = a z + b.
+// The samples q[n] of every decaying oscillation satisfy q[n+1] = a q[n] + b q[n-1] with two constants a and
+// b. We fit the constants a and b by least squares and take the complex root z of the equation z^2 = a z + b.
 Oscillation fit(const std::vector<double> &q, double interval_s)
 {
     double pp = 0, pr = 0, rr = 0, pq = 0, rq = 0;
@@ -45,8 +45,8 @@ Oscillation fit(const std::vector<double> &q, double interval_s)
     return {std::fabs(rate.imag()), -rate.real()};
 }
 
-// Computes how implicit Euler integration changes the angular frequency omega and the drag, from the roots of
-// (1 + w^2 h^2) z^2 - (2 - g h) z + (1 - g h) = 0.
+// Computes how implicit Euler integration with the step h changes an oscillation's angular frequency w and
+// drag g, from the roots z of (1 + w^2 h^2) z^2 - (2 - g h) z + (1 - g h) = 0.
 Oscillation implicit_euler(double omega)
 {
     double a = 1 + omega * omega * step_s * step_s, b = 2 - drag_per_s * step_s, c = 1 - drag_per_s * step_s;

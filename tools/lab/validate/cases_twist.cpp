@@ -101,8 +101,8 @@ void greenhill_case(Result &result, bool)
 // distance of the nodes from this plane.
 double warp(const Rig &rig)
 {
-    // We solve y = a x + b z by the normal equations, whose two columns are nearly orthogonal for a
-    // ring-shaped rod.
+    // We fit the two factors a and b in y = a x + b z by the normal equations, whose two columns x and z are
+    // nearly orthogonal for a ring-shaped rod.
     const unsigned n = rig.free_count();
     double xx = 0, xz = 0, zz = 0, xy = 0, zy = 0;
     for (unsigned i = 0; i < n; i++) {

@@ -100,16 +100,18 @@ double euler_clamped_pinned()
     return root([](double u) { return std::sin(u) - u * std::cos(u); }, M_PI, 1.5 * M_PI);
 }
 
-// The equation EI u^2 sin u = k L (u cos u - sin u) follows from w = A sin(u s) + D s with w(1) = 0 and EI
-// w'' = -k w' at s = 1.
+// The load parameter u follows from EI u^2 sin u = k L (u cos u - sin u), where k is the stiffness of the
+// torsional spring; this results from the shape w = A sin(u s) + D s with w(1) = 0 and EI w'' = -k w' at s =
+// 1.
 double euler_spring_pinned(double spring)
 {
     return root([&](double u) { return u * u * std::sin(u) - spring * (u * std::cos(u) - std::sin(u)); }, 2,
                 1.5 * M_PI);
 }
 
-// The slope-deflection method with stability functions gives s(u) / a + s''(v) / d = 0 for two spans. The far
-// end of one span is clamped, and that of the other is free to turn.
+// The slope-deflection method gives s(u) / a + s''(v) / d = 0 for two spans of the lengths a and d, where
+// s(u) and s''(v) are the stability functions of the axial load in each span. The far end of one span is
+// clamped, and that of the other is free to turn.
 double euler_two_spans(double a, double d)
 {
     auto stiffness = [&](double q) {
@@ -128,8 +130,9 @@ double greenhill()
 
 Writhe writhe(double slack, double turn_rad, double bend_over_twist)
 {
-    // The equations are slack = sqrt(16 / t (1 - m^2 / 4t)) and turn = m B/C + 4 acos(m / (2 sqrt t)). The
-    // second equation gives m for a given t.
+    // The unknowns m and t follow from slack = sqrt(16 / t (1 - m^2 / 4t)) and turn = m B/C + 4 acos(m / (2
+    // sqrt t)), where m is the end moment, t the tension, and B/C the ratio of bending to torsional
+    // stiffness. The second equation gives m for a given t.
     auto moment = [&](double t) {
         return root(
             [&](double m) { return m * bend_over_twist + 4 * std::acos(m / (2 * std::sqrt(t))) - turn_rad; },

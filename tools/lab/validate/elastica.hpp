@@ -7,15 +7,16 @@
 namespace crn::validate
 {
 
-// Holds the shape of a rod that bends in a plane and is clamped at s = 0 along x. Lengths are divided by L,
-// and forces by EI/L^2.
+// Holds the shape of a rod that bends in a plane and is clamped at s = 0 along x. Lengths are divided by the
+// rod's length L, and forces by EI/L^2.
 struct PlaneShape {
     std::vector<double> x, y, angle; // at s = i / (size - 1)
 };
 
 // Computes the inextensible elastica under a tip load and a load per length, which are constant and point
-// towards -y. A shooting method solves theta' = M, M' = (P + w (1 - s)) cos(theta), M(1) = 0. The function
-// raises the loads in steps from zero.
+// towards -y. A shooting method solves theta' = M, M' = (P + w (1 - s)) cos(theta), M(1) = 0 for the angle
+// theta and the moment M along the rod, with the tip load P and the load w per length. The function raises
+// the loads in steps from zero.
 PlaneShape elastica(double tip_load, double line_load);
 
 // Computes the shape of a cantilever in closed form, with elliptic integrals. The constant tip load points
@@ -38,10 +39,10 @@ double euler_two_spans(double a, double d);
 double greenhill(); // M L / B of a rod clamped at both ends
 
 // Computes how a long twisted rod with clamped ends coils (van der Heijden and Thompson 2000; van der
-// Heijden, Neukirch, Goss, Thompson 2003). The inputs are the slack d = 1 - distance / L
-// (from the distance of the ends and the rod's length L), the rotation of one end in radians, and
-// `bend_over_twist`, the ratio B / C of the bending to the torsional stiffness. The function returns the end
-// moment divided by B/L, and the tension divided by B/L^2.
+// Heijden, Neukirch, Goss, Thompson 2003). The inputs are the slack d = 1 - distance / L (from the distance
+// of the ends and the rod's length L), the rotation of one end in radians, and `bend_over_twist`, the ratio B
+// / C of the bending to the torsional stiffness. The function returns the end moment divided by B/L, and the
+// tension divided by B/L^2, where B is the bending stiffness and L the rod's length.
 struct Writhe {
     double moment, tension;
 };

@@ -146,8 +146,8 @@ class Builder
 
     double &at(int x, int y, int z) { return f_[std::size_t((z * support + y) * support + x)]; }
 
-    // The spline's coefficients are c = f - (second differences) / 8, which is the first-order inverse of the
-    // spline's own smoothing [1 6 1] / 8.
+    // The spline's coefficients are c = f - (second differences) / 8 for the samples f, which is the
+    // first-order inverse of the spline's own smoothing [1 6 1] / 8.
     std::uint16_t brick(const Vector3d &corner, double voxel)
     {
         for (int z = 0; z < support; z++) {

@@ -34,7 +34,8 @@ void DistanceConstraints::sweep_local(Rod &rod)
 //
 //    (1/m[j] + 1/m[j+1]) p[j] - (n[j].n[j+1])/m[j+1] p[j+1] - (n[j-1].n[j])/m[j] p[j-1] = lacking[j]
 //
-// Each pivot stays positive, because the matrix is J M^-1 J^T of independent constraints.
+// Each pivot of the elimination stays positive, because the matrix is J M^-1 J^T, with the masses M and the
+// gradients J of independent constraints.
 void DistanceConstraints::solve_global(Rod &rod)
 {
     share_.resize(count());

@@ -27,8 +27,8 @@ struct LumenField {
     Eigen::Matrix3d second_per_m = Eigen::Matrix3d::Zero();
 };
 
-// Holds the lumen of a scene, and the position at which the rod enters the lumen. This object owns the bytes
-// of the scene file, so it cannot be copied or moved.
+// Holds the lumen of a scene, and the position at which the rod enters the lumen. The lumen object owns the
+// bytes of the scene file, so it cannot be copied or moved.
 class Vessel
 {
   public:

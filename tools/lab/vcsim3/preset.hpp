@@ -44,8 +44,8 @@ const Preset *find_preset(const std::string &token); // nullptr when there is no
 RodProperties rod_of(const Preset &preset, int element_count, double element_m);
 
 // Returns the time step times the highest angular frequency of the mass points, which the parallel constraint
-// sets to 2/l sqrt(Kp / mass per length). Explicit integration is stable only if the product of the time step
-// and the highest angular frequency is below 2.
+// sets to 2/l sqrt(Kp / mass per length) for segments of length l. Explicit integration is stable only if the
+// product of the time step and the highest angular frequency is below 2.
 double step_ratio(const Preset &preset, double element_m, int substeps);
 
 } // namespace vcsim3

@@ -78,8 +78,8 @@ class Challenge:
 
     def episodes(self, split: str, count: int) -> list[EpisodeSeed]:
         """Returns the first episodes of a split. Seeds 0, 1, 2, ... whose first number is even are for training, and
-        those whose first number is odd are for judging. The two lists are fixed, and share neither a seed nor a drawn
-        anatomy."""
+        those whose first number is odd are for judging. The list of seeds for training and the list of seeds for
+        judging are fixed, and share neither a seed nor a drawn anatomy."""
         return list(islice(self._of_split(split), count))
 
     def anatomies(self, split: str, count: int = 100) -> list[int]:

@@ -1,7 +1,7 @@
 // These tests check the following. An instrument must not change if it is given its own EI of the shaft and
-// its own alpha. If an instrument is given another EI of the shaft and another alpha, its EI is (EI of the
-// shaft) * alpha^w. The function refuses impossible values. The EI of a knot is stored as a whole number of
-// nN m^2, so the tolerance is 1 nN m^2.
+// its own alpha. If an instrument is given another EI of the shaft and another alpha, its EI at a point with
+// the weight w is (EI of the shaft) * alpha^w. The function refuses impossible values. The EI of a knot is
+// stored as a whole number of nN m^2, so the tolerance is 1 nN m^2.
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/case/stiffness.hpp"
 #include <cmath>

@@ -92,7 +92,8 @@ void the_noise_is_the_one_that_was_asked_for(void **)
 }
 
 // A thin plastic thread along the scanner's axis appears as a point in each slice. The second moments of the
-// thread's image are the moments of the point spread plus the moments r^2 / 4 of the thread's cross-section.
+// thread's image are the moments of the point spread plus r^2 / 4, the moments of the thread's cross-section
+// of radius r.
 void a_thread_is_blurred_as_stated(void **)
 {
     ScannerSettings settings = quick_scanner(10, -1, 1);

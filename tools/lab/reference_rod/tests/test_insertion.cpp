@@ -1,9 +1,9 @@
 // These tests check the following. The derivatives of the distance field agree with differences of the
-// field's values. On a plane, the friction force on the rod is mu times the load. In a rigid bent tube the
-// shape of the rod does not depend on the scale of EI, and the force is proportional to the stiffness. The
-// work of the hand equals the energy that the rod stores. Shorter edges of the rod and shorter feeding steps
-// change the result only slightly. A rod that has come to rest does not creep afterwards. The generated noise
-// has a normal distribution, and equal seeds give equal noise.
+// field's values. On a plane, the friction force on the rod is the friction coefficient mu times the load. In
+// a rigid bent tube the shape of the rod does not depend on the scale of EI, and the force is proportional to
+// the stiffness. The work of the hand equals the energy that the rod stores. Shorter edges of the rod and
+// shorter feeding steps change the result only slightly. A rod that has come to rest does not creep
+// afterwards. The generated noise has a normal distribution, and equal seeds give equal noise.
 #include "tools/lab/reference_rod/truth.hpp"
 extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"
@@ -144,8 +144,8 @@ void field_has_the_derivatives_of_its_value(void **)
     assert_true(checked > 20);
 }
 
-// A rod lies on a plane under a load of 0.5 N/m and is pushed along the plane. The force on the hand is mu
-// times the load on the part of the rod outside the sheath.
+// A rod lies on a plane under a load of 0.5 N/m and is pushed along the plane. The force on the hand is the
+// friction coefficient mu times the load on the part of the rod outside the sheath.
 void friction_on_a_plane_is_the_coefficient_times_the_load(void **)
 {
     const double per_m_N = 0.5, friction = 0.2, inserted_m = 0.08;
@@ -214,7 +214,8 @@ void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
 }
 
 // The sheath straightens a J tip. A J tip that leaves the sheath pulls itself out. The J tip's force is the
-// energy per length of the straightened rod in the sheath, EI kappa^2 / 2.
+// energy per length of the straightened rod in the sheath, EI kappa^2 / 2, where kappa is the unloaded
+// curvature of the J.
 void free_j_pulls_itself_out_of_the_sheath(void **)
 {
     const double bend_N_m2 = 1e-5, curvature_per_m = 100.0;
@@ -270,8 +271,8 @@ void noise_is_normal_and_repeats(void **)
         squares += value * value;
         fourth += value * value * value * value;
     }
-    // The bounds of mean, variance and fourth moment are five standard errors, which are 1/sqrt(n), sqrt(2/n)
-    // and sqrt(96/n).
+    // The bounds for the mean, variance and fourth moment of n random numbers are five standard errors, which
+    // are 1/sqrt(n), sqrt(2/n) and sqrt(96/n).
     assert_below("mean", std::abs(sum / count), 0.035);
     assert_below("variance off by", std::abs(squares / count - 1.0), 0.05);
     assert_below("fourth moment off by", std::abs(fourth / count - 3.0), 0.35);

@@ -62,9 +62,10 @@ void heavy_elastica_has_the_published_values(void **)
     }
 }
 
-// The expected values come from Timoshenko and Gere, table 2-4. At a load of 1.152 Pcr (Pcr is the critical
-// load), the angle alpha of the tip is 60 degrees, x / L is 0.741 and y / L is 0.593. At a load of 1.884 Pcr,
-// alpha is 120 degrees.
+// The expected values come from Timoshenko and Gere, table 2-4. At a load of 1.152 times the critical load
+// Pcr, the angle alpha of the tip is 60 degrees, and the tip's coordinates relative to the length L are x / L
+// = 0.741 and y / L = 0.593. At a load of 1.884 times the critical load Pcr, the angle alpha of the tip is
+// 120 degrees.
 void buckled_cantilever_has_the_published_values(void **)
 {
     const double euler = M_PI * M_PI / 4;
@@ -87,8 +88,8 @@ void columns_have_the_published_loads(void **)
     check_near("beta 3", beam_mode(3), 7.854757, 1e-6);
 }
 
-// PyElastica's example of Gazzola et al. 2018 states the moment and tension of a coil for an end rotation of
-// 27 turns, a slack of 3 %, and B / C = 1.345 / 0.789.
+// PyElastica's example of Gazzola et al. 2018 states the moment and tension of a coiled rod for an end
+// rotation of 27 turns, a slack of 3 %, and a ratio B / C of bending to torsional stiffness of 1.345 / 0.789.
 void coil_has_the_published_moment_and_tension(void **)
 {
     Writhe coil = writhe(0.03, 27 * 2 * M_PI, 1.345 / 0.789);

@@ -121,8 +121,8 @@ void forces_and_torques_are_the_gradient_of_the_energies(void **)
 
 void bending_strain_is_the_curvature(void **)
 {
-    // Neighbouring segments differ by a constant rotation a about x, so the strain is u = 4/l tan(a/4), and
-    // the energy per joint is l/2 EI u^2.
+    // Neighbouring segments of length l differ by a constant rotation a about x, so the strain is u = 4/l
+    // tan(a/4), and the energy per joint is l/2 EI u^2.
     const int elements = 20;
     const double a = 0.3;
     Rod rod(soft_rod(elements), Vector::Zero(), Vector::UnitZ());
@@ -172,8 +172,9 @@ void cantilever_sags_by_PL3_over_3EI(void **)
 }
 
 // A rod of length L has a soft front part of length a and a stiff rear part. Under a load P, the tip of a rod
-// with a soft front part sags by P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The compliance of the joint
-// between the two parts is the mean of the compliances of the soft and the stiff part.
+// of length L with a soft front part of length a sags by P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The
+// compliance of the joint between the two parts is the mean of the compliances of the soft and the stiff
+// part.
 void a_cantilever_of_two_stiffnesses_sags_by_both(void **)
 {
     const int elements = 32, soft = 20;
@@ -257,8 +258,9 @@ void turning_the_hand_turns_the_hook(void **)
 
 void twisted_rod_springs_back_at_the_frequency_of_a_shaft(void **)
 {
-    // The first torsional mode of a chain with free ends has the angular frequency w = 2 sqrt(k/J) sin(pi/(2
-    // n)), where k = GJ/l and J = inertia per length * l.
+    // The first torsional mode of a chain of n segments with free ends has the angular frequency w = 2
+    // sqrt(k/J) sin(pi/(2 n)), where k = GJ/l, l is the length of a segment, and J is the inertia per length
+    // times l.
     const int n = 16;
     Rod rod(soft_rod(n), Vector::Zero(), Vector::UnitZ());
     const double pi = std::acos(-1.0);

@@ -188,11 +188,11 @@ void preset_is_stable_at_its_steps_and_bursts_with_half(void **)
     }
 }
 
-// By the parallel constraint, the transverse motion of a segment of length |e| has the angular frequency
-// 2/|e| sqrt(Kp l/m), so compressed segments need shorter time steps. With a step ratio r (time step times
-// the highest angular frequency), the rod is stable up to a compression of 1 - r/2 of its length. Beyond the
-// compression of 1 - r/2 the rod becomes unstable, so the compression that a mode shows cannot grow without
-// limit.
+// By the parallel constraint with the stiffness Kp, the transverse motion of a segment of length |e| and mass
+// m has the angular frequency 2/|e| sqrt(Kp l/m), so compressed segments need shorter time steps. With a step
+// ratio r (time step times the highest angular frequency), the rod is stable up to a compression of 1 - r/2
+// of its length. Beyond the compression of 1 - r/2 the rod becomes unstable, so the compression that a mode
+// shows cannot grow without limit.
 bool stays_straight_when_squeezed(double compression)
 {
     const Preset &preset = *find_preset("amplatz");
