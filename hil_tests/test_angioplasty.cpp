@@ -379,9 +379,9 @@ Recording without_struts(Recording recording)
 
 // The middle of the stent lies 42 mm along the vessel. Half of the stent lies on the wall of the artery. The
 // other half of the stent, from 33 to 40 mm along the vessel, is malapposed, because the vessel is wider
-// there. The wire is drawn back out of the stent and advanced again along the wall. The wire then passes
-// beside the struts and stays outside the stent. In a replay without the stent's struts, but with everything
-// else equal, the wire advances into the artery.
+// there. The wire is drawn back out of the stent and advanced again along the wall. If the wire is advanced
+// again along the wall, it passes beside the struts and stays outside the stent. In a replay without the
+// stent's struts, but with everything else equal, the wire advances into the artery.
 void a_wire_beside_a_stent_meets_its_struts(void **)
 {
     Case beside{

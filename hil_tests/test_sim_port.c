@@ -96,8 +96,8 @@ static void a_frame_cut_anywhere_costs_only_itself(void **state)
     }
 }
 
-/* When a host never reads, the pipe becomes full. The device then counts the messages that it could not send,
- * and still carries out commands. */
+/* When a host never reads, the pipe becomes full. If the pipe is full, the device counts the messages that it
+ * could not send, and still carries out commands. */
 static void a_host_that_does_not_read_loses_frames_and_nothing_else(void **state)
 {
     (void)state;

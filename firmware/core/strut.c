@@ -221,7 +221,7 @@ static crn_vec3 unit_of(const crn_vec3 *way)
 }
 
 /* Returns the struts' cross-section at a point between two neighbouring rings of a stent. Each of the two
- * rings lies in a plane perpendicular to the stent's axis, and the point lies between the two planes.
+ * strut rings lies in a plane perpendicular to the stent's axis, and the point lies between the two planes.
  * Overflow is impossible, because a point within the box around two rings is less than 2^26 (Q30 m) from each
  * of the rings. */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
@@ -245,8 +245,8 @@ static section section_between(const crn_strut_ring *ring, const crn_vec3 *first
 }
 
 /* Finds the struts' cross-section for a point that lies between ring i and the next ring. Returns false when
- * the point does not lie between the two rings. The code tests the signs of the dot products first, because
- * these signs exclude all but one or two of the pairs of rings near a point. */
+ * the point does not lie between the two rings of struts. The code tests the signs of the dot products first,
+ * because these signs exclude all but one or two of the pairs of rings near a point. */
 static bool section_at(const crn_strut_state *struts, uint32_t i, const crn_vec3 *place, section *at)
 {
     const crn_strut_ring *a = &struts->rings[i], *b = a + 1;

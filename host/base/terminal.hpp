@@ -1,5 +1,6 @@
 // Makes text safe for a terminal. Text from files, devices and third-party libraries is printed without
-// control characters. No name can then move the cursor, change a title or imitate a line of the program.
+// control characters. Without control characters, no name can move the cursor, change a title or imitate a
+// line of the program.
 #pragma once
 #include <cstdio>
 #include <string>

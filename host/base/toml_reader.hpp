@@ -106,7 +106,8 @@ class TomlTable
     std::vector<TomlTable> tables(const std::string &key) const; // empty where the key is absent
 
     // Returns this table with a more detailed description of its place in the file, such as "preset
-    // 'physical', section 2". Error messages about the table then contain this more detailed description.
+    // 'physical', section 2". Error messages about the table contain the more detailed description of its
+    // place.
     TomlTable inside(const std::string &more) const;
     TomlTable in_place_of(const TomlTable &other) const; // takes the text of the other table
     [[noreturn]] void fail(const std::string &what) const;

@@ -59,7 +59,7 @@ class GoalSink final : public FrameSink
     std::uint32_t next_tick() const override;
     void frame(const SessionFrame &frame) override;
     void finish() override;
-    // Judges the goals at the end of the session. Call this function after the session.
+    // Judges the goals at the end of the session. Call end() after the session.
     void end(std::span<const double> inserted_m, std::span<const TipPlace> tips);
 
   private:
@@ -92,7 +92,7 @@ class CasePlay
     // Judges the goals at the end of a session; the session must have a case. Returns the entry "case" of the
     // report.
     nlohmann::ordered_json judge_end(const RunResult &result, const nlohmann::ordered_json &report);
-    // Does the same as judge_end(), and prints the entry.
+    // Does the same as judge_end(), and prints the entry of the report.
     nlohmann::ordered_json end(const RunResult &result, const nlohmann::ordered_json &report);
 
   private:

@@ -93,8 +93,8 @@ crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
 // the table follow the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
 // Returns the device for a session in FREE_RUN mode. If `motors` is set, the function first prints which
-// motors will get power. The function then asks the user for confirmation, unless `yes` is set. Throws
-// RigStopped when the user does not confirm.
+// motors will get power. Before the motors get power, the function asks the user for confirmation, unless
+// `yes` is set. Throws RigStopped when the user does not confirm.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
 // Reads the stent files `paths`, and stores the stents in `settings`. Throws FileError if there are too many
 // stent files, if a file is not a valid stent file, or if no tool has a balloon on which the stent fits.

@@ -37,9 +37,9 @@ struct WindowOptions {
     bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     bool starts_with_fluoro = false;
     bool shows_help = true;
-    // In tests the GUI window closes after it has drawn this number of frames. Every frame counts as 1/60 s
-    // of session time, however long the drawing takes. If the number of frames is 0, the window runs in real
-    // time until the user presses Esc.
+    // In tests the GUI window closes after it has drawn the number of frames that this option states. Every
+    // frame counts as 1/60 s of session time, however long the drawing takes. If the number of frames is 0,
+    // the window runs in real time until the user presses Esc.
     int frames = 0;
     std::string screenshot;                       // PNG of the window's last screen; empty: none
     int window_width = 1600, window_height = 900; // at the start, in pixels of the desktop

@@ -27,8 +27,8 @@ struct XaStudy {
     std::string description;  // description of the study
 };
 
-// One DICOM file has at most these numbers of frames and of bytes; a longer run is continued in the next
-// file. The limits for a DICOM file have two reasons: an attribute with one number per frame has at most
+// One DICOM file has at most this number of frames and this number of bytes; a longer run is continued in the
+// next file. The limits for a DICOM file have two reasons: an attribute with one number per frame has at most
 // 65,534 characters, and viewers load a whole file into memory.
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;

@@ -121,7 +121,8 @@ void ContrastFlow::end_widening()
 }
 
 // Each layer of blood has received its fraction of the flows, but must grow by half of the cell's growth.
-// Because this fraction of the flows is not one half, one layer passes its excess volume to the other layer.
+// Because the fraction of the flows that a layer carries is not one half, one layer passes its excess volume
+// to the other layer.
 void ContrastFlow::widen(double dt_s)
 {
     const double core_share = settings_.core_flow_share;

@@ -97,8 +97,9 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
     const VesselBranch &branch = tree.branches[index];
     const Line line(branch);
     const double begin_m = vessel_start_m(tree, index), length_m = line.length_m() - begin_m;
-    // The faces between cells are first placed at the wanted distances. The distances between faces are then
-    // stretched so that the last face is at the end of the branch.
+    // The faces between cells are first placed at the wanted distances. After the faces between cells have
+    // been placed, the distances between them are stretched so that the last face is at the end of the
+    // branch.
     std::vector<double> faces_m = {0.0};
     while (faces_m.back() < length_m)
         faces_m.push_back(faces_m.back() + wanted_length_m(line.radius_m(

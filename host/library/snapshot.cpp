@@ -26,8 +26,8 @@ constexpr std::uint32_t version = 2;
 constexpr std::size_t head_bytes = 32, hands_bytes = 6 * 8 + 4 + 4 + 2 * 8;
 constexpr double wall_max_N = 1e9; // far above what a tool can press
 constexpr std::size_t state_bytes = (CRN_WIRE_BYTES_tick_state + 7u) / 8u * 8u;
-// The positions of the hands stay within this limit even in the longest session; larger values could make
-// sums overflow.
+// Even in the longest session, the positions of the hands stay within the limit below; larger values could
+// make sums overflow.
 constexpr std::uint64_t parts_max = 4'000'000'000'000'000'000;
 constexpr std::size_t device_at = head_bytes + hands_bytes + state_bytes;
 

@@ -76,8 +76,8 @@ crn_wire_order wire_order(const cournand_order &order)
     }
 }
 
-// A hand that moves faster than these limits would stop the device, which takes such a motion for a broken
-// encoder (docs/faults.md).
+// Gives the highest speeds of a hand; a faster hand would stop the device, which takes such a motion for a
+// broken encoder (docs/faults.md).
 void check_step(const crn_wire_hand &from, const crn_wire_hand &to)
 {
     const auto way = [](std::int32_t a, std::int32_t b) { // counts may wrap

@@ -12,7 +12,7 @@ namespace crn
 {
 
 // A balloon is filled with contrast medium (350 mg of iodine per ml) that is diluted with an equal volume of
-// saline. The mixture in a balloon has this concentration of iodine.
+// saline. The mixture in a balloon has 175 mg of iodine per ml.
 inline constexpr double balloon_iodine_mg_per_ml = 175.0;
 
 // Returns the index of the tool with a balloon, counted from the innermost, or no value if no tool has a

@@ -33,15 +33,16 @@ class CatheterPressure
 {
   public:
     static constexpr std::uint32_t look_every_ticks = 80;
-    // While a balloon blocks a coronary artery, collateral vessels keep the pressure behind the balloon at
-    // this share of the aortic pressure (mean of 100 patients without coronary disease: Wustmann et al.,
-    // Circulation 2003;107:2213).
+    // Gives the pressure behind a balloon that blocks a coronary artery, as a share of the aortic pressure;
+    // collateral vessels keep up this pressure (mean of 100 patients without coronary disease: Wustmann et
+    // al., Circulation 2003;107:2213).
     static constexpr double collateral_share = 0.18;
     static constexpr double venous_mmHg = 6.0;
-    // The pressure behind a complete block falls with this time constant, which is an assumption.
+    // Gives the time constant with which the pressure behind a complete block falls; the value is an
+    // assumption.
     static constexpr double bed_time_s = 0.3;
-    // The pressure counts as damped when its pulse pressure is below this share of the aortic pulse pressure;
-    // an assumption.
+    // Gives the limit for a damped pressure: its pulse pressure is below this share of the aortic pulse
+    // pressure. The value is an assumption.
     static constexpr double damped_pulse_share = 0.5;
 
     // `motion` may be nullptr. `tools` lists the tools from the innermost outwards; the transducer is at the

@@ -72,8 +72,8 @@ class Patient
     // every frame before its start.
     std::uint32_t next_vessel_look() const;
     void look_at_vessels(const WireFrame &wire);
-    // Returns true if the patient's state depends on every tick since the first. A replay that starts later
-    // than tick 0 must then simulate all ticks before its start.
+    // Returns true if the patient's state depends on every tick since the first. If it does, a replay
+    // that starts later than tick 0 must simulate all ticks before its start.
     bool needs_beginning() const { return stents_ != nullptr; }
 
     // --- commands for the core in the next tick; call give_orders() before each tick. A replay does not need

@@ -136,8 +136,8 @@ std::optional<LearningFit> fit_learning(const std::vector<double> &values, int r
     const std::vector<Basis> bases = bases_for(count);
     const Line line = best_line(bases, values);
     LearningFit fit{line.plateau, line.gain, line.basis->scale, {}, {}, {}};
-    // The residuals are multiplied by this factor, because those of a fit with three parameters are too
-    // small.
+    // Before they are drawn again, the residuals are multiplied by a factor, because those of a fit with
+    // three parameters are too small.
     const double inflation = std::sqrt(static_cast<double>(count) / static_cast<double>(count - 3));
     std::vector<double> residuals;
     for (std::size_t n = 0; n < count; n++) {

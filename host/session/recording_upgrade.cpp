@@ -33,8 +33,8 @@ bool is_old_size(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
 constexpr ChunkRules old_rules = {is_old_kind, is_old_size};
 constexpr ChunkRules protocol_5_rules = {is_old_kind, is_size_of};
 
-// The upgrade inserts new data into a snapshot of protocol 4 or 5 at two kinds of places: after the 108 bytes
-// of each of the three tools, and directly before the 388 nodes of 84 bytes each.
+// When an old recording is upgraded, new data are inserted into a snapshot of protocol 4 or 5 at two kinds of
+// places: after the 108 bytes of each of its three tools, and directly before its 388 nodes of 84 bytes each.
 constexpr std::size_t snapshot_head_bytes = 12, snapshot_tool_bytes = 108, snapshot_tools = 3,
                       release_bytes = 12, node_bytes = std::size_t{388} * 84, exchange_words = 5;
 constexpr std::uint32_t old_snapshot_version = 3, snapshot_version = 4;

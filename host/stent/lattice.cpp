@@ -14,11 +14,11 @@ namespace
 // and the equilibrium would take more iterations. Links are bent wires, which yield easily along the axis of
 // the stent.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
-// A brace is a spring that resists the bending of a link. The stiffness of a brace is this fraction of a
+// A brace is a spring that resists the bending of a link. Gives the stiffness of a brace as a fraction of a
 // hinge's stiffness; the fraction is low because a stent bends easily.
 constexpr double brace_share = 0.5;
-// Hinges to farther neighbours keep a ring round; their stiffness is this fraction of the stiffness of hinges
-// to the nearest neighbours.
+// Gives the stiffness of hinges to farther neighbours, which keep a ring round, as a fraction of the
+// stiffness of hinges to the nearest neighbours.
 constexpr double wide_share = 0.5;
 
 struct Builder {

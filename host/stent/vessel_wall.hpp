@@ -27,9 +27,9 @@ namespace crn
 class VesselWall
 {
   public:
-    // The tube of triangles never begins before the ostium of the branch. `motion` may be null; the tube then
-    // stays at rest. Throws std::invalid_argument, with the reason, if the branch does not contain the
-    // stretch from `from_mm` to `to_mm`.
+    // The tube of triangles never begins before the ostium of the branch. `motion` may be null; in this case
+    // the tube stays at rest. Throws std::invalid_argument, with the reason, if the branch does not contain
+    // the stretch from `from_mm` to `to_mm`.
     VesselWall(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm,
                const Motion *motion);
 
@@ -42,8 +42,8 @@ class VesselWall
     void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});
 
     const StentWall &wall() const { return wall_; }
-    // The next functions return the present centreline of this part of the vessel, and its radii, at every
-    // row of vertices.
+    // The next functions return the present centreline of a part of the vessel, and its radii, at every row
+    // of vertices of the wall.
     std::span<const Eigen::Vector3d> line_mm() const { return line_mm_; }
     std::span<const double> radius_mm() const { return radius_mm_; }
     std::span<const double> healthy_radius_mm() const { return healthy_radius_mm_; }
@@ -53,8 +53,8 @@ class VesselWall
     // Sets the distance between the first and the last point for which `opened` has values; the middle
     // between these two points is the middle of the lesion.
     void set_places(std::size_t lesion, double span_mm);
-    // Holds the beginning and end of a lesion on this part of the vessel; the range is empty if the branch
-    // has no lesion with that number.
+    // Holds the beginning and end of a lesion on the wall's part of the vessel; the range is empty if the
+    // branch has no lesion with that number.
     struct Stretch {
         double from_mm = 0.0, to_mm = 0.0;
         bool is_empty() const { return !(to_mm > from_mm); }

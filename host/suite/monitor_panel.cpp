@@ -48,7 +48,7 @@ void GreyRange::drag(double right, double up)
 }
 
 // Draws a picture in the middle of a rectangle, either as large as fits, or with one pixel of the picture on
-// one pixel of the screen. `shown` receives the rectangle that the picture then occupies.
+// one pixel of the screen. `shown` receives the rectangle that the picture occupies on the screen.
 void SuiteScreen::draw_picture(std::size_t slot, const MonitorPicture &picture, const UiRect &place,
                                bool is_sharp, UiRect &shown)
 {

@@ -114,7 +114,8 @@ struct Part {
 
 // The attenuation of a material jumps at a K edge, so a material with a K edge among the beam's energies has
 // no smooth curve. For a material with a K edge, each energy of the table is assigned to the nearest energy
-// of the beam. The attenuation is then averaged over the assigned energies, weighted by the signal.
+// of the beam. For each of the quadrature's energies, the attenuation is averaged over the energies assigned
+// to it, weighted by the signal.
 void average_cells(const Part &part, int material, BeamTable &table, const std::vector<double> &weights)
 {
     double sum = 0.0, mass = 0.0, border = 0.0, passed = 0.0;

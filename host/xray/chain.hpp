@@ -69,8 +69,8 @@ struct XrayChain {
     std::vector<float> tool_signal; // at the pixels of tool_blur
 };
 
-// Automatic exposure measures the signal in a round field whose diameter is this fraction of the picture's
-// width.
+// Gives the diameter of the round field in which automatic exposure measures the signal, as a fraction of the
+// picture's width.
 inline constexpr double measuring_field_share = 0.65;
 
 // held_settings() limits the X-ray settings to the ranges that the signal chain supports. demand_of() returns

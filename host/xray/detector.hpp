@@ -22,7 +22,7 @@ float transmission(const BeamTable &beam, const std::array<float, material_count
 void transmission_row(const BeamTable &beam, const std::array<const std::int32_t *, material_count> &paths,
                       int size, float *share);
 
-// A pixel can count at most this number of quanta.
+// Gives the largest number of quanta that a pixel can count.
 inline constexpr std::uint32_t photons_max = 1u << 22;
 
 // Returns a random number of counted photons for a pixel at which `expected` photons arrive on average. The

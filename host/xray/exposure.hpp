@@ -3,7 +3,8 @@
 //
 // The exposure control works as in angiography systems (AAPM Report 125; Rauch, Lin et al., Med Phys 39
 // (2012) 2826). The exposure control estimates the patient's thickness as centimetres of water from the
-// signal of the last pulse. A fixed curve then gives the technique for the estimated thickness.
+// signal of the last pulse. A fixed curve gives the technique (voltage, current, pulse width) for the
+// estimated thickness of the patient.
 //
 // On the fixed curve of the exposure control (an "anti-isowatt" curve), voltage, current and pulse width
 // increase together. At the limit of the current, or at the power limit of the tube ("isowatt"), only the
@@ -70,8 +71,8 @@ struct ExposureChoice {
 // The reference point lies 15 cm from the isocentre, towards the tube (IEC 60601-2-54).
 inline constexpr double reference_point_m = 0.15;
 
-// The anti-scatter grid transmits this fraction of primary photons; scatter.hpp has the fraction for
-// scattered photons.
+// Gives the fraction of primary photons that the anti-scatter grid transmits; scatter.hpp has the fraction
+// for scattered photons.
 inline constexpr double grid_primary = 0.706;
 
 // Holds the curves of automatic exposure, and the tables of the X-ray beams used so far.

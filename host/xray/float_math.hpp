@@ -1,5 +1,5 @@
-// Computes powers and logarithms of two with sums and products only. Every compiler then gives results that
-// are equal bit for bit, and can vectorise loops with these functions.
+// Computes powers and logarithms of two with sums and products only. With sums and products alone, every
+// compiler gives results that are equal bit for bit, and can vectorise loops with these functions.
 #pragma once
 #include <bit>
 #include <cstdint>

@@ -1,8 +1,8 @@
 /* Applies the beat of the shipped heart to another heart whose mesh exists in one phase only, for example
  * from a scan or an atlas. Three landmarks, which exist on both hearts, determine the rotation, scale and
- * shift between the shipped heart and the other heart. The map of the shipped heart's motion (heart_beat.hpp)
- * then moves the mesh of the other heart. The resulting motion is an assumption, not a measurement, because
- * the real beat of the other heart is unknown. */
+ * shift between the shipped heart and the other heart. When the landmarks are known, the map of the shipped
+ * heart's motion (heart_beat.hpp) moves the mesh of the other heart. The resulting motion is an assumption,
+ * not a measurement, because the real beat of the other heart is unknown. */
 #pragma once
 #include "tools/anatomy/heart_beat.hpp"
 #include "tools/anatomy/mesh.hpp"

@@ -110,7 +110,8 @@ void check_side(const TreeDraft &draft, const GivenVessel &given)
 }
 
 /* Checks that a vessel begins inside its parent vessel. The vessel's first point may lie outside the parent
- * by up to a quarter of the vessel's diameter, because the two lumens then still overlap. */
+   vessel by up to a quarter of the vessel's diameter, because the lumens of both vessels then still
+   overlap. */
 void check_begins_in_parent(const TreeDraft &draft, const GivenVessel &given, const std::string &file)
 {
     if (given.vessel.parent.empty()) return;

@@ -1,7 +1,7 @@
 // Measures the accuracy of the distance field that `bake` makes of a lumen. The program compares the distance
-// field with exact distances. It also compares the two functions that sample the distance field. The program
-// also compares the contact depths of the core with those of the library libccd. All random numbers are
-// generated from a seed, which the program prints.
+// field with exact distances. The function also compares the two functions that sample the distance field.
+// The program also compares the contact depths of the core with those of the library libccd. All random
+// numbers are generated from a seed, which the program prints.
 #pragma once
 #include "tools/bake/field.hpp"
 

@@ -7,8 +7,8 @@
 //   ->  least squares on a trilinear lattice, smooth where there is no vertex, 0 at its boundary
 //   ->  coefficients of the periodic spline in time  ->  int16  ->  measured by the core's own look-up
 //
-// The scene's text describes all parts in the pose of keyframe 0. The fitted lattice then carries the moving
-// parts to the reference pose.
+// The scene's text describes all parts in the pose of keyframe 0. With the fitted lattice, the moving parts
+// are carried back to the reference pose.
 
 #pragma once
 #include "tools/bake/field.hpp"

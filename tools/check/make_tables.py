@@ -6,7 +6,7 @@
 
 To approximate a convex function by a straight line, the script takes the chord on each interval and lowers it by half
 of its largest distance to the curve. Of all straight lines, the lowered chord has the smallest maximum error on the
-interval. One Newton step in fixed.h then doubles the number of correct bits that the straight line gives. To
+interval. One Newton step in fixed.h doubles the number of correct bits that the straight line of this table gives. To
 approximate asin(x)/x by a polynomial, the script interpolates at the Chebyshev points of the interval. The largest
 error of this interpolation is at most about twice that of the best polynomial of the same degree.
 """

@@ -112,10 +112,10 @@ int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, ui
 
 /* --- what stops --- */
 
-/* Detects a carriage whose motor drives it too fast. A hand may throw a carriage, which is then fast although
- * its motor does not drive it. A hand may also move the carriage at any speed, but then the sensor measures
- * the hand's force. The check reports a fault only if a carriage gained its speed while no hand touched it
- * and its motor pushed it. */
+/* Detects a carriage whose motor drives it too fast. A carriage is also fast if a hand throws it, although
+ * its motor does not drive it. If a hand moves the carriage, at any speed, the sensor measures the hand's
+ * force. The check reports a fault only if a carriage gained its speed while no hand touched it and its motor
+ * pushed it. */
 static bool is_driven_fast(crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     crn_safety_watch *watch = &safety->watches[k];

@@ -43,7 +43,7 @@ static int64_t hand_pJ(const crn_safety_swing *now, const crn_safety_swing *last
  * swings must be fast, strong enough to be felt, and equally wide within a factor of 7/8. When the softest
  * hand holds the handle, the damping of a rig whose settings are correct reduces each swing to 0.81 of the
  * previous swing. The hand must also have absorbed more work than 1/64 of the oscillation's force range times
- * its travel range; the noise of the sensor alone reaches a fifth of this limit. */
+ * its travel range; the noise of the sensor alone reaches a fifth of this work. */
 static bool is_sustained(const crn_safety_swing *now, const crn_safety_swing *last, bool is_felt)
 {
     const int32_t low = now->low_mN < last->low_mN ? now->low_mN : last->low_mN,

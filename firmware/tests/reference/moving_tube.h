@@ -34,8 +34,8 @@ double reference_contraction(double phase);
 
 /* Moves a point with a beating sphere whose middle is at (90, 5, 45) mm. The sphere shrinks by 30 %, moves 6
  * mm along -y and turns by 12 degrees about the y axis through its middle; points 40 mm from the middle move
- * by up to 11 mm. Breath then moves the sphere and its surroundings by 8 mm along -y. The sphere's beat and
- * its motion by breath fade out at 90 mm from its middle. */
+ * by up to 11 mm. In the test's breathing motion, the sphere and its surroundings move by 8 mm along -y. The
+ * sphere's beat and its motion by breath fade out at 90 mm from its middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 
 /* The following constants give the pieces of a vessel and the box in which the vessel moves. The vessel

@@ -137,8 +137,8 @@ void what_hands_do_at_a_rig_replays_bit_for_bit(void **)
     }
 }
 
-// The rig continues without the host for 1.5 s. The host then resumes the session from the last tick that the
-// host has received.
+// The rig continues without the host for 1.5 s. After 1.5 s without contact, the host resumes the session
+// from the last tick that the host has received.
 void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
 {
     for (std::uint32_t cut : {100u, 401u, 702u}) {

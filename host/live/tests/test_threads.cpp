@@ -151,8 +151,8 @@ void the_window_may_ask_and_read_at_any_time(void **)
     });
     std::uint32_t last_tick = 0;
     std::uint64_t last_number = 0;
-    // The test ends after this number of pictures, or, on a machine that draws none, after this number of
-    // ticks.
+    // The test ends after the given number of pictures, or, on a machine that draws no pictures, after the
+    // given number of ticks.
     for (int i = 0; last_number < 8 && last_tick < 60'000; ++i) {
         const std::shared_ptr<const crn::SuiteState> state = physics.state();
         assert_true(state->tick >= last_tick);

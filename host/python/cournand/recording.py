@@ -1,4 +1,4 @@
-"""Recordings of sessions: their inputs as an array, and worlds that replay them."""
+"""Reads recordings of sessions: their inputs as an array, and worlds that replay them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scenes with their vessels, and the tools."""
+"""Gives access to scenes with their vessels, and to the tools."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sessions under fluoroscopy that a Python program controls."""
+"""Runs sessions under fluoroscopy that a Python program controls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Worlds: simulated devices with their tools and, if requested, a patient."""
+"""Makes worlds, which are simulated devices with their tools and, if requested, a patient."""
 
 from __future__ import annotations
 
@@ -289,7 +289,7 @@ class World:
 
     def restore(self, snapshot: bytes) -> None:
         """Sets the world to the state in a snapshot of any world with the same scene, tools and options, also from
-        another process or machine. The world then continues bit for bit."""
+        another process or machine. After the call, the world continues bit for bit as the saved one."""
         self._core.restore(snapshot)
 
     def fork(self) -> World:

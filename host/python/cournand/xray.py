@@ -1,4 +1,4 @@
-"""X-ray pictures of worlds, with label images."""
+"""Makes X-ray pictures of worlds, with label images."""
 
 from __future__ import annotations
 

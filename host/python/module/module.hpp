@@ -1,6 +1,6 @@
-// Declarations that the parts of the Python module share. The module uses only the functions of cournand.h
-// and nothing else of the project. The module releases the interpreter's lock in every call that takes more
-// than microseconds.
+// This header has the declarations that the parts of the Python module share. The module uses only the
+// functions of cournand.h and nothing else of the project. The module releases the interpreter's lock in
+// every call that takes more than microseconds.
 #pragma once
 #include "host/library/cournand.h"
 #include <memory>

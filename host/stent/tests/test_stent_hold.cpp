@@ -148,8 +148,8 @@ static void lesion_opens_station_by_station(void **)
 }
 
 // In this test two stents are deployed one after the other. The second stent lies in one end of the first
-// stent and covers half of the lesion. The test then compares the commands to the core that result from the
-// two stents.
+// stent and covers half of the lesion. After placing both stents, the test compares the commands to the core
+// that result from them.
 struct Two {
     VesselWall vessel{beating_artery(true), 0, 5, 45, nullptr};
     Stents stents;

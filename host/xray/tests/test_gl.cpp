@@ -569,8 +569,8 @@ int keep_driver(void **)
 } // namespace
 
 // LeakSanitizer calls the function below when the program ends. LeakSanitizer's own tracer would crash on the
-// threads of Mesa's llvmpipe (clang 14, Mesa 22.3.6), so the test does not search for leaks. Another test in
-// this file limits the growth of memory.
+// threads of Mesa's llvmpipe (clang 14, Mesa 22.3.6), so the test does not search for leaks. The growth of
+// memory is limited by another test in this file.
 extern "C" int __lsan_is_turned_off()
 {
     return 1;

@@ -15,7 +15,7 @@ constexpr double TO_BONE_MM =
  * bone. */
 double bone_distance_mm(const Vec3 &point);
 
-/* Measured distances and bends of one tree, in the order of its vessels. */
+/* Holds the measured distances and bends of one tree, in the order of its vessels. */
 struct TreeSpaces {
     std::vector<double> to_bone_mm;            // from each vessel's lumen to the nearest bone
     std::vector<double> bend_radii;            // least radius of curvature, in radii of the lumen

@@ -43,8 +43,8 @@ JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &va
 }
 
 // Chooses the number of substeps that the rod's real mass requires, up to the given maximum, and then the
-// mass for which this number of substeps is stable. The rotational inertia affects only the numerical
-// integration, so we choose the value that makes rotation as stable as translation.
+// mass for which the rod is stable with this number of substeps. The rotational inertia affects only the
+// numerical integration, so we choose the value that makes rotation as stable as translation.
 void choose_steps(CordeModel &model, double real_kg_per_m, int substeps_max)
 {
 

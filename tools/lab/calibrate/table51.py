@@ -5,7 +5,7 @@
 
 For each instrument, the reference rod makes the true shapes, with a stiffness that differs from the stiffness in the
 instrument file. The true shapes are either scanned virtually and segmented, or converted directly to centrelines with
-noise. Our rod is then fitted without and with the force trace; the CoRdE baseline is fitted without the force trace.
+noise. The script fits our rod without and with the force trace, and fits the CoRdE baseline without the force trace.
 Every finished step leaves a file NAME.done with its command; a step with an unchanged command is not repeated. A
 stopped fit continues from its last generation. If a step fails for an instrument, the page names the instrument, and
 the work continues with the other instruments. The page is written again after every instrument. The exit code is 0 when

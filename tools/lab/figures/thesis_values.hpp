@@ -1,5 +1,5 @@
-// Provides the values that the text of the thesis states for Figures 5.11, 5.13 and 5.14. None of these
-// values comes from measuring the bars that the thesis prints in its figures.
+// Provides the values that the text of the thesis states for Figures 5.11, 5.13 and 5.14. None of the
+// comparison values was obtained by measuring the bars that the thesis prints in its figures.
 #pragma once
 #include <optional>
 #include <string>

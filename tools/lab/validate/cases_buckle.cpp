@@ -84,8 +84,8 @@ double sag(const Rig &rig)
 
 // The ratio of side load to sag falls nearly linearly as the thrust rises, and reaches zero at the critical
 // load (Southwell). The function first increases the thrust by half again and again, until the sag has grown.
-// The straight line through the last two points (thrust, ratio) then predicts the critical thrust, at which
-// the ratio is zero. In each step the function raises the thrust by 7/10 of the difference to the predicted
+// The straight line through the last two points (thrust, ratio) predicts the critical thrust, at which the
+// ratio is zero. In each step the function raises the thrust by 7/10 of the difference to the predicted
 // critical thrust. No theory of buckling enters.
 double measure(const Column &column, Series &series)
 {

@@ -241,8 +241,9 @@ double Rig::base_angle(unsigned tool) const
     return core_->base_angle[tool];
 }
 
-// Angles of the rod's frames are counted about tangents that point to the hand. Angles of the hand are
-// counted about the direction of insertion, so the two kinds of angle have opposite signs.
+// Angles of the rod's frames are counted about tangents that point to the hand. The angles of the hand are
+// counted about the direction of insertion, and those of the rod about the opposite direction, so the two
+// have opposite signs.
 double Rig::tip_angle(unsigned tool) const
 {
     const crn_node_state *nodes = core_->state.words.nodes;

@@ -10,9 +10,9 @@ namespace crn::validate
 
 // Returns the element length, in whole micrometres, with which `count` elements outside the introducer have
 // the given total length. The element length is rounded up, so that the node at the introducer's end lies
-// just inside the introducer. The joint at the introducer's end then represents only the half element that is
-// outside the introducer. If the introducer's end were slightly behind a node, the length that a joint
-// represents would be 10 % too large in the core.
+// just inside the introducer. With a node just inside the introducer, the joint at the introducer's end
+// represents only the half element that is outside the introducer. If the introducer's end were slightly
+// behind a node, the length that a joint represents would be 10 % too large in the core.
 double element_length(double length_m, unsigned count);
 
 // Advances the simulation until no node moves by more than `still_m` in 200 ticks, for at least 400 and at

@@ -20,8 +20,8 @@ struct Contact {
 void find_contacts(const Rod &rod, const Wall &wall, std::vector<Contact> &contacts);
 
 // Raises the inward velocity of each node in contact to at least baumgarte * depth / h, where h is the time
-// step. Friction then reduces the node's tangential velocity by at most `friction` times the change of its
-// inward velocity.
+// step. After the normal impulse, friction reduces the node's tangential velocity by at most `friction` times
+// the change of its inward velocity.
 void answer_contacts(Rod &rod, const std::vector<Contact> &contacts, double baumgarte, double step_s);
 
 } // namespace vcsim3

@@ -43,8 +43,8 @@ void integrate_velocities(Rod &rod, double step_s)
     const double bend = p.inertia_bend_kg_m * p.element_m, twist = p.inertia_twist_kg_m * p.element_m;
     for (int j = 0; j < std::min(rod.free_count, p.element_count); j++) {
         const Vector w = rod.spin[j];
-        // The vector w x (J w) has no third component, because the two transverse moments of inertia are
-        // equal.
+        // For the inertia J and the angular velocity w of a segment, the vector w x (J w) has no third
+        // component, because the two transverse moments of inertia are equal.
         const double gyro = (twist - bend) * w.z();
         const Vector turning = rod.torque[j] - gyro * Vector(w.y(), -w.x(), 0.0);
         rod.spin[j] =

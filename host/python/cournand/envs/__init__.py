@@ -1,4 +1,4 @@
-"""Environments for Gymnasium; importing this package registers them.
+"""This package has the environments for Gymnasium; importing it registers them.
 
     import cournand.envs
     import gymnasium

@@ -1,4 +1,4 @@
-"""Small coloured pictures that show a frame with its masks, its centrelines and its tips."""
+"""Makes small coloured pictures that show a frame with its masks, its centrelines and its tips."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-// Fuzz target: reads arbitrary bytes as a mesh file. The target tests the strict checks of a mesh file that
-// precede assimp, and the check of the mesh that assimp returns. The first byte selects the file format. The
-// program tools/importers tests assimp itself, with whole sets of files in a child process.
+// This fuzz target reads arbitrary bytes as a mesh file. The target tests the strict checks of a mesh file
+// that precede assimp, and the check of the mesh that assimp returns. The first byte selects the file format.
+// The program tools/importers tests assimp itself, with whole sets of files in a child process.
 #include "tools/mesh/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 #include <algorithm>
