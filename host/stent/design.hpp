@@ -37,7 +37,8 @@ struct StentDesign {
     double radius_on_mm(double balloon_radius_mm) const { return balloon_radius_mm + strut_thickness_mm / 2; }
     double nominal_radius_mm() const { return radius_on_mm(diameter_mm / 2); }
 
-    // Returns the length of a strut as seen along the stent's axis, which is the chord 2 r sin(pi / 2 N).
+    // Returns the length of a strut as seen along the stent's axis, which is the chord 2 r sin(pi / 2 N) of a
+    // ring of radius r with 2 N points.
     double chord_mm(double radius_mm) const;
     // Returns the height of a ring along the axis, if the struts keep their length: sqrt(strut^2 - chord^2),
     // where `chord` is the distance between neighbouring points around the axis.

@@ -18,7 +18,8 @@ constexpr int first_high = 18;                            // 33.5 keV
 constexpr double reference_tissue_cm = 10.0, reference_contrast_cm = 0.1;
 constexpr double log2_q10mm_per_cm = 1.44269504088896340736 / 10240.0;
 
-// Computes the polynomials p_0 .. p_n that are orthogonal under the weights w at the points x.
+// Computes the polynomials p_0 .. p_n that are orthogonal to each other at the given points x under the
+// weights w.
 class Orthogonal
 {
   public:

@@ -2,8 +2,8 @@
 //
 // From each point of the detector, scattered photons are spread over a broad area around the point. The
 // number of photons scattered from a point is proportional to P ln(1/P), where P is the transmission of
-// primary photons at that point. P ln(1/P) is the fraction of photons lost in the patient times the fraction
-// still transmitted (Ohnesorge, Flohr and Klingenbeck-Regn, Eur Radiol 9 (1999) 563).
+// primary photons at that point. P ln(1/P) is the fraction lost in the patient, ln(1/P), times the fraction
+// still transmitted, P (Ohnesorge, Flohr and Klingenbeck-Regn, Eur Radiol 9 (1999) 563).
 //
 //     S = 0.70 [P ln(1/P)] * G,   G: Gaussian of 60 mm standard deviation at the detector, of sum 1
 //

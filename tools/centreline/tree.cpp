@@ -87,9 +87,9 @@ double length_mm(const Branch &branch)
     return sum;
 }
 
-// For the point p, s is the coordinate along the axis from a to b, and q is the distance from this axis. The
-// side of the two spheres' hull is the cone that touches both spheres. If the perpendicular from p meets the
-// cone's side beyond an end of the cone, the sphere at that end is nearer to p.
+// For a point p, s is the coordinate along the cone's axis from a to b, and q is the distance from this axis.
+// The side of the two spheres' hull is the cone that touches both spheres. If the perpendicular from p meets
+// the cone's side beyond an end of the cone, the sphere at that end is nearer to p.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b)
 {

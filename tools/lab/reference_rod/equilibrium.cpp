@@ -123,8 +123,9 @@ double residual(const Eigen::VectorXd &slope, int free)
     return most;
 }
 
-// Solves (H + shift D) d = -g for the free unknowns, where D holds the magnitudes of H's diagonal. The shift
-// is the smallest of a series of values that makes the matrix positive definite.
+// Solves (H + shift D) d = -g for the free unknowns d, where H is the matrix of second derivatives, D holds
+// the magnitudes of its diagonal, and g is the gradient of the energy. The shift is the smallest of a series
+// of values that makes the matrix positive definite.
 void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unknowns, double &shift,
                       Eigen::VectorXd &direction)
 {

@@ -63,8 +63,8 @@ void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
 
 // The curvature towards the material axis d1 is kb . (ue + uf) / 2, where kb is the curvature vector of the
 // joint, and ue and uf are the second axes u = t x d1 of its two edges. With u = -d1, the formula of the
-// curvature gives the curvature towards the axis t x d1. `ve` and `vf` are -du / d(angle), which is d1 for
-// the curvature towards d1, and t x d1 for the curvature towards t x d1.
+// curvature gives the curvature towards the second material axis t x d1. `ve` and `vf` are -du / d(angle),
+// which is d1 for the curvature towards d1, and t x d1 for the curvature towards t x d1.
 void curvature(const Frame &f, const Vector &ue, const Vector &uf, const Vector &ve, const Vector &vf,
                bool with_second, Measure &out)
 {

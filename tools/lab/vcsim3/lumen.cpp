@@ -1,6 +1,6 @@
 // Reads a scene file and evaluates the lumen's distance field in it. At the fraction u of a voxel, the
-// weights of the spline are (1-u)^2/2, 1/2 + u - u^2 and u^2/2. The first derivatives of the weights are
-// -(1-u), 1-2u and u; the second derivatives are 1, -2 and 1.
+// weights of the spline are (1-u)^2/2, 1/2 + u - u^2 and u^2/2. The first derivatives of the spline's weights
+// at the fraction u are -(1-u), 1-2u and u; the second derivatives are 1, -2 and 1.
 #include "tools/lab/vcsim3/lumen.hpp"
 #include "shared/scene/scene.h"
 #include <cmath>

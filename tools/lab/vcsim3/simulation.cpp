@@ -13,9 +13,10 @@ constexpr double tick_s = 1e-3;
 RodProperties with_mode(RodProperties properties, const SimulationSettings &settings)
 {
     // In each step, the penalty spring removes the same fraction of a length error as Baumgarte's term. When
-    // the spring force Ks/l C pushes two points of mass m apart for a time h, their relative velocity changes
-    // by 2 h Ks C/(l m). The spring changes the velocity by beta C/h for a length error C, as Baumgarte's
-    // term does, if Ks = beta m l/(2 h^2), where l is the length of a segment.
+    // the spring force Ks/l C (Ks: stiffness, l: length of the segment, C: length error) pushes two points of
+    // mass m apart for a time h, their relative velocity changes by 2 h Ks C/(l m). The spring changes the
+    // velocity by beta C/h for a length error C, as Baumgarte's term does, if Ks = beta m l/(2 h^2), where l
+    // is the length of a segment.
     const double step_s = tick_s / settings.substeps;
     const double mass_kg = properties.mass_kg_per_m * properties.element_m;
     properties.stretch_N =
