@@ -70,7 +70,7 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
 /* --- an exchange, between two ticks --- */
 
 /* The core and the wire protocol list the same answers to an exchange of tools. The program does not compile
- * when the two lists of answers differ. */
+ * when the core's list differs from that of the wire protocol. */
 #define EXCHANGE(NAME, number, text, remedy)                                                                 \
     _Static_assert((int)CRN_EXCHANGE_##NAME + 1 == (int)(number), "core and wire agree about " #NAME);
 #include "shared/wire/wire_exchanges.def"

@@ -222,11 +222,11 @@ crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const 
     return stands_still(pose, world_m_q30) ? *world_m_q30 : pull_inside(motion, pose, world_m_q30);
 }
 
-/* Every lattice node has `row` values for each of its three components. For each of the `row` values, the
- * function adds to `squares` the largest |difference|^2 between neighbouring nodes along one axis. Format:
- * coefficients. Overflow is impossible: the displacements of neighbouring nodes differ by at most 2^13
- * (checked when a scene is loaded). One axis adds at most 3 x 2^26 to each sum of squares, and three axes add
- * less than 2^30. */
+/* Every lattice node has `row` values for each of its three components. For each of the `row` values of a
+ * node, the function computes the largest squared difference between neighbouring nodes along one axis, and
+ * adds it to `squares`. Format: coefficients. Overflow is impossible: the displacements of neighbouring nodes
+ * differ by at most 2^13 (checked when a scene is loaded). One axis adds at most 3 x 2^26 to each sum of
+ * squares, and three axes add less than 2^30. */
 static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint32_t row, uint32_t axis,
                         uint32_t *squares)
 {

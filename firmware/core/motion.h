@@ -135,10 +135,10 @@ int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_m
 
 /* Returns a lower bound of the distance that crn_motion_contact gives at the same point; at the wall or
  * beyond the wall, this bound is at least 0. Inside the lumen, the bound is the distance in the reference
- * pose, divided by the largest factor by which the motion can increase a gradient. The argument `shrink_q30`
- * is the reciprocal of a limit, valid at every point, on the factor by which the motion increases a gradient.
- * If the general limit from `shrink_q30` gives a distance of `far_m_q30` or more, the function uses the more
- * exact limit at the given point instead. */
+ * pose, divided by the largest factor by which the motion can increase a gradient. The motion increases a
+ * gradient at most by a certain factor; `shrink_q30` is the reciprocal of a limit of this factor that is
+ * valid at every point. If the general limit from `shrink_q30` gives a distance of `far_m_q30` or more, the
+ * function uses the more exact limit at the given point instead. */
 int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                             const crn_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30);
 

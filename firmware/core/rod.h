@@ -192,8 +192,8 @@ void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint3
  * keep their length (rod_length.c). The caller passes the largest component of the deviation. */
 void crn_rod_keep_lengths(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 
-/* Returns the joint at node i for this tick. The introducer sheath's distal end cuts off a part of the joints
- * at nodes na-1 and na. */
+/* Returns the joint at node i for this tick. The distal end of the introducer sheath cuts off a part of the
+ * cells of two joints, at the nodes na-1 and na. */
 static inline const crn_joint *crn_rod_joint(const crn_state *state, uint32_t i)
 {
     uint32_t na = state->words.free_count;

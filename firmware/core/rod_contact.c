@@ -11,7 +11,7 @@
  * The displacement of a tool's surface has three terms: the displacement of the node, the slide of the outer
  * tool along the common centreline, and radius times rotation, r theta, across the normal n and the tangent
  * t. One friction limit mu N bounds sliding and turning together, so a wire that slides turns freely. After
- * the solve, the surface's displacement is added to the friction displacement z, at most mu N / k_t.
+ * the solve, the surface's displacement is added to the friction displacement z, up to its limit mu N / k_t.
  *
  * Stent struts (strut.h) are treated like the vessel wall. A node that touches both stent struts and vessel
  * wall has two contacts. The matrix contains the normals of a node's two contacts. The friction displacement

@@ -21,11 +21,11 @@ enum {
 /* Returns the number of nodes from the tip that move as one rigid body. Within 40 mm of the tip, the rigid
  * part reaches to the last joint at which the rest shape is curved more tightly than 110 / m (a J, a pigtail,
  * the first bend of a guiding catheter). If the rigid part of the tip slid by ds along its own curve of
- * radius R, it would turn by ds / R in each tick. To undo a rotation of the tip by ds / R, the solve needs EI
- * kappa^2 s / (EI / L) ticks, because its matrix keeps rest rotations fixed in space. Before the tip was
- * treated as a rigid body, a J-shaped tip of 1.5 mm radius on 50 mm of soft wire lagged by 20 mm at a feed of
- * 30 mm/s. Overflow is impossible: rotations are below 1.3 rad, and the length of a cell is below 2^24 in Q30
- * m. */
+ * radius R, it would turn by ds / R in each tick. To undo the rotation of a tip of curvature kappa and length
+ * s on a wire of length L, the solve needs EI kappa^2 s / (EI / L) ticks, because its matrix keeps rest
+ * rotations fixed in space. Before the tip was treated as a rigid body, a J-shaped tip of 1.5 mm radius on 50
+ * mm of soft wire lagged by 20 mm at a feed of 30 mm/s. Overflow is impossible: rotations are below 1.3 rad,
+ * and the length of a cell is below 2^24 in Q30 m. */
 static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint32_t free_count)
 {
     uint32_t rigid = 0;

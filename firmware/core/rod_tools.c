@@ -363,8 +363,8 @@ static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i
 }
 
 /* Returns joint i's contribution to the force on the hand that holds tool k, as joint_handle() does, for a
- * cell within one span of tool k (a part between two knots). The joint gives the bending stiffness EI, and
- * the span between two knots gives the change of EI along the tool. */
+ * cell within one span of tool k (a part between two knots). The function takes the bending stiffness EI from
+ * the joint, and the change of EI along the tool from the span between two knots. */
 static int32_t smooth_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                              const crn_span *span, int32_t from, int32_t to)
 {

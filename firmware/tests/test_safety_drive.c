@@ -128,7 +128,7 @@ static void a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed(void **
 }
 
 /* The carriage does not move in this test, so the speed limits have no effect. The motor's force stays
- * unchanged for the first 12 edges of the timer, and fades during the next 20 edges. */
+ * unchanged for the first 12 edges of the millisecond timer, and fades during the next 20 edges. */
 static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **state)
 {
     (void)state;

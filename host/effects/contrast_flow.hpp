@@ -25,7 +25,8 @@ namespace crn
 struct ContrastSettings {
     double viscosity_mPa_s = 3.5; // of blood
     // Blood moves in two layers of equal area, and core_flow_share is the fraction of the flow in the layer
-    // around the axis. The value 0.75 means laminar flow (Poiseuille's parabola), and 0.5 means plug flow.
+    // around the axis. A core_flow_share of 0.75 means laminar flow (Poiseuille's parabola), and 0.5 means
+    // plug flow.
     double core_flow_share = 0.75;
     double mixing_radii = 30.0; // over a distance of so many radii the layers' difference falls to 1/e
 };

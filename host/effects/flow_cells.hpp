@@ -55,9 +55,9 @@ class FlowCells
 
     const std::vector<FlowThroat> &throats() const { return throats_; } // one for each lesion
 
-    // Replaces the points and radii inside the tree's lesions. The new points must be given for the same
-    // heart and breath phase as the tree that the constructor received. The mean flow into the vascular beds
-    // does not change.
+    // Replaces the points and radii inside the lesions of the tree by those of the opened tree. The new
+    // points must be given for the same heart and breath phase as the tree that the constructor received. The
+    // mean flow into the vascular beds does not change.
     void reshape(const VesselTree &opened);
     // Moves the points of the tree: `moved` must have the same numbers of branches, points and lesions as the
     // tree that the constructor received. Any other tree is ignored.

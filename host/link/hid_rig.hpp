@@ -3,8 +3,8 @@
 //
 // Debian has two builds of hidapi with the same function names: one uses the kernel's hidraw, the other
 // libusb. Both builds of hidapi are loaded at run time, not linked. The caller can therefore choose one of
-// the builds, and a machine without hidapi can still run all other functions of the program. Only one thread
-// at a time may call the functions of a HidRig.
+// the two builds of hidapi, and a machine without hidapi can still run all other functions of the program.
+// Only one thread at a time may call the functions of a HidRig.
 #pragma once
 #include "host/link/link.hpp"
 #include "shared/wire/hid.h"

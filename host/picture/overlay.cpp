@@ -276,7 +276,7 @@ class Display
     }
 
     // In each pixel column of a trace, draws a vertical stroke over the range of the samples in that column.
-    // A gap separates the newest column from the older samples.
+    // A gap in the trace separates the newest column of pixels from the older samples.
     template <class Height>
     void draw_trace(int x, int y, int width, int height, Colour colour, Height share_of)
     {

@@ -1,8 +1,8 @@
 // Draws the panel of devices: one row per position with the travel and the turn of its tool, and the force
-// and torque on the hand. The user drags a row with the mouse to push and turn its tool. Below these rows,
-// the function draws the device table, which lists the session's devices that are not in use. In the device
-// table the user selects the device to load. One button loads the selected device at the chosen position;
-// another button removes the device at this position.
+// and torque on the hand. The user drags a row with the mouse to push and turn its tool. Below the rows of
+// the positions, the function draws the device table, which lists the session's devices that are not in use.
+// In the device table the user selects the device to load. One button loads the selected device at the chosen
+// position; another button removes the device at this position.
 #include "host/base/format.hpp"
 #include "host/picture/room_text.hpp"
 #include "host/script/hand_motion.hpp"

@@ -31,8 +31,8 @@ std::string place_text(const Eigen::Vector3d &p_mm); // "(1.0, 2.0, 3.0) mm"
 // corners, or has a size that suggests another unit.
 Mesh load_mesh(const MeshText &text);
 
-// Checks that the mesh has a plausible size, has only finite coordinates, and is not empty. The advice in the
-// error message names the key `unit`.
+// Checks that the mesh has a plausible size, has only finite coordinates, and is not empty. The error message
+// about a wrong unit of the mesh advises the user to set the key `unit`.
 void check_extent(const Mesh &mesh, const std::string &unit);
 
 // Merges vertices at equal positions and drops triangles without area, and notes both changes in the report.

@@ -30,10 +30,10 @@ void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
                const std::function<void(const Joint &)> &place);
 
 // Makes a vessel tree from the curves of 3D Slicer or VMTK, which store one curve per file or per outlet. A
-// root that begins inside another branch becomes a child of that branch. The part of this root that runs
-// along the branch's centreline is cut off. The trunk is the curve with the end nearest to `inlet_mm`;
-// without `inlet_mm` it is the widest curve. A single curve is not changed, and neither is a tree whose file
-// states the parent of each branch.
+// root that begins inside another branch becomes a child of that branch. If a root becomes a child of a
+// branch, the part of the root that runs along the branch's centreline is cut off. The trunk is the curve
+// with the end nearest to `inlet_mm`; without `inlet_mm` it is the widest curve. A single curve is not
+// changed, and neither is a tree whose file states the parent of each branch.
 Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);
 
 } // namespace crn::centreline

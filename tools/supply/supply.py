@@ -201,7 +201,7 @@ def split_notice(text):
 
 def without_users(lines):
     """Removes the lines of NOTICE that name programs, because the programs that use a library change often. The name,
-    holder and licence of each library remain."""
+    holder and licence of each library stay in the returned lines."""
     return [re.sub(r"\s{2,}", "  ", line.strip()) for line in lines if not line.startswith(USERS)]
 
 

@@ -6,9 +6,9 @@
 //   stretch   Ks/(2 l) (|e| - l)^2                        per segment, in the penalty mode only
 //
 // In CoRdE, the strain u of a joint is 2/|q|^2 B q.q', where q is the mean of the two segments' quaternions
-// and q' is their difference divided by the length l of a segment. For unit quaternions, the strain u is 4/l
-// tan(angle/4) about the axis of the rotation between the segments. Every node carries the weight of one
-// whole element.
+// and q' is their difference divided by the length l of a segment. For unit quaternions and segments of
+// length l, the strain u is 4/l tan(angle/4) about the axis of the rotation between the segments. Every node
+// carries the weight of one whole element.
 #include "tools/lab/vcsim3/rod.hpp"
 
 namespace vcsim3

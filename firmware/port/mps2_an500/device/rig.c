@@ -1,5 +1,5 @@
 /* This file translates the emulated rig's registers to the port's inputs and outputs. The code limits values
- * from the rig page to their ranges before it uses them. */
+ * from the memory page of the emulated rig to their ranges before it uses them. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 bool rig_is_there(void)
