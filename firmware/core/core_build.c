@@ -191,8 +191,8 @@ static int32_t bend_at(const crn_tool *tool, uint32_t span, int32_t arc_m_q30)
 }
 
 /* Returns the largest bending stiffness EI that tool k can have at arc length `arc_m_q30` behind the leading
- * tip, for any position of the tool. The result is the maximum of EI from the tool's own tip to the given arc
- * length. */
+ * tip, for any position of the tool. This largest stiffness is the maximum of EI from the tool's own tip to
+ * the given arc length. */
 static int32_t stiffest_until(const crn_tool *tool, int32_t arc_m_q30)
 {
     int32_t most = 0;
@@ -215,8 +215,8 @@ static int32_t own_stiffness(const crn_tool *tool, int32_t arc_m_q30)
 }
 
 /* Holds, in descending order, the CRN_TOOL_MAX largest values of one property (bending stiffness or mass per
- * length) among the tools of the table. At most CRN_TOOL_MAX tools can be nested, so the sum of these largest
- * values is an upper limit for any set of nested tools. */
+ * length) among the tools of the table. At most CRN_TOOL_MAX tools can be nested, so the sum of the
+ * CRN_TOOL_MAX largest values is an upper limit for any set of nested tools. */
 typedef struct largest_values {
     int32_t values[CRN_TOOL_MAX];
 } largest_values;

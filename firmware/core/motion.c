@@ -368,8 +368,8 @@ static int32_t shrink_of_breath(const crn_motion *motion, crn_motion_pose *pose)
     return field->shrink_q30;
 }
 
-/* Returns a lower bound of 1 / |I + J| at the point that was looked up last: the product of a factor for the
- * heartbeat and a factor for breath. Format: Q30. */
+/* Returns a lower bound of 1 / |I + J| at the point that was looked up last, where J is the gradient of the
+ * displacement: the product of a factor for the heartbeat and a factor for breath. Format: Q30. */
 static int32_t shrink_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t beat_q30 = shrink_of_gradient((const int32_t(*)[3])pose->gradient_q28);

@@ -53,10 +53,11 @@ static inline int64_t crn_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q
 }
 
 /* Returns the axial spring stiffness EA / length of an edge. W is the bending stiffness of the softer of the
- * edge's two joints. The result is limited to the largest axial stiffness of the model and to 512 W a^2,
- * where W is a joint's bending stiffness and 1/a the edge's length. If the axial stiffness were far above 512
- * W a^2 (W: bending stiffness of a joint, 1/a: length of an edge), the determinant of a matrix block would
- * lose its significant bits. The result has the unit N/m with 8 fractional bits. */
+ * edge's two joints. The returned spring stiffness is limited to the largest axial stiffness of the model and
+ * to 512 W a^2, where W is a joint's bending stiffness and 1/a the edge's length. If the axial stiffness were
+ * far above 512 W a^2 (W: bending stiffness of a joint, 1/a: length of an edge), the determinant of a matrix
+ * block would lose its significant bits. The returned spring stiffness has the unit N/m with 8 fractional
+ * bits. */
 static inline int64_t crn_axial_spring_q8(const crn_model *model, uint32_t edge, int32_t bend_N_m_q26)
 {
     int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;

@@ -5,8 +5,8 @@
 
 #include "firmware/core/rod.h"
 
-/* Returns an upper bound of a vector's length. The bound is half of this sum: the largest component's
- * magnitude plus the magnitudes of all three components. Overflow: saturates. */
+/* Returns an upper bound of a vector's length. The bound of a vector's length is half of this sum: the
+ * largest component's magnitude plus the magnitudes of all three components. Overflow: saturates. */
 static inline int32_t length_at_most(const crn_vec3 *a)
 {
     int64_t sum = 0, most = 0;

@@ -76,9 +76,10 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
 
 /* --- couplings that a rig can render --- */
 
-/* By the condition b > G (K (T / 2 + t) + B), a rig with a damping of 1 N s/m and a lag of 0.5 ms has just
- * enough damping for a coupling of 800 N/m and 0.2 N s/m. With a force gain of 2, the hand feels 1,600 N/m
- * instead of 800 N/m, so only half of this stiffness and half of the damping are allowed. */
+/* By the condition for passivity, b > G (K (T / 2 + t) + B), a rig with a damping b of 1 N s/m and a lag t of
+ * 0.5 ms has just enough damping for a coupling of K = 800 N/m and B = 0.2 N s/m (G: force gain, T: tick).
+ * With a force gain of 2, the hand feels 1,600 N/m instead of 800 N/m, so only half of this stiffness and
+ * half of the damping are allowed. */
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;

@@ -149,8 +149,8 @@ static double distance_mm(const rig *r, const crn_lesion_state *lesions, crn_vec
 }
 
 /* The test takes points on the expected wall, and checks the distance that the core computes there. The
- * tolerance is 0.02 mm (the error of the narrow channel's distance field, docs/lesions.md) times the factor
- * by which the lesion is widened. */
+ * tolerance of the distance is 0.02 mm (the error of the narrow channel's distance field, docs/lesions.md)
+ * times the factor by which the lesion is widened. */
 static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **state)
 {
     (void)state;

@@ -44,8 +44,8 @@ static crn_build_status build(rig *r, const crn_instrument *tools, uint32_t coun
 
 /* The test has two uniform tools, and puts the tip of the outer one at 101 positions in one cell. The
  * expected stiffness W of the cell follows from 1/W = (cell - part) / EI + part / (EI + EI'), where the outer
- * tool with the stiffness EI' covers the length `part` of the cell. The tolerance is 1/1000, for the rounding
- * of the reciprocals and of the cell's length. */
+ * tool with the stiffness EI' covers the length `part` of the cell. The tolerance of the joint's stiffness is
+ * 1/1000, for the rounding of the reciprocals and of the cell's length. */
 static void check_divided_cell(double inner_N_m2, double outer_N_m2, uint32_t element_um)
 {
     rig *r = calloc(1, sizeof *r);

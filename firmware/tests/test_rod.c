@@ -296,8 +296,8 @@ static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 }
 
 /* A node outside the distance field has no wall normal and so no contact, but it must still count as the node
- * that is deepest in the wall. In this test the whole wire lies 0.1 m beside the tube. The expected depth
- * is 15.6 mm (the distance that the field has everywhere far from walls) plus the wire's radius. */
+ * that is deepest in the wall. In this test the whole wire lies 0.1 m beside the tube. The expected contact
+ * depth is 15.6 mm (the distance that the field has everywhere far from walls) plus the wire's radius. */
 static void a_node_beyond_the_field_is_the_deepest(void **context)
 {
     (void)context;

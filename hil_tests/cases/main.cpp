@@ -152,8 +152,8 @@ void judge_instructions(const hil::AortaRun &run, hil::Report &report)
                "%s; allowed: median 500,000, p99.9 600,000, max 900,000", report.text.c_str());
 }
 
-// Writes one line for each tick of the counted session. The line contains the number of instructions and the
-// number of solver runs, so that the user can find expensive ticks.
+// Writes one line for each tick of the counted session. The line of a tick contains the number of
+// instructions and the number of solver runs, so that the user can find expensive ticks.
 void write_counts(const hil::AortaRun &run, crn::PendingFile &file)
 {
     for (std::size_t i = 0; i < run.tick_instructions.size(); i++)

@@ -79,9 +79,9 @@ static char *describe(mock *m, const uint8_t *descriptors, uint32_t count)
     return g_string_free(text, FALSE);
 }
 
-/* Makes a device node as a FIFO, which programs can poll. This file makes the node itself, because umockdev
- * makes a node only once. This process keeps the FIFO open for reading and writing, so no program ever finds
- * the other end closed. */
+/* Makes a device node as a FIFO, which programs can poll. This file makes the device node in /dev itself,
+ * because umockdev makes a node only once. This process keeps the FIFO open for reading and writing, so no
+ * program ever finds the other end closed. */
 static int make_fifo(const mock *m, const char *node)
 {
     char *path = g_build_filename(m->root, node, NULL);

@@ -159,8 +159,8 @@ class Shrinker
 };
 
 // Returns a statement of a session script in the form that it needs after the given tool has been removed
-// from the session. The result is an empty text if the statement names the removed tool. In all other
-// statements, each tool outside the removed tool gets the name or number of the next inner tool.
+// from the session. If the statement names the removed tool, the returned statement is an empty text. In all
+// other statements, each tool outside the removed tool gets the name or number of the next inner tool.
 std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);

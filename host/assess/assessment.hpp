@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// `report` is the report of the session (report_of). The returned object has the following entries.
+// `report` is the report of the session (report_of). The returned JSON object has the following entries.
 //   "format", "plan", "title", "scene", "session", "ticks", "hash",
 //   "score": {"percent", "capped_by", "parts": [{"name", "title", "weight", "share"}]},
 //   "errors": [{"kind", "title", "severity", "weight", "tick", "end_tick", "at_s", "seconds", "counts",

@@ -11,7 +11,7 @@ namespace crn
 {
 
 // Returns the names that the user may give instead of a file in an option whose values have this type, such
-// as "INSTRUMENT". The list is empty if values of this type have no names.
+// as "INSTRUMENT". The list of names is empty if values of this type have no names.
 using NamesOfType = std::function<std::vector<std::string>(const std::string &type)>;
 
 // Parses the command line. Returns the exit code if the program must end now: 0 after a help text, the
@@ -25,8 +25,8 @@ using NamesOfType = std::function<std::vector<std::string>(const std::string &ty
 std::optional<int> parse_command_line(CLI::App &app, int argc, char **argv, const NamesOfType &names = {});
 
 // Finds the first word that is neither a command nor an option of the program, and returns an explanation
-// with a suggestion. The returned text is empty if every word is known. `app` must have parsed the command
-// line already, even if the parsing failed.
+// with a suggestion. The returned explanation is empty if every word is known. `app` must have parsed the
+// command line already, even if the parsing failed.
 std::string unknown_word(const CLI::App &app);
 
 } // namespace crn

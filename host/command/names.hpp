@@ -14,12 +14,12 @@ namespace crn
 //    WORD.scene in the user's own folder of scenes ($XDG_DATA_HOME/cournand/scenes)
 //    out/WORD.scene below the current folder or below the repository, where `make` writes scenes
 //    the scene `heart`, `lad_pci` or `renal_pci`
-//    the scene with this name that comes with the program The first use of the scene `heart`, `lad_pci` or
-// `renal_pci` takes one to three minutes, in which the programs `anatomy` and `bake` make it. After its first
-// use, the scene `heart`, `lad_pci` or `renal_pci` is kept in the user's cache, like the scenes of cases. A
-// scene that comes with the program is compressed; the first use unpacks the scene and its bodies into the
-// user's cache ($XDG_CACHE_HOME/cournand/scenes). Throws a std::runtime_error that contains a suggestion or
-// the command that makes the scene.
+//    the scene with this name that comes with the program
+// The first use of the scene `heart`, `lad_pci` or `renal_pci` takes one to three minutes, in which the
+// programs `anatomy` and `bake` make it. After its first use, the scene `heart`, `lad_pci` or `renal_pci` is
+// kept in the user's cache, like the scenes of cases. A scene that comes with the program is compressed; the
+// first use unpacks the scene and its bodies into the user's cache ($XDG_CACHE_HOME/cournand/scenes). Throws
+// a std::runtime_error that contains a suggestion or the command that makes the scene.
 std::string scene_path(const std::string &word);
 
 // Makes the scene of a recipe, unless it is in the cache, and shows the progress on stderr. On a terminal the

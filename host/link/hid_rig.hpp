@@ -22,8 +22,8 @@ namespace crn
 
 enum class HidBackEnd { hidraw, libusb };
 
-// Holds the functions of hidapi that this code uses, from one of the two builds; tests provide functions of
-// their own.
+// Holds the functions of hidapi that this code uses, from one of hidapi's two builds (hidraw or libusb);
+// tests provide functions of their own.
 struct HidApi {
     std::string name; // "hidraw", "libusb"
     int (*init)() = nullptr;

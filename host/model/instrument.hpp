@@ -98,9 +98,10 @@ int line_node_count(std::span<const crn_wire_instrument *const> tools);
 int line_node_count(const crn_wire_instrument &tool);
 
 // Returns points of the instrument's unloaded centreline, tip first, from the tip to `straight_m` behind the
-// last arc. The list contains a point every `step_m` and at every change of curvature. The straight part of
-// the shape lies on the x axis; the origin is at its end nearer to the user's hand. The instrument enters
-// along +x; d1 is +y, and d2 = t x d1 is -z, where t points along the instrument towards the user's hand.
+// last arc. The list of points of the centreline contains a point every `step_m` and at every change of
+// curvature. The straight part of the shape lies on the x axis; the origin is at its end nearer to the user's
+// hand. The instrument enters along +x; d1 is +y, and d2 = t x d1 is -z, where t points along the instrument
+// towards the user's hand.
 struct ShapePoint {
     double arc_m = 0.0;
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

@@ -24,8 +24,8 @@ struct LesionStations {
 };
 
 // Returns the stations (evenly spaced points) of each lesion that a balloon can open; the scene must be
-// validated. The result is in the order of the tree's lesions, in which the lesions that a balloon can open
-// come first.
+// validated. The returned stations are in the order of the tree's lesions, in which the lesions that a
+// balloon can open come first.
 std::vector<LesionStations> lesion_stations(const crn_scene &scene);
 // Reads the stations (evenly spaced points) of all lesions that a balloon can open from the PLAQUES section
 // of a scene file. Returns an empty list when the file has no PLAQUES section. When the section cannot be

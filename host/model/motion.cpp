@@ -42,10 +42,10 @@ MotionWeights motion_weights(const MotionMoment &moment)
 double motion_plane_weight(int corner, const Eigen::Vector3d &place)
 {
     // In Kuhn's division of a cell, each tetrahedron belongs to a path along the cell's edges from corner 0,
-    // first along the axis on which the position has its largest coordinate. A corner therefore belongs to
-    // the position's tetrahedron only if the coordinates along the axes that lead to this corner are larger
-    // than the other coordinates. The weight of a corner is the smallest coordinate along the axes that lead
-    // to it, minus the largest of the other coordinates.
+    // first along the axis on which the position has its largest coordinate. A corner of a cell therefore
+    // belongs to the position's tetrahedron only if the position's coordinates along the axes that lead to
+    // this corner are larger than its other coordinates. The weight of a corner is the smallest coordinate
+    // along the axes that lead to it, minus the largest of the other coordinates.
     double least = 1, most = 0;
     for (int k = 0; k < 3; ++k) {
         if ((corner >> k & 1) != 0)

@@ -57,8 +57,8 @@ class Motion
 
     // Returns the position in the reference pose of the material that is now at x.
     Eigen::Vector3d pull(const Eigen::Vector3d &x_m, const MotionMoment &moment) const;
-    // Returns the present position of the material that lies at X in the reference pose. The error is below 1
-    // um where the lattice does not fold over itself.
+    // Returns the present position of the material that lies at X in the reference pose. The error of the
+    // returned position is below 1 um where the lattice does not fold over itself.
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:

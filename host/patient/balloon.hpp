@@ -29,7 +29,7 @@ double balloon_middle_mm(const Instrument &tool);
 BalloonPose balloon_pose(const WireFrame &wire, std::size_t tool);
 
 // Returns the contrast medium in the unfolded balloon as one column around the tool's shaft; each end of the
-// column is a cone. The returned list is empty while the balloon is folded.
+// column is a cone. The returned list of pieces is empty while the balloon is folded.
 std::vector<SweptCurve> balloon_filling(const WireFrame &wire, const std::vector<Instrument> &tools,
                                         double iodine_mg_per_ml);
 

@@ -16,7 +16,7 @@ class BodyPoses
   public:
     explicit BodyPoses(const SceneAnatomy &anatomy);
     // Returns the bodies whose shape at the moment of this frame differs from that in the scene's files. The
-    // returned list is valid until the next call.
+    // returned list of bodies is valid until the next call.
     std::span<const MovedBody> at(const WireFrame &wire);
 
   private:

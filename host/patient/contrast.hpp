@@ -31,7 +31,7 @@ std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, 
 // 1 mm beyond the introducer counts as taken out, also from the lumens of other tools.
 bool is_in_patient(const crn_wire_tool_state &tool);
 // Returns the reason why these tools cannot carry out a command to the syringe, whatever their positions. The
-// returned string is empty if the tools can carry out the command, or if the command is not for the syringe.
+// returned reason is empty if the tools can carry out the command, or if the command is not for the syringe.
 // `iodine_mg_per_ml` is the strength of the injected medium.
 std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
                               double iodine_mg_per_ml);

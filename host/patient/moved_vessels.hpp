@@ -19,7 +19,7 @@ class MovedVessels
     bool can_move() const { return points_.has_value(); }
     // Returns the vessels at the given moment; `lesions_open` is as in WireFrame. The radii of the moved
     // vessels are those of the reference tree. Call this function only if can_move() is true. The returned
-    // tree is valid until the next call.
+    // tree of vessels is valid until the next call.
     const VesselTree &at(const MotionMoment &moment, const LesionOpening &opening,
                          std::span<const double> lesions_open);
 

@@ -110,7 +110,7 @@ class Patient
     const RoomNotice &notice() const { return notice_; } // the last notice of syringe and stents
     const XrayScene &scene() const { return *scene_; }
     // Returns the bodies that heart, breath and open lesions move, at the moment of this shape. The returned
-    // list is valid until the next call.
+    // list of bodies is valid until the next call.
     std::span<const MovedBody> bodies_at(const WireFrame &wire) { return poses_.at(wire); }
 
   private:

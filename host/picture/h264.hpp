@@ -32,7 +32,7 @@ class H264Encoder
         std::span<const std::uint8_t> bytes; // NAL units, each behind its length (4 bytes, big end first)
         bool is_key;                         // decoding can begin here
     };
-    // RGB of the given size. The returned bytes are valid until the next call.
+    // RGB of the given size. The returned bytes of the H.264 stream are valid until the next call.
     Picture encode(const Image &image);
     // The next two functions return the two parameter sets (SPS and PPS) that a decoder needs before the
     // first picture, without start codes. After the last picture, the level in the sequence parameters

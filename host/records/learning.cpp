@@ -206,7 +206,8 @@ double cusum_limit(double rise, double fall, double rate, int horizon, double er
         highest.push_back(top);
     }
     std::sort(highest.begin(), highest.end());
-    // The limit is set between two sums that occur in the simulation, so that rounding errors have no effect.
+    // The limit of a CUSUM is set between two sums that occur in the simulation, so that rounding errors have
+    // no effect.
     const std::size_t place = static_cast<std::size_t>(std::ceil((1.0 - error) * runs));
     const double largest_allowed = highest[std::min(place, highest.size() - 1)];
     const auto next = std::upper_bound(highest.begin(), highest.end(), largest_allowed + 1e-9);

@@ -16,7 +16,7 @@ namespace crn
 void smooth_log2(std::span<const std::uint16_t> raw, int size, std::vector<float> &log2_values);
 
 // Returns the mean of the raw values of the frames that the mask names; frames that do not exist are left
-// out. The result is empty if none of the frames that the mask names exists.
+// out. The returned mask is empty if none of the frames that the mask names exists.
 std::vector<std::uint16_t> mean_frame(const XrayRun &run, const std::vector<int> &frames);
 
 // Moves the picture `mask` to the right by dx and up by dy pixels with linear interpolation. Beyond the edge

@@ -23,8 +23,8 @@ std::int32_t nearest(double value)
 
 std::int32_t um_between(LineParser &line, const std::string &what, std::int32_t low_um, std::int32_t high_um)
 {
-    // The limits are divided by 1e6, not multiplied by 1e-6: 450000 * 1e-6 is slightly less than 0.45, so
-    // that "45 cm" would be out of range.
+    // The limits of a statement's numbers are divided by 1e6, not multiplied by 1e-6: 450000 * 1e-6 is
+    // slightly less than 0.45, so that "45 cm" would be out of range.
     return nearest(line.quantity(what, length_units, low_um / 1e6, high_um / 1e6) * 1e6);
 }
 

@@ -19,8 +19,8 @@ void send_orders(Link &link, Patient &patient)
     try {
         link.give_orders(orders);
     } catch (const DeviceLost &) {
-        // The error is ignored, because the next request also finds that the device has disappeared, and
-        // waits for its return.
+        // An error in sending is ignored, because the next request also finds that the device has
+        // disappeared, and waits for its return.
     }
 }
 

@@ -4,10 +4,10 @@
 // measured a lag of 2 to 10 %. A fraction a = 3 % of each picture's signal s is trapped. Within the time T to
 // the next read-out, the traps release the fraction b(T) = 1 - 2^(-T/h) of their signal, where h = 140 ms is
 // the half-life.
-//     out = (1 - a) s + b q,   q <- (1 - b) q + a s No signal is lost. After a long exposure, the first
-// picture without X-rays has 3 % of the last picture's signal, at any picture rate. From picture to picture
-// without X-rays, the signal falls by the fraction b that the traps release; at 15 pictures/s each picture
-// has 0.72 times the signal of the previous one.
+//     out = (1 - a) s + b q,   q <- (1 - b) q + a s
+// No signal is lost. After a long exposure, the first picture without X-rays has 3 % of the last picture's
+// signal, at any picture rate. From picture to picture without X-rays, the signal falls by the fraction b
+// that the traps release; at 15 pictures/s each picture has 0.72 times the signal of the previous one.
 #pragma once
 #include <cstdint>
 

@@ -157,7 +157,7 @@ class Xray
     // The next functions return the path lengths of the last picture in 1/1024 mm, size*size pixels each.
     // body_path_q10mm() returns those of the bodies, where nested bodies are subtracted from their parents.
     // instrument_path_q10mm() returns those of tools and curves, negative where these displace a material.
-    // The returned list is empty if the picture does not contain the material.
+    // The returned list of path lengths is empty if the picture does not contain the material.
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
     std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
     bool last_render_used_cache() const;

@@ -8,7 +8,7 @@ namespace anatomy
 {
 
 /* Returns the shape of the trunk from mid-thigh to the neck, with the stumps of the raised arms. The returned
- * distances are estimates, but their sign (inside or outside) is right. */
+   distances from organs are estimates, but their sign (inside or outside) is right. */
 Solid skin();
 
 /* Returns the combined thickness of the skin and of the fat under the skin at a point. */

@@ -127,8 +127,8 @@ double smooth_max(double a, double b, double blend_mm);
  * to 1 between these limits. */
 double smooth_step(double low, double high, double value);
 
-/* Returns the distance to an ellipsoid from a point in the ellipsoid's own frame. The returned distance is
- * exact to first order near the ellipsoid's surface. */
+/* Returns the distance to an ellipsoid from a point in the ellipsoid's own frame. The returned distance from
+   the ellipsoid is exact to first order near its surface. */
 double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm);
 
 class Part

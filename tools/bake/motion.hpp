@@ -80,8 +80,9 @@ constexpr double heart_steepness_max = 0.625, breath_steepness_max = 0.375;
 Steepness steepness(const Motion &motion);
 void refuse_steep(const Motion &motion); // throws Fault with the place where it is too steep
 
-// Compares the surface of one frame with the lumen as the core moves it. The error is |phi / |g||, evaluated
-// at the vertices and at the middles of the triangles, where phi is the core's distance and g its gradient.
+// Compares the surface of one frame with the lumen as the core moves it. The error of the moved lumen is |phi
+// / |g||, evaluated at the vertices and at the middles of the triangles, where phi is the core's distance and
+// g its gradient.
 struct FrameError {
     double rms_mm = 0;
     Worst small; // where the reference lumen's radius is below small_vessel_mm

@@ -304,9 +304,10 @@ class Maker:
 
 
 def seconds_of(wanted, report):
-    """Returns the time in a film, in seconds, of the moment that a text describes. The text is a number of seconds,
-    `end`, `expect N` or `run N at S`. The text `expect N` stands for the moment at which the session's Nth expectation
-    was checked. The text `run N at S` stands for S seconds after the beginning of the Nth X-ray run."""
+    """Returns the time in a film, in seconds, of the moment that a text describes. The text that describes the moment
+    is a number of seconds, `end`, `expect N` or `run N at S`. The text `expect N` stands for the moment at which the
+    session's Nth expectation was checked. The text `run N at S` stands for S seconds after the beginning of the Nth
+    X-ray run."""
     if not isinstance(wanted, str):
         return wanted
     words = wanted.split()

@@ -33,9 +33,9 @@ typedef struct crn_mailbox_udc {
 void crn_mailbox_udc_init(crn_mailbox_udc *controller, crn_mailbox *mailbox, bool can_high_speed);
 
 /* Lists the results of crn_mailbox_udc_demand(), which an idle loop can call instead of polling the
- * controller. The results are that the host has no request, that the host only requests data, or that the
- * host's request may cause work in the device. A host that only requests data causes no work in the
- * device. */
+ * controller. The function crn_mailbox_udc_demand() tells whether the host has no request, only requests
+ * data, or has a request that may cause work in the device. A host that only requests data causes no work in
+ * the device. */
 typedef enum crn_mailbox_demand {
     CRN_MAILBOX_IDLE,
     CRN_MAILBOX_ASKS_DATA,

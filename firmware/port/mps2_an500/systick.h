@@ -17,8 +17,8 @@ static inline void systick_start(void)
     systick[0] = 5; /* processor clock, no interrupt, on */
 }
 
-/* Returns the number of counts since `start`, which came from systick_now(). The returned number is correct
- * if fewer than 2^24 counts have passed since `start`. */
+/* Returns the number of counts since `start`, which came from systick_now(). The returned number of counts is
+ * correct if fewer than 2^24 counts have passed since `start`. */
 static inline uint32_t systick_now(void)
 {
     return systick[2];

@@ -28,7 +28,7 @@ void reference_motion_free(reference_motion *motion);
  * w(x) = X - x from a point x to its point X in the reference pose is exact. */
 void reference_pull(reference_map map, const double *x_m, double phase, double breath, double *X_m);
 
-/* Returns the contraction of a heart whose largest contraction is 1. The value is 0 at phase 0 (end of
+/* Returns the contraction of a heart whose largest contraction is 1. The contraction is 0 at phase 0 (end of
  * filling) and 1 at the end of systole, and changes smoothly in between. */
 double reference_contraction(double phase);
 

@@ -1,6 +1,6 @@
 // Fuzz target: any text may be given as a TOML text. An accepted text must give a result that can be
-// traversed, copied and destroyed. The result must not be nested more deeply than the check before parsing
-// permits. If a text is refused, the error must have a message.
+// traversed, copied and destroyed. The parsed text must not be nested more deeply than the check before
+// parsing permits. If a text is refused, the error must have a message.
 #include "host/base/toml.hpp"
 #include <algorithm>
 #include <cstdint>

@@ -239,8 +239,8 @@ void wrong_views_are_refused(void **)
     done(cournand_world_free(elsewhere));
 }
 
-// The limits are the goals of the figure env.picture_ms on a quiet machine: 2 ms for a picture of 128 pixels,
-// and 12 ms for one of 512 pixels.
+// The limits for the rendering times are the goals of the figure env.picture_ms on a quiet machine: 2 ms for
+// a picture of 128 pixels, and 12 ms for one of 512 pixels.
 void a_picture_with_labels_takes_milliseconds(void **)
 {
     cournand_world *seen = world(aorta());

@@ -207,8 +207,8 @@ void wrong_shapes_are_refused(void **)
            "knots, at most 32");
 }
 
-// The values must be those of the balloon's manufacturer, in the units of the byte protocol, and the marker
-// bands must be among the X-ray layers.
+// The values of the balloon must be those of its manufacturer, in the units of the byte protocol, and the
+// marker bands must be among the X-ray layers.
 void a_balloon_has_its_makers_table(void **)
 {
     const Instrument one = crn::read_instrument(folder + "balloon_3x20.toml");

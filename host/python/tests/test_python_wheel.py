@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Builds a wheel of the package with the static library of the build folder, completes it with auditwheel, and installs
-it in an empty virtual environment. There, the five lines of the README, an environment from gymnasium.make and the
-notebook must work. Checks the types by mypy. Prints TAP."""
+it in an empty virtual environment. In the environment with the wheel, the five lines of the README, an environment from
+gymnasium.make and the notebook must work. Checks the types by mypy. Prints TAP."""
 
 import glob
 import os

@@ -14,7 +14,7 @@ SERVER = postgres_server.Server()
 
 
 def fresh():
-    """Removes all tables, so that each test function begins with an empty server."""
+    """Removes all tables from the test's database server, so that each test function begins with an empty server."""
     SERVER.query("DROP SCHEMA public CASCADE; CREATE SCHEMA public")
 
 

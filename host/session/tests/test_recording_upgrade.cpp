@@ -354,7 +354,7 @@ void other_versions_and_schemas_are_refused_by_name(void **)
     expect_refusal({}, RecordingFault::not_a_recording, "is not a Cournand recording");
 }
 
-// The new file must be either complete or absent, and the old file must not change.
+// The upgraded file must be either complete or absent, and the old file must not change.
 void a_file_is_converted_whole_or_not_at_all(void **)
 {
     const std::filesystem::path folder =

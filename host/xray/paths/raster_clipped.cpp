@@ -46,8 +46,8 @@ Corner corner(const Projected &p)
 }
 
 // Computes the edge function of the edge from corner a to corner b, which is positive on the inner side of
-// the triangle. The object holds the edge function's value at the middle of a pixel, and the changes from
-// there to the next column and the next row.
+// the triangle. An object of this class holds the edge function's value at the middle of a pixel, and the
+// changes from there to the next column and the next row.
 struct Edge {
     std::int64_t row, step_x, step_y;
 

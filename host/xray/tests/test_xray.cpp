@@ -240,8 +240,8 @@ static void tube_has_the_volume_of_its_wire(void **)
     for (std::int32_t chord : path) volume_mm3 += chord / 1024.0 * pixel_mm * pixel_mm;
     const double expected = 3.14159265 * 0.45 * 0.45 * length_mm;
     std::printf("# volume %.3f mm3, expected %.3f\n", volume_mm3, expected);
-    // The tolerance is 2 %, because the guidewire leaves the plane of the isocentre by up to 10 mm in both
-    // directions (2.7 % in area), and is smoothed between nodes.
+    // The tolerance of the volume is 2 %, because the guidewire leaves the plane of the isocentre by up to 10
+    // mm in both directions (2.7 % in area), and is smoothed between nodes.
     assert_true(std::fabs(volume_mm3 - expected) < 0.02 * expected);
 }
 

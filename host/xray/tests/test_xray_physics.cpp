@@ -253,8 +253,8 @@ static void slanted_edge_has_the_stated_mtf(void **)
             std::printf("# field %.0f mm, focal spot %.1f mm, %.2f/mm: MTF %.4f, stated %.4f (%+.1f %%)\n",
                         now.field_m * 1e3, now.focal_spot_mm, cycles / geometry.pixel_mm, seen, stated,
                         (seen / stated - 1.0) * 100.0);
-            // The tolerance is 5 % of the MTF, or 0.005 where the MTF is nearly zero (the focal spot of 0.8
-            // mm at its first zero).
+            // The tolerance of the test is 5 % of the MTF, or 0.005 where the MTF is nearly zero (the focal
+            // spot of 0.8 mm at its first zero).
             assert_true(std::fabs(seen - stated) < std::max(0.05 * stated, 0.005));
         }
     }

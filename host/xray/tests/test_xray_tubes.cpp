@@ -132,8 +132,8 @@ static void contrast_column_holds_the_iodine_of_its_cone(void **)
         const double iodine = volume_mm3(paths, view, Material::iohexol_350);
         std::printf("# radius to %.1f mm: %.3f mm3 of iohexol, expected %.3f, displaced %.3f\n",
                     thickest_m * 1e3, iodine, expected_mm3, volume_mm3(paths, view, Material::blood));
-        // The tolerance is 0.5 %, because parts up to 12 mm in front of and behind the isocentre are
-        // magnified differently; this effect is of second order.
+        // The tolerance of the amount is 0.5 %, because parts up to 12 mm in front of and behind the
+        // isocentre are magnified differently; this effect is of second order.
         assert_true(std::fabs(iodine - expected_mm3) < 0.005 * expected_mm3);
         assert_true(std::fabs(iodine + volume_mm3(paths, view, Material::blood)) < 1e-6 * expected_mm3);
     }

@@ -101,9 +101,9 @@ class Scan
     }
 
     // Returns the fraction of the signal that remains on each ray through an instrument, and -1 for all other
-    // rays. The list is empty if no ray passes through an instrument. Over the detector's aperture and the
-    // slice's thickness, we average the signal and not the lengths of material. Because the signal is
-    // averaged, thin metal blooms and causes streaks, as in a real scanner.
+    // rays. The returned list of fractions is empty if no ray passes through an instrument. Over the
+    // detector's aperture and the slice's thickness, we average the signal and not the lengths of material.
+    // Because the signal is averaged, thin metal blooms and causes streaks, as in a real scanner.
     std::vector<float> through_instruments(double height, const std::vector<float> &water) const
     {
         const std::size_t materials = beam_.material_count(), block = slice_planes * rays_per_bin * materials;

@@ -66,8 +66,8 @@ class DirectRun
     DirectRod rod_;
 };
 
-// Adds the values of one tick to the result. The result holds means over the last ticks of pushing and over
-// the last ticks of holding, and the largest values of the run.
+// Adds the values of one tick to the result. The result of an experiment holds means over the last ticks of
+// pushing and over the last ticks of holding, and the largest values of the run.
 template <class Run>
 void record(const Run &run, int tick, int push, int all, int window, CompressionResult &result)
 {

@@ -1,8 +1,9 @@
 // Keeps the distances between neighbouring mass points constant by constraints on their velocities, with
 // Baumgarte's term (thesis 5.4.2). For segment j with e = x[j+1] - x[j], direction n = e/|e| and length error
 // C = |e| - l, the constraint demands a relative velocity of -beta C / h along n, where h is the time step
-// and beta Baumgarte's factor. local    one sweep of pairwise impulses (Gauss-Seidel), from the hand to the
-// tip; N sweeps per step global   all impulses of the chain at once by one tridiagonal solve
+// and beta Baumgarte's factor.
+//   local    one sweep of pairwise impulses (Gauss-Seidel), from the hand to the tip; N sweeps per step
+//   global   all impulses of the chain at once by one tridiagonal solve
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 

@@ -16,7 +16,7 @@ namespace vcsim3
 struct Preset {
     const char *token;      // for command lines
     const char *instrument; // row of Table 5.1
-    // The values are as printed in the table, without the powers of ten in its header.
+    // The values of the preset are as printed in the thesis' table, without the powers of ten in its header.
     double young, radius, density, parallel;
     // The same for all modes.
     int substeps;         // steps per millisecond with elements of element_m

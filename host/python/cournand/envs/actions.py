@@ -31,7 +31,7 @@ class Actions:
         """Column of the flow of contrast medium; None if the environment has no contrast medium."""
         self.c_arm = 2 * positions + int(contrast) if c_arm else None
         """Column of the primary angle's speed; the secondary angle's speed and the pedal are in the next two columns.
-        The value is None if the environment has no C-arm."""
+        The column of the primary angle's speed is None if the environment has no C-arm."""
         self.width = 2 * positions + int(contrast) + 3 * int(c_arm)
 
     def space(self) -> Space[Any]:

@@ -170,7 +170,7 @@ void presets_are_table_5_1_and_keep_the_step_ratio(void **)
             fail_msg("%s: step ratio %.3f with %d steps, %.3f with one less; allowed 1.5", preset.token,
                      ratio, preset.substeps, fewer);
     }
-    // The expected value is the EI of the first row of Table 5.1 in the units of docs/instruments.md.
+    // The expected stiffness is the EI of the first row of Table 5.1 in the units of docs/instruments.md.
     const double bend = find_preset("amplatz")->bend_N_m2();
     if (std::abs(bend - 1.8e-5) > 1e-7) fail_msg("EI = %g, expected 1.80e-5", bend);
     assert_null(find_preset("lunderquist"));
