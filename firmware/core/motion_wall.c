@@ -22,8 +22,8 @@ static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
 }
 
 /* Computes the changes of the displacements at the corners of a lattice cell in this tick. Usually the tick
- * begins and ends between the same two keyframes. If the tick begins and ends between the same two keyframes,
- * the result is the sum of the coefficients times the changes of their weights; the changes sum to zero.
+ * begins and ends between the same two keyframes. In this case, the change of a displacement is the sum of
+ * its spline coefficients times the changes of their weights; the changes of the weights sum to zero.
  * Overflow is impossible, because the sum has two products of a number up to 2^15 and a number up to 2^13. */
 static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {

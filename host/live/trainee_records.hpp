@@ -34,8 +34,8 @@ struct StoredSession {
     std::string trouble; // why the session is not stored, with the remedy; empty: it is
     LearningCurve curve; // of the score, over the trainee's sessions in this case
 };
-// Returns the record of a scored session. The score is the mark of the case, the metrics are those of the
-// assessment and of the motion, and the events are errors and beginnings of phases.
+// Returns the record of a scored session. The stored score is the mark of the case, the stored metrics are
+// those of the assessment and of the motion, and the stored events are errors and beginnings of phases.
 SessionRecord record_of(const PlayedCase &played, const RecordedScore &score);
 // Stores the session and sends it to the server that COURNAND_RECORDS names, if it names one. The recording
 // gets a second name in the user's data folder, so that it is not deleted with the oldest kept recordings.

@@ -135,10 +135,10 @@ Vector3d LesionWall::way_m(const Vector3d &healthy_m) const
 // is nearest to v. The lesion moved the point from v to x, near the point m = h + s (c - h), where h is a
 // point of the healthy centreline, c is the point of the lesion's channel that belongs to h, and s is a
 // fraction between 0 and 1. Perpendicular to the centreline, the vectors x - m (after the displacement) and v
-// - h (before it) have the same direction. The centreline point h is therefore one at which x - m is
-// perpendicular to the centreline, or a corner of the centreline at which x - m is perpendicular to neither
-// side. The healthy position is then v = h + (x - m) / (1 - s (1 - left)), where `left` is the radius of the
-// channel divided by the healthy radius.
+// - h (before it) have the same direction. The point h of the centreline is therefore one at which the line
+// from m to the moved point x is perpendicular to the centreline, or a corner at which this line is
+// perpendicular to neither side. The healthy position is then v = h + (x - m) / (1 - s (1 - left)), where
+// `left` is the radius of the channel divided by the healthy radius.
 LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) const
 {
     Healthy healthy{narrowed_m, 0};

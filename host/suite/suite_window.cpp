@@ -380,8 +380,9 @@ void SuiteWindow::draw_changes(ScreenSize size, const std::vector<Upload> &uploa
                    place.right - place.left, place.bottom - place.top);
 }
 
-// Reads the last frame from OpenGL's back buffer. If the buffers are swapped for every frame, the last frame
-// is first drawn again. OpenGL returns the lowest row first.
+// Reads the last frame from OpenGL's back buffer. If the window swaps its buffers for every frame, the back
+// buffer does not keep the last frame, so the function first draws this frame again. OpenGL returns the
+// lowest row first.
 Image SuiteWindow::read_back()
 {
     const ScreenSize size = size_now();

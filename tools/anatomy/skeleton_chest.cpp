@@ -11,8 +11,8 @@ namespace
 {
 
 /* Holds the dimensions of one rib. The dimensions of a rib are the half-width of its loop, and the drop from
- * its head to its front end. Further dimensions are the depth of the rib's angle, the depth of its widest
- * point, and the position of its front end. */
+ * its head to its front end. Three more dimensions of a rib are the depth of its angle, the depth of its
+ * widest point, and the position of its front end. */
 struct RibShape {
     double half_width, fall, z_angle, z_side, front_x, front_z, height, angle_share;
 };
