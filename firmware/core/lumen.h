@@ -40,8 +40,8 @@ enum {
 struct crn_motion;
 
 /* A lesion that a balloon can open (lesion.h) is described by points along the healthy centreline, called
- * stations. Their spacing along the centreline is 2^spacing_log2_q30, in units of 2^-30 m. The lesion's
- * points (stations) are read directly from the bytes of a scene. */
+ * stations. The spacing of the stations along the centreline is 2^spacing_log2_q30, in units of 2^-30 m. The
+ * lesion's points (stations) are read directly from the bytes of a scene. */
 typedef struct crn_lesion_station {
     int32_t healthy_m_q30[3], healthy_radius_m_q30;
     int32_t channel_m_q30[3], channel_radius_m_q30; /* remaining channel, in the plane across the vessel */

@@ -32,8 +32,8 @@ std::vector<std::filesystem::path> shipped_folders(const ExampleKind &kind);
 // and then shipped_folders().
 std::vector<std::filesystem::path> example_folders(const ExampleKind &kind);
 
-// Holds the result of a search. If the file was not found, `path` is empty, and `others` has the names of all
-// files in the folders, sorted and without repetitions.
+// Holds the result of a search for a file by its name. If the file was not found, `path` is empty, and
+// `others` has the names of all files in the folders, sorted and without repetitions.
 struct FileSearch {
     std::string path;
     std::vector<std::string> others;

@@ -424,8 +424,8 @@ COURNAND_API cournand_status cournand_pool_move(cournand_pool *pool, cournand_wo
                                                 int32_t *statuses);
 
 /* Does what cournand_pool_move() does, and calls work(context, i) in the same thread as soon as world i has
- * moved, for example to read or to render it. The function `work` is not called for a world that fails. It
- * may call the library, but not with this pool. */
+ * moved, for example to read or to render it. The function `work` is not called for a world that fails. The
+ * function `work` may call the library, but not with this pool. */
 COURNAND_API cournand_status cournand_pool_step(cournand_pool *pool, cournand_world *const *worlds,
                                                 size_t count, const float *actions, uint32_t ticks,
                                                 void (*work)(void *context, size_t index), void *context,

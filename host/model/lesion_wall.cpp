@@ -131,10 +131,11 @@ Vector3d LesionWall::way_m(const Vector3d &healthy_m) const
 }
 
 // Finds the healthy position of a point of the wall that has moved by a known fraction s of the lesion's
-// displacement. Let v be the healthy position of the point. Let h be the point on the healthy centreline that
-// is nearest to v. The lesion moved the point from v to x, near the point m = h + s (c - h), where h is a
-// point of the healthy centreline, c is the point of the lesion's channel that belongs to h, and s is a
-// fraction between 0 and 1. Perpendicular to the centreline, the vectors x - m (after the displacement) and v
+// displacement. Let v be the position that a point of the wall had in the healthy vessel. Let h be the point
+// on the healthy centreline that is nearest to v. The lesion moved the point from v to x, near the point m =
+// h + s (c - h), where h is a point of the healthy centreline, c is the point of the lesion's channel that
+// belongs to h, and s is a fraction between 0 and 1. Perpendicular to the centreline, the vectors x - m
+// (after the displacement) and v
 // - h (before it) have the same direction. The point h of the centreline is therefore one at which the line
 // from m to the moved point x is perpendicular to the centreline, or a corner at which this line is
 // perpendicular to neither side. The healthy position is then v = h + (x - m) / (1 - s (1 - left)), where

@@ -26,8 +26,8 @@ class BalloonAxis
 {
   public:
     // `across` is the first direction of the frame (the axes perpendicular to the balloon) at the previous
-    // step. The new frame continues from the previous direction, so that the frame does not spin about the
-    // balloon from step to step.
+    // step. The frame of a step is turned as little as possible from that of the previous step, so that it
+    // does not spin about the balloon.
     BalloonAxis(const BalloonPose &pose, const Eigen::Vector3d &across);
     bool is_known() const { return points_.size() >= 2; }
 
