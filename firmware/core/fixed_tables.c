@@ -3,7 +3,7 @@
 #include "firmware/core/fixed.h"
 
 // clang-format off
-/* The table approximates 1/x on [1/2, 1) by 128 intervals with a relative error of at most 2^-17. */
+/* 1/x on [1/2, 1), 128 intervals: relative error <= 2^-17. */
 const crn_line_q30 crn_reciprocal_lines[128] = {
     {2147467454u, 16647160u}, {2130820666u, 16391050u}, {2114429977u, 16140805u}, {2098289523u, 15896247u},
     {2082393615u, 15657206u}, {2066736738u, 15423516u}, {2051313542u, 15195020u}, {2036118833u, 14971564u},
@@ -39,7 +39,7 @@ const crn_line_q30 crn_reciprocal_lines[128] = {
     {1090783211u, 4311405u}, {1086471831u, 4277456u}, {1082194400u, 4243908u}, {1077950516u, 4210752u},
 };
 
-/* The table approximates x^(-1/2) on [1/4, 1) by 192 intervals with a relative error of at most 2^-16.4. */
+/* x^(-1/2) on [1/4, 1), 192 intervals: relative error <= 2^-16.4. */
 const crn_line_q30 crn_rsqrt_lines[192] = {
     {2147459544u, 16583133u}, {2130877320u, 16204802u}, {2114673381u, 15840640u}, {2098833558u, 15489917u},
     {2083344418u, 15151948u}, {2068193208u, 14826092u}, {2053367818u, 14511752u}, {2038856734u, 14208364u},
@@ -91,8 +91,7 @@ const crn_line_q30 crn_rsqrt_lines[192] = {
     {1082229239u, 2140912u}, {1080088335u, 2128256u}, {1077960086u, 2115725u}, {1075844368u, 2103316u},
 };
 
-/* The table has the coefficients c0 to c6 of asin(x)/x = 1 + z (c0 + c1 z + ... + c6 z^6) for z = x^2 in [0,
- * 1/4], in Q31. */
+/* asin(x)/x = 1 + z (c0 + c1 z + ... + c6 z^6), z = x^2 in [0, 1/4], Q31. */
 const int32_t crn_asin_coefficients_q31[7] = {
     357913942, 161061110, 95880128, 65002482, 50705984, 22708405, 66517294,
 };
