@@ -281,10 +281,10 @@ static void hashed_words(const crn_state_words *words, hashed_range ranges[RANGE
     ranges[2] = (hashed_range){HEADER_WORDS, live_words(words)};
 }
 
-/* Computes two 32-bit polynomials, one over the even words of the state and one over the odd words: the sum
- * of word[i] m^(n-i) over the n words, with the odd FNV prime m. The polynomials over the even and the odd
- * words cost two operations per word and are computed in every tick. Each step of the hash is a one-to-one
- * function of the running sum and of the word, so a single wrong word is always detected. */
+/* Computes two 32-bit polynomials, one over the even words and one over the odd words: the sum of word[i]
+ * m^(n-i) with the odd FNV prime m. The polynomials over the even and the odd words cost two operations per
+ * word and are computed in every tick. Each step of the hash is a one-to-one function of the running sum and
+ * of the word, so a single wrong word is always detected. */
 static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t lane[2])
 {
     uint32_t even = lane[0], odd = lane[1];

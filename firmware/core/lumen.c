@@ -139,8 +139,9 @@ static inline lumen_row_weights row_weights_at(uint32_t x_q20)
     const int32_t rise = (int32_t)((u_q20 + (1 << 5)) >> 6), fall = (1 << 14) - rise;
 #if CRN_HIGH_WORDS_BY_DSP
     /* A 32-bit word that begins one coefficient early holds the three wanted coefficients in its upper bytes.
-     * In the first column of a brick, such a word would begin before the brick. In the first column, the code
-     * therefore reads the word that begins with the brick's first coefficient, and shifts this word. */
+     * In the brick's first column, a word that begins one coefficient early would begin before the brick. In
+     * the brick's first column the code reads the word that begins with the brick's first coefficient, and
+     * shifts this word. */
     return (lumen_row_weights){(uint32_t)low | (uint32_t)high << 16,
                                ((uint32_t)-fall & 0xffffu) | (uint32_t)rise << 16,
                                (uint32_t)middle | (uint32_t)(fall - rise) << 16, x_q20 >> 20 == 0 ? 8 : 0};

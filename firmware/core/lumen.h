@@ -2,8 +2,8 @@
  * read-only during a session.
  *
  * The signed distance phi, in metres in Q30, is negative inside the lumen (where blood is), and positive in
- * the wall and beyond. The contact depth of a wire of radius r is phi + r, where phi is the signed distance
- * of the wire's centre from the wall. The inward normal is n = -grad(phi)/|grad(phi)|.
+ * the wall and beyond. The contact depth of a wire of radius r is phi + r. The inward normal is n =
+ * -grad(phi)/|grad(phi)|.
  *
  * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. The voxel edge of level L is 2^(20-L)
  * Q30 units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm). A shift and a mask split a patient
@@ -40,8 +40,8 @@ enum {
 struct crn_motion;
 
 /* A lesion that a balloon can open (lesion.h) is described by points along the healthy centreline, called
- * stations. The spacing of the stations along the centreline is 2^spacing_log2_q30, in units of 2^-30 m. The
- * lesion's points (stations) are read directly from the bytes of a scene. */
+ * stations. Their spacing along the centreline is 2^spacing_log2_q30, in units of 2^-30 m. The lesion's
+ * points (stations) are read directly from the bytes of a scene. */
 typedef struct crn_lesion_station {
     int32_t healthy_m_q30[3], healthy_radius_m_q30;
     int32_t channel_m_q30[3], channel_radius_m_q30; /* remaining channel, in the plane across the vessel */
