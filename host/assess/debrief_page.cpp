@@ -86,11 +86,11 @@ std::string errors_part(const Json &assessment)
 
 // --- the timeline ---
 
-constexpr double left = 96.0, width = 960.0, row = 26.0;
+constexpr double chart_left_px = 96.0, chart_width_px = 960.0, chart_row_px = 26.0;
 
 double place_of(double seconds, double end_s)
 {
-    return left + (width - left - 8.0) * (end_s > 0.0 ? seconds / end_s : 0.0);
+    return chart_left_px + (chart_width_px - chart_left_px - 8.0) * (end_s > 0.0 ? seconds / end_s : 0.0);
 }
 
 std::string band(double from_s, double to_s, double end_s, double top, const char *colour,
@@ -119,8 +119,8 @@ std::string bands_of(const std::vector<double> &time_s, const std::vector<double
 
 std::string label(double top, const char *text)
 {
-    return formatted("<text x=\"%.0f\" y=\"%.0f\" text-anchor=\"end\">%s</text>", left - 8.0, top + 12.0,
-                     text);
+    return formatted("<text x=\"%.0f\" y=\"%.0f\" text-anchor=\"end\">%s</text>", chart_left_px - 8.0,
+                     top + 12.0, text);
 }
 
 std::string error_marks(const Json &errors, double end_s, double top)
@@ -170,19 +170,20 @@ std::string timeline_part(const Json &assessment)
         injecting[i] = i > 0 && injecting[i] > injecting[i - 1] ? 1.0 : 0.0;
     std::string svg = formatted("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" role=\"img\" "
                                 "aria-label=\"Timeline\">",
-                                width, 6.5 * row, width);
+                                chart_width_px, 6.5 * chart_row_px, chart_width_px);
     svg += label(0, "errors") + error_marks(assessment["errors"], end_s, 0);
-    svg += label(row, "phases") + phase_bands(assessment["phases"], end_s, row);
-    svg +=
-        label(2 * row, "fluoroscopy") + bands_of(time_s, xray, 1, end_s, 2 * row, "#e0c341", "fluoroscopy");
-    svg += bands_of(time_s, xray, 2, end_s, 2 * row, "#8a5a00", "cine or DSA run");
-    svg += label(3 * row, "contrast") + bands_of(time_s, injecting, 1, end_s, 3 * row, "#4a4a4a", "contrast");
-    svg += label(4 * row, "balloon") +
-           bands_of(time_s, page_numbers(curves, "balloon_bar"), 0.5, end_s, 4 * row, "#1b6e3c", "balloon");
+    svg += label(chart_row_px, "phases") + phase_bands(assessment["phases"], end_s, chart_row_px);
+    svg += label(2 * chart_row_px, "fluoroscopy") +
+           bands_of(time_s, xray, 1, end_s, 2 * chart_row_px, "#e0c341", "fluoroscopy");
+    svg += bands_of(time_s, xray, 2, end_s, 2 * chart_row_px, "#8a5a00", "cine or DSA run");
+    svg += label(3 * chart_row_px, "contrast") +
+           bands_of(time_s, injecting, 1, end_s, 3 * chart_row_px, "#4a4a4a", "contrast");
+    svg += label(4 * chart_row_px, "balloon") + bands_of(time_s, page_numbers(curves, "balloon_bar"), 0.5,
+                                                         end_s, 4 * chart_row_px, "#1b6e3c", "balloon");
     const double step_s = std::max(1.0, axis_step(end_s));
     for (double s = 0.0; s <= end_s; s += step_s)
         svg += formatted("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%.0f s</text>",
-                         place_of(s, end_s), 5.6 * row, s);
+                         place_of(s, end_s), 5.6 * chart_row_px, s);
     return "<h2>Timeline</h2>\n" + svg +
            "</svg>\n<p class=soft>Errors: M moderate, S serious, L life-threatening. A mark leads to its "
            "line in the "

@@ -8,7 +8,7 @@ namespace crn
 namespace
 {
 
-constexpr int format = 1;
+constexpr int plan_format = 1;
 constexpr std::size_t title_bytes_max = 120, text_bytes_max = 600;
 const std::vector<std::string> severities = {"moderate", "serious", "life-threatening"};
 
@@ -167,7 +167,7 @@ AssessPlan base_of(const TomlTable &table, int depth)
 AssessPlan read_plan_at(const std::string &path, int depth)
 {
     const TomlTable root = read_toml(path, {"an assessment plan", "an assessment plan (docs/assessment.md)"});
-    root.check_format(format);
+    root.check_format(plan_format);
     root.check_keys(
         {"format", "name", "title", "plan", "sources", "vessels", "score", "phase", "error", "metric"});
     root.read_sources();

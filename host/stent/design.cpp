@@ -25,7 +25,7 @@ constexpr StentNumber numbers[] = {
     {"ring_stiffness_N_per_mm", &StentDesign::ring_stiffness_N_per_mm, 0.5, 100},
     {"retention_N", &StentDesign::retention_N, 0.05, 30},
 };
-constexpr StentCount counts[] = {
+constexpr StentCount count_fields[] = {
     {"rings", &StentDesign::rings, 2, 60},
     {"crowns", &StentDesign::crowns, 4, 24},
     {"links", &StentDesign::links, 1, 24},
@@ -40,7 +40,7 @@ std::span<const StentNumber> stent_numbers()
 
 std::span<const StentCount> stent_counts()
 {
-    return counts;
+    return count_fields;
 }
 
 double StentDesign::chord_mm(double radius_mm) const
@@ -101,7 +101,7 @@ bool is_possible(const StentDesign &stent)
                        [&](const StentNumber &row) {
                            return is_in(row, stent.*row.value * row.per_file); // false for NaN
                        }) &&
-           std::all_of(std::begin(counts), std::end(counts),
+           std::all_of(std::begin(count_fields), std::end(count_fields),
                        [&](const StentCount &row) { return is_in(row, stent.*row.value); }) &&
            stent_fault(stent).key.empty();
 }

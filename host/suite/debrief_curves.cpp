@@ -19,7 +19,7 @@ struct Curve {
     ImU32 colour;
 };
 
-struct Lane {
+struct CurveLane {
     std::string title, unit;
     std::vector<Curve> curves;
     double highest() const
@@ -38,10 +38,10 @@ std::vector<double> numbers(const Json &list)
     return values;
 }
 
-std::vector<Lane> lanes_of(const Json &assessment)
+std::vector<CurveLane> lanes_of(const Json &assessment)
 {
     const Json &curves = assessment["curves"];
-    std::vector<Lane> lanes(1);
+    std::vector<CurveLane> lanes(1);
     lanes[0] = {"inserted length", "mm", {}};
     for (std::size_t k = 0; k < curves["inserted_mm"].size(); ++k)
         lanes[0].curves.push_back(
@@ -49,13 +49,13 @@ std::vector<Lane> lanes_of(const Json &assessment)
              numbers(curves["inserted_mm"][k]), tool_tints[k % std::size(tool_tints)]});
     if (curves["wall_N"].is_array())
         lanes.push_back({"force on the walls", "N", {{"", numbers(curves["wall_N"]), tint::yellow}}});
-    Lane balloon{"pressure of the balloon", "bar", {{"", numbers(curves["balloon_bar"]), tint::cyan}}};
+    CurveLane balloon{"pressure of the balloon", "bar", {{"", numbers(curves["balloon_bar"]), tint::cyan}}};
     if (balloon.highest() > 0.0) lanes.push_back(std::move(balloon));
     return lanes;
 }
 
 // The title and the names of the curves are written in one line above the curves.
-void draw_title(Ui &ui, const Lane &lane, const UiRect &place)
+void draw_title(Ui &ui, const CurveLane &lane, const UiRect &place)
 {
     ImDrawList *draw = ImGui::GetWindowDrawList();
     ImFont *font = ui.fonts().small_text;
@@ -69,7 +69,8 @@ void draw_title(Ui &ui, const Lane &lane, const UiRect &place)
         if (!curve.name.empty()) write(curve.name, curve.colour);
 }
 
-void draw_lane(Ui &ui, const Lane &lane, const std::vector<double> &time_s, double end_s, const UiRect &place)
+void draw_lane(Ui &ui, const CurveLane &lane, const std::vector<double> &time_s, double end_s,
+               const UiRect &place)
 {
     const float head = ui.px(17.0f);
     draw_title(ui, lane, place);
@@ -95,7 +96,7 @@ void draw_lane(Ui &ui, const Lane &lane, const std::vector<double> &time_s, doub
 
 void draw_session_curves(Ui &ui, const Json &assessment, const UiRect &place)
 {
-    const std::vector<Lane> lanes = lanes_of(assessment);
+    const std::vector<CurveLane> lanes = lanes_of(assessment);
     const std::vector<double> time_s = numbers(assessment["curves"]["time_s"]);
     const double end_s = std::max(assessment["ticks"].get<double>() * 1e-3, 1e-3);
     const float height = place.height / static_cast<float>(lanes.size());

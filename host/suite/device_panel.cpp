@@ -31,7 +31,7 @@ ImU32 load_colour(double share)
 // --- the device table ---
 
 constexpr float head_units = 17.0f, row_units = 28.0f, buttons_units = 216.0f; // of the layout
-constexpr std::size_t columns = 4;
+constexpr std::size_t button_columns = 4;
 
 // Returns the numbers of the tools in the table that are not in use.
 std::vector<std::uint8_t> off_line(const SuiteView &view)
@@ -51,7 +51,8 @@ std::size_t rack_rows(const SuiteView &view)
     const std::size_t positions = view.state->line.size(), count = view.table->size();
     const std::size_t most = std::max(count, positions + 1) - 1; // when one tool is on the line
     const std::size_t fewest = count > positions ? count - positions : 0;
-    return std::clamp<std::size_t>((std::max(fewest, std::min(most, columns)) + columns - 1) / columns, 1, 2);
+    return std::clamp<std::size_t>(
+        (std::max(fewest, std::min(most, button_columns)) + button_columns - 1) / button_columns, 1, 2);
 }
 
 } // namespace
@@ -212,9 +213,10 @@ void SuiteScreen::draw_rack(const UiRect &place)
     ImGui::SetCursorScreenPos({place.x + ui_.px(9.0f), place.y + ui_.px(1.0f)});
     ui_.small_text(tint::dim, numbers.empty() ? "DEVICE TABLE: every device is on the line" : "DEVICE TABLE");
     const float buttons = ui_.px(buttons_units);
-    const float width = (place.width - buttons - ui_.px(12.0f)) / static_cast<float>(columns);
+    const float width = (place.width - buttons - ui_.px(12.0f)) / static_cast<float>(button_columns);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-        const auto column = static_cast<float>(i % columns), row = static_cast<float>(i / columns);
+        const auto column = static_cast<float>(i % button_columns),
+                   row = static_cast<float>(i / button_columns);
         ImGui::SetCursorScreenPos(
             {place.x + ui_.px(6.0f) + column * width, place.y + ui_.px(head_units + row_units * row)});
         draw_rack_device(numbers[i], width - ui_.px(5.0f), ui_.px(row_units - 3.0f));

@@ -19,7 +19,7 @@ constexpr std::size_t live_slot = 0, reference_slot = 1;
 constexpr float gutter = 148.0f, case_gutter = 240.0f; // beside the live picture; with a case
 constexpr float letter_band = 18.0f;                   // for the letters of the patient's sides
 constexpr double window_min = 0.05, window_max = 4.0;
-constexpr double wheel_um = 2000.0;
+constexpr double notch_um = 2000.0;
 
 ImVec2 centred(const UiRect &place, const ImVec2 &size)
 {
@@ -117,7 +117,7 @@ void SuiteScreen::draw_live(const UiRect &place)
         const bool turns = ImGui::GetIO().KeyShift;
         const double notches = ImGui::GetIO().MouseWheel;
         actions_.drags.push_back({ui_.input().chosen_tool(),
-                                  turns ? 0 : static_cast<std::int32_t>(notches * wheel_um),
+                                  turns ? 0 : static_cast<std::int32_t>(notches * notch_um),
                                   turns ? static_cast<std::int32_t>(notches * counts_per_turn / 24) : 0});
     }
     ui_.end_panel();

@@ -17,7 +17,7 @@ constexpr float numbers_width = 300.0f, saturation_width = 84.0f;
 constexpr std::size_t gap_samples = 24; // between the newest and the oldest sample
 constexpr double pressure_low_mmHg = 0.0, pressure_high_mmHg = 200.0;
 
-struct Lane {
+struct PulseLane {
     UiRect place;
     double low, high; // values at its lower and upper edge
     ImU32 colour;
@@ -27,7 +27,7 @@ struct Lane {
 // Draws one trace from left to right, as a monitor does: new samples replace the old ones. Every column of
 // the trace shows the range of its samples, so that no peak is lost.
 template <class Value>
-void draw_trace(ImDrawList *draw, const PulseMonitor &pulse, const Lane &lane, Value value)
+void draw_trace(ImDrawList *draw, const PulseMonitor &pulse, const PulseLane &lane, Value value)
 {
     const auto &samples = pulse.samples();
     const std::size_t newest = pulse.newest();

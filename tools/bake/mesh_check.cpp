@@ -76,11 +76,11 @@ void check_manifold(const Mesh &mesh, const std::vector<Side> &sides)
 // triangles; throws Fault for a one-sided surface.
 std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
 {
-    struct Neighbour {
+    struct SharedSide {
         std::uint32_t triangle;
         bool same_sense;
     };
-    std::vector<std::vector<Neighbour>> neighbours(mesh.triangles.size());
+    std::vector<std::vector<SharedSide>> neighbours(mesh.triangles.size());
     bool all_agree = true;
     for_each_edge(sides, [&](std::size_t begin, std::size_t end) {
         if (end - begin != 2) return;
@@ -99,7 +99,7 @@ std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
         while (!front.empty()) {
             const std::uint32_t at = front.back();
             front.pop_back();
-            for (const Neighbour &n : neighbours[at]) {
+            for (const SharedSide &n : neighbours[at]) {
                 const signed char wanted =
                     static_cast<signed char>(n.same_sense ? 1 - turned[at] : turned[at]);
                 if (turned[n.triangle] < 0) {

@@ -15,12 +15,14 @@ line is `N passed, N failed, N skipped`; the exit code is 1 when a test failed o
 
 import argparse
 import concurrent.futures
+import contextlib
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import run_fuzz
@@ -46,6 +48,7 @@ class Outcome:
         self.skipped = []  # name or reason
         self.output = ""
         self.seconds = 0.0
+        self.cpu_s = 0.0  # processor time of the program and of all that it started and waited for
 
     def fail(self, name):
         self.failed.append(name)
@@ -103,6 +106,26 @@ def describe_exit(code):
     return "exit code %d" % code
 
 
+def wait_for(process, time_limit_s):
+    """Returns the output of a process that leads its process group, whether it ended within the limit, and the
+    processor time in seconds. A process that exceeds the limit is killed with its group."""
+    late = threading.Event()
+
+    def kill():
+        late.set()
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+    timer = threading.Timer(time_limit_s, kill)
+    timer.start()
+    with process.stdout:
+        output = process.stdout.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    timer.cancel()
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return output, not late.is_set(), usage.ru_utime + usage.ru_stime
+
+
 def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
     """Runs one program that prints TAP until the program ends."""
     outcome = Outcome(title)
@@ -122,14 +145,7 @@ def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
     except OSError as error:  # such as an interpreter that does not exist
         outcome.fail("(does not start: %s)" % error)
         return outcome
-    with process:
-        try:
-            output, _ = process.communicate(timeout=time_limit_s)
-            ended = True
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            output, _ = process.communicate()
-            ended = False
+    output, ended, outcome.cpu_s = wait_for(process, time_limit_s)
     outcome.output = output.decode("utf-8", "replace")
     outcome.seconds = time.monotonic() - start
     read_tap(outcome.output, outcome)
@@ -197,9 +213,10 @@ def write_times(build, outcomes):
 
 
 def print_times(outcomes):
-    print("\nseconds of each program, slowest first")
+    print("\nseconds of each program, and its processor seconds, slowest first")
     for outcome in sorted(outcomes, key=lambda one: -one.seconds):
-        print("%8.1f  %s" % (outcome.seconds, outcome.title))
+        print("%8.1f %8.1f  %s" % (outcome.seconds, outcome.cpu_s, outcome.title))
+    print("%8.1f %8.1f  all" % (sum(one.seconds for one in outcomes), sum(one.cpu_s for one in outcomes)))
 
 
 def make_jobs(options):

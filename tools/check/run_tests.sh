@@ -19,7 +19,7 @@ elif [ "$what" = hours ]; then
 else
     tools/build.sh release run,tools,tests crn_tests || status=1
     tools/build.sh m7 run all || status=1
-    tools/build.sh sanitize run,tests crn_tests crn_fuzzers hil_programs || status=1
+    tools/build.sh sanitize run,tests crn_tests crn_fuzzers_product hil_programs || status=1
 fi
 note "built"
 [ "$what" = build ] && exit $status

@@ -8,6 +8,7 @@ set(CRN_DEBUG "-g1" CACHE STRING "debug information: -g1 lines only, -g for a de
 set(CRN_SANITIZE "" CACHE STRING "sanitizers, such as address,undefined")
 set(CRN_SANITIZE_GCC "" CACHE STRING "the same by gcc, which has no fuzzers: for the readers of scans")
 set(CRN_QUICK ON CACHE BOOL "compile what runs once without optimising")
+set(CRN_TOGETHER ON CACHE BOOL "compile all sources of a room as one unit")
 set(CRN_USB_ID "1209:0001" CACHE STRING "number of a rig on the bus, vendor:product in hexadecimal (docs/usb.md)")
 set(CRN_PARTS "run;window;tools;tests;lab" CACHE STRING
     "what is built: run, window, igtl, tools, tests, lab; or library alone")

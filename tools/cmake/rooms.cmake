@@ -3,10 +3,10 @@
 #   crn_room(SOURCES a.cpp b.cpp USES host/base shared/wire PACKAGES png TESTS tests/test_a.cpp)
 #   crn_program(cournand SOURCES main.cpp USES host/command)
 #
-# TOGETHER compiles that many sources as one unit. It helps if each reads the same heavy headers, and requires that no
-# local name occurs twice. USES names other rooms by their folder, and PACKAGES names those of packages.cmake. An
-# include path is always relative to the root. test_layers.py checks what a room may include; the linker checks that
-# USES is complete.
+# TOGETHER compiles all sources of the room as one unit, which takes about half of the compiler's time. It requires that
+# no local name occurs twice. CRN_TOGETHER=OFF compiles each source by itself, which is faster while one is edited. USES
+# names other rooms by their folder, and PACKAGES names those of packages.cmake. An include path is always relative to
+# the root. test_layers.py checks what a room may include; the linker checks that USES is complete.
 include_guard()
 
 # Returns the folder of the present list, relative to the root: "host/model".
@@ -65,7 +65,7 @@ function(crn_packages target scope)
 endfunction()
 
 function(crn_room)
-    cmake_parse_arguments(ROOM "" "LEVEL;TOGETHER" "SOURCES;USES;PACKAGES;TESTS;TEST_USES;LABELS" ${ARGN})
+    cmake_parse_arguments(ROOM "TOGETHER" "LEVEL" "SOURCES;USES;PACKAGES;TESTS;TEST_USES;LABELS" ${ARGN})
     crn_folder(folder)
     crn_target_of(target ${folder})
     string(REPLACE "/" "_" archive ${folder})
@@ -82,8 +82,8 @@ function(crn_room)
     crn_uses(${target} PUBLIC ${ROOM_USES})
     crn_packages(${target} PUBLIC ${ROOM_PACKAGES})
     crn_prefix_header(${target} "${ROOM_LEVEL}")
-    if(ROOM_TOGETHER)
-        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ROOM_TOGETHER})
+    if(ROOM_TOGETHER AND CRN_TOGETHER)
+        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
     endif()
     if(ROOM_TESTS)
         set(level "")
@@ -117,12 +117,15 @@ function(crn_program name)
     endif()
 endfunction()
 
-# Adds one CMocka program per source, test/FOLDER/NAME below the build. EXTRA: sources that every program contains.
+# Adds CMocka programs, one per C source: test/FOLDER/NAME below the build. All C++ sources together become one program,
+# and each of their names is a link to it: the program runs the file by whose name it was called. One unit takes half of
+# the time of single ones. It requires that no local name occurs twice in a call of this function. APART: sources that
+# stay single. EXTRA: sources that every program contains.
 function(crn_tests)
     if(NOT CRN_HAS_TESTS)
         return()
     endif()
-    cmake_parse_arguments(TEST "" "LEVEL" "SOURCES;USES;PACKAGES;EXTRA;LABELS" ${ARGN})
+    cmake_parse_arguments(TEST "APART" "LEVEL" "SOURCES;USES;PACKAGES;EXTRA;LABELS" ${ARGN})
     crn_folder(folder)
     if(NOT TEST_LEVEL)
         set(TEST_LEVEL ${CRN_TEST_OPT})
@@ -130,26 +133,71 @@ function(crn_tests)
             set(TEST_LEVEL -O1)
         endif()
     endif()
+    set(joined ${TEST_SOURCES})
+    list(FILTER joined INCLUDE REGEX "\\.cpp$")
+    list(LENGTH joined count)
+    if(count GREATER 1 AND CRN_TOGETHER AND NOT TEST_APART)
+        list(REMOVE_ITEM TEST_SOURCES ${joined})
+        crn_joined_tests(${joined})
+    endif()
     foreach(source ${TEST_SOURCES})
-        cmake_path(REMOVE_EXTENSION source OUTPUT_VARIABLE place)
-        set(name ${folder}/${place})
+        crn_test_name(name ${source})
         string(REPLACE "/" "_" target test_${name})
-        add_executable(${target} ${source} ${TEST_EXTRA})
-        cmake_path(GET place FILENAME file)
-        cmake_path(GET place PARENT_PATH below)
-        set_target_properties(${target} PROPERTIES OUTPUT_NAME ${file}
-            RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test/${folder}/${below})
-        if(source MATCHES "\\.c$" AND CRN_SANITIZE) # references in double and 128 bits run long
-            crn_quick(${target} -O1)
-        else()
-            crn_quick(${target} ${TEST_LEVEL})
-        endif()
-        crn_uses(${target} PRIVATE ${TEST_USES})
-        crn_packages(${target} PRIVATE cmocka ${TEST_PACKAGES})
+        crn_test_program(${target} ${name} ${source})
         crn_register(${name} $<TARGET_FILE:${target}> "${TEST_LABELS}")
-        crn_needed_by_tests("${TEST_LABELS}" ${target})
     endforeach()
 endfunction()
+
+# Returns the name of the test with this source: FOLDER/tests/test_a.
+macro(crn_test_name variable source)
+    cmake_path(REMOVE_EXTENSION source OUTPUT_VARIABLE place)
+    set(${variable} ${folder}/${place})
+endmacro()
+
+# Uses the arguments of crn_tests.
+macro(crn_test_program target name source)
+    add_executable(${target} ${source} ${TEST_EXTRA})
+    set(program "${name}")
+    cmake_path(GET program FILENAME file)
+    cmake_path(GET program PARENT_PATH below)
+    set_target_properties(${target} PROPERTIES OUTPUT_NAME ${file}
+        RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test/${below})
+    if("${source}" MATCHES "\\.c$" AND CRN_SANITIZE) # references in double and 128 bits run long
+        crn_quick(${target} -O1)
+    else()
+        crn_quick(${target} ${TEST_LEVEL})
+    endif()
+    crn_uses(${target} PRIVATE ${TEST_USES})
+    crn_packages(${target} PRIVATE cmocka ${TEST_PACKAGES})
+    crn_needed_by_tests("${TEST_LABELS}" ${target})
+endmacro()
+
+# Uses the arguments of crn_tests, too.
+macro(crn_joined_tests)
+    string(REPLACE "/" "_" all tests_${folder})
+    if(TARGET test_${all}) # another call of this list made it
+        string(APPEND all _more)
+    endif()
+    set(tests "")
+    set(table "")
+    set(links "")
+    foreach(source ${ARGN})
+        crn_test_name(name ${source})
+        cmake_path(GET name FILENAME file)
+        cmake_path(GET name PARENT_PATH below)
+        string(APPEND tests "#define main main_of_${file}\n#include \"${folder}/${source}\"\n#undef main\n")
+        string(APPEND table "    {\"${file}\", main_of_${file}},\n")
+        list(APPEND links COMMAND ${CMAKE_COMMAND} -E create_symlink ${all}
+            ${PROJECT_BINARY_DIR}/test/${below}/${file})
+        crn_register(${name} ${PROJECT_BINARY_DIR}/test/${name} "${TEST_LABELS}")
+        string(REPLACE "/" "_" single test_${name}) # `ninja` builds a test by its name, joined or not
+        add_custom_target(${single} DEPENDS test_${all})
+    endforeach()
+    set(unit ${CMAKE_CURRENT_BINARY_DIR}/${all}.cpp)
+    configure_file(${PROJECT_SOURCE_DIR}/tools/cmake/tests_of_room.cpp.in ${unit} @ONLY)
+    crn_test_program(test_${all} ${below}/${all} ${unit})
+    add_custom_command(TARGET test_${all} POST_BUILD ${links})
+endmacro()
 
 # Adds executable scripts that print TAP, run from the root with BUILD in their environment. NEEDS: targets that they
 # run.
@@ -194,12 +242,16 @@ function(crn_register name command labels)
         "BUILD=${CRN_BUILD_NAME};PACKAGES=skip;CMOCKA_MESSAGE_OUTPUT=TAP")
 endfunction()
 
-# Adds a libFuzzer target and the program that writes its first inputs, in the sanitizers' build only.
+# Adds a libFuzzer target and the program that writes its first inputs, in the sanitizers' build only. With the label
+# `lab`, `make test-lab` runs it in place of `make test`.
 function(crn_fuzz source)
     if(NOT CRN_HAS_TESTS OR NOT CRN_SANITIZE)
         return()
     endif()
-    cmake_parse_arguments(FUZZ "" "" "SOURCES;USES;PACKAGES" ${ARGN})
+    cmake_parse_arguments(FUZZ "" "" "SOURCES;USES;PACKAGES;LABELS" ${ARGN})
+    if(NOT FUZZ_LABELS)
+        set(FUZZ_LABELS product)
+    endif()
     crn_folder(folder)
     cmake_path(REMOVE_EXTENSION source OUTPUT_VARIABLE place)
     set(name ${folder}/${place})
@@ -221,8 +273,13 @@ function(crn_fuzz source)
         crn_uses(${target}${kind} PRIVATE ${FUZZ_USES})
         crn_packages(${target}${kind} PRIVATE ${FUZZ_PACKAGES})
         add_dependencies(crn_fuzzers ${target}${kind})
+        if(NOT FUZZ_LABELS STREQUAL product)
+            add_dependencies(crn_tests_lab ${target}${kind})
+        else()
+            add_dependencies(crn_fuzzers_product ${target}${kind})
+        endif()
     endforeach()
     add_test(NAME fuzz/${name} COMMAND $<TARGET_FILE:${target}> -max_total_time=3
         WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-    set_tests_properties(fuzz/${name} PROPERTIES LABELS "product;fuzz")
+    set_tests_properties(fuzz/${name} PROPERTIES LABELS "${FUZZ_LABELS};fuzz")
 endfunction()

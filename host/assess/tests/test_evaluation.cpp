@@ -117,7 +117,7 @@ void an_unknown_vessel_is_refused_with_a_suggestion(void **)
     const crn::SessionLog log = session([](double, crn::SessionMoment &) {});
     try {
         crn::evaluate(plan_with("tip wire in artrey", 0.0, 1.0), log);
-        fail();
+        fail_msg("a plan with an unknown vessel was accepted");
     } catch (const crn::FileError &error) {
         assert_non_null(
             std::strstr(error.what(), "test:1:13: the scene has no vessel 'artrey', did you mean 'artery'"));

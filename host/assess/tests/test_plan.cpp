@@ -212,7 +212,7 @@ void a_vessel_of_the_command_line_has_a_name_and_a_vessel(void **)
     assert_string_equal(plan.vessels.names.at("target").c_str(), "left main");
     for (const char *word : {"target", "=LAD", "target="}) try {
             crn::set_vessel(plan, word);
-            fail();
+            fail_msg("%s was accepted", word);
         } catch (const std::runtime_error &error) {
             assert_non_null(std::strstr(error.what(), "write NAME=VESSEL"));
         }

@@ -3,23 +3,27 @@
 // if more is injected than the blood carries away, and it does not move where the catheter fills the lumen.
 // Each test compares the simulation with a formula that the test contains.
 #include "host/effects/contrast_flow.hpp"
+#include "host/effects/tests/within.hpp"
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
 
 using namespace crn;
 using Eigen::Vector3d;
+using tests::within;
 
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846, iodine = 350.0;
+using std::numbers::pi;
+constexpr double iodine = 350.0;
 
 VesselBranch straight(const char *name, const Vector3d &from_mm, const Vector3d &to_mm, double radius_mm,
                       double flow_ml_s)
@@ -76,12 +80,6 @@ double held_in(const ContrastFlow &contrast, std::size_t branch)
          ++i)
         mg += contrast.iodine_mg_per_ml(i) * contrast.cells()[i].volume_ml;
     return mg;
-}
-
-void within(const char *what, double value, double expected, double tolerance)
-{
-    if (std::fabs(value - expected) <= tolerance * std::fabs(expected)) return;
-    fail_msg("%s = %.9g, expected %.9g (allowed %.3g %%)", what, value, expected, tolerance * 100);
 }
 
 // Returns the position along x, in mm, at which the concentration of contrast medium falls to half of that in

@@ -6,6 +6,7 @@
 // test contains.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
+#include "host/effects/tests/within.hpp"
 #include "host/model/lesion_opening.hpp"
 #include <algorithm>
 #include <cmath>
@@ -15,17 +16,20 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
 
 using namespace crn;
 using Eigen::Vector3d;
+using tests::within;
 
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846, viscosity_mPa_s = 3.5, mmHg_per_Pa = 1 / 133.322;
+using std::numbers::pi;
+constexpr double viscosity_mPa_s = 3.5, mmHg_per_Pa = 1 / 133.322;
 constexpr double healthy_mm = 1.5, flow_ml_s = 1.0;
 
 // Returns the flow into the vascular bed behind the last cell, in ml/s.
@@ -77,12 +81,6 @@ double jet_mmHg(double throat_mm, double q_ml_s)
     const double widening = healthy_mm * healthy_mm / (throat_mm * throat_mm) - 1;
     const double v0_m_s = q_ml_s / (pi * healthy_mm * healthy_mm);
     return 1.5 * 1060 / 2 * widening * widening * v0_m_s * v0_m_s * mmHg_per_Pa;
-}
-
-void within(const char *what, double value, double expected, double tolerance)
-{
-    if (!(std::fabs(value - expected) <= tolerance * std::fabs(expected)))
-        fail_msg("%s: %.9g, expected %.9g within %g", what, value, expected, tolerance);
 }
 
 LesionFigures figures_of(const VesselTree &tree)

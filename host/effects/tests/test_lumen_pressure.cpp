@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
@@ -20,7 +21,8 @@ using namespace crn;
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846, kPa_per_psi = 6.894757;
+using std::numbers::pi;
+constexpr double kPa_per_psi = 6.894757;
 
 Instrument tool(const char *name, double length_m, std::uint32_t outer_um, std::uint32_t inner_um)
 {

@@ -22,7 +22,7 @@ extern "C" {
 namespace
 {
 
-const std::string path = "/tmp/cournand_test_replay_room_" + std::to_string(getpid()) + ".rec";
+const std::string replay_path = "/tmp/cournand_test_replay_room_" + std::to_string(getpid()) + ".rec";
 constexpr char script[] =
     "begin inserted 60 mm\nview lateral\nfluoro on\nadvance 80 mm at 20 mm/s\nfluoro off\n"
     "rotate 90 deg\nview ap\nwait 2 s\ncine on\nwithdraw 40 mm at 20 mm/s\ncine off\n"
@@ -36,22 +36,22 @@ void make_recording()
     const crn::Session session = crn::parse_session(script, "test");
     const crn_wire_entry entry = crn::entry_of(scene, tools.size(), session.inserted_um);
     crn::Device device(scene, tools, entry, crn::host_rig());
-    crn::Recorder recorder(path, {device.identity().core_version,
-                                  device.identity().schema_hash,
-                                  0,
-                                  0,
-                                  "",
-                                  "test",
-                                  tools,
-                                  {},
-                                  entry,
-                                  crn::host_rig(),
-                                  {}});
+    crn::Recorder recorder(replay_path, {device.identity().core_version,
+                                         device.identity().schema_hash,
+                                         0,
+                                         0,
+                                         "",
+                                         "test",
+                                         tools,
+                                         {},
+                                         entry,
+                                         crn::host_rig(),
+                                         {}});
     crn::Patient patient({}, tools);
     crn::run_session(device, patient, session, &recorder, nullptr, {});
 }
 
-crn::PictureSettings small_pictures()
+crn::PictureSettings replay_pictures()
 {
     crn::PictureSettings settings;
     settings.size = 64;
@@ -69,7 +69,7 @@ crn::ReplayAsk moment(std::uint32_t tick, double primary_deg = 0.0)
 
 void the_same_view_twice_is_the_same_picture(void **)
 {
-    crn::ReplayRoom room(path, "", small_pictures());
+    crn::ReplayRoom room(replay_path, "", replay_pictures());
     assert_true(room.ticks() > 8000);
     // The test first uses only the recording's snapshots, without a track (the list of prepared states). The
     // test then goes forwards and back in time, and also uses the snapshots of the track (the list of
@@ -90,7 +90,7 @@ void the_same_view_twice_is_the_same_picture(void **)
 
 void a_moment_has_the_tools_of_that_moment(void **)
 {
-    crn::ReplayRoom room(path, "", small_pictures());
+    crn::ReplayRoom room(replay_path, "", replay_pictures());
     const double begin_mm = room.picture(moment(0)).frame.tools.front().inserted_m * 1e3;
     const double inside_mm = room.picture(moment(5000)).frame.tools.front().inserted_m * 1e3;
     const double end_mm = room.picture(moment(room.ticks())).frame.tools.front().inserted_m * 1e3;
@@ -104,8 +104,8 @@ void a_moment_has_the_tools_of_that_moment(void **)
 // moment's own tick.
 void a_moment_has_the_readings_of_its_own_tick(void **)
 {
-    const crn::Recording recording = crn::read_recording(path);
-    crn::ReplayRoom room(path, "", small_pictures());
+    const crn::Recording recording = crn::read_recording(replay_path);
+    crn::ReplayRoom room(replay_path, "", replay_pictures());
     while (room.prepare(500)) {
     }
     for (const std::uint32_t tick : {5000u, 6000u, 1u}) {
@@ -122,7 +122,7 @@ void a_moment_has_the_readings_of_its_own_tick(void **)
 // list of prepared states) contains this angle.
 void the_c_arm_is_where_it_was(void **)
 {
-    crn::ReplayRoom room(path, "", small_pictures());
+    crn::ReplayRoom room(replay_path, "", replay_pictures());
     while (room.prepare(500)) {
     }
     assert_true(std::abs(room.picture({3000, {}}).carm.primary_deg - 90.0) < 0.01);
@@ -131,7 +131,7 @@ void the_c_arm_is_where_it_was(void **)
 
 void the_time_line_marks_pedals(void **)
 {
-    const crn::ReplayRoom room(path, "", small_pictures());
+    const crn::ReplayRoom room(replay_path, "", replay_pictures());
     const std::vector<crn::ReplayMark> marks = room.marks();
     assert_int_equal(marks.size(), 2);
     assert_true(marks[0].kind == crn::ReplayMark::Kind::fluoro &&
@@ -141,12 +141,12 @@ void the_time_line_marks_pedals(void **)
 
 void the_threads_show_what_was_asked_last(void **)
 {
-    crn::ReplayThread replay(std::make_unique<crn::ReplayRoom>(path, "", small_pictures()));
+    crn::ReplayThread replay(std::make_unique<crn::ReplayRoom>(replay_path, "", replay_pictures()));
     for (std::uint32_t tick = 0; tick <= 8000; tick += 400) replay.ask(moment(tick));
     while (!replay.latest() || replay.latest()->picture.frame.wire.tick != 8000)
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     assert_true(replay.latest()->trouble.empty());
-    crn::ReplayRoom alone(path, "", small_pictures());
+    crn::ReplayRoom alone(replay_path, "", replay_pictures());
     assert_true(replay.latest()->picture.grey == alone.picture(moment(8000)).grey);
 }
 
@@ -164,6 +164,6 @@ int main()
         cmocka_unit_test(the_threads_show_what_was_asked_last),
     };
     const int failed = cmocka_run_group_tests(tests, nullptr, nullptr);
-    std::remove(path.c_str());
+    std::remove(replay_path.c_str());
     return failed;
 }

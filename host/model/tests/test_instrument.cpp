@@ -36,15 +36,15 @@ std::string temporary_path()
 // Returns the error message of reading a text; the message is empty when the text is accepted.
 std::string message_of(const std::string &text, const std::string &preset = "")
 {
-    const std::string path = temporary_path();
-    std::ofstream(path) << text;
+    const std::string file_path = temporary_path();
+    std::ofstream(file_path) << text;
     std::string message;
     try {
-        crn::read_instrument(path + preset);
+        crn::read_instrument(file_path + preset);
     } catch (const crn::FileError &error) {
         message = error.what();
     }
-    std::remove(path.c_str());
+    std::remove(file_path.c_str());
     return message;
 }
 
@@ -269,10 +269,10 @@ void broken_toml_is_refused_with_line_and_column(void **)
 
 void missing_files_and_folders_are_refused(void **)
 {
-    for (const char *path : {"does/not/exist.toml", "shared", "does/not/exist.toml:vcsim3-fit"}) {
+    for (const char *file_path : {"does/not/exist.toml", "shared", "does/not/exist.toml:vcsim3-fit"}) {
         bool is_refused = false;
         try {
-            crn::read_instrument(path);
+            crn::read_instrument(file_path);
         } catch (const crn::FileError &) {
             is_refused = true;
         }

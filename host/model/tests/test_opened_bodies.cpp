@@ -9,6 +9,7 @@
 #include <cstdarg>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
@@ -19,7 +20,8 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double pi = std::numbers::pi, radius_mm = 2.0, stenosis = 0.7, aside = 0.4;
+using std::numbers::pi;
+constexpr double radius_mm = 2.0, stenosis = 0.7, aside = 0.4;
 constexpr double throat_mm = radius_mm * (1 - stenosis);
 
 // The tube is 60 mm long along y and 2 mm wide, with a side branch at 38 mm. The lesion narrows the tube by

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
@@ -21,7 +22,8 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846, mmHg_Pa = 133.322;
+using std::numbers::pi;
+constexpr double mmHg_Pa = 133.322;
 constexpr double artery_radius_m = 1.5e-3, artery_flow_ml_s = 1.0;
 
 constexpr double aorta_radius_m = 12e-3;

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 
@@ -25,7 +26,7 @@ namespace
 {
 
 constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 const RoomCommand inject_6_ml{RoomAction::inject, {6000, 4000, 0}};
 
 // Makes an aorta of 300 mm length down the y axis, with a radius of 8 mm and a flow of 30 ml/s.
@@ -106,7 +107,7 @@ void without_a_catheter_or_vessels_it_says_so(void **)
 }
 
 // Additional frames, such as those of a film, must not change any bit of the simulated contrast medium.
-void other_pictures_do_not_change_it(void **)
+void other_pictures_do_not_change_the_medium(void **)
 {
     PatientContrast often(aorta(), wire_and_catheter), seldom(aorta(), wire_and_catheter);
     for (PatientContrast *contrast : {&often, &seldom}) {
@@ -493,7 +494,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(medium_comes_out_of_the_catheter_and_not_of_the_wire),
         cmocka_unit_test(without_a_catheter_or_vessels_it_says_so),
-        cmocka_unit_test(other_pictures_do_not_change_it),
+        cmocka_unit_test(other_pictures_do_not_change_the_medium),
         cmocka_unit_test(after_washing_out_no_look_is_wanted),
         cmocka_unit_test(columns_have_no_gap_where_a_vessel_divides),
         cmocka_unit_test(columns_hold_the_iodine_of_the_vessels),

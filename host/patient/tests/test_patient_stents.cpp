@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
@@ -26,7 +27,7 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr std::uint32_t stations = 24; // from one end of the artery's lesion to the other
 const char *const stent_file = "shared/examples/stents/coronary_3_0x18.toml";
 
@@ -95,13 +96,13 @@ void a_stent_is_refused_on_what_cannot_carry_it(void **)
     assert_non_null(std::strstr(mount_refusal(lengthy, tools).c_str(), "leave 18 mm"));
     try {
         read_stents({stent_file}, bare);
-        fail();
+        fail_msg("accepted without a balloon");
     } catch (const FileError &error) {
         assert_non_null(std::strstr(error.what(), stent_file));
     }
     try {
         read_stents(std::vector<std::string>(stents_max + 1, stent_file), tools);
-        fail();
+        fail_msg("more stents than the limit were accepted");
     } catch (const FileError &error) {
         assert_non_null(std::strstr(error.what(), "at most 8"));
     }
@@ -116,7 +117,7 @@ void nothing_is_looked_at_before_a_stent_is_loaded(void **)
 }
 
 // Making frames between two updates, or making pictures, must not change any bit of the stents' state.
-void other_pictures_do_not_change_it(void **)
+void other_pictures_do_not_change_the_stents(void **)
 {
     PatientStents often = session_stents(), seldom = session_stents(), seen = session_stents();
     carry_out(often, 7);
@@ -478,7 +479,7 @@ void scripts_load_stents(void **)
     assert_true(session.statements.at(0).room.at(0) == load);
     try {
         parse_session("load stint\n", "s"); // no "load NAME as TOOL"
-        fail();
+        fail_msg("'load stint' was accepted");
     } catch (const FileError &error) {
         assert_non_null(std::strstr(error.what(), "s:1:6: unknown word 'stint', did you mean 'stent'?"));
     }
@@ -516,7 +517,7 @@ void a_recording_keeps_its_stents(void **)
     for (const StentDesign &bad : nonsense) {
         try {
             parse_recording(recorded(folder.file("b.rec"), bad), "b");
-            fail();
+            fail_msg("a design out of range was accepted");
         } catch (const RecordingError &error) {
             assert_true(error.fault == RecordingFault::inconsistent);
         }
@@ -530,7 +531,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_stent_is_refused_on_what_cannot_carry_it),
         cmocka_unit_test(nothing_is_looked_at_before_a_stent_is_loaded),
-        cmocka_unit_test(other_pictures_do_not_change_it),
+        cmocka_unit_test(other_pictures_do_not_change_the_stents),
         cmocka_unit_test(a_saved_stent_continues_bit_for_bit),
         cmocka_unit_test(damaged_stents_are_refused_or_can_continue),
         cmocka_unit_test(the_core_is_asked_once_for_what_it_does_not_know),

@@ -27,7 +27,7 @@ namespace
 {
 
 // All tests share one folder, which is removed at the end.
-const tests::Folder &all_files()
+const tests::Folder &film_files()
 {
     static const tests::Folder files("film");
     return files;
@@ -115,14 +115,14 @@ std::uint32_t u32_at(const std::string &bytes, std::size_t place)
 
 static void film_has_every_picture_at_its_rate(void **)
 {
-    const std::string path = all_files().file("a.mp4");
+    const std::string path = film_files().file("a.mp4");
     std::string error;
     VideoWriter film;
     assert_true(film.open(path, 128, 96, 15, error));
     for (std::uint32_t i = 0; i < 20; ++i) assert_true(film.add(noise(128, 96, i), error));
     assert_false(std::filesystem::exists(path)); // not before it is whole
     assert_true(film.finish(error));
-    assert_int_equal(all_files().count(), 1);
+    assert_int_equal(film_files().count(), 1);
     const std::string said = output_of(
         "ffprobe -v error -count_frames -show_entries "
         "stream=codec_name,width,height,pix_fmt,color_range,color_space,color_transfer,"
@@ -134,7 +134,7 @@ static void film_has_every_picture_at_its_rate(void **)
 
 static void film_shows_what_was_given(void **)
 {
-    const std::string path = all_files().file("a.mp4");
+    const std::string path = film_files().file("a.mp4");
     constexpr int width = 210, height = 130; // not multiples of 16
     const Square squares[] = {{20, 12, 30, {255, 255, 255}}, {80, 12, 30, {255, 0, 0}},
                               {140, 12, 30, {0, 255, 0}},    {20, 80, 30, {0, 0, 255}},
@@ -179,7 +179,7 @@ static void film_shows_what_was_given(void **)
 
 static void film_keeps_the_noise_of_a_picture(void **)
 {
-    const std::string path = all_files().file("a.mp4");
+    const std::string path = film_files().file("a.mp4");
     write_noise(path, 40);
     const std::string rgb = decoded(path);
     const std::size_t bytes = 3 * 128 * 96;
@@ -199,7 +199,7 @@ static void film_keeps_the_noise_of_a_picture(void **)
 // to any time.
 static void film_has_a_key_picture_every_two_seconds(void **)
 {
-    const std::string path = all_files().file("a.mp4");
+    const std::string path = film_files().file("a.mp4");
     write_noise(path, 65);
     const std::string flags = output_of("ffprobe -v error -show_entries packet=flags -of csv=p=0 " + path);
     std::string keys;
@@ -217,7 +217,7 @@ static void film_has_a_key_picture_every_two_seconds(void **)
 // kbit/s in the profile High, and the level 1.2 only 480 (H.264, tables ).
 static void film_states_a_level_that_permits_its_bit_rate(void **)
 {
-    const std::string path = all_files().file("a.mp4");
+    const std::string path = film_files().file("a.mp4");
     write_noise(path, 65);
     const std::string said =
         output_of("ffprobe -v error -show_entries stream=level,bit_rate -of csv=p=0 " + path);
@@ -231,7 +231,7 @@ static void film_states_a_level_that_permits_its_bit_rate(void **)
 
 static void film_has_its_index_before_the_pictures(void **)
 {
-    const std::string path = all_files().file("a.mp4");
+    const std::string path = film_files().file("a.mp4");
     write_noise(path, 130); // more than one of the blocks that are moved, 256 KiB
     const std::string bytes = bytes_of(path);
     if (bytes.size() < 550'000) fail_msg("%zu bytes", bytes.size());
@@ -250,7 +250,7 @@ static void film_has_its_index_before_the_pictures(void **)
 
 static void same_pictures_give_the_same_bytes(void **)
 {
-    const std::string first = all_files().file("a.mp4"), second = all_files().file("b.mp4");
+    const std::string first = film_files().file("a.mp4"), second = film_files().file("b.mp4");
     write_noise(first, 40);
     write_noise(second, 40);
     assert_true(bytes_of(first) == bytes_of(second));
@@ -260,7 +260,7 @@ static void same_pictures_give_the_same_bytes(void **)
 
 static void film_without_pictures_is_a_file(void **)
 {
-    const std::string path = all_files().file("a.mp4");
+    const std::string path = film_files().file("a.mp4");
     write_noise(path, 0);
     const std::string said =
         output_of("ffprobe -v error -show_entries stream=codec_name,width -of csv=p=0 " + path);
@@ -278,7 +278,7 @@ static void index_holds_millions_of_pictures_and_more_than_4_GiB(void **)
     for (std::uint32_t i = 0; i < pictures; ++i) assert_true(index.add(picture_bytes, i % key_every == 0));
     const std::vector<std::uint8_t> head =
         index.head({128, 96, 60, encoder.sequence_parameters(), encoder.picture_parameters()});
-    const std::string path = all_files().file("long.mp4");
+    const std::string path = film_files().file("long.mp4");
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char *>(head.data()), static_cast<std::streamsize>(head.size()));
     std::filesystem::resize_file(path, head.size() + std::uint64_t{pictures} * picture_bytes);
@@ -324,34 +324,34 @@ static void film_that_is_given_up_leaves_nothing(void **)
     std::string error;
     {
         VideoWriter film;
-        assert_true(film.open(all_files().file("b.mp4"), 128, 96, 15, error));
+        assert_true(film.open(film_files().file("b.mp4"), 128, 96, 15, error));
         assert_true(film.add(noise(128, 96, 0), error));
-        assert_int_equal(all_files().count(), 1);
+        assert_int_equal(film_files().count(), 1);
     }
-    assert_int_equal(all_files().count(), 0);
+    assert_int_equal(film_files().count(), 0);
 }
 
 static void film_refuses_wrong_sizes_and_missing_folders(void **)
 {
     std::string error;
     VideoWriter film;
-    assert_false(film.open(all_files().file("c.mp4"), 127, 128, 15, error));
+    assert_false(film.open(film_files().file("c.mp4"), 127, 128, 15, error));
     assert_true(error.find("even") != error.npos);
-    assert_false(film.open(all_files().file("c.mp4"), 3074, 128, 15, error));
+    assert_false(film.open(film_files().file("c.mp4"), 3074, 128, 15, error));
     assert_true(error.find("c.mp4") != error.npos && error.find("3072 pixels (--size)") != error.npos);
-    assert_false(film.open(all_files().file("c.mp4"), 128, 128, 61, error));
+    assert_false(film.open(film_files().file("c.mp4"), 128, 128, 61, error));
     assert_true(error.find("60 pictures per second (--fps)") != error.npos);
-    assert_false(film.open(all_files().file("missing/c.mp4"), 128, 128, 15, error));
+    assert_false(film.open(film_files().file("missing/c.mp4"), 128, 128, 15, error));
     assert_true(error.find("No such file") != error.npos);
-    assert_true(film.open(all_files().file("c.mp4"), 128, 128, 15, error));
+    assert_true(film.open(film_files().file("c.mp4"), 128, 128, 15, error));
     assert_false(film.add({64, 64, 3, std::vector<std::uint8_t>(64 * 64 * 3)}, error));
     assert_true(error.find("another size") != error.npos);
-    assert_int_equal(all_files().count(), 0);
+    assert_int_equal(film_files().count(), 0);
 }
 
 static void film_of_the_largest_size_is_written(void **)
 {
-    const std::string path = all_files().file("a.mp4");
+    const std::string path = film_files().file("a.mp4");
     std::string error;
     VideoWriter film;
     assert_true(film.open(path, H264Encoder::edge_max, H264Encoder::edge_max, 60, error));
@@ -368,7 +368,7 @@ static void film_of_the_largest_size_is_written(void **)
 // terminal.
 static void error_of_the_library_is_a_message(void **)
 {
-    const std::string log = all_files().file("log");
+    const std::string log = film_files().file("log");
     const int terminal = dup(STDERR_FILENO), file = open(log.c_str(), O_WRONLY | O_CREAT, 0600);
     dup2(file, STDERR_FILENO);
     std::string error;
@@ -391,7 +391,7 @@ static void error_of_the_library_is_a_message(void **)
 // In this test the disk becomes full while pictures are written, or later when only the index is missing.
 static void film_on_a_full_disk_says_so_and_leaves_nothing(void **)
 {
-    const std::string path = all_files().file("a.mp4");
+    const std::string path = film_files().file("a.mp4");
     write_noise(path, 40);
     const rlim_t whole = std::filesystem::file_size(path);
     std::filesystem::remove(path);
@@ -414,7 +414,7 @@ static void film_on_a_full_disk_says_so_and_leaves_nothing(void **)
         assert_int_equal(are_pictures_written, room == whole - 1);
         assert_true(error.find("a.mp4: cannot be written") != error.npos);
         assert_true(error.find("make room on the disk") != error.npos);
-        assert_int_equal(all_files().count(), 0);
+        assert_int_equal(film_files().count(), 0);
     }
 }
 
@@ -425,21 +425,21 @@ static void film_that_is_interrupted_leaves_nothing(void **)
     if (child == 0) {
         std::string error;
         VideoWriter film;
-        bool is_fine = film.open(all_files().file("e.mp4"), 128, 96, 15, error);
+        bool is_fine = film.open(film_files().file("e.mp4"), 128, 96, 15, error);
         for (std::uint32_t i = 0; is_fine && i < 10; ++i) is_fine = film.add(noise(128, 96, i), error);
-        if (is_fine && all_files().count() == 1) raise(SIGINT);
+        if (is_fine && film_files().count() == 1) raise(SIGINT);
         _exit(1);
     }
     int status = 0;
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);
-    assert_int_equal(all_files().count(), 0);
+    assert_int_equal(film_files().count(), 0);
 }
 
 // If a program handles Ctrl-C itself, it decides what happens to the film, and the writer continues.
 static void film_survives_an_interrupt_that_the_program_handles(void **)
 {
-    const std::string path = all_files().file("e.mp4");
+    const std::string path = film_files().file("e.mp4");
     std::fflush(stdout);
     const pid_t child = fork();
     if (child == 0) {
@@ -461,7 +461,7 @@ static void film_survives_an_interrupt_that_the_program_handles(void **)
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
     assert_true(std::filesystem::exists(path));
     std::filesystem::remove(path);
-    assert_int_equal(all_files().count(), 0);
+    assert_int_equal(film_files().count(), 0);
 }
 
 int main()

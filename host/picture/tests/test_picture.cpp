@@ -19,7 +19,7 @@ namespace
 {
 
 // All tests share one folder, which is removed at the end.
-const tests::Folder &all_files()
+const tests::Folder &picture_files()
 {
     static const tests::Folder files("picture");
     return files;
@@ -27,12 +27,12 @@ const tests::Folder &all_files()
 
 std::string folder()
 {
-    return all_files().path;
+    return picture_files().path;
 }
 
 std::size_t files_in_folder()
 {
-    return all_files().count();
+    return picture_files().count();
 }
 
 XrayPicture grey_picture(int size)

@@ -14,9 +14,9 @@ using namespace crn;
 namespace
 {
 
-constexpr int size = 16;
+constexpr int side = 16;
 
-struct Bench {
+struct PlaceBench {
     void ask(RoomAction action, std::int32_t a = 0, std::int32_t b = 0, std::int32_t c = 0)
     {
         assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
@@ -24,9 +24,9 @@ struct Bench {
     void run_for(std::uint32_t ticks)
     {
         XrayPicture picture;
-        picture.size = size;
-        picture.grey.assign(std::size_t{size} * size, 1);
-        picture.raw.assign(std::size_t{size} * size, 1);
+        picture.size = side;
+        picture.grey.assign(std::size_t{side} * side, 1);
+        picture.raw.assign(std::size_t{side} * side, 1);
         for (const std::uint32_t end = now + ticks; now < end; ++now) {
             room.advance(now, nullptr);
             if (room.is_pulse_due()) room.expose({});
@@ -51,7 +51,7 @@ struct Bench {
 
 void before_the_first_pulse_the_place_is_that_of_the_c_arm(void **)
 {
-    Bench bench;
+    PlaceBench bench;
     bench.ask(RoomAction::angles, 20'000);
     bench.run_for(4000);
     assert_true(bench.shown_deg() == 20.0);
@@ -59,7 +59,7 @@ void before_the_first_pulse_the_place_is_that_of_the_c_arm(void **)
 
 void a_held_picture_keeps_the_place_of_its_pulse(void **)
 {
-    Bench bench;
+    PlaceBench bench;
     bench.press(RoomAction::fluoro_pedal);
     bench.ask(RoomAction::angles, 20'000);
     bench.run_for(4000);
@@ -71,7 +71,7 @@ void a_held_picture_keeps_the_place_of_its_pulse(void **)
 
 void a_frame_of_a_run_keeps_the_place_of_its_pulse(void **)
 {
-    Bench bench;
+    PlaceBench bench;
     bench.press(RoomAction::acquire_pedal);
     bench.ask(RoomAction::angles, 20'000);
     bench.run_for(4000);

@@ -17,7 +17,7 @@ using namespace crn;
 namespace
 {
 
-struct Bench {
+struct WaitBench {
     void ask(RoomAction action, std::int32_t a = 0, std::int32_t b = 0, std::int32_t c = 0)
     {
         assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
@@ -51,7 +51,7 @@ struct Bench {
 // 1827.
 void check_waits(std::int32_t program)
 {
-    Bench bench;
+    WaitBench bench;
     bench.run_to(1);
     bench.ask(RoomAction::angles, 30'000);
     bench.run_to(500);
@@ -82,7 +82,7 @@ static void cine_waits_for_the_motors_and_they_reach_their_target(void **)
 
 static void a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why(void **)
 {
-    Bench bench;
+    WaitBench bench;
     bench.run_to(1);
     bench.ask(RoomAction::table, 100'000, 0, 0);
     bench.run_to(100);
@@ -104,7 +104,7 @@ static void a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why(vo
 // rest.
 static void a_pedal_on_a_room_that_stands_is_never_refused(void **)
 {
-    Bench bench;
+    WaitBench bench;
     bench.run_to(10);
     for (int run = 0; run < 2; ++run) {
         bench.ask(RoomAction::acquire_pedal, 1);
@@ -118,7 +118,7 @@ static void a_pedal_on_a_room_that_stands_is_never_refused(void **)
 
 static void fluoroscopy_goes_on_while_a_run_waits(void **)
 {
-    Bench bench;
+    WaitBench bench;
     bench.run_to(1);
     bench.ask(RoomAction::fluoro_pedal, 1);
     bench.ask(RoomAction::angles, 30'000);
@@ -134,7 +134,7 @@ static void fluoroscopy_goes_on_while_a_run_waits(void **)
 // that a cine run can start, and must follow the tip again during the run.
 static void a_table_that_follows_a_tip_comes_to_rest_for_a_run(void **)
 {
-    Bench bench;
+    WaitBench bench;
     bench.ask(RoomAction::follow, 1);
     Eigen::Vector3d tip(0.0, 0.0, 0.0);
     bench.run_to(1, &tip);
@@ -148,7 +148,7 @@ static void a_table_that_follows_a_tip_comes_to_rest_for_a_run(void **)
 
 static void five_minutes_of_fluoroscopy_are_reminded_of_until_acknowledged(void **)
 {
-    Bench bench;
+    WaitBench bench;
     bench.run_to(1);
     bench.ask(RoomAction::fluoro_rate, 375);
     bench.ask(RoomAction::fluoro_pedal, 1);

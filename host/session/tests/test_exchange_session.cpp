@@ -26,8 +26,8 @@ extern "C" {
 namespace
 {
 
-const std::string path = "/tmp/cournand_test_exchange_" + std::to_string(getpid()) + ".rec";
-const crn::SceneFile scene = crn::read_scene("");
+const std::string exchange_path = "/tmp/cournand_test_exchange_" + std::to_string(getpid()) + ".rec";
+const crn::SceneFile empty_scene = crn::read_scene("");
 
 const std::vector<std::string> &names()
 {
@@ -55,22 +55,22 @@ struct Recorded {
     std::string notice;
 };
 
-Recorded record(const std::string &script)
+Recorded record_exchange(const std::string &script)
 {
     crn::Session session = crn::parse_session(script, "a.session");
     const crn::LineNumbers line = crn::resolve_tools(session, names());
-    const crn_wire_entry entry = crn::entry_of(scene, line.size(), session.inserted_um);
-    crn::Device device(scene, table(), entry, crn::host_rig(), {}, line);
+    const crn_wire_entry entry = crn::entry_of(empty_scene, line.size(), session.inserted_um);
+    crn::Device device(empty_scene, table(), entry, crn::host_rig(), {}, line);
     crn::PatientSettings settings;
     settings.line = line;
     crn::Patient patient({}, table(), settings);
     Recorded recorded;
     {
-        crn::Recorder recorder(path, device.recording_header("a.session"));
+        crn::Recorder recorder(exchange_path, device.recording_header("a.session"));
         recorded.result = crn::run_session(device, patient, session, &recorder, nullptr, {});
     }
-    recorded.recording = crn::read_recording(path);
-    std::remove(path.c_str());
+    recorded.recording = crn::read_recording(exchange_path);
+    std::remove(exchange_path.c_str());
     recorded.line = patient.line();
     for (const crn::Instrument &tool : patient.tools()) recorded.tools.push_back(tool.name);
     recorded.notice = patient.notice().text;
@@ -81,15 +81,16 @@ Recorded record(const std::string &script)
 // advanced over it; the recording contains more than one snapshot.
 const Recorded &whole()
 {
-    static const Recorded recorded = record("begin with amplatz_super_stiff nothing guide_jl4_6f\n"
-                                            "begin wire inserted 120 mm\nbegin guide inserted 100 mm\n"
-                                            "withdraw wire until inserted 0 mm at 100 mm/s\n"
-                                            "exchange wire for coronary_014\n"
-                                            "advance wire 130 mm at 60 mm/s\n"
-                                            "load balloon_3x20 as catheter\n"
-                                            "advance catheter 90 mm at 60 mm/s\n"
-                                            "withdraw catheter until inserted 0 mm at 100 mm/s\n"
-                                            "remove catheter\nwait 100 ms");
+    static const Recorded recorded =
+        record_exchange("begin with amplatz_super_stiff nothing guide_jl4_6f\n"
+                        "begin wire inserted 120 mm\nbegin guide inserted 100 mm\n"
+                        "withdraw wire until inserted 0 mm at 100 mm/s\n"
+                        "exchange wire for coronary_014\n"
+                        "advance wire 130 mm at 60 mm/s\n"
+                        "load balloon_3x20 as catheter\n"
+                        "advance catheter 90 mm at 60 mm/s\n"
+                        "withdraw catheter until inserted 0 mm at 100 mm/s\n"
+                        "remove catheter\nwait 100 ms");
     return recorded;
 }
 
@@ -134,8 +135,8 @@ std::uint64_t hash_beside(const std::string &other)
                            "rotate wire 90 deg at 360 deg/s",
                            "a.session");
     const crn::LineNumbers line = crn::resolve_tools(session, known);
-    crn::Device device(scene, tools, crn::entry_of(scene, line.size(), session.inserted_um), crn::host_rig(),
-                       {}, line);
+    crn::Device device(empty_scene, tools, crn::entry_of(empty_scene, line.size(), session.inserted_um),
+                       crn::host_rig(), {}, line);
     crn::PatientSettings settings;
     settings.line = line;
     crn::Patient patient({}, tools, settings);
@@ -157,7 +158,7 @@ void a_recorded_exchange_replays_bit_for_bit(void **)
     const crn::RecordingHeader &header = recording.header;
     assert_true(!recording.snapshots.empty());
     for (const double from_s : {0.0, recording.snapshots.back().tick * 1e-3}) {
-        crn::Device device(scene, header.tools, header.entry, header.rig, {}, header.line);
+        crn::Device device(empty_scene, header.tools, header.entry, header.rig, {}, header.line);
         crn::ReplaySettings settings;
         settings.verifies = true;
         settings.from_s = from_s;
@@ -170,9 +171,9 @@ void a_recorded_exchange_replays_bit_for_bit(void **)
 
 void a_refused_exchange_ends_the_script_by_name(void **)
 {
-    const Recorded recorded = record("begin with coronary_014 nothing guide_jl4_6f\n"
-                                     "begin wire inserted 120 mm\nbegin guide inserted 100 mm\n"
-                                     "wait 100 ms\nexchange wire for terumo_4f\nwait 10 s");
+    const Recorded recorded = record_exchange("begin with coronary_014 nothing guide_jl4_6f\n"
+                                              "begin wire inserted 120 mm\nbegin guide inserted 100 mm\n"
+                                              "wait 100 ms\nexchange wire for terumo_4f\nwait 10 s");
     assert_int_equal(recorded.result.failures.size(), 1);
     assert_string_equal(
         recorded.result.failures[0].c_str(),
@@ -187,14 +188,14 @@ void the_witness_refuses_a_false_line(void **)
 {
     const crn::LineNumbers line = {5, 0, 3};
     const std::uint32_t inserted_um[] = {120000, 0, 100000};
-    const crn_wire_entry entry = crn::entry_of(scene, line.size(), inserted_um);
-    crn::Witness rig(scene, table(), line, entry, crn::host_rig(), "the rig");
+    const crn_wire_entry entry = crn::entry_of(empty_scene, line.size(), inserted_um);
+    crn::Witness rig(empty_scene, table(), line, entry, crn::host_rig(), "the rig");
     crn::SimTransport pipe;
     crn::Link link(pipe);
     std::vector<crn_wire_instrument> tables;
     for (const crn::Instrument &tool : table()) tables.push_back(tool.table);
     link.hello();
-    link.load_scene(scene.bytes);
+    link.load_scene(empty_scene.bytes);
     link.load_tools(tables, line);
     link.set_entry(entry);
     link.set_rig(crn::host_rig());

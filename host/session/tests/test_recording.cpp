@@ -28,30 +28,30 @@ extern "C" {
 namespace
 {
 
-const std::string path = "/tmp/cournand_test_" + std::to_string(getpid()) + ".rec";
+const std::string recording_path = "/tmp/cournand_test_" + std::to_string(getpid()) + ".rec";
 const crn::SceneFile scene = crn::read_scene("");
 
-struct Recorded {
+struct RecordedSession {
     crn::RunResult result;
     std::vector<std::uint8_t> bytes;
 };
 
-Recorded record(const std::string &script,
-                const char *tool = "shared/examples/instruments/amplatz_super_stiff.toml")
+RecordedSession record(const std::string &script,
+                       const char *tool = "shared/examples/instruments/amplatz_super_stiff.toml")
 {
     const std::vector<crn::Instrument> tools = {crn::read_instrument(tool)};
     const crn::Session session = crn::parse_session(script, "test");
     const crn_wire_entry entry = crn::entry_of(scene, tools.size(), session.inserted_um);
     crn::Device device(scene, tools, entry, crn::host_rig());
     const crn::RecordingHeader header = device.recording_header("test");
-    Recorded recorded;
+    RecordedSession recorded;
     {
-        crn::Recorder recorder(path, header);
+        crn::Recorder recorder(recording_path, header);
         crn::Patient patient({}, tools);
         recorded.result = crn::run_session(device, patient, session, &recorder, nullptr, {});
     }
-    recorded.bytes = crn::read_binary_file(path);
-    std::remove(path.c_str());
+    recorded.bytes = crn::read_binary_file(recording_path);
+    std::remove(recording_path.c_str());
     return recorded;
 }
 
@@ -61,9 +61,9 @@ std::uint32_t word(const std::vector<std::uint8_t> &from, std::size_t place)
            std::uint32_t{from[place + 2]} << 16 | std::uint32_t{from[place + 3]} << 24;
 }
 
-const Recorded &session()
+const RecordedSession &session()
 {
-    static const Recorded recorded =
+    static const RecordedSession recorded =
         record("fluoro on\nadvance 150 mm at 30 mm/s while rotate 1 turn\nc-arm LAO 20\nwait 1 s");
     return recorded;
 }
@@ -130,8 +130,9 @@ crn::SceneAnatomy vessel()
 
 void a_replay_from_later_on_knows_what_was_injected_before(void **)
 {
-    const Recorded recorded = record("wait 1 s\ninject 8 ml at 4 ml/s\nadvance 60 mm at 60 mm/s\nwait 1 s",
-                                     "shared/examples/instruments/pigtail_5f.toml");
+    const RecordedSession recorded =
+        record("wait 1 s\ninject 8 ml at 4 ml/s\nadvance 60 mm at 60 mm/s\nwait 1 s",
+               "shared/examples/instruments/pigtail_5f.toml");
     const crn::Recording recording = crn::parse_recording(recorded.bytes, "test");
     const crn::RecordingHeader &header = recording.header;
     std::vector<std::uint8_t> whole;
@@ -150,7 +151,7 @@ void a_replay_from_later_on_knows_what_was_injected_before(void **)
 // ticks with the commands for premature beats need more bytes in the recording.
 void orders_are_recorded_in_their_ticks_and_replay(void **)
 {
-    const Recorded recorded = record("heart rate 120 /min\nbreath hold on\nwait 1 s");
+    const RecordedSession recorded = record("heart rate 120 /min\nbreath hold on\nwait 1 s");
     const crn::Recording recording = crn::parse_recording(recorded.bytes, "test");
     for (std::size_t i = 0; i < recording.ticks.size(); i++)
         assert_int_equal(recording.ticks[i].input.orders.items_count, i < 2);
@@ -164,7 +165,7 @@ void orders_are_recorded_in_their_ticks_and_replay(void **)
 
 void side_holes_are_recorded(void **)
 {
-    const Recorded recorded = record("wait 10 ms", "shared/examples/instruments/pigtail_5f.toml");
+    const RecordedSession recorded = record("wait 10 ms", "shared/examples/instruments/pigtail_5f.toml");
     const crn::Recording recording = crn::parse_recording(recorded.bytes, "test");
     const std::vector<crn::SideHoles> expected = catheter().side_holes,
                                       &read = recording.header.tools[0].side_holes;

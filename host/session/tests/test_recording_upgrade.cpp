@@ -44,7 +44,7 @@ const Bytes &old_bytes()
     return bytes;
 }
 
-std::uint32_t word(const Bytes &from, std::size_t place)
+std::uint32_t word_at(const Bytes &from, std::size_t place)
 {
     return std::uint32_t{from[place]} | std::uint32_t{from[place + 1]} << 8 |
            std::uint32_t{from[place + 2]} << 16 | std::uint32_t{from[place + 3]} << 24;
@@ -58,14 +58,14 @@ void put_word(Bytes &bytes, std::size_t place, std::uint32_t value)
 std::size_t chunk_of(const Bytes &bytes, std::uint32_t kind)
 {
     std::size_t at = 8;
-    while (word(bytes, at) != kind) at += 12 + word(bytes, at + 4);
+    while (word_at(bytes, at) != kind) at += 12 + word_at(bytes, at + 4);
     return at;
 }
 
 // Corrects the checksum of a chunk that the test has changed.
 void seal(Bytes &bytes, std::size_t at)
 {
-    const std::uint32_t covered = 8 + word(bytes, at + 4);
+    const std::uint32_t covered = 8 + word_at(bytes, at + 4);
     put_word(bytes, at + covered, crn_wire_crc32(0, bytes.data() + at, covered));
 }
 
@@ -187,13 +187,13 @@ Bytes with_views()
     bytes[7] = '2';
     const Bytes &now = old_bytes();
     for (std::size_t at = 8, size; at < now.size(); at += size) {
-        size = 12 + word(now, at + 4);
-        if (word(now, at) != kind_room) {
+        size = 12 + word_at(now, at + 4);
+        if (word_at(now, at) != kind_room) {
             bytes.insert(bytes.end(), now.begin() + static_cast<std::ptrdiff_t>(at),
                          now.begin() + static_cast<std::ptrdiff_t>(at + size));
             continue;
         }
-        const std::uint32_t tick = word(now, at + 8);
+        const std::uint32_t tick = word_at(now, at + 8);
         const std::size_t begin = bytes.size();
         bytes.resize(begin + 8 + 30 + 4);
         const std::array<std::uint32_t, 3> head = {kind_view, 30, tick};
@@ -281,7 +281,7 @@ void a_snapshot_of_protocol_5_becomes_the_present_one(void **)
     crn::Device device(crn::read_scene(""), header.tools, header.entry, header.rig);
     std::vector<crn_wire_tick_input> inputs;
     const Bytes &old = protocol_5_bytes();
-    const std::size_t at = chunk_of(old, kind_ticks), first = word(old, at + 12);
+    const std::size_t at = chunk_of(old, kind_ticks), first = word_at(old, at + 12);
     for (std::size_t i = 0; i < first; i++) {
         inputs.push_back(whole.ticks[i].input);
         if (inputs.size() < 50 && i + 1 < first) continue;
@@ -297,7 +297,7 @@ void a_snapshot_of_protocol_5_becomes_the_present_one(void **)
     std::copy(snapshot.begin(), snapshot.end(), chunk.begin() + 12);
     seal(chunk, 0);
     Bytes bytes = old;
-    bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at + 12 + word(old, at + 4)), chunk.begin(),
+    bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at + 12 + word_at(old, at + 4)), chunk.begin(),
                  chunk.end());
     const crn::Recording recording = upgraded(bytes);
     assert_int_equal(recording.snapshots.size(), 1);

@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
@@ -23,7 +24,8 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double pi = std::numbers::pi, mount_mm = 20.0;
+using std::numbers::pi;
+constexpr double mount_mm = 20.0;
 const std::string coronary_file = "shared/examples/stents/coronary_3_0x18.toml";
 const std::string renal_file = "shared/examples/stents/renal_6_0x18.toml";
 

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
@@ -23,7 +24,7 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 struct Minute {
     double off_mm = 0.0, deepest_mm = 0.0, apposed_share = 1.0;

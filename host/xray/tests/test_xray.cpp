@@ -18,14 +18,6 @@ using namespace crn;
 namespace
 {
 
-// Returns the ray through the centre of a pixel; its origin is the source, and its direction a unit vector.
-Eigen::Vector3d pixel_ray(const View &view, int x, int y)
-{
-    const double u = (x + 0.5 - view.size * 0.5) * view.pixel_m,
-                 v = (view.size * 0.5 - y - 0.5) * view.pixel_m;
-    return (view.right * u + view.up * v + view.forward * view.source_detector_m).normalized();
-}
-
 double sphere_chord_m(const View &view, const Eigen::Vector3d &ray, const Eigen::Vector3d &centre_m,
                       double radius_m)
 {
@@ -94,7 +86,7 @@ std::unique_ptr<Rendered> render(const Bodies &bodies, const XraySettings &setti
     std::string error;
     if (!rendered->scene.set_bodies(bodies, error)) {
         std::printf("# %s\n", error.c_str());
-        fail();
+        fail_msg("the bodies were refused");
     }
     rendered->xray = std::make_unique<Xray>(rendered->scene, threads);
     rendered->xray->render(settings, tools, wire, 7, rendered->picture);

@@ -78,13 +78,6 @@ const std::vector<std::int32_t> &of(const PathPictures &pictures, Material mater
     return pictures[static_cast<int>(material)];
 }
 
-Vector3d pixel_ray(const View &view, int x, int y)
-{
-    const double u = (x + 0.5 - view.size * 0.5) * view.pixel_m,
-                 v = (view.size * 0.5 - y - 0.5) * view.pixel_m;
-    return (view.right * u + view.up * v + view.forward * view.source_detector_m).normalized();
-}
-
 // Returns a random rotation; its columns are the axes of a body.
 Eigen::Matrix3d turned(Lot &lot)
 {
@@ -226,7 +219,7 @@ void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double lar
             if (picture[i] < -2048 || picture[i] > largest_mm * 1024.0) {
                 std::printf("# pixel %zu, %zu: %.3f mm, at most %.3f\n", i % view.size, i / view.size,
                             picture[i] / 1024.0, largest_mm);
-                fail();
+                fail_msg("a path is out of range");
             }
 }
 
@@ -357,7 +350,7 @@ static void nested_bodies_are_taken_out_of_their_parents_to_any_depth(void **)
         const double path_mm = of(pictures, materials[i])[centre] / 1024.0;
         if (std::fabs(path_mm - expected_mm) > 0.005) {
             std::printf("# level %d: %.4f mm, expected %.4f\n", i, path_mm, expected_mm);
-            fail();
+            fail_msg("a path differs");
         }
     }
 }

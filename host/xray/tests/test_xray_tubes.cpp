@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
@@ -19,7 +20,7 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 CArm zoomed(double field_m)
 {

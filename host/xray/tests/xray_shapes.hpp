@@ -2,6 +2,7 @@
 // only, so that every compiler gives equal results.
 #pragma once
 #include "host/model/bodies.hpp"
+#include "host/xray/paths/carm.hpp"
 #include <cmath>
 #include <string>
 #include <vector>
@@ -41,6 +42,14 @@ inline Body sphere_body(const std::string &name, const std::string &material, in
             }
     }
     return body;
+}
+
+// Returns the ray through the centre of a pixel; its origin is the source, and its direction a unit vector.
+inline Eigen::Vector3d pixel_ray(const View &view, int x, int y)
+{
+    const double u = (x + 0.5 - view.size * 0.5) * view.pixel_m,
+                 v = (view.size * 0.5 - y - 0.5) * view.pixel_m;
+    return (view.right * u + view.up * v + view.forward * view.source_detector_m).normalized();
 }
 
 inline Body box_body(const std::string &name, const std::string &material, int parent,

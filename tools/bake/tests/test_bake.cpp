@@ -4,6 +4,7 @@
 // torus, whose distance is known in closed form, and texts of scenes with one fault each.
 #include "shared/scene/scene.h"
 #include "tools/bake/tests/shapes.hpp"
+#include "tools/bake/tests/texts.hpp"
 
 #include <csetjmp>
 #include <cstdarg>
@@ -22,12 +23,6 @@ namespace
 {
 
 constexpr double ring_mm = 50, tube_mm = 6;
-
-void contains(const std::string &text, std::initializer_list<const char *> parts)
-{
-    for (const char *part : parts)
-        if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
-}
 
 // Returns the largest difference between the field's distance and the exact distance to the torus, within 1.5
 // mm of the wall.

@@ -5,6 +5,7 @@
 #include "tools/bake/form.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/bake/tests/shapes.hpp"
+#include "tools/bake/tests/texts.hpp"
 
 #include <csetjmp>
 #include <cstdarg>
@@ -19,12 +20,6 @@ using namespace crn::bake::tests;
 
 namespace
 {
-
-void contains(const std::string &text, std::initializer_list<const char *> parts)
-{
-    for (const char *part : parts)
-        if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
-}
 
 Mesh moved(Mesh mesh, const Eigen::Vector3d &by)
 {

@@ -3,6 +3,7 @@
 // the remedy. The tests use small meshes with one fault each.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/tests/shapes.hpp"
+#include "tools/bake/tests/texts.hpp"
 
 #include <csetjmp>
 #include <cstdarg>
@@ -18,12 +19,6 @@ using namespace crn::bake::tests;
 
 namespace
 {
-
-void contains(const std::string &text, std::initializer_list<const char *> parts)
-{
-    for (const char *part : parts)
-        if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
-}
 
 void tree_gives_the_signed_distance_of_a_cube(void **)
 {

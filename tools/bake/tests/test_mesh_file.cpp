@@ -5,6 +5,7 @@
 #include "host/base/guarded_read.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/tests/shapes.hpp"
+#include "tools/bake/tests/texts.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 
 #include <atomic>
@@ -29,12 +30,6 @@ using namespace std::chrono_literals;
 
 namespace
 {
-
-void contains(const std::string &text, std::initializer_list<const char *> parts)
-{
-    for (const char *part : parts)
-        if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
-}
 
 // Returns the error message, or "" if the file was accepted.
 std::string said(const std::function<void()> &work)

@@ -25,7 +25,7 @@ namespace
 {
 
 const std::string motion_text = "[motion]\nframes = \"frames\"\nend_systole = 10\n";
-constexpr double ring_mm = 40, tube_mm = 1.5;
+constexpr double motion_ring_mm = 40, motion_tube_mm = 1.5;
 constexpr int around = 220, across = 14;
 
 // Returns the contraction of the heart, which is 0 at the end of filling and 1 at the end of systole (10 / 24
@@ -76,7 +76,7 @@ std::string frame_name(int k)
 void write_frames(const Folder &folder, const std::function<double(int)> &phase_of)
 {
     std::filesystem::create_directory(folder.path / "frames");
-    const Mesh reference = torus(ring_mm, tube_mm, around, across);
+    const Mesh reference = torus(motion_ring_mm, motion_tube_mm, around, across);
     for (int k = 0; k < 24; ++k) {
         Mesh frame = reference;
         for (Eigen::Vector3d &v : frame.vertices_mm) v = beating(v, phase_of(k));
@@ -111,7 +111,7 @@ void the_moved_lumen_is_the_moved_mesh_in_every_frame(void **)
     Folder folder;
     Progress progress;
     write_frames(folder, [](int k) { return k / 24.0; });
-    const std::string report = bake(options_for(folder, text_of(motion_text)), progress);
+    const std::string report = crn::bake::bake(options_for(folder, text_of(motion_text)), progress);
     const double worst = number_behind(report, "  worst     ");
     print_message("# worst %.3f mm, allowed 0.3\n", worst);
     assert_true(worst > 0.005 && worst < 0.3);
@@ -138,12 +138,12 @@ void a_full_breath_carries_every_frame(void **)
     Folder folder;
     Progress progress;
     write_frames(folder, [](int k) { return k / 24.0; });
-    const Mesh reference = torus(ring_mm, tube_mm, around, across);
+    const Mesh reference = torus(motion_ring_mm, motion_tube_mm, around, across);
     Mesh first = reference;
     for (Eigen::Vector3d &v : first.vertices_mm) v = inhaled(beating(v, 0));
     folder.write("inhaled.obj", obj_of(first));
     const std::string report =
-        bake(options_for(folder, text_of(motion_text + "inhaled = \"inhaled.obj\"\n")), progress);
+        crn::bake::bake(options_for(folder, text_of(motion_text + "inhaled = \"inhaled.obj\"\n")), progress);
     assert_true(report.find("  inhaled   moved lumen") != std::string::npos);
     assert_true(number_behind(report, "  worst     ") < 0.3);
     std::string error;
@@ -180,7 +180,7 @@ void bodies_go_to_the_reference_pose_with_the_lumen(void **)
     write_frames(folder, [](int k) { return k / 24.0; });
     const std::string body =
         "[[body]]\nname = \"blood\"\nmesh = \"lumen\"\nmaterial = \"blood\"\nmoves = true\n";
-    bake(options_for(folder, text_of(motion_text + body)), progress);
+    crn::bake::bake(options_for(folder, text_of(motion_text + body)), progress);
     std::string error;
     Bodies bodies;
     assert_true(read_bodies((folder.path / "out.bodies").string(), bodies, error));
@@ -206,15 +206,15 @@ void a_lesion_moves_with_its_vessel(void **)
     write_frames(folder, [](int k) { return k / 24.0; });
     std::string ring = "branch,name,x_mm,y_mm,z_mm,radius_mm\n";
     const auto place_mm = [](double degrees) {
-        return Eigen::Vector3d(ring_mm * std::cos(turn * degrees / 360),
-                               ring_mm * std::sin(turn * degrees / 360), 0);
+        return Eigen::Vector3d(motion_ring_mm * std::cos(turn * degrees / 360),
+                               motion_ring_mm * std::sin(turn * degrees / 360), 0);
     };
     for (int degrees = 120; degrees <= 400; degrees += 4)
         ring += "0,ring," + std::to_string(place_mm(degrees).x()) + "," +
-                std::to_string(place_mm(degrees).y()) + ",0," + std::to_string(tube_mm) + "\n";
+                std::to_string(place_mm(degrees).y()) + ",0," + std::to_string(motion_tube_mm) + "\n";
     folder.write("ring.csv", ring);
-    const std::string at_mm = std::to_string(ring_mm * turn * 100 / 360);
-    const std::string report = bake(
+    const std::string at_mm = std::to_string(motion_ring_mm * turn * 100 / 360);
+    const std::string report = crn::bake::bake(
         options_for(folder, text_of("[tree]\ncentrelines = [\"ring.csv\"]\n" + motion_text +
                                     "[[lesion]]\nname = \"plaque\"\nbranch = \"ring\"\nat_mm = " + at_mm +
                                     "\nlength_mm = 14\nstenosis_percent = 60\n")),
@@ -259,7 +259,7 @@ void what_is_no_sequence_is_refused(void **)
     Progress progress;
     write_frames(folder, [](int k) { return k / 24.0; });
     const auto why = [&](const std::string &motion) {
-        return complaint([&] { bake(options_for(folder, text_of(motion)), progress); });
+        return complaint([&] { crn::bake::bake(options_for(folder, text_of(motion)), progress); });
     };
     const auto says = [](const std::string &text, const char *part) {
         if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
@@ -267,10 +267,10 @@ void what_is_no_sequence_is_refused(void **)
     says(why("[motion]\nframes = \"nowhere\"\n"), "which is no folder");
     says(why("[motion]\nframes = \"frames\"\nspacin_mm = 8\n"),
          "[motion]: unknown key 'spacin_mm', did you mean 'spacing_mm'?");
-    Mesh other = torus(ring_mm, tube_mm, around - 1, across);
+    Mesh other = torus(motion_ring_mm, motion_tube_mm, around - 1, across);
     folder.write(frame_name(7), obj_of(other));
     says(why("[motion]\nframes = \"frames\"\n"), "has other triangles than");
-    other = torus(ring_mm, tube_mm, around, across);
+    other = torus(motion_ring_mm, motion_tube_mm, around, across);
     for (Eigen::Vector3d &v : other.vertices_mm) v = beating(v, 0.29) + Eigen::Vector3d(0, 0, 9);
     folder.write(frame_name(7), obj_of(other));
     says(why("[motion]\nframes = \"frames\"\n"), "jumps by");

@@ -157,8 +157,8 @@ void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
     const auto count = static_cast<std::uint32_t>(back.vertices_mm.size());
     for (const bake::Triangle &t : back.triangles)
         mesh.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
-    bake::Progress progress;
-    const Lumen lumen(mesh, {}, progress);
+    bake::Progress silent;
+    const Lumen lumen(mesh, {}, silent);
     for (double turned : {0.0, 180.0}) {
         const View view = view_of(lumen.wall(), turned, 0, 600, 600);
         const SheetPoint at = view.place({1.2, 10, 0});

@@ -18,7 +18,7 @@ using namespace crn::centreline::tests;
 namespace
 {
 
-bake::Progress progress;
+bake::Progress recovery_progress;
 
 std::filesystem::path data()
 {
@@ -75,12 +75,12 @@ void curves_are_recovered_from_their_surface(void **)
         });
     LumenWish wish_of_lumen;
     if (!is_whole()) wish_of_lumen.voxel_mm = 1.5;
-    const Lumen lumen(bake::surface_of(truth.branches, is_whole() ? 0.6 : 1.0, progress), wish_of_lumen,
-                      progress);
+    const Lumen lumen(bake::surface_of(truth.branches, is_whole() ? 0.6 : 1.0, recovery_progress),
+                      wish_of_lumen, recovery_progress);
     std::vector<std::string> notes;
     AutoWish wish;
     wish.inlet_mm = truth.branches[0].spheres[0].centre_mm; // curve 0 begins in the arch
-    const Tree tree = fit_automatic(lumen, wish, notes, progress);
+    const Tree tree = fit_automatic(lumen, wish, notes, recovery_progress);
     // The test compares each sphere of the recovered tree with the nearest original curve. The mean weights
     // each sphere by the length of vessel that it represents; otherwise thin vessels, which have more
     // spheres, would count too much.
@@ -132,9 +132,9 @@ void the_dirty_surface_gives_a_tree_or_says_what_to_mend(void **)
     text.placement.unit = "mm";
     std::string outcome;
     try {
-        const Lumen lumen(bake::load_mesh(text), {}, progress);
+        const Lumen lumen(bake::load_mesh(text), {}, recovery_progress);
         std::vector<std::string> notes;
-        const Tree tree = fit_automatic(lumen, {}, notes, progress);
+        const Tree tree = fit_automatic(lumen, {}, notes, recovery_progress);
         check_tree(tree, "dirty");
         double length = 0;
         for (const Branch &branch : tree.branches) length += length_mm(branch);

@@ -3,6 +3,7 @@
 #include "tools/centreline/flow.hpp"
 #include "tools/centreline/join.hpp"
 #include "tools/centreline/tests/trees.hpp"
+#include <numbers>
 
 using namespace crn::centreline;
 using namespace crn::centreline::tests;
@@ -10,7 +11,8 @@ using namespace crn::centreline::tests;
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846, ml_min = 60.0 / 1000.0; // per mm^3/s
+using std::numbers::pi;
+constexpr double ml_min = 60.0 / 1000.0; // per mm^3/s
 
 void is_near(double got, double wanted, double share, const char *what)
 {

@@ -17,7 +17,7 @@ constexpr double tick_s = 1e-3, radian = std::numbers::pi / 180.0;
 // time step times that of the segments' rotation. The integration is stable while the root of the sum of the
 // squares of these two products is below 2; the margin covers compressed segments and large rotations.
 constexpr double point_ratio = 1.5, turn_ratio = 0.9;
-constexpr double outside_mm = 3.0; // a rod deeper in the wall has passed through it
+constexpr double passed_mm = 3.0; // a rod deeper in the wall has passed through it
 
 // Returns EI, GJ and the resting angle of a joint between two elements. Compliance and curvature are summed
 // over the two half elements beside the joint.
@@ -144,7 +144,7 @@ bool CordeRod::is_sound() const
     if (!vcsim3::is_sound_within(rod, 1.2 * rod.properties.element_m * rod.properties.element_count))
         return false;
     return std::all_of(simulation_.contacts().begin(), simulation_.contacts().end(),
-                       [](const vcsim3::Contact &contact) { return contact.depth_m < outside_mm * 1e-3; });
+                       [](const vcsim3::Contact &contact) { return contact.depth_m < passed_mm * 1e-3; });
 }
 
 std::vector<Vector3d> CordeRod::nodes_mm() const

@@ -15,9 +15,9 @@ namespace
 // range of the density extends by a factor of 8 either way, and that of the radius by 25 % either way. The
 // tip is never more than four times as stiff as the shaft. The core's own limits also restrict the ranges of
 // the fitted values.
-constexpr double bend_factor = 10.0, alpha_factor = 10.0, radius_factor = 1.25, density_factor = 8.0;
-constexpr double alpha_max = 4.0;
-constexpr double outside_mm =
+constexpr double bend_factor = 10.0, rod_alpha_factor = 10.0, radius_factor = 1.25, density_factor = 8.0;
+constexpr double rod_alpha_max = 4.0;
+constexpr double rod_outside_mm =
     60.0; // length of the instrument outside at the deepest place; what is farther back has no effect
 constexpr double coarser = 1.25,
                  coarsest =
@@ -53,9 +53,9 @@ std::vector<Parameter> parameters_of(const RodValues &nominal, bool has_tip)
                density_factor)};
     list.front().scales_force = true;
     if (has_tip) {
-        Parameter alpha =
-            around("alpha", "1", "EI of the tip over EI of the shaft", nominal.tip_over_shaft, alpha_factor);
-        alpha.high = std::min(alpha.high, std::max(alpha_max, nominal.tip_over_shaft));
+        Parameter alpha = around("alpha", "1", "EI of the tip over EI of the shaft", nominal.tip_over_shaft,
+                                 rod_alpha_factor);
+        alpha.high = std::min(alpha.high, std::max(rod_alpha_max, nominal.tip_over_shaft));
         list.insert(list.begin() + 1, alpha);
     }
     return list;
@@ -161,7 +161,7 @@ Insertion RodEvaluator::insert(const std::vector<double> &values, std::size_t de
 {
     const crn_wire_instrument table =
         shortened(virtual_instrument(instrument_.table, values_of(values), case_),
-                  case_.depths.back().inserted_mm + outside_mm);
+                  case_.depths.back().inserted_mm + rod_outside_mm);
     return insert_by_hand(*make_rod(table), case_, settings_, depth_count);
 }
 

@@ -1,6 +1,7 @@
 #include "tools/lab/ct/centreline.hpp"
 #include "tools/lab/ct/instrument_path.hpp"
 #include "tools/lab/ct/line_model.hpp"
+#include "tools/lab/ct/measures.hpp"
 #include "tools/mesh/fault.hpp"
 #include <algorithm>
 #include <cmath>
@@ -19,13 +20,6 @@ constexpr double stiffness = 4.0;  // weight of the smoothing: third differences
 constexpr int rounds = 5;
 constexpr double beyond_mm = 3.0;    // range of the search for the tip beyond the line
 constexpr double doubtful_mm = 0.09; // of bends and slices: above it the report states the reason
-
-double length_of(const std::vector<Vector3d> &line)
-{
-    double length = 0;
-    for (std::size_t i = 1; i < line.size(); ++i) length += (line[i] - line[i - 1]).norm();
-    return length;
-}
 
 Vector3d place_at(const std::vector<Vector3d> &line, double arc_mm)
 {

@@ -1,4 +1,5 @@
 #include "tools/lab/ct/line_model.hpp"
+#include "tools/lab/ct/measures.hpp"
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -20,14 +21,6 @@ constexpr double model_error = 0.12; // share of the model that streaks and hard
 constexpr double cauchy = 2.5;       // residuals beyond this many sigmas count little
 constexpr int fit_steps = 10;
 constexpr std::size_t blur_places = 24; // number of places at which both blurs are fitted
-
-double median(std::vector<double> values)
-{
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 double normal_share(double sigmas)
 {

@@ -1,5 +1,6 @@
 #include "tools/lab/ct/lumen.hpp"
 #include "host/base/format.hpp"
+#include "tools/lab/ct/measures.hpp"
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -82,13 +83,6 @@ void look_outwards(const Volume &volume, const std::vector<Vector3d> &line, doub
             }
         }
     }
-}
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 Wall wall_along(const Volume &smoothed, const std::vector<LumenScan> &scans, double fluid, double from_mm)

@@ -1,5 +1,6 @@
 #include "tools/lab/ct/mouth.hpp"
 #include "host/base/format.hpp"
+#include "tools/lab/ct/measures.hpp"
 #include "tools/mesh/fault.hpp"
 #include <Eigen/SVD>
 #include <cmath>
@@ -18,13 +19,6 @@ constexpr double length_share =
 constexpr double length_mm = 6; // ... or this, whichever is larger
 constexpr double depths_mm = 6; // permitted difference between the places of mouth_mm from different depths
 constexpr double straight_mm = 12; // length of the line at the mouth whose direction is the introducer's
-
-double length_of(const std::vector<Vector3d> &line)
-{
-    double length = 0;
-    for (std::size_t i = 1; i < line.size(); ++i) length += (line[i] - line[i - 1]).norm();
-    return length;
-}
 
 // Returns the point at a given distance back along the centreline from its last point; the centreline must be
 // at least that long.

@@ -9,6 +9,7 @@
 #include "tools/lab/calibrate/identify.hpp"
 #include "tools/lab/calibrate/result.hpp"
 #include "tools/lab/calibrate/rod_evaluator.hpp"
+#include "tools/lab/calibrate/tests/near.hpp"
 #include <cmath>
 #include <fstream>
 #include <mutex>
@@ -23,20 +24,13 @@ extern "C" {
 
 using namespace crn::calibrate;
 using crn::tests::Folder;
+using namespace crn::calibrate::tests;
 namespace insertion = crn::insertion;
 
 namespace
 {
 
-constexpr const char *instruments = "shared/examples/instruments/";
 constexpr Method methods[] = {Method::genetic, Method::cmaes, Method::differential};
-
-void assert_near(double got, double expected, double tolerance)
-{
-    if (std::abs(got - expected) <= tolerance) return;
-    print_error("got %.9g, expected %.9g within %.2g\n", got, expected, tolerance);
-    assert_true(false);
-}
 
 // The objective of this test is a smooth function like a curved valley, with its lowest point at 0.3, 0.6,
 // ...; its computation is cheap.

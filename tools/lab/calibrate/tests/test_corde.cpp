@@ -7,6 +7,7 @@
 #include "tools/lab/calibrate/core_rod.hpp"
 #include "tools/lab/calibrate/rod_evaluator.hpp"
 #include "tools/lab/calibrate/search.hpp"
+#include "tools/lab/calibrate/tests/near.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -14,26 +15,20 @@
 // other headers.
 #include <csetjmp>
 #include <cstdarg>
+#include <numbers>
 extern "C" {
 #include <cmocka.h>
 }
 
 using namespace crn::calibrate;
 using crn::tests::Folder;
+using namespace crn::calibrate::tests;
 namespace insertion = crn::insertion;
 
 namespace
 {
 
-constexpr const char *instruments = "shared/examples/instruments/";
-constexpr double pi = 3.14159265358979323846;
-
-void assert_near(double got, double expected, double tolerance)
-{
-    if (std::abs(got - expected) <= tolerance) return;
-    print_error("got %.9g, expected %.9g within %.2g\n", got, expected, tolerance);
-    assert_true(false);
-}
+using std::numbers::pi;
 
 crn::Instrument instrument_of(const std::string &name)
 {

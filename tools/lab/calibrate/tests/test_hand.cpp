@@ -3,6 +3,7 @@
 // must not stop waiting because a slowly creeping tip pauses. The force on the hand is recorded from the
 // first millimetre of insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
+#include "tools/lab/calibrate/tests/near.hpp"
 #include <cmath>
 
 // The header cmocka.h and the headers that it needs come last, because its macros (fail, ...) would change
@@ -14,19 +15,13 @@ extern "C" {
 }
 
 using namespace crn::calibrate;
+using namespace crn::calibrate::tests;
 namespace insertion = crn::insertion;
 
 namespace
 {
 
 constexpr double um = 1e-3; // in mm
-
-void assert_near(double got, double expected, double tolerance)
-{
-    if (std::abs(got - expected) <= tolerance) return;
-    print_error("got %.9g, expected %.9g within %.2g\n", got, expected, tolerance);
-    assert_true(false);
-}
 
 // The simulated rod of this test follows the hand immediately. The only node of the rod is displaced sideways
 // by `aside_mm`, a function of the number of ticks since the hand stopped.

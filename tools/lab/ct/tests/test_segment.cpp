@@ -31,7 +31,7 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double radius_mm = 8;
+constexpr double lumen_radius_mm = 8;
 
 // The wire of this test comes from below along the wall, and turns back in a half circle of 3 mm radius.
 std::vector<Vector3d> j_line()
@@ -54,7 +54,7 @@ Volume scan_of(const std::vector<std::vector<Vector3d>> &lines, const std::vecto
     settings.views = views;
     std::vector<ScanInstrument> instruments;
     for (const auto &line : lines) instruments.push_back({line, stretches});
-    return simulate_scan(tube_mesh(radius_mm, -40, 40, 64), {}, instruments, settings, no_report);
+    return simulate_scan(tube_mesh(lumen_radius_mm, -40, 40, 64), {}, instruments, settings, no_report);
 }
 
 InstrumentLine line_in(const Volume &volume, LineOptions options = {})
@@ -116,7 +116,7 @@ void a_j_wire_and_its_lumen_are_within_the_bars(void **)
     for (const char *name : {"lumen.ply", "instrument.ply", "report.json", "index.html", "1_scan_front.png",
                              "2_speed_slice.png", "3_snake_front.png", "5_line_side.png"})
         assert_true(std::filesystem::file_size(folder.file(name)) > 100);
-    crn::bake::Mesh lumen = result.lumen, reference = tube_mesh(radius_mm, -40, 40, 64);
+    crn::bake::Mesh lumen = result.lumen, reference = tube_mesh(lumen_radius_mm, -40, 40, 64);
     crn::bake::check_closed(lumen, crn::bake::Cap::none);
     // The scan ends within the tube; the surfaces that close the tube at the ends of the scan are not part of
     // the wall.

@@ -75,12 +75,12 @@ void refused(const fs::path &path, const std::vector<std::string> &parts)
         for (const std::string &part : parts)
             if (text.find(part) == std::string::npos) {
                 std::printf("# expected '%s' in: %s\n", part.c_str(), text.c_str());
-                fail();
+                fail_msg("the message lacks a part");
             }
         return;
     }
     std::printf("# %s was read\n", path.c_str());
-    fail();
+    fail_msg("a damaged file was read");
 }
 
 double most_apart(const Volume &a, const Volume &b)
@@ -163,7 +163,7 @@ void impossible_grids_are_refused(void **)
     try {
         check_grid({2, 2, 2}, {1, std::numeric_limits<double>::quiet_NaN(), 1}, {0, 0, 0},
                    Eigen::Matrix3d::Identity(), "a");
-        fail();
+        fail_msg("a spacing that is no number was accepted");
     } catch (const Fault &fault) {
         assert_true(std::string(fault.what()).find("spacing 1 x nan x 1 mm") != std::string::npos);
     }

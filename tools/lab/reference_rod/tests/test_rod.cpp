@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 
 // The header cmocka.h comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
@@ -23,7 +24,7 @@ using namespace crn::reference;
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 void assert_near(const char *what, double value, double expected, double allowed)
 {
