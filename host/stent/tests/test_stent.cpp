@@ -199,10 +199,9 @@ static void free_stent_recoils_by_its_share(void **)
     }
 }
 
-// The test changes the radius of one ring in small steps. From differences of the springs' energy E at
-// different radii R, the test computes the force F = dE/dR and the stiffness K = d2E/dR2, and compares both
-// with the values in the file. Only the chords between crowns change: the height of a ring changes without
-// force, because the struts only turn.
+// The test changes the radius of one ring in small steps. From differences of the springs' energy E the
+// test computes the force dE/dR and the stiffness d2E/dR2, and compares both with the file. Only the chords
+// between crowns change: the height of a ring changes without force, because the struts only turn.
 static void ring_is_as_stiff_as_stated(void **)
 {
     for (const std::string &file : {coronary_file, renal_file}) {
