@@ -197,8 +197,9 @@ static void take_frame(crn_app *app)
 
 void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (crn_wire_decoder_push(&app->link.decoder, bytes[i]) == CRN_WIRE_FRAME) take_frame(app);
+    for (size_t i = 0, taken; i < count; i += taken) {
+        if (crn_wire_decoder_take(&app->link.decoder, bytes + i, count - i, &taken) == CRN_WIRE_FRAME)
+            take_frame(app);
     }
 }
 

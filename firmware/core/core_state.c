@@ -256,6 +256,9 @@ bool crn_state_restore(crn_model *model, crn_state *state, const uint8_t *bytes)
         return false;
     }
     state->words = *copy;
+    for (uint32_t i = 0; i < CRN_ARRAY_NODES; i++) {
+        state->voxels[i].voxel = 0;
+    }
     crn_exchange_take_line(model, &state->words);
     state->line.count = 0;
     crn_line_update(model, state);
@@ -281,14 +284,45 @@ static void hashed_words(const crn_state_words *words, hashed_range ranges[RANGE
     ranges[2] = (hashed_range){HEADER_WORDS, live_words(words)};
 }
 
-/* Computes two 32-bit polynomials, one over the even words and one over the odd words: the sum of word[i]
- * m^(n-i) with the odd FNV prime m. The polynomials over the even and the odd words cost two operations per
- * word and are computed in every tick. Each step of the hash is a one-to-one function of the running sum and
- * of the word, so a single wrong word is always detected. */
+/* The hash lanes are two 32-bit polynomials, one over the even words and one over the odd words: the sum of
+ * word[i] m^(n-i) with the odd FNV prime m. The polynomials over the even and the odd words cost two
+ * operations per word and are computed in every tick. Each step of the hash is a one-to-one function of the
+ * running sum and of the word, so a single wrong word is always detected. */
+enum { ABREAST = 16 }; /* words of a block that has a sum of its own for each word */
+typedef uint32_t four_sums __attribute__((vector_size(16)));
+
+/* Adds all whole blocks of words to the two polynomials, and returns the number of words added. Two running
+ * sums would wait for each product. Sixteen sums, each over every 16th word with the prime m^8, do not wait
+ * for each other, and a vector instruction computes several of them. */
+static inline size_t add_blocks(const uint32_t *words, size_t count, uint32_t lane[2])
+{
+    const uint32_t prime = 16777619u, to_2 = prime * prime, to_4 = to_2 * to_2, to_8 = to_4 * to_4;
+    four_sums a = {0}, b = {0}, c = {0}, d = {0, 0, lane[0], lane[1]};
+    size_t i = 0;
+    for (; i + ABREAST <= count; i += ABREAST) {
+        four_sums next[4];
+        __builtin_memcpy(next, words + i, sizeof next);
+        a = a * to_8 + next[0];
+        b = b * to_8 + next[1];
+        c = c * to_8 + next[2];
+        d = d * to_8 + next[3];
+    }
+    if (i > 0) {
+        const four_sums sums[4] = {a, b, c, d};
+        lane[0] = lane[1] = 0;
+        for (size_t k = 0; k < ABREAST; k += 2) {
+            lane[0] = lane[0] * prime + sums[k / 4][k % 4];
+            lane[1] = lane[1] * prime + sums[k / 4][k % 4 + 1];
+        }
+    }
+    return i;
+}
+
 static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t lane[2])
 {
+    /* A Cortex-M7 has too few registers for so many sums. */
+    size_t i = sizeof(void *) > 4 ? add_blocks(words, count, lane) : 0;
     uint32_t even = lane[0], odd = lane[1];
-    size_t i = 0;
     for (; i + 8 <= count; i += 8) {
         for (size_t k = 0; k < 8; k += 2) {
             even = even * 16777619u + words[i + k];

@@ -1,9 +1,9 @@
 /* The state of one line. `crn_state_words` holds all data that pass from one tick to the next. The 32-bit
  * words of `crn_state_words`, which contain no pointers or padding, are hashed, saved and compared directly.
  * Besides the saved words, the state contains two work areas, so that the core needs neither a heap nor a
- * large stack. `crn_line` holds the combined properties of all tools at their present positions. The combined
- * properties are derived from the state's words and the model, and stay unchanged while no tool slides
- * against another. `crn_scratch` is dead between ticks. */
+ * large stack. `voxels` remembers samples of the distance field. `crn_line` holds the combined properties of
+ * all tools at their present positions. The combined properties are derived from the state's words and the
+ * model, and stay unchanged while no tool slides against another. `crn_scratch` is dead between ticks. */
 #ifndef CRN_CORE_STATE_H
 #define CRN_CORE_STATE_H
 
@@ -174,8 +174,8 @@ typedef struct crn_work {
     int32_t torque_N_m_q30; /* joint: twisting moment of all tools */
     crn_vec3 force_N_q22;   /* right side */
     crn_vec3 normal_q30;
-    int32_t distance_m_q30; /* distance to the wall at x*; for a wall that moves and was not sampled, a lower
-                               bound */
+    int32_t distance_m_q30; /* distance to the wall at x*; for a node far from the wall, a bound: the node is
+                               at least so far inside */
     int32_t depth_m_q30;    /* at x*; meaningful while touching */
     int32_t wall_round;     /* N / r with the curvature of CRN_WALL_ROUND, Q(a) */
     int32_t wall_normal, wall_friction; /* contact stiffnesses, Q(a); 0 where nothing touches */
@@ -240,6 +240,8 @@ typedef struct crn_scratch {
 struct crn_state {
     crn_state_words words;
     crn_line line;
+    /* where each node was last in the distance field; it saves time and changes no result */
+    crn_lumen_voxel voxels[CRN_ARRAY_NODES];
     crn_scratch scratch;
 };
 

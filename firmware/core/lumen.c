@@ -213,6 +213,13 @@ static inline lumen_plane plane_of(const int8_t *c, const lumen_row_weights *x, 
                          slope(first.value, second.value, third.value, y)};
 }
 
+/* Returns the first of the 27 coefficients around a point. Of the three coefficients (taps) along an axis,
+ * the middle one has the number floor(x) + 1, so the code reads the coefficients floor(x) .. floor(x) + 2. */
+static inline const int8_t *first_tap(const lumen_place *p)
+{
+    return p->brick + ((p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20));
+}
+
 /* Sums the 27 weighted coefficients (taps), first along x, then along y, then along z. Overflow is
  * impossible: an interpolated value lies between the smallest and the largest of its coefficients, which are
  * within +-2^7, and a slope is at most twice as large. Each weight has an error of 1 LSB of Q15. The errors
@@ -221,9 +228,7 @@ static inline lumen_taps spline_27(const lumen_place *p)
 {
     const lumen_row_weights x = row_weights_at(p->x_q20);
     const lumen_weights y = weights_at(p->y_q20), z = weights_at(p->z_q20);
-    /* Of the three coefficients (taps) along an axis, the middle one has the number floor(x) + 1, so the code
-     * reads the coefficients floor(x) .. floor(x) + 2. */
-    const int8_t *c = p->brick + ((p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20));
+    const int8_t *c = first_tap(p);
     const lumen_plane a = plane_of(c, &x, &y), b = plane_of(c + SLICE, &x, &y),
                       d = plane_of(c + 2 * SLICE, &x, &y);
     lumen_taps taps = {
@@ -263,18 +268,52 @@ static inline int_fast32_t value_of_plane(const int8_t *c, const lumen_row_weigh
     return spline(value_of_row(c, x), value_of_row(c + ROW, x), value_of_row(c + 2 * ROW, x), y);
 }
 
-int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30)
+/* Returns the distance at a place. Bound: the weights along each axis are not negative and sum exactly to
+ * one, so the value in Q19 is at most the greatest coefficient, exactly. */
+static inline int32_t distance_at(const lumen_place *p)
 {
-    lumen_place p;
-    if (!find(lumen, position_m_q30, &p)) {
-        return p.far_m_q30;
-    }
-    const lumen_row_weights x = row_weights_at(p.x_q20);
-    const lumen_weights y = weights_at(p.y_q20), z = weights_at(p.z_q20);
-    const int8_t *c = p.brick + ((p.z_q20 >> 20) * SLICE + (p.y_q20 >> 20) * ROW + (p.x_q20 >> 20));
+    const lumen_row_weights x = row_weights_at(p->x_q20);
+    const lumen_weights y = weights_at(p->y_q20), z = weights_at(p->z_q20);
+    const int8_t *c = first_tap(p);
     const int_fast32_t low = value_of_plane(c, &x, &y), middle = value_of_plane(c + SLICE, &x, &y),
                        high = value_of_plane(c + 2 * SLICE, &x, &y);
-    return metres_q30((int32_t)spline(low, middle, high, &z), p.level);
+    return metres_q30((int32_t)spline(low, middle, high, &z), p->level);
+}
+
+int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30)
+{
+    lumen_place place;
+    return find(lumen, position_m_q30, &place) ? distance_at(&place) : place.far_m_q30;
+}
+
+static int32_t greatest_of_27(const int8_t *c)
+{
+    int32_t greatest = INT8_MIN;
+    for (int z = 0; z < 3; z++) {
+        for (int y = 0; y < 3; y++) {
+            for (int x = 0; x < 3; x++) {
+                const int32_t here = c[z * SLICE + y * ROW + x];
+                greatest = here > greatest ? here : greatest;
+            }
+        }
+    }
+    return greatest;
+}
+
+int32_t crn_lumen_distance_unless_far(const crn_lumen *lumen, const crn_vec3 *position_m_q30,
+                                      int32_t far_m_q30, crn_lumen_voxel *last)
+{
+    lumen_place place;
+    if (!find(lumen, position_m_q30, &place)) {
+        return place.far_m_q30;
+    }
+    const int8_t *c = first_tap(&place);
+    const uint32_t voxel = (uint32_t)(c - lumen->samples) + 1;
+    if (last->voxel != voxel) {
+        *last = (crn_lumen_voxel){voxel, greatest_of_27(c)};
+    }
+    const int32_t most = metres_q30(last->greatest * (1 << 19), place.level);
+    return most < far_m_q30 ? most : distance_at(&place);
 }
 
 crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30)

@@ -88,6 +88,19 @@ typedef struct crn_lumen_sample {
  * marked INSIDE. */
 int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
+/* Remembers the voxel in which a point was last, and the greatest of the voxel's 27 coefficients, so that a
+ * point which stays in its voxel needs no sum. `voxel` 0: none. What it remembers holds for one lumen. */
+typedef struct crn_lumen_voxel {
+    uint32_t voxel;
+    int32_t greatest; /* voxel/32 */
+} crn_lumen_voxel;
+
+/* Returns crn_lumen_distance, or a greater distance that is still below `far_m_q30`. A spline is never above
+ * its greatest coefficient, so a point deep in the lumen needs no sum to show that it is far from the wall.
+ */
+int32_t crn_lumen_distance_unless_far(const crn_lumen *lumen, const crn_vec3 *position_m_q30,
+                                      int32_t far_m_q30, crn_lumen_voxel *last);
+
 /* Returns the distance and the inward normal from the triquadratic B-spline (27 coefficients, continuous
  * first derivative), for contact. Far from the wall, crn_lumen_contact returns the same distance as
  * crn_lumen_distance. */

@@ -243,26 +243,26 @@ static void clear(crn_node_state *node)
 }
 
 /* Returns the node's distance to the wall at the predicted configuration as if all lesions were closed. If
- * lesions are open, the true distance is at least as large as the returned one. For a moving wall the
- * function returns a lower bound of the distance; at the wall or beyond it, the bound is at least 0. */
+ * lesions are open, the true distance is at least as large. For a node farther inside than `far`, and for a
+ * moving wall, the result is a lower bound; at the wall or beyond it, the bound is at least 0. */
 static inline int32_t wall_distance(const crn_model *model, crn_state *state, const crn_work *work,
-                                    int32_t far_m_q30)
+                                    int32_t far_m_q30, crn_lumen_voxel *voxel)
 {
     const crn_lumen *lumen = model->lumen;
     return lumen->motion == NULL
-               ? crn_lumen_distance(lumen, &work->position_m_q30)
+               ? crn_lumen_distance_unless_far(lumen, &work->position_m_q30, far_m_q30, voxel)
                : crn_motion_distance(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30,
                                      state->scratch.wall_shrink_q30, far_m_q30);
 }
 
 /* A node is sampled only if it touched the wall in the last tick or is near the wall now. */
 static inline bool may_touch(const crn_model *model, crn_state *state, const crn_node_state *node,
-                             crn_work *work, const crn_line_node *line)
+                             crn_work *work, const crn_line_node *line, crn_lumen_voxel *voxel)
 {
     const bool placed = node->contact == CRN_CONTACT_NONE;
     if (placed) {
         int32_t far = -line->radius_m_q30 - (length_at_most(&work->drift_m_q33) >> 3) - ROUNDING_M_Q30;
-        work->distance_m_q30 = wall_distance(model, state, work, far);
+        work->distance_m_q30 = wall_distance(model, state, work, far, voxel);
         if (work->distance_m_q30 < far) {
             return false;
         }
@@ -311,9 +311,9 @@ CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_w
 }
 
 static inline void find_node(const crn_model *model, crn_state *state, crn_node_state *node, crn_work *work,
-                             const crn_line_node *line)
+                             const crn_line_node *line, crn_lumen_voxel *voxel)
 {
-    bool is_near = may_touch(model, state, node, work, line);
+    bool is_near = may_touch(model, state, node, work, line, voxel);
     if (state->words.struts.used != 0) {
         is_near = meet_struts(model, state, work, line, is_near);
     }
@@ -367,7 +367,7 @@ void crn_contact_find(const crn_model *model, crn_state *state)
         work->wall_friction = 0;
         work->tied = 0;
         if (model->lumen != NULL && i < na) {
-            find_node(model, state, node, work, line);
+            find_node(model, state, node, work, line, &state->voxels[i]);
         } else {
             clear(node);
         }

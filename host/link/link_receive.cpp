@@ -50,7 +50,12 @@ bool Link::receive()
 {
     for (;;) {
         while (incoming_position_ < incoming_count_) {
-            if (crn_wire_decoder_push(&decoder_, incoming_[incoming_position_++]) != CRN_WIRE_FRAME) continue;
+            std::size_t taken = 0;
+            const crn_wire_event event =
+                crn_wire_decoder_take(&decoder_, incoming_.data() + incoming_position_,
+                                      incoming_count_ - incoming_position_, &taken);
+            incoming_position_ += taken;
+            if (event != CRN_WIRE_FRAME) continue;
             bytes_without_frame_ = 0;
             return true;
         }

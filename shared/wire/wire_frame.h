@@ -72,6 +72,11 @@ void crn_wire_decoder_init(crn_wire_decoder *decoder);
 /* Take one byte. */
 crn_wire_event crn_wire_decoder_push(crn_wire_decoder *decoder, uint8_t byte);
 
+/* Takes bytes as crn_wire_decoder_push() does, until the first that ends a frame, whole or broken, or until
+ * all are taken. `taken` receives how many bytes were taken. */
+crn_wire_event crn_wire_decoder_take(crn_wire_decoder *decoder, const uint8_t *bytes, size_t count,
+                                     size_t *taken);
+
 #ifdef __cplusplus
 }
 #endif

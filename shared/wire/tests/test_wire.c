@@ -63,6 +63,29 @@ static void crc32_of_every_byte_is_that_of_its_bits(void **state)
     }
 }
 
+static uint32_t crc_by_bits(const uint8_t *bytes, size_t length)
+{
+    uint32_t crc = 0xffffffffu;
+    for (size_t i = 0; i < length; i++) {
+        crc ^= bytes[i];
+        for (int bit = 0; bit < 8; bit++) crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xedb88320u : 0);
+    }
+    return ~crc;
+}
+
+/* A host takes eight bytes at a time, so the test's lengths and beginnings lie on and off multiples of eight.
+ */
+static void crc32_of_every_length_is_that_of_its_bits(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < 100; i++) payload[i] = (uint8_t)random_u32();
+    for (size_t begin = 0; begin < 9; begin++) {
+        for (size_t length = 0; begin + length <= 100; length++)
+            assert_int_equal(crn_wire_crc32(0, payload + begin, length),
+                             crc_by_bits(payload + begin, length));
+    }
+}
+
 /* The test's frames include lengths around 254 bytes, where a COBS block ends, and the largest length; their
  * contents have few or many zero bytes. */
 static void frames_of_every_length_come_back(void **state)
@@ -134,6 +157,51 @@ static void the_frame_after_garbage_is_received(void **state)
     }
     assert_int_equal(decoder.event_counts[CRN_WIRE_FRAME], 200);
     assert_true(decoder.event_counts[CRN_WIRE_BAD_SIZE] > 0 && decoder.event_counts[CRN_WIRE_BAD_COBS] > 0);
+}
+
+/* Makes whole frames, damaged frames, garbage and idle zeros, up to the given number of bytes. */
+static size_t make_stream(uint8_t *stream, size_t most)
+{
+    size_t count = 0;
+    for (;;) {
+        const uint32_t kind = random_u32() % 4;
+        size_t bytes = encode_random(payload, random_u32() % 700, (int)(random_u32() % 8), frame);
+        if (count + bytes > most) return count;
+        if (kind == 1) frame[random_u32() % bytes] ^= (uint8_t)(1u << random_u32() % 8);
+        if (kind == 2) memset(frame, (int)(random_u32() % 2), bytes);
+        memcpy(stream + count, frame, bytes);
+        count += bytes;
+    }
+}
+
+/* A decoder that takes the same bytes in pieces of any size gives the same events at the same bytes and the
+ * same messages as a decoder that takes single bytes. A run of 15,000 bytes without a zero is longer than any
+ * frame. */
+static void bytes_taken_in_pieces_give_what_single_bytes_give(void **state)
+{
+    (void)state;
+    static uint8_t stream[100000];
+    static crn_wire_decoder single;
+    size_t count = make_stream(stream, sizeof stream - 15000);
+    memset(stream + count, 1, 15000);
+    count += 15000;
+    crn_wire_decoder_init(&single);
+    crn_wire_decoder_init(&decoder);
+    for (size_t i = 0, taken; i < count; i += taken) {
+        const size_t piece = 1 + random_u32() % 900;
+        const crn_wire_event event =
+            crn_wire_decoder_take(&decoder, stream + i, piece < count - i ? piece : count - i, &taken);
+        assert_true(taken > 0);
+        for (size_t k = 0; k + 1 < taken; k++)
+            assert_int_equal(crn_wire_decoder_push(&single, stream[i + k]), CRN_WIRE_NEED_MORE);
+        assert_int_equal(crn_wire_decoder_push(&single, stream[i + taken - 1]), event);
+        if (event != CRN_WIRE_FRAME) continue;
+        assert_memory_equal(&decoder.header, &single.header, sizeof single.header);
+        assert_int_equal(decoder.payload_bytes, single.payload_bytes);
+        assert_memory_equal(decoder.payload, single.payload, single.payload_bytes);
+    }
+    assert_memory_equal(decoder.event_counts, single.event_counts, sizeof single.event_counts);
+    assert_true(single.event_counts[CRN_WIRE_FRAME] > 50 && single.event_counts[CRN_WIRE_BAD_CRC] > 0);
 }
 
 static void damage_is_counted_by_its_cause(void **state)
@@ -404,6 +472,8 @@ int main(void)
         cmocka_unit_test(every_message_number_is_used_once),
         cmocka_unit_test(the_schema_hash_covers_names_types_and_units),
         cmocka_unit_test(every_fault_and_refusal_has_a_text_and_a_remedy),
+        cmocka_unit_test(bytes_taken_in_pieces_give_what_single_bytes_give),
+        cmocka_unit_test(crc32_of_every_length_is_that_of_its_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
