@@ -93,7 +93,8 @@ def _make_one(programs: tuple[str, str], seed: int, folder: Path, bodies: bool) 
     with tempfile.TemporaryDirectory(prefix=".making-%d-" % seed, dir=folder) as work:
         baked = os.path.join(work, final.name)
         drawn = os.path.join(work, "drawn")
-        _call([programs[0], "aorta", "--seed", str(seed), "--quiet", "-o", drawn] + ["--no-bodies"] * (not bodies))
+        without = [] if bodies else ["--no-bodies"]
+        _call([programs[0], "aorta", "--seed", str(seed), *without, "--quiet", "-o", drawn])
         _call([programs[1], os.path.join(drawn, "scene.toml"), "-o", baked, *SHORT_REPORT])
         for ending in (".bodies", ".scene"):  # the scene last: it is what says that both exist
             made = final.with_suffix(ending).name
