@@ -211,7 +211,7 @@ def a_crop_holds_its_tip_and_its_mask():
 def it_learns_sixteen_frames_by_heart():
     frames = read(data_set("heart", 20)).seen()
     course = Course(crop_epochs=0, whole_epochs=100, batch=8, is_changed=False)
-    tracker, rows = train(frames, None, course, lambda text: None)
+    tracker, rows = train(frames, None, course)
     errors, sums, _ = errors_of(tracker, frames)
     print("# %d frames: median %.2f px, largest %.2f px" % (len(frames), np.median(errors), errors.max()))
     return len(frames) == 16 and errors.max() < 1.0 and sums.min() > 0.5 and rows[-1][3] < rows[0][3]
@@ -221,7 +221,7 @@ def the_same_seed_gives_the_same_tracker():
     frames = read(data_set("seed")).seen()
     states = []
     for seed in (1, 1, 2):
-        tracker, _ = train(frames, None, Course(1, 1, crop=64, batch=4, seed=seed), lambda text: None)
+        tracker, _ = train(frames, None, Course(1, 1, crop=64, batch=4, seed=seed))
         states.append(torch.cat([one.flatten().float() for one in tracker.state_dict().values()]))
     return torch.equal(states[0], states[1]) and not torch.equal(states[0], states[2])
 

@@ -18,7 +18,7 @@ import torch
 from .data import COVERED, DataError, Frames, read, split
 from .judge import COLUMNS, judged
 from .model import Tracker
-from .train import Course, train, write_curve
+from .train import Course, Rows, train, write_curve
 
 WATCHED_PART = 0.06  # of the shards
 
@@ -34,11 +34,17 @@ def _train(given: argparse.Namespace) -> int:
     learned, seen = frames.chosen(numbers).seen(COVERED), frames.chosen(watched).seen()
     if not len(learned):
         raise DataError("%s has no frame with a tip in the picture. Remedy: more frames" % given.data)
-    print("%d frames: %d to learn from, %d with clear tips to watch" % (len(frames), len(learned), len(seen)), flush=True)
+    text = "%d frames: %d to learn from, %d with clear tips to watch"
+    print(text % (len(frames), len(learned), len(seen)), flush=True)
     course = Course(given.crop_epochs, given.whole_epochs, seed=given.seed, is_short=given.bfloat16)
-    tracker, rows = train(learned, seen, course, lambda text: print(text, flush=True))
-    torch.save(tracker.state_dict(), given.out / "tracker.pt")
-    write_curve(given.out / "curve.tsv", rows)
+
+    def after_epoch(tracker: Tracker, rows: Rows) -> None:
+        torch.save(tracker.state_dict(), given.out / "tracker.part.pt")
+        write_curve(given.out / "curve.tsv", rows)
+        print("epoch %d, %.0f s, edge %d: loss %.3f; median %.2f px, %.3f within 3 px" % rows[-1], flush=True)
+
+    train(learned, seen, course, after_epoch)
+    (given.out / "tracker.part.pt").replace(given.out / "tracker.pt")
     return 0
 
 
@@ -73,9 +79,9 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True)
     learn = commands.add_parser("train", help="learn from a data set")
     learn.add_argument("data", type=Path, help="folder of a data set with webdataset/*.tar")
-    learn.add_argument("--crop-epochs", type=int, default=8, help="passes over crops of 256 pixels (8)")
+    learn.add_argument("--crop-epochs", type=int, default=7, help="passes over crops of 256 pixels (7)")
     learn.add_argument("--whole-epochs", type=int, default=3, help="passes over whole pictures (3)")
-    learn.add_argument("--bfloat16", action="store_true", help="compute with short numbers: twice as fast on some processors")
+    learn.add_argument("--bfloat16", action="store_true", help="short numbers: twice as fast on some processors")
     learn.add_argument("--seed", type=int, default=1, help="of weights, order and changes (1)")
     test = commands.add_parser("judge", help="measure the error in data sets")
     test.add_argument("tracker", type=Path, help="folder that `train` has written")

@@ -122,7 +122,8 @@ def _row(files: dict[str, bytes], folder: Path) -> tuple[Any, ...]:
         facts = json.loads(files["json"])
         raw, labels = _image(files["raw.png"]), _image(files["labels.png"])
     except KeyError as error:
-        raise DataError("%s: frame %s has no file %s. Remedy: make the data set again" % (folder, key, error)) from error
+        text = "%s: frame %s has no file %s. Remedy: make the data set again"
+        raise DataError(text % (folder, key, error)) from error
     size = len(raw)
     if size % (8 * CELL) or raw.shape != (size, size):
         raise DataError("%s: frame %s has %d pixels. Remedy: --size N, a multiple of 32" % (folder, key, size))

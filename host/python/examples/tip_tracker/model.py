@@ -35,7 +35,7 @@ def _double(inside: int, outside: int) -> nn.Sequential:
     """Returns two convolutions of 3 × 3 with their normalisation."""
     parts: list[nn.Module] = []
     for channels in (inside, outside):
-        parts += [nn.Conv2d(channels, outside, 3, padding=1, bias=False), nn.BatchNorm2d(outside), nn.ReLU(inplace=True)]
+        parts += [nn.Conv2d(channels, outside, 3, padding=1, bias=False), nn.BatchNorm2d(outside), nn.ReLU()]
     return nn.Sequential(*parts)
 
 

@@ -20,13 +20,14 @@ CONTRAST = (0.7, 1.4)  # factors on a picture
 CROP_MARGIN = 24  # pixels between the tip and the edge of its crop
 COLUMNS = ("epoch", "seconds", "edge", "loss", "median_px", "within_3_px")
 Batch = tuple[Tensor, Tensor, Tensor]
+Rows = list[tuple[float, ...]]
 
 
 @dataclass(frozen=True)
 class Course:
     """How long and on what the tracker is trained."""
 
-    crop_epochs: float = 8.0
+    crop_epochs: float = 7.0
     whole_epochs: float = 3.0
     crop: int = 256
     """Edge of a crop in pixels, a multiple of 64. A picture that is not larger is never cropped."""
@@ -95,10 +96,13 @@ def batches(frames: Frames, edge: int, count: int, course: Course, random: np.ra
 
 
 def train(
-    frames: Frames, watched: Frames | None, course: Course, say: Callable[[str], None] = print
-) -> tuple[Tracker, list[tuple[float, ...]]]:
-    """Trains on frames whose tips are in the picture; returns the tracker, and a row of COLUMNS for each epoch. The figures
-    of `watched` are those of frames which are not trained on."""
+    frames: Frames,
+    watched: Frames | None,
+    course: Course,
+    after_epoch: Callable[[Tracker, Rows], None] = lambda tracker, rows: None,
+) -> tuple[Tracker, Rows]:
+    """Trains on frames whose tips are in the picture; returns the tracker, and a row of COLUMNS for each epoch. The
+    figures of `watched` are those of frames which are not trained on. Calls `after_epoch` with what there is so far."""
     torch.manual_seed(course.seed)
     random = np.random.default_rng(course.seed)
     tracker = Tracker().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
@@ -108,8 +112,9 @@ def train(
     plan = [(edge, count) for edge, count, epochs in stages for _ in range(round(epochs))]
     total = sum(max(1, len(frames) // count) for _, count in plan)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, course.rate, total_steps=total + 1, pct_start=0.1)
-    begin, rows = time.monotonic(), []
-    for epoch, (edge, count) in enumerate(plan):
+    begin = time.monotonic()
+    rows: Rows = []
+    for epoch, (edge, count) in enumerate(plan, 1):
         tracker.train()
         losses = []
         for pictures, tips, masks in batches(frames, edge, count, course, random):
@@ -123,14 +128,13 @@ def train(
             schedule.step()
             losses.append(float(value.detach()))
         seen = errors_of(tracker, watched)[0] if watched is not None and len(watched) else np.array([np.nan])
-        row = (epoch + 1, time.monotonic() - begin, edge, np.mean(losses), np.median(seen), np.mean(seen <= 3.0))
+        row = (epoch, time.monotonic() - begin, edge, np.mean(losses), np.median(seen), np.mean(seen <= 3.0))
         rows.append(tuple(float(one) for one in row))
-        text = "epoch %d of %d, %.0f s, edge %d: loss %.3f; median %.2f px, %.0f %% within 3 px"
-        say(text % (row[0], len(plan), row[1], edge, row[3], row[4], 100 * row[5]))
+        after_epoch(tracker, rows)
     return tracker, rows
 
 
-def write_curve(path: Path, rows: list[tuple[float, ...]]) -> None:
+def write_curve(path: Path, rows: Rows) -> None:
     """Writes the rows of a training as a table with tabs between its columns."""
     lines = ["\t".join(COLUMNS)] + ["\t".join("%.4g" % one for one in row) for row in rows]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
