@@ -15,7 +15,7 @@ if [ "$what" = lab ]; then
     tools/build.sh m7 run all || status=1
     tools/build.sh sanitize run,tests crn_tests_lab cournand hil_programs || status=1
 elif [ "$what" = hours ]; then
-    tools/build.sh release run,tools,tests cournand anatomy bake centreline cournand_library || status=1
+    tools/build.sh release run,tools,tests,lab cournand anatomy bake centreline cournand_library peer_moving || status=1
 else
     tools/build.sh release run,tools,tests crn_tests || status=1
     tools/build.sh m7 run all || status=1

@@ -12,7 +12,7 @@ test-lab: packages-build+tools+lab+test+matrix+usb+bench+tracker
 	@JOBS=$(JOBS) tools/check/run_tests.sh lab
 
 test-hours: ## play every case, 20 experts and 20 novices, race the window's threads, install packages (hours)
-test-hours: packages-build+window+tools+test+deb+debtest
+test-hours: packages-build+window+tools+lab+test+peers+deb+debtest
 	@JOBS=$(JOBS) tools/check/run_tests.sh hours
 
 tracker: ## train a tracker of tips on 5,000 pictures, and judge it on others: out/tracker (an hour)
@@ -88,9 +88,10 @@ table51: packages-build+tools+lab
 calibrate: ## make, segment and fit virtual scans of INSTRUMENT=amplatz_super_stiff: its row of make table51
 	@$(MAKE) --no-print-directory table51 INSTRUMENTS=$(INSTRUMENT) FITS="shape force"
 
-bench-peers: ## time one rod by other simulators (fetched into build/peers) and by ours: out/bench_peers.tsv
+bench-peers: ## time a rod by other simulators (fetched into build/peers) and by ours, at rest and moving: out/bench_*.tsv
 bench-peers: packages-build+tools+lab+peers
-	$(call build,release,$(LAB),peer_rod)
+	$(call build,release,$(LAB),peer_rod peer_moving)
+	@tools/lab/peers/run_moving.py --environment $(BUILD)/peers --ours $(BUILD)/bench/peer_moving
 	@tools/lab/peers/run_peers.py --environment $(BUILD)/peers --ours $(BUILD)/bench/peer_rod
 
 bench-xray-peers: ## compare our transmission pictures with gVirtualXray's: out/bench_xray_peers.tsv
