@@ -88,7 +88,7 @@ table51: packages-build+tools+lab
 calibrate: ## make, segment and fit virtual scans of INSTRUMENT=amplatz_super_stiff: its row of make table51
 	@$(MAKE) --no-print-directory table51 INSTRUMENTS=$(INSTRUMENT) FITS="shape force"
 
-bench-peers: ## time a rod by other simulators (fetched into build/peers) and by ours, at rest and moving: out/bench_*.tsv
+bench-peers: ## time a rod, at rest and moving, by other simulators (fetched into build/peers) and by ours
 bench-peers: packages-build+tools+lab+peers
 	$(call build,release,$(LAB),peer_rod peer_moving)
 	@tools/lab/peers/run_moving.py --environment $(BUILD)/peers --ours $(BUILD)/bench/peer_moving

@@ -3,8 +3,8 @@ moving wire").
 
 A wire of 168 mm lies with 15 mm in a vessel. For 3.6 s it is pushed at 35 mm/s and turned at 1 rad/s. These are the
 length of CathSim's wire, its inserted length when an episode begins, the duration of its episodes, and the largest feed
-of stEVE. The vessel is a tube of 4 mm radius: a straight piece, a bend, a straight piece. It begins at the origin in the
-direction +x, and bends towards +z; the introducer sheath lies before the origin. This module needs no simulator.
+of stEVE. The vessel is a tube of 4 mm radius: a straight piece, a bend, a straight piece. It begins at the origin in
+the direction +x, and bends towards +z; the introducer sheath lies before the origin. This module needs no simulator.
 """
 
 import math
@@ -61,8 +61,8 @@ def staves_of(piece):
 def staves():
     """Yields the boxes that form the vessel: the place of the middle, the axis along the vessel and the outward axis (3
     numbers each), and the half sizes along, across and outwards, all in m. The boxes on the inside of the bend are
-    mitred, so that no edge reaches into the lumen. Those on its outside overlap behind the faces of their neighbours, so
-    that no tip catches between two boxes."""
+    mitred, so that no edge reaches into the lumen. Those on its outside overlap behind the faces of their neighbours,
+    so that no tip catches between two boxes."""
     for piece in axis_pieces():
         yield from staves_of(piece)
 

@@ -1,6 +1,7 @@
-/* Simulates, in our core, the moving task of tools/lab/peers/moving_task.py (docs/bench.md, "Peers on a moving
- * wire"): a wire is pushed and turned into a bent vessel of 4 mm radius. The script run_moving.py states the task on
- * the command line, and compares the line that this program prints with those of other simulators.
+/* Simulates, in our core, the moving task of tools/lab/peers/moving_task.py (docs/bench.md, "Peers on a
+ * moving wire"): a wire is pushed and turned into a bent vessel of 4 mm radius. The script run_moving.py
+ * states the task on the command line, and compares the line that this program prints with those of other
+ * simulators.
  *
  *   peer_moving key=value ...     every key of `fields` once, in SI units */
 #include "firmware/bench/bench.h"
@@ -23,12 +24,15 @@ typedef struct field {
     const char *name;
     size_t offset;
 } field;
-#define FIELD(name) {#name, offsetof(moving_task, name)}
+#define FIELD(name)                                                                                          \
+    {                                                                                                        \
+#name, offsetof(moving_task, name)                                                                   \
+    }
 static const field fields[] = {
-    FIELD(start_m),        FIELD(push_m_per_s), FIELD(turn_rad_per_s), FIELD(duration_s),
-    FIELD(samples),        FIELD(radius_m),     FIELD(straight_m),     FIELD(bend_radius_m),
-    FIELD(bend_rad),       FIELD(end_m),        FIELD(stiffness_N_m2), FIELD(mass_kg_per_m),
-    FIELD(wire_radius_m),  FIELD(wire_m),       FIELD(element_m),      FIELD(friction),
+    FIELD(start_m),       FIELD(push_m_per_s), FIELD(turn_rad_per_s), FIELD(duration_s),
+    FIELD(samples),       FIELD(radius_m),     FIELD(straight_m),     FIELD(bend_radius_m),
+    FIELD(bend_rad),      FIELD(end_m),        FIELD(stiffness_N_m2), FIELD(mass_kg_per_m),
+    FIELD(wire_radius_m), FIELD(wire_m),       FIELD(element_m),      FIELD(friction),
 };
 enum { FIELDS = sizeof fields / sizeof fields[0], SPARE_ELEMENTS = 8, TICKS_PER_S = 1000 };
 
@@ -143,10 +147,11 @@ int main(int argc, char **argv)
         bench_fail("the core refuses the model of the task");
     crn_state_init(model, state, &(uint32_t){(uint32_t)lround(task.start_m * 1e6)});
     findings found = run(&task, model, state);
-    printf(" simulated_s=%.6g processor_s=%.6f penetration_mm=%.5f length_error_pct=%.5f warnings=%u contacts=%u elements=%u "
+    printf(" simulated_s=%.6g processor_s=%.6f penetration_mm=%.5f length_error_pct=%.5f warnings=%u "
+           "contacts=%u elements=%u "
            "version=%d\n",
-           task.duration_s, found.processor_s, found.penetration_mm, found.length_error_pct, found.faults, found.contacts,
-           crn_state_free_count(state), CRN_CORE_VERSION);
+           task.duration_s, found.processor_s, found.penetration_mm, found.length_error_pct, found.faults,
+           found.contacts, crn_state_free_count(state), CRN_CORE_VERSION);
     free(state);
     free(model);
     reference_tube_free(tube);

@@ -12,6 +12,7 @@ import json
 import math
 import os
 import sys
+import tempfile
 import time
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -72,7 +73,11 @@ def main():
     if len(sys.argv) not in (3, 4) or sys.argv[1] not in models.MODELS:
         print("usage: peer_moving.py %s SETTING [SECONDS]" % "|".join(models.MODELS), file=sys.stderr)
         return 2
-    tips_mm, figures = run(sys.argv[1], json.loads(sys.argv[2]), float(sys.argv[3]) if len(sys.argv) == 4 else 400.0)
+    limit_s = float(sys.argv[3]) if len(sys.argv) == 4 else 400.0
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)  # MuJoCo writes a log of its warnings into the current folder
+        tips_mm, figures = run(sys.argv[1], json.loads(sys.argv[2]), limit_s)
+        os.chdir(os.sep)
     words = ["version=" + mujoco.__version__]
     words += ["%s=%.6g" % item for item in figures.items()]
     words.append("tips_mm=" + ";".join(",".join("%.4f" % value for value in tip) for tip in tips_mm))

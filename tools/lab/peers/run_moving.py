@@ -21,9 +21,9 @@ import moving_task as task
 import run_peers
 from run_peers import CannotMeasure
 
-PEERS = {"cathsim": "CathSim's wire", "chain": "MuJoCo chain of real EI"}
+PEERS = {"cathsim": "CathSim's wire", "chain": "MuJoCo chain of a real wire"}
 NUMBERS = ("simulated_s", "processor_s", "penetration_mm", "length_error_pct", "warnings")
-ROW = "%-9s %-64s %8s %8s %8s %8s %5s  %s"
+ROW = "%-9s %-82s %8s %8s %8s %8s %5s  %s"
 
 
 def parse(line, source):
@@ -56,7 +56,7 @@ def ours(program, slower=1, element_m=task.BODY_LENGTH_m):
 
 
 def our_row(program):
-    """Returns the row of our core. Its step is fixed, so its reference run has a quarter of the hand's speed instead."""
+    """Returns the row of our core. Its step is fixed, so its reference run has a quarter of the hand's speed."""
     figures, tips_mm = ours(program)
     figures["tip_mm"] = gate.tip_difference_mm(tips_mm, ours(program, gate.DIVISOR)[1])
     return {
@@ -134,30 +134,46 @@ def compare(program, peers, row, rounds):
     return statistics.median(own), statistics.median(theirs)
 
 
+def lines_of(row, own, theirs, apart_mm):
+    """Returns the lines of the table (name, value, unit, context) for one comparison."""
+    peer, step_ms = row["peer"], row["setting"]["step_s"] * 1e3
+    name = "env.over_peer" if row["counts"] else "env.over_changed_peer"
+    return [
+        (name, own / theirs, "1", "peer=%s task=moving" % peer),
+        ("env.moving_s_per_s", theirs, "1", "peer=%s counts=%d step_ms=%g" % (peer, row["counts"], step_ms)),
+        ("env.moving_s_per_s", own, "1", "by=ours beside=%s counts=%d" % (peer, row["counts"])),
+        ("env.moving_apart_mm", apart_mm, "mm", "peer=%s counts=%d" % (peer, row["counts"])),
+    ]
+
+
+def judge_peer(program, peers, rows, row, rounds):
+    """Compares one setting with our core; returns its lines of the table, and what is wrong."""
+    own, theirs = compare(program, peers, row, rounds)
+    apart_mm = gate.tip_difference_mm(rows[0]["tips_mm"], row["tips_mm"])
+    bar = "bar %g" % gate.BAR if row["counts"] else "changed physics: no bar"
+    name = PEERS[row["peer"]]
+    print("%s: %.4g, ours %.4g, ratio %.1f (%s)" % (name, theirs, own, own / theirs, bar))
+    print("  at %s; largest distance of its tip from ours: %.2f mm" % (row["text"], apart_mm))
+    low = row["counts"] and own / theirs < gate.BAR
+    findings = ["%s: ratio %.1f, below the bar of %g" % (name, own / theirs, gate.BAR)] if low else []
+    return lines_of(row, own, theirs, apart_mm), findings
+
+
 def judge(program, peers, rows, rounds):
-    """Returns the lines of the table (name, value, unit, context), and what is wrong."""
+    """Returns the lines of the table, and what is wrong."""
     lines, findings = [], []
     if rows[0]["faults"]:
         findings.append("our own run is wrong: " + ", ".join(rows[0]["faults"]))
-    for peer, name in PEERS.items():
-        row = gate.fastest_right(rows, peer)
-        if row is None:
-            findings.append("%s: no setting that was tried is right" % name)
-            continue
-        own, theirs = compare(program, peers, row, rounds)
-        apart_mm = gate.tip_difference_mm(rows[0]["tips_mm"], row["tips_mm"])
-        print("%s: %.4g, ours %.4g, ratio %.1f (bar %g), at %s" % (name, theirs, own, own / theirs, gate.BAR, row["text"]))
-        print("  largest distance of its tip from ours: %.2f mm" % apart_mm)
-        lines.append(("env.over_peer", own / theirs, "1", "peer=%s task=moving" % peer))
-        lines.append(("env.moving_s_per_s", theirs, "1", "peer=%s step_ms=%g" % (peer, row["setting"]["step_s"] * 1e3)))
-        lines.append(("env.moving_s_per_s", own, "1", "peer=%s by=ours" % peer))
-        lines.append(("env.moving_apart_mm", apart_mm, "mm", "peer=%s" % peer))
-        if own / theirs < gate.BAR:
-            findings.append("%s: ratio %.1f, below the bar of %g" % (name, own / theirs, gate.BAR))
-    fine = ours(program, element_m=task.BODY_LENGTH_m / 2)[0]
-    print("ours with elements of 1 mm: %.3g" % gate.speed(fine))
-    lines.append(("env.moving_s_per_s", gate.speed(fine), "1", "by=ours element_mm=1"))
-    return lines, findings
+    for peer, counts in ((peer, counts) for peer in PEERS for counts in (True, False)):
+        row = gate.fastest_right(rows, peer, counts)
+        if row is not None:
+            more, wrong = judge_peer(program, peers, rows, row, rounds)
+            lines, findings = lines + more, findings + wrong
+        elif counts:
+            findings.append("%s: no setting that was tried is right" % PEERS[peer])
+    fine = gate.speed(ours(program, element_m=task.BODY_LENGTH_m / 2)[0])
+    print("ours with elements of 1 mm: %.3g" % fine)
+    return lines + [("env.moving_s_per_s", fine, "1", "by=ours element_mm=1")], findings
 
 
 def write(lines, path):

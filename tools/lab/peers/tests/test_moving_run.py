@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""This test runs the comparison on a moving wire (tools/lab/peers/run_moving.py) with MuJoCo itself, for a few settings.
-It checks which settings are right, that our tip and that of a chain with the same stiffness agree, and that all figures
-are written. It makes no statement about speed: a ratio below its bar is allowed. It needs a network. Prints TAP."""
+"""This test runs the comparison on a moving wire (tools/lab/peers/run_moving.py) with MuJoCo itself, for a few
+settings. It checks which settings are right, that our tip and that of a chain with the same stiffness agree, and that
+all figures are written. It makes no statement about speed: a ratio below its bar is allowed. It needs a network. Prints
+TAP."""
 
 import os
 import re
@@ -15,8 +16,8 @@ import tree  # noqa: E402
 
 RUN_MOVING = os.path.join(tree.ROOT, "tools", "lab", "peers", "run_moving.py")
 BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
-# Our tip and that of the chain stay within 0.45 mm of each other; three times that, because steps differ.
-APART_mm = 1.3
+# Measured: 0.53 mm, with steps of 6 ms and added armature; three times that.
+APART_mm = 1.6
 
 
 def run(folder, only):
@@ -38,9 +39,9 @@ def lines_with(text, *parts):
 def main():
     report = tree.Report()
     with tempfile.TemporaryDirectory() as folder:
-        output, table = run(folder, "chain 4 ms")
-        right = lines_with(output, "chain ", "4 ms, discrete", "right")
-        report.check("a chain with a step of 4 ms is right", [] if right else [output])
+        output, table = run(folder, "chain 6 ms, discrete, armature 0.02, 0.001")
+        right = lines_with(output, "chain ", "6 ms, discrete", "right")
+        report.check("a chain with a step of 6 ms is right", [] if right else [output])
         apart_mm = value(table, "env.moving_apart_mm", "peer=chain")
         report.check("its tip agrees with ours", [] if apart_mm < APART_mm else ["%g mm apart" % apart_mm])
         ratio = value(table, "env.over_peer", "peer=chain task=moving")
