@@ -231,8 +231,11 @@ def the_commands_train_and_judge():
     code, text, _ = said("train", folder, "--out", out, "--crop-epochs", 1, "--whole-epochs", 2)
     good = code == 0 and "40 frames" in text and len((out / "curve.tsv").read_text().splitlines()) == 4
     code, text, _ = said("judge", out, "same=%s" % folder, "--out", out)
-    row = dict(zip(*(line.split("\t") for line in text.splitlines())))
-    good = good and code == 0 and (row["set"], row["frames"], row["judged"]) == ("same", "40", "32")
+    names, *rows = (line.split("\t") for line in text.splitlines())
+    good = good and code == 0 and names[:3] == ["set", "inside", "clear"] and rows[0][1:] == rows[1][1:]
+    good = good and [row[:3] for row in rows] == [["same", "40", "32"], ["same wire", "40", "32"]]
+    figure = (out / "figures.tsv").read_text().split("\t")
+    good = good and figure == ["tracker.median_px", rows[0][3], "px", "set=same\n"]
     return good and Image.open(out / "same.png").size == (4 * 260, 3 * 260)
 
 

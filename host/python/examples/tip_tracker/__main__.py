@@ -55,12 +55,15 @@ def _judge(given: argparse.Namespace) -> int:
     except (OSError, RuntimeError) as error:
         raise DataError("%s has no tracker (%s). Remedy: tip_tracker train" % (given.tracker, error)) from error
     given.out.mkdir(parents=True, exist_ok=True)
-    rows = [COLUMNS]
+    rows, figures = [COLUMNS], ""
     for name, data in given.sets:
         frames = _read(data, given.keep or given.out)
-        rows.append(judged(tracker, name, frames, given.out / (name + ".png")))
+        found = judged(tracker, name, frames, given.out / (name + ".png"))
+        rows += found
+        figures += "tracker.median_px\t%s\tpx\tset=%s\n" % (found[0][COLUMNS.index("median_px")], name)
     text = "".join("\t".join(row) + "\n" for row in rows)
     (given.out / "errors.tsv").write_text(text, encoding="utf-8")
+    (given.out / "figures.tsv").write_text(figures, encoding="utf-8")
     print(text, end="")
     return 0
 
