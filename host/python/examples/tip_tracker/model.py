@@ -16,7 +16,8 @@ BLUR = 5  # cells of 8 pixels over which flattened() takes the mean
 WINDOW = 2  # cells on each side of the best cell that decide the place of the tip
 BLADE_PART = 0.05  # of the median: what is darker is a blade of the collimator, or as dark as one
 GAIN = 8.0  # brings the contrast of guidewires, 0.05 to 0.3, near to 1
-CHANNELS = (16, 32, 48, 64, 64)
+CHANNELS = (32, 48, 64, 64, 64)  # of the levels on the way down; the first needs many, for all directions of a wire
+CHANNELS_UP = (16, 32, 48, 64)  # of the levels on the way up
 
 
 def flattened(raw: Tensor) -> Tensor:
@@ -43,13 +44,14 @@ class Tracker(nn.Module):
     """Maps flattened pictures [n, 1, size, size] to two maps of cells, float32 [n, 2, size / 4, size / 4]: a score of
     the tip, whose softmax over all cells is the distribution of the tip's place, and the logit of a tool's mask."""
 
-    def __init__(self, channels: tuple[int, ...] = CHANNELS) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        inside = (CELL * CELL, *channels[:-1])
-        self.down = nn.ModuleList([_double(a, b) for a, b in zip(inside, channels)])
-        pairs = list(zip(channels[1:], channels[:-1]))
-        self.up = nn.ModuleList([_double(deep + flat, flat) for deep, flat in reversed(pairs)])
-        self.head = nn.Conv2d(channels[0], 2, 1)
+        inside = (CELL * CELL, *CHANNELS[:-1])
+        self.down = nn.ModuleList([_double(a, b) for a, b in zip(inside, CHANNELS)])
+        below = (*CHANNELS_UP[1:], CHANNELS[-1])
+        levels = list(zip(below, CHANNELS, CHANNELS_UP))
+        self.up = nn.ModuleList([_double(low + link, made) for low, link, made in reversed(levels)])
+        self.head = nn.Conv2d(CHANNELS_UP[0], 2, 1)
 
     def forward(self, flat: Tensor) -> Tensor:
         found = functional.pixel_unshuffle(flat * GAIN, CELL).contiguous(memory_format=torch.channels_last)

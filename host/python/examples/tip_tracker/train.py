@@ -15,8 +15,8 @@ from .data import STEP, Frames
 from .judge import errors_of
 from .model import CELL, Tracker, loss
 
-NOISE = 0.1  # largest deviation of the noise that is added, in units of the natural logarithm: that of some 10 nGy
-CONTRAST = (0.7, 1.4)  # factors on a picture
+NOISE = 0.12  # largest deviation of the noise that is added, in units of the natural logarithm: as at some 8 nGy
+CONTRAST = (0.6, 1.4)  # factors on a picture
 CROP_MARGIN = 24  # pixels between the tip and the edge of its crop
 COLUMNS = ("epoch", "seconds", "edge", "loss", "median_px", "within_3_px")
 Batch = tuple[Tensor, Tensor, Tensor]
@@ -27,8 +27,8 @@ Rows = list[tuple[float, ...]]
 class Course:
     """How long and on what the tracker is trained."""
 
-    crop_epochs: float = 3.0
-    whole_epochs: float = 7.0
+    crop_epochs: float = 2.0
+    whole_epochs: float = 5.0
     crop: int = 256
     """Edge of a crop in pixels, a multiple of 64. A picture that is not larger is never cropped."""
     batch: int = 8
@@ -73,7 +73,7 @@ def example(frames: Frames, number: int, edge: int, course: Course, random: np.r
     flat = torch.from_numpy(np.ascontiguousarray(picture)).float() * STEP
     if course.is_changed:
         flat = flat * float(random.uniform(*CONTRAST))
-        flat = flat + torch.randn(flat.shape) * (NOISE * float(random.uniform()) ** 2)
+        flat = flat + torch.randn(flat.shape) * (NOISE * float(random.uniform()))
     return flat[None], torch.from_numpy(tip), torch.from_numpy(np.ascontiguousarray(mask)).float()
 
 
