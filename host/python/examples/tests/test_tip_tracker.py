@@ -28,7 +28,7 @@ import tap  # noqa: E402
 from tip_tracker import __main__ as program  # noqa: E402
 from tip_tracker.data import DataError, innermost_tip, read, split  # noqa: E402
 from tip_tracker.judge import errors_of  # noqa: E402
-from tip_tracker.model import CELL, flattened, located, target  # noqa: E402
+from tip_tracker.model import CELL, chances_of, flattened, located, target  # noqa: E402
 from tip_tracker.train import Course, example, train, turned_tip  # noqa: E402
 
 FOLDER = tempfile.TemporaryDirectory()
@@ -172,12 +172,31 @@ def flattening_removes_the_dose():
 def the_place_found_is_that_of_the_target():
     """The mean of a Gaussian over whole cells is its middle; the window cuts its edges off."""
     tips = torch.rand(200, 2) * 100 + 14
-    wanted = target(tips, 32)
-    made = torch.stack([torch.log(wanted + 1e-30), torch.zeros_like(wanted)], dim=1).reshape(200, 2, 32, 32)
-    places, inside = located(made)
+    places, inside = located(target(tips, 32).reshape(200, 32, 32))
     worst = float(torch.linalg.norm(places - tips, dim=1).max())
     print("# at most %.3f px" % worst)
     return worst < 0.7 and float(inside.min()) > 0.9  # measured 0.24: half a cell off, 1.2 % of the mass is cut off
+
+
+class Darkest(torch.nn.Module):
+    """Stands for a tracker: its score is high where a cell is dark, and where the cell above is, which is no symmetry
+    of the square."""
+
+    def forward(self, flat):
+        dark = -40 * torch.nn.functional.avg_pool2d(flat, CELL)
+        return torch.cat([dark + 0.2 * dark.roll(1, 2), dark], dim=1)
+
+
+def a_turned_picture_has_a_turned_distribution():
+    flat = torch.randn(2, 1, 64, 64)
+    chances = chances_of(Darkest(), flat)
+    worst = float((chances_of(Darkest(), torch.rot90(flat, 1, (2, 3))) - torch.rot90(chances, 1, (1, 2))).abs().max())
+    flipped = float((chances_of(Darkest(), flat.flip(3)) - chances.flip(2)).abs().max())
+    single = torch.zeros(1, 1, 64, 64)
+    single[0, 0, 8:12, 40:44] = -1.0
+    best = int(chances_of(Darkest(), single).flatten().argmax())
+    print("# at most %.1e apart" % max(worst, flipped))
+    return max(worst, flipped) < 1e-6 and best == 2 * 16 + 10 and abs(float(chances[0].sum()) - 1) < 1e-5
 
 
 def a_tip_turns_with_its_picture():
@@ -250,6 +269,7 @@ if __name__ == "__main__":
             what_cannot_be_read_is_refused_with_a_remedy,
             flattening_removes_the_dose,
             the_place_found_is_that_of_the_target,
+            a_turned_picture_has_a_turned_distribution,
             a_tip_turns_with_its_picture,
             a_crop_holds_its_tip_and_its_mask,
             it_learns_sixteen_frames_by_heart,

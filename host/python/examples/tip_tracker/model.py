@@ -86,17 +86,32 @@ def loss(made: Tensor, tips: Tensor, masks: Tensor) -> Tensor:
     return tip + 2.0 * functional.binary_cross_entropy_with_logits(made[:, 1], masks, pos_weight=weight)
 
 
-def located(made: Tensor) -> tuple[Tensor, Tensor]:
+def chances_of(tracker: nn.Module, flat: Tensor, is_turned: bool = True) -> Tensor:
+    """Returns the probability of each cell to hold the tip, float32 [n, size / CELL, size / CELL] with the sum 1. With
+    `is_turned`, it is the mean over the eight ways to turn and flip a picture: the tip is the same in all of them."""
+    if not is_turned:
+        made = tracker(flat)[:, 0]
+        return functional.softmax(made.flatten(1), dim=1).reshape(made.shape)
+    total = torch.zeros(len(flat), *(edge // CELL for edge in flat.shape[2:]))
+    for turns in range(4):
+        for is_flipped in (False, True):
+            seen = torch.rot90(flat, turns, (2, 3))
+            chances = chances_of(tracker, seen.flip(3) if is_flipped else seen, is_turned=False)
+            total += torch.rot90(chances.flip(2) if is_flipped else chances, -turns, (1, 2))
+    return total / 8
+
+
+def located(chances: Tensor) -> tuple[Tensor, Tensor]:
     """Returns the places of the tips in pixels, float32 [n, 2] as column and row, and the probability within the
     window, float32 [n], 0 to 1. The place is the mean of the distribution within a window around its best cell."""
-    cells = made.shape[-1]
-    chances = functional.softmax(made[:, 0].flatten(1), dim=1)
-    best = functional.avg_pool2d(chances.reshape(-1, 1, cells, cells), 3, stride=1, padding=1).flatten(1).argmax(dim=1)
+    cells = chances.shape[-1]
+    smooth = functional.avg_pool2d(chances[:, None], 3, stride=1, padding=1)
+    best = smooth.flatten(1).argmax(dim=1)
     rows, columns = torch.div(best, cells, rounding_mode="floor"), best % cells
     grid = torch.arange(cells)
     near_rows = (grid - rows[:, None]).abs() <= WINDOW
     near_columns = (grid - columns[:, None]).abs() <= WINDOW
-    inside = chances.reshape(-1, cells, cells) * near_rows[:, :, None] * near_columns[:, None, :]
+    inside = chances * near_rows[:, :, None] * near_columns[:, None, :]
     sums = inside.sum(dim=(1, 2))
     middles = (grid + 0.5) * CELL
     column = (inside.sum(dim=1) * middles).sum(dim=1) / sums.clamp(min=1e-12)
