@@ -154,6 +154,10 @@ def what_cannot_be_read_is_refused_with_a_remedy():
         good = good and code == 1 and name in errors and "Remedy" in errors
     code, _, errors = said("judge", empty, "x=%s" % folder, "--out", Path(FOLDER.name) / "none")
     good = good and code == 1 and "Remedy" in errors
+    empty.mkdir()
+    (empty / "tracker.pt").write_bytes(b"no tracker")
+    code, _, errors = said("judge", empty, "x=%s" % folder, "--out", empty)
+    good = good and code == 1 and "has no tracker" in errors
     return good and said("judge", empty, "x", "--out", empty)[0] == 2 and said("learn")[0] == 2
 
 
@@ -253,6 +257,8 @@ def the_commands_train_and_judge():
     folder, out = data_set("whole", 40), Path(FOLDER.name) / "out"
     code, text, _ = said("train", folder, "--out", out, "--crop-epochs", 1, "--whole-epochs", 2)
     good = code == 0 and "40 frames" in text and len((out / "curve.tsv").read_text().splitlines()) == 4
+    more = said("train", folder, "--from", out, "--out", out, "--crop-epochs", 0, "--whole-epochs", 1)
+    good = good and more[0] == 0 and len((out / "curve.tsv").read_text().splitlines()) == 2
     code, text, _ = said("judge", out, "same=%s" % folder, "--out", out)
     names, *rows = (line.split("\t") for line in text.splitlines())
     good = good and code == 0 and names[:3] == ["set", "inside", "clear"] and rows[0][1:] == rows[1][1:]

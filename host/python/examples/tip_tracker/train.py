@@ -28,9 +28,9 @@ Rows = list[tuple[float, ...]]
 class Course:
     """How long and on what the tracker is trained."""
 
-    crop_epochs: int = 20
+    crop_epochs: int = 14
     whole_epochs: int = 1
-    crop: int = 256
+    crop: int = 192
     """Edge of a crop in pixels, a multiple of 64. A picture that is not larger is never cropped."""
     batch: int = 4
     """Pictures or crops of a batch."""
@@ -102,17 +102,20 @@ def train(
     watched: Frames | None,
     course: Course,
     after_epoch: Callable[[Tracker, Rows], None] = lambda tracker, rows: None,
+    begin_with: Tracker | None = None,
 ) -> tuple[Tracker, Rows]:
     """Trains on frames whose tips are in the picture; returns the tracker, and a row of COLUMNS for each epoch. The
-    figures of `watched` are those of frames which are not trained on. Calls `after_epoch` with what there is so far."""
+    figures of `watched` are those of frames which are not trained on. Calls `after_epoch` with what there is so far.
+    With `begin_with`, this tracker learns on; without it, a new one begins."""
     torch.manual_seed(course.seed)
     random = np.random.default_rng(course.seed)
-    tracker = Tracker().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    tracker = begin_with if begin_with is not None else Tracker()
+    tracker = tracker.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     optimiser = torch.optim.AdamW(tracker.parameters(), lr=course.rate, weight_decay=1e-4)
     size, count = frames.pictures.shape[1], course.batch
     plan = [min(course.crop, size)] * course.crop_epochs + [size] * course.whole_epochs
-    total = len(plan) * max(1, len(frames) // count)
-    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, course.rate, total_steps=total + 1, pct_start=0.1)
+    steps = max(20, len(plan) * max(1, len(frames) // count) + 1)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, course.rate, total_steps=steps, pct_start=0.1)
     begin = time.monotonic()
     rows: Rows = []
     for epoch, edge in enumerate(plan, 1):
