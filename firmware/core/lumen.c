@@ -293,17 +293,15 @@ enum { VOXEL_DEPTH_BITS = 7, VOXEL_DEPTH_MOST = 127 };
 /* Returns how deep in the lumen the shallowest of the 27 coefficients is, 0 .. 127. Unit: voxel/32. */
 static int32_t least_depth_of_27(const int8_t *c)
 {
-    int32_t greatest = INT8_MIN;
-    for (int z = 0; z < 3; z++) {
-        for (int y = 0; y < 3; y++) {
+    int32_t greatest = -VOXEL_DEPTH_MOST;
+    for (int z = 0; z < 3 && greatest < 0; z++, c += SLICE) {
+        for (int y = 0; y < 3 * ROW; y += ROW) {
             for (int x = 0; x < 3; x++) {
-                const int32_t here = c[z * SLICE + y * ROW + x];
-                greatest = here > greatest ? here : greatest;
+                greatest = c[y + x] > greatest ? c[y + x] : greatest;
             }
         }
     }
-    const int32_t depth = greatest < 0 ? -greatest : 0;
-    return depth < VOXEL_DEPTH_MOST ? depth : VOXEL_DEPTH_MOST;
+    return greatest < 0 ? -greatest : 0;
 }
 
 int32_t crn_lumen_distance_unless_far(const crn_lumen *lumen, const crn_vec3 *position_m_q30,
