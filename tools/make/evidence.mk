@@ -1,6 +1,6 @@
 # The evidence: the thesis, references, calibration, other projects (tools/lab).
 ##@ For makers of evidence
-.PHONY: test-hours
+.PHONY: test-hours tracker
 .PHONY: lab test-lab thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
 LAB = run$(comma)tools$(comma)lab
 
@@ -8,12 +8,17 @@ lab: packages-build+tools+lab ## build every program of tools/lab
 	$(call build,release,$(LAB),all)
 
 test-lab: ## test the evidence: the thesis, calibration, CT, peers, bars, malformed files
-test-lab: packages-build+tools+lab+test+matrix+usb+bench
+test-lab: packages-build+tools+lab+test+matrix+usb+bench+tracker
 	@JOBS=$(JOBS) tools/check/run_tests.sh lab
 
 test-hours: ## play every case, 20 experts and 20 novices, race the window's threads, install packages (hours)
 test-hours: packages-build+window+tools+test+deb+debtest
 	@JOBS=$(JOBS) tools/check/run_tests.sh hours
+
+tracker: ## train a tracker of tips on 5,000 pictures, and judge it on others: out/tracker (an hour)
+tracker: packages-build+tools+test+tracker
+	$(call build,release,run$(comma)tools,anatomy bake cournand_library)
+	@host/python/examples/tracker.sh out/tracker
 
 validate: ## compare the rod with closed forms; write out/validation.html and .tsv and docs/validation.md
 validate: packages-build+tools+lab

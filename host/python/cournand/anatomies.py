@@ -2,9 +2,11 @@
 
     python -m cournand.anatomies --count 8 --first 0 --out anatomies
     python -m cournand.anatomies --task iliac --split judge --out anatomies
+    python -m cournand.anatomies --count 3 --bodies --out anatomies
 
-To make a scene, the programs `anatomy` and `bake` are needed, and about 20 s of processor time. An existing scene is
-not made again, so the same command continues after an interruption.
+To make a scene, the programs `anatomy` and `bake` are needed, and about 20 s of processor time, or two minutes with
+`--bodies`. Without `--bodies`, X-ray pictures show the tools and the contrast medium alone. An existing scene is not
+made again, so the same command continues after an interruption.
 """
 
 from __future__ import annotations
@@ -27,9 +29,9 @@ PROGRAMS = ("anatomy", "bake")
 SHORT_REPORT = ("--poses", "0", "--points", "100")
 
 
-def path_of(folder: str | os.PathLike[str], seed: int) -> Path:
+def path_of(folder: str | os.PathLike[str], seed: int, *, bodies: bool = False) -> Path:
     """Returns the path of the scene of a seed, whether the scene exists or not."""
-    return Path(folder) / ("aorta-%d.scene" % seed)
+    return Path(folder) / ("aorta-%d%s.scene" % (seed, "-bodies" if bodies else ""))
 
 
 def find_programs(given: str | os.PathLike[str] | None = None) -> tuple[str, str]:
@@ -57,16 +59,17 @@ def make(
     *,
     workers: int = 1,
     programs: str | os.PathLike[str] | None = None,
+    bodies: bool = False,
 ) -> Iterator[tuple[int, bool]]:
     """Makes the scenes of the given seeds; yields each seed, and True if its scene is new. A scene gets its final name
-    only when it is complete."""
+    only when it is complete. With `bodies`, the scenes also have bones, lungs, heart, belly and skin for pictures."""
     for seed in seeds:
         if not 0 <= seed <= SEED_MAX:
             raise ValueError("the seed %d of an anatomy is not within 0 and %d" % (seed, SEED_MAX))
     if workers < 1:
         raise ValueError("workers: %d is less than 1" % workers)
     wanted = list(dict.fromkeys(seeds))
-    missing = [seed for seed in wanted if not path_of(folder, seed).exists()]
+    missing = [seed for seed in wanted if not path_of(folder, seed, bodies=bodies).exists()]
     for seed in wanted:
         if seed not in missing:
             yield seed, False
@@ -75,7 +78,7 @@ def make(
     found = find_programs(programs)
     os.makedirs(folder, exist_ok=True)
     with ThreadPoolExecutor(workers) as pool:  # each thread waits for the processes of one scene
-        running = {pool.submit(_make_one, found, seed, Path(folder)): seed for seed in missing}
+        running = {pool.submit(_make_one, found, seed, Path(folder), bodies): seed for seed in missing}
         try:
             for done in as_completed(running):
                 done.result()
@@ -85,12 +88,14 @@ def make(
                 other.cancel()
 
 
-def _make_one(programs: tuple[str, str], seed: int, folder: Path) -> None:
-    final = path_of(folder, seed)
+def _make_one(programs: tuple[str, str], seed: int, folder: Path, bodies: bool) -> None:
+    final = path_of(folder, seed, bodies=bodies)
     with tempfile.TemporaryDirectory(prefix=".making-%d-" % seed, dir=folder) as work:
         baked = os.path.join(work, final.name)
-        _call([programs[0], "aorta", "--seed", str(seed), "--no-bodies", "--quiet", "-o", os.path.join(work, "drawn")])
-        _call([programs[1], os.path.join(work, "drawn", "scene.toml"), "-o", baked, *SHORT_REPORT])
+        drawn = os.path.join(work, "drawn")
+        without = [] if bodies else ["--no-bodies"]
+        _call([programs[0], "aorta", "--seed", str(seed), *without, "--quiet", "-o", drawn])
+        _call([programs[1], os.path.join(drawn, "scene.toml"), "-o", baked, *SHORT_REPORT])
         for ending in (".bodies", ".scene"):  # the scene last: it is what says that both exist
             made = final.with_suffix(ending).name
             os.replace(os.path.join(work, made), folder / made)
@@ -128,11 +133,14 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--split", choices=SPLITS, help="only the anatomies of training, or of judging")
     parser.add_argument("--episodes", type=int, default=100, metavar="N", help="of the task (default 100)")
     parser.add_argument("--out", default="anatomies", metavar="DIR", help="folder of the scenes (default anatomies)")
+    parser.add_argument("--bodies", action="store_true", help="with bones and organs: DIR/aorta-SEED-bodies.scene")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, metavar="N", help="scenes at a time")
     parser.add_argument("--programs", metavar="DIR", help="folder of the programs `anatomy` and `bake`")
     given = parser.parse_args(words)
     if given.count < 1 or given.episodes < 1 or given.workers < 1:
         parser.error("--count, --episodes and --workers are at least 1")
+    if given.task is not None and given.bodies:
+        parser.error("--bodies does not go with --task: tasks have no pictures of bones and organs")
     if given.task is None and given.split is not None:
         parser.error("--split belongs to --task")
     if given.task is None and not 0 <= given.first <= SEED_MAX - given.count + 1:
@@ -149,9 +157,10 @@ def main(words: Sequence[str] | None = None) -> int:
         splits = [given.split] if given.split else list(SPLITS)
         seeds = [seed for split in splits for seed in challenge_of(given.task).anatomies(split, given.episodes)]
     try:
-        for number, (seed, is_new) in enumerate(make(seeds, given.out, workers=given.workers, programs=given.programs)):
-            note = "made" if is_new else "exists"
-            print("%d/%d  %s  %s" % (number + 1, len(set(seeds)), path_of(given.out, seed), note), flush=True)
+        made = make(seeds, given.out, workers=given.workers, programs=given.programs, bodies=given.bodies)
+        for number, (seed, is_new) in enumerate(made):
+            path, note = path_of(given.out, seed, bodies=given.bodies), "made" if is_new else "exists"
+            print("%d/%d  %s  %s" % (number + 1, len(set(seeds)), path, note), flush=True)
     except (OSError, ValueError) as error:
         print("anatomies: %s" % error, file=sys.stderr)
         return 1

@@ -24,6 +24,7 @@ import numpy as np  # noqa: E402
 from cournand.factory import Course, Options, UsageError, plan_shard, png  # noqa: E402
 from cournand.factory.formats.coco import annotations_of  # noqa: E402
 from cournand.factory.frame import CLEAR, OUTSIDE  # noqa: E402
+from cournand.factory.options import varied  # noqa: E402
 from cournand.factory.plan import ATTEMPTS, AS_SHIPPED  # noqa: E402
 
 sys.path.insert(0, os.path.join(prepare.ROOT, "tools", "check"))
@@ -182,6 +183,26 @@ def a_refused_set_of_tools_is_drawn_again():
     return good and set(plans[2].factors[0].values()) == {1.0} and plans[0] == plan_shard(options, 1, 0)
 
 
+def ranges_of_dose_angles_and_offset_hold_and_stand_in_the_plan():
+    at = folder("ranges")
+    words = ["--frames", "8", "--shard-frames", "4", "--block-frames", "1", "--size", "64", "--tools", "j_wire"]
+    words += ["--dose", "10", "20", "--primary", "-30", "-20", "--secondary", "5", "5", "--offset", "0"]
+    good = runs.made(at, *words)
+    with open(os.path.join(at, "plan.json"), encoding="utf-8") as file:
+        kept = json.load(file)["options"]
+    variation = kept["variation"]
+    good = good and (variation["dose"], kept["offset_part"]) == ([0.25, 0.5], 0.0)
+    good = good and (variation["primary_deg"], variation["secondary_deg"]) == ([-30, -20], [5, 5])
+    options = Options(frames=8, shard_frames=4, block_frames=1, variation=varied((10, 20), (0, 0), (0, 0)))
+    doses = [block.dose_nGy for block in plan_shard(options, 0).blocks]
+    for facts, _ in read_tar(0, at):
+        view, tip = facts["view"], facts["tools"][0]["tip"]
+        good = good and facts["dose"]["detector_nGy"] in doses
+        good = good and -30 <= view["primary_deg"] <= -20 and view["secondary_deg"] == 5
+        good = good and np.hypot(*(np.array(tip["px"]) - 32)) < 2.0  # the tip moves by up to 2.7 mm before the picture
+    return good and 10 <= min(doses) and max(doses) <= 20
+
+
 # --- files, read from their bytes ---
 
 
@@ -208,9 +229,9 @@ def read_png(content):
     return pixels.reshape(height, width, step) if colour == 2 else pixels.copy().view(">u%d" % step)[:, :, 0]
 
 
-def read_tar(shard):
+def read_tar(shard, at=WHOLE):
     """Yields the metadata and the files of each frame of a shard."""
-    with tarfile.open(os.path.join(WHOLE, "webdataset", "%06d.tar" % shard)) as tar:
+    with tarfile.open(os.path.join(at, "webdataset", "%06d.tar" % shard)) as tar:
         members = {}
         for member in tar.getmembers():
             key, _, ending = member.name.partition(".")
@@ -336,6 +357,13 @@ def wrong_options_are_refused_by_name():
         (("--frames", "5", "--shards", "2/2"), "--shards"),
         (("--frames", "5", "--shards", "a"), "--shards"),
         (("--frames", "5", "--bits", "3"), "--bits"),
+        (("--frames", "5", "--dose", "20", "10"), "--dose"),
+        (("--frames", "5", "--dose", "0.5", "10"), "--dose"),
+        (("--frames", "5", "--dose", "nan", "nan"), "--dose"),
+        (("--frames", "5", "--primary", "-121", "0"), "--primary"),
+        (("--frames", "5", "--secondary", "0", "51"), "--secondary"),
+        (("--frames", "5", "--secondary", "0"), "--secondary"),
+        (("--frames", "5", "--offset", "0.5"), "--offset"),
         ((), "--frames"),
     ]
     for words, name in wrong:
@@ -430,6 +458,7 @@ if __name__ == "__main__":
             medium_balloon_and_stent_appear_in_their_masks,
             marker_bands_lie_on_the_balloon,
             a_refused_set_of_tools_is_drawn_again,
+            ranges_of_dose_angles_and_offset_hold_and_stand_in_the_plan,
             a_png_holds_the_pixels_with_every_compression,
             a_tar_holds_every_frame_once_and_its_masks_have_the_stated_areas,
             run_lengths_give_the_masks_back,

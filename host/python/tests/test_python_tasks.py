@@ -213,6 +213,7 @@ def wrong_calls_are_refused_with_text():
             said(train.main, "iliac", "--out", "policy.txt")[0],
             said(anatomies.main, "--split", "judge")[0],
             said(anatomies.main, "--first", "-1")[0],
+            said(anatomies.main, "--task", "iliac", "--bodies")[0],
         ]
         print("# %s" % nowhere[1].strip(), codes)
         remedy = "python -m cournand.anatomies --task iliac --out " + folder
@@ -224,7 +225,7 @@ def programs_of(folder, bake_words):
     shipped scene."""
     scene = os.path.splitext(find("scenes", ".scene", "aorta"))[0]
     texts = {
-        "anatomy": '#!/bin/sh\nfor last; do :; done\nmkdir -p "$last"\necho "$3" >>"%s/drawn"\n' % folder,
+        "anatomy": '#!/bin/sh\nfor last; do :; done\nmkdir -p "$last"\necho "$3" "$4" >>"%s/drawn"\n' % folder,
         "bake": '#!/bin/sh\nout=${3%%.scene}\ncp "%s.bodies" "$out.bodies"\n%s\ncp "%s.scene" "$3"\n'
         % (scene, bake_words, scene),
     }
@@ -247,15 +248,16 @@ def a_scene_is_complete_or_absent_and_made_once():
         first = said(anatomies.main, "--count", "2", "--first", "4", "--out", out, "--programs", programs)
         os.remove(os.path.join(out, "aorta-5.scene"))
         again = said(anatomies.main, "--count", "3", "--first", "4", "--out", out, "--programs", programs)
-        drawn = sorted(open(os.path.join(programs, "drawn"), encoding="utf-8").read().split())
+        bodies = said(anatomies.main, "--count", "1", "--bodies", "--out", out, "--programs", programs)
+        drawn = sorted(open(os.path.join(programs, "drawn"), encoding="utf-8").read().splitlines())
         names = sorted(os.listdir(out))
         opened = NavigationEnv(replace(NEAR, scene=os.path.join(out, "aorta-6.scene"))).reset(seed=1)[1]["path_m"] > 0
     return (
         "exit code 3" in failed
         and left == []
-        and first[0] == again[0] == 0
-        and drawn == ["4", "5", "5", "6"]
-        and names == ["aorta-%d.%s" % (seed, ending) for seed in (4, 5, 6) for ending in ("bodies", "scene")]
+        and first[0] == again[0] == bodies[0] == 0
+        and drawn == ["0 --quiet", *("%d --no-bodies" % seed for seed in (4, 5, 5, 6))]
+        and names == ["aorta-%s.%s" % (seed, end) for seed in ("0-bodies", 4, 5, 6) for end in ("bodies", "scene")]
         and opened
     )
 

@@ -24,7 +24,7 @@ from .. import __version__
 from ..errors import Error
 from . import dataset as data
 from . import executors, slurm
-from .options import COMPRESSIONS, FORMATS, TOOL_SETS, Options, UsageError
+from .options import COMPRESSIONS, DOSE_NGY, FORMATS, TOOL_SETS, VARIATION, Options, UsageError, varied
 from .plan import describe, plan_shard
 from .store import StoreError, only_run, remove_parts
 
@@ -32,6 +32,11 @@ COMMANDS = ("run", "resume", "check", "stats", "plan", "slurm")
 BYTES_PER_PIXEL = {"stored": 3.02, "fast": 2.0}  # of a frame in WebDataset
 PLANS_SHOWN = 10
 WORKERS_MAX = 1024
+RANGES = (
+    ("dose", "nGy at the detector", "dose of a picture"),
+    ("primary", "degrees", "angle of the C-arm, LAO positive"),
+    ("secondary", "degrees", "angle of the C-arm, cranial positive"),
+)
 
 
 class Parser(argparse.ArgumentParser):
@@ -43,6 +48,13 @@ class Parser(argparse.ArgumentParser):
 
 def _names(text: str) -> tuple[str, ...]:
     return tuple(name for name in text.split(",") if name)
+
+
+def _default(name: str) -> tuple[float, float]:
+    """Returns the range of an option of RANGES if the option is not given."""
+    if name == "dose":
+        return VARIATION.dose[0] * DOSE_NGY, VARIATION.dose[1] * DOSE_NGY
+    return VARIATION.primary_deg if name == "primary" else VARIATION.secondary_deg
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
@@ -61,6 +73,22 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pulses", type=float, default=15.0, help="frames per simulated second (15)")
     parser.add_argument("--shard-frames", type=int, default=240, help="frames of a shard (240)")
     parser.add_argument("--block-frames", type=int, default=24, help="frames from one view (24)")
+    for name, unit, what in RANGES:
+        least, most = _default(name)
+        parser.add_argument(
+            "--" + name,
+            type=float,
+            nargs=2,
+            metavar=("LOW", "HIGH"),
+            default=(least, most),
+            help="%s, drawn for each view, in %s (%g %g)" % (what, unit, least, most),
+        )
+    parser.add_argument(
+        "--offset",
+        type=float,
+        default=Options.offset_part,
+        help="largest distance from the leading tip to the isocentre along each axis, as a part of the field (0.24)",
+    )
 
 
 def _add_work(parser: argparse.ArgumentParser) -> None:
@@ -103,7 +131,12 @@ def make_parser() -> Parser:
 
 def _options(given: argparse.Namespace) -> Options:
     names = ("frames", "seed", "size", "shard_frames", "block_frames", "scenes", "tools", "formats", "compression")
-    options = Options(pulses_per_s=given.pulses, **{name: getattr(given, name) for name in names})
+    options = Options(
+        pulses_per_s=given.pulses,
+        variation=varied(given.dose, given.primary, given.secondary),
+        offset_part=given.offset,
+        **{name: getattr(given, name) for name in names},
+    )
     if "lerobot" in options.formats:
         try:
             import pyarrow  # type: ignore[import-not-found, import-untyped, unused-ignore]  # noqa: F401

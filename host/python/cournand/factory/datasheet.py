@@ -6,11 +6,10 @@ from typing import Any
 
 from ..randomise import TOOL_FACTORS
 from .frame import COLUMNS, KEYPOINT_MM, KEYPOINTS
-from .options import Options
+from .options import DOSE_NGY, Options
 from .plan import (
     APPROACH_PART,
     BREATH_PER_MIN,
-    DOSE_NGY,
     FIELD_M,
     FLOW_ML_PER_S,
     HEART_PER_MIN,
@@ -92,6 +91,7 @@ def _making(options: Options, versions: dict[str, str], manifests: list[dict[str
         ),
         "| dose at the detector | %s, even in its logarithm |"
         % _range((DOSE_NGY * variation.dose[0], DOSE_NGY * variation.dose[1]), " nGy"),
+        "| leading tip to isocentre, along each axis | at most %g of the field |" % options.offset_part,
         "| injections | %s at %s, with %s mg iodine per ml |"
         % (
             _range(VOLUME_ML, " ml"),

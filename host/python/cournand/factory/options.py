@@ -6,7 +6,8 @@ import json
 import os
 import platform
 import zlib
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -52,13 +53,18 @@ VARIATION = Randomise(
 )
 
 
+DOSE_NGY = 40.0  # the dose at the detector by which `variation.dose` is multiplied
+LIMITS = {"--dose": (1.0, 10000.0), "--primary": (-120.0, 120.0), "--secondary": (-50.0, 50.0)}  # of cournand.View
+OFFSET_MAX = 0.45  # of the field; at 0.5, the tip can leave the picture
+
+
 class UsageError(Exception):
     """An option has a value that the factory cannot use; the message names the option and the remedy."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """All values that decide the bytes of a data set, besides the versions of the programs."""
+    """All values that determine the bytes of a data set, except the versions of the programs."""
 
     frames: int
     seed: int = 0
@@ -77,6 +83,9 @@ class Options:
     """The compression of the pictures: "stored" is the fastest, "fast" makes the files smaller by a third. Masks are
     always compressed."""
     variation: Randomise = field(default=VARIATION)
+    offset_part: float = 0.24
+    """The largest distance from the leading tip to the isocentre along each axis, as a part of the field: 0 shows the
+    tip in the middle of the picture."""
 
     def __post_init__(self) -> None:
         _within("--frames", self.frames, 1, FRAMES_MAX)
@@ -86,6 +95,11 @@ class Options:
         _within("--pulses", self.pulses_per_s, 0.5, 60.0)
         if not 64 <= self.size <= 2048 or self.size % 16:
             raise UsageError("--size: %r is not a multiple of 16 within 64 and 2048" % (self.size,))
+        _within("--offset", self.offset_part, 0.0, OFFSET_MAX)
+        low, high = self.variation.dose
+        _range("--dose", (DOSE_NGY * low, DOSE_NGY * high))
+        _range("--primary", self.variation.primary_deg)
+        _range("--secondary", self.variation.secondary_deg)
         _known("--formats", self.formats, FORMATS)
         _known("--compression", (self.compression,), COMPRESSIONS)
         if not self.scenes or not self.tools:
@@ -110,6 +124,26 @@ class Options:
 def _within(name: str, value: float, least: float, most: float) -> None:
     if not least <= value <= most:
         raise UsageError("%s: %r is not within %r and %r" % (name, value, least, most))
+
+
+def _range(name: str, pair: tuple[float, float]) -> None:
+    least, most = LIMITS[name]
+    if not least <= pair[0] <= pair[1] <= most:
+        raise UsageError("%s: %g %g is not a range LOW HIGH within %g and %g" % (name, *pair, least, most))
+
+
+def varied(dose_nGy: Sequence[float], primary_deg: Sequence[float], secondary_deg: Sequence[float]) -> Randomise:
+    """Returns the variation of the factory with other ranges (low, high): of the dose at the detector in nGy, and of
+    the two angles of the view in degrees. Raises UsageError if a range is empty."""
+    pairs = {"--dose": dose_nGy, "--primary": primary_deg, "--secondary": secondary_deg}
+    for name, pair in pairs.items():
+        _range(name, (pair[0], pair[1]))
+    return replace(
+        VARIATION,
+        dose=(dose_nGy[0] / DOSE_NGY, dose_nGy[1] / DOSE_NGY),
+        primary_deg=(primary_deg[0], primary_deg[1]),
+        secondary_deg=(secondary_deg[0], secondary_deg[1]),
+    )
 
 
 def _known(name: str, given: tuple[str, ...], known: tuple[str, ...]) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..randomise import TOOL_FACTORS
 from ..scene import Tool
-from .options import Options, split_tools
+from .options import DOSE_NGY, Options, split_tools
 
 ATTEMPTS = 12
 AS_SHIPPED = 6  # from this attempt on, the tools have the stiffness of their files
@@ -30,8 +30,6 @@ MOTION_WEIGHTS = (0.3, 0.2, 0.15, 0.08, 0.1, 0.12, 0.05)
 SPEED_M_PER_S = (0.005, 0.04)
 TURN_RAD_PER_S = (-3.14, 3.14)
 FIELD_M = (0.14, 0.32)
-OFFSET_PART = 0.24  # of the field, from the tip to the isocentre along each axis: the tip is not always in the middle
-DOSE_NGY = 40.0
 INJECTION_PART = 0.45  # of the blocks, if a tool can inject
 VOLUME_ML, FLOW_ML_PER_S = (3.0, 12.0), (2.0, 8.0)
 IODINE_MG_PER_ML = (140.0, 240.0, 300.0, 350.0)
@@ -157,7 +155,7 @@ def _draw_block(
         motion, push, turn = "rest", (0.0,) * tools, (0.0,) * tools
     drawn = options.variation.draw(views)
     field_m = round(float(views.uniform(*FIELD_M)), 3)
-    offset = views.uniform(-OFFSET_PART, OFFSET_PART, size=3) * field_m
+    offset = views.uniform(-options.offset_part, options.offset_part, size=3) * field_m
     return Block(
         frames,
         motion,

@@ -1,0 +1,279 @@
+#!/usr/bin/python3
+"""Tests the tracker of tips (docs/tracker.md): it reads the factory's files, divides them by shard, finds the places
+that its targets state, and learns a few frames by heart. The frames show straight wires that the test draws itself. The
+test needs PyTorch from Debian (section [tracker] of tools/packages.txt), and therefore Debian's Python. Prints TAP."""
+
+import contextlib
+import io
+import json
+import os
+import subprocess
+import sys
+import tarfile
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[3]
+sys.path[:0] = [str(HERE.parent), str(ROOT / "tools" / "check"), str(ROOT / "host" / "python" / "tests")]
+try:
+    import numpy as np
+    import torch
+    from PIL import Image
+except ImportError as error:
+    sys.exit("test_tip_tracker: %s. Remedy: sudo apt-get install python3-torch python3-pil" % error)
+
+import prepare  # noqa: E402
+import tap  # noqa: E402
+from tip_tracker import __main__ as program  # noqa: E402
+from tip_tracker.data import DataError, innermost_tip, read, split  # noqa: E402
+from tip_tracker.judge import errors_of  # noqa: E402
+from tip_tracker.model import CELL, chances_of, flattened, located, target  # noqa: E402
+from tip_tracker.train import Course, example, train, turned_tip  # noqa: E402
+
+FOLDER = tempfile.TemporaryDirectory()
+SIZE = 128
+torch.set_num_threads(1)
+
+
+def drawn(random):
+    """Returns detector values [SIZE, SIZE] with a wire that ends in the picture, the wire's mask, and its tip."""
+    tip, away = random.uniform(24, SIZE - 24, 2), random.uniform(-1, 1, 2)
+    away /= np.linalg.norm(away)
+    rows, columns = np.mgrid[0:SIZE, 0:SIZE] + 0.5
+    along = (columns - tip[0]) * away[0] + (rows - tip[1]) * away[1]
+    across = (columns - tip[0]) * away[1] - (rows - tip[1]) * away[0]
+    distance = np.where(along >= 0, np.abs(across), np.hypot(along, across))
+    raw = 3000 * np.exp(-0.4 * np.clip(2.0 - distance, 0, 1) + 0.3 * np.sin(columns / 40))
+    return random.poisson(raw).astype(np.uint16), distance < 1.0, tip
+
+
+def tool(position, inserted_mm, px, visibility=2):
+    tip = {"px": list(px), "mm": [0, 0, 0], "visibility": visibility}
+    return {"position": position, "inserted_mm": inserted_mm, "file": "wire", "tip": tip}
+
+
+def png(pixels):
+    """Returns the PNG file of a picture."""
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "PNG")
+    return file.getvalue()
+
+
+def data_set(name, frames=16, shard_frames=4, seed=1):
+    """Writes a data set of drawn wires as the factory would, and returns its folder. Every fifth tip is covered."""
+    folder, random = Path(FOLDER.name) / name, np.random.default_rng(seed)
+    (folder / "webdataset").mkdir(parents=True)
+    for shard in range(-(-frames // shard_frames)):
+        with tarfile.open(folder / "webdataset" / ("%06d.tar" % shard), "w") as tar:
+            for number in range(min(shard_frames, frames - shard * shard_frames)):
+                raw, mask, tip = drawn(random)
+                covered = 1 if (shard * shard_frames + number) % 5 == 4 else 2
+                facts = {"scene": "drawn", "tools": [tool(0, 90.0, tip, covered)], "dose": {"detector_nGy": 40.0}}
+                files = {"json": json.dumps(facts).encode(), "labels.png": png(mask.astype(np.uint8))}
+                files["raw.png"] = png(raw)
+                for ending, content in files.items():
+                    member = tarfile.TarInfo("%06d-%05d.%s" % (shard, number, ending))
+                    member.size = len(content)
+                    tar.addfile(member, io.BytesIO(content))
+    return folder
+
+
+def said(*words):
+    """Runs a command of the program, and returns its exit code, its output, and its errors."""
+    printed, errors = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
+        try:
+            code = program.main([str(word) for word in words])
+        except SystemExit as ended:
+            code = ended.code
+    return code, printed.getvalue(), errors.getvalue()
+
+
+# --- data ---
+
+
+def the_innermost_tip_is_that_of_the_first_tool_in_the_patient():
+    wire, catheter = tool(0, 200.0, (1, 1)), tool(1, 250.0, (2, 2))
+    good = innermost_tip({"tools": [catheter, wire]})["px"] == [1, 1]
+    return good and innermost_tip({"tools": [catheter]})["px"] == [2, 2] and innermost_tip({"tools": []}) is None
+
+
+def the_frames_read_are_those_that_were_written():
+    frames, random = read(data_set("written")), np.random.default_rng(1)
+    for number in range(16):
+        raw, mask, tip = drawn(random)
+        cells = mask.reshape(SIZE // CELL, CELL, SIZE // CELL, CELL).any(axis=(1, 3))
+        flat = flattened(torch.from_numpy(raw.astype(np.float32))[None, None])[0, 0].numpy()
+        worst = np.abs(np.clip(flat, -0.5, 0.5) - np.clip(frames.pictures[number] / 250.0, -0.5, 0.5)).max()
+        if worst > 0.003 or not np.array_equal(frames.masks[number], cells):  # half a step is 0.002
+            return False
+        if not np.allclose(frames.tips[number], tip, atol=1e-4):
+            return False
+    return list(np.flatnonzero(frames.visible == 1)) == [4, 9, 14] and len(frames.seen()) == 13
+
+
+def frames_that_were_kept_are_the_same():
+    folder, keep = data_set("kept"), Path(FOLDER.name) / "kept.npz"
+    first, second = read(folder, keep), read(folder, keep)
+    arrays = all(np.array_equal(getattr(first, name), getattr(second, name)) for name in ("pictures", "masks", "tips"))
+    return arrays and first.facts == second.facts and [one.name for one in keep.parent.glob("*.part.npz")] == []
+
+
+def a_data_set_of_the_factory_is_read():
+    """The factory needs the Python of the package's tests, which has other packages than this one."""
+    folder = Path(FOLDER.name) / "factory"
+    words = ["--frames", "6", "--shard-frames", "3", "--block-frames", "1", "--size", "128", "--tools", "j_wire"]
+    words += ["--dose", "100", "100", "--offset", "0.1", "--seed", "3", "--quiet", "--out", str(folder)]
+    environment = dict(os.environ, PYTHONPATH=prepare.SITE)
+    subprocess.run([prepare.prepare(), "-m", "cournand.factory", *words], env=environment, check=True)
+    frames = read(folder)
+    middle = np.abs(frames.tips / 128 - 0.5).max(axis=1)
+    print("# tips at most %.3f of the field from the middle" % middle.max())
+    on_tool = [frames.masks[k][int(tip[1]) // CELL, int(tip[0]) // CELL] for k, tip in enumerate(frames.tips)]
+    return len(frames) == 6 and all(on_tool) and {one["dose_nGy"] for one in frames.facts} == {100.0}
+
+
+def a_shard_is_either_learned_or_watched():
+    frames = read(data_set("split", 40))
+    learned, watched = split(frames, 0.3, seed=5)
+    again = split(frames, 0.3, seed=5)
+    shards = [{frames.facts[k]["key"][:6] for k in part} for part in (learned, watched)]
+    good = np.array_equal(learned, again[0]) and np.array_equal(watched, again[1])
+    good = good and not np.array_equal(watched, split(frames, 0.3, seed=6)[1])
+    return good and not shards[0] & shards[1] and len(shards[1]) == 3 and len(learned) + len(watched) == 40
+
+
+def what_cannot_be_read_is_refused_with_a_remedy():
+    folder, good = data_set("damaged"), True
+    with open(folder / "webdataset" / "000001.tar", "r+b") as file:
+        file.truncate(700)
+    empty = Path(FOLDER.name) / "empty"
+    for where, name in ((folder, "000001"), (empty, "has no webdataset")):
+        code, _, errors = said("train", where, "--out", Path(FOLDER.name) / "none")
+        good = good and code == 1 and name in errors and "Remedy" in errors
+    code, _, errors = said("judge", empty, "x=%s" % folder, "--out", Path(FOLDER.name) / "none")
+    good = good and code == 1 and "Remedy" in errors
+    return good and said("judge", empty, "x", "--out", empty)[0] == 2 and said("learn")[0] == 2
+
+
+# --- geometry ---
+
+
+def flattening_removes_the_dose():
+    """A factor on the detector's values adds a constant to their logarithm, which the local mean removes."""
+    raw = torch.rand(1, 1, 128, 128) * 1000 + 500
+    raw[..., :9] = 3.0  # a blade of the collimator
+    worst = float((flattened(raw) - flattened(3 * raw)).abs().max())
+    print("# at most %.1e apart" % worst)
+    return worst < 9e-6  # measured 2.9e-6: rounding of float32
+
+
+def the_place_found_is_that_of_the_target():
+    """The mean of a Gaussian over whole cells is its middle; the window cuts its edges off."""
+    tips = torch.rand(200, 2) * 100 + 14
+    places, inside = located(target(tips, 32).reshape(200, 32, 32))
+    worst = float(torch.linalg.norm(places - tips, dim=1).max())
+    print("# at most %.3f px" % worst)
+    return worst < 0.7 and float(inside.min()) > 0.9  # measured 0.24: half a cell off, 1.2 % of the mass is cut off
+
+
+class Darkest(torch.nn.Module):
+    """Stands for a tracker: its score is high where a cell is dark, and where the cell above is, which is no symmetry
+    of the square."""
+
+    def forward(self, flat):
+        dark = -40 * torch.nn.functional.avg_pool2d(flat, CELL)
+        return torch.cat([dark + 0.2 * dark.roll(1, 2), dark], dim=1)
+
+
+def a_turned_picture_has_a_turned_distribution():
+    flat = torch.randn(2, 1, 64, 64)
+    chances = chances_of(Darkest(), flat)
+    worst = float((chances_of(Darkest(), torch.rot90(flat, 1, (2, 3))) - torch.rot90(chances, 1, (1, 2))).abs().max())
+    flipped = float((chances_of(Darkest(), flat.flip(3)) - chances.flip(2)).abs().max())
+    single = torch.zeros(1, 1, 64, 64)
+    single[0, 0, 8:12, 40:44] = -1.0
+    best = int(chances_of(Darkest(), single).flatten().argmax())
+    print("# at most %.1e apart" % max(worst, flipped))
+    return max(worst, flipped) < 1e-6 and best == 2 * 16 + 10 and abs(float(chances[0].sum()) - 1) < 1e-5
+
+
+def a_tip_turns_with_its_picture():
+    for turns in range(4):
+        for is_flipped in (False, True):
+            picture = np.zeros((64, 64))
+            picture[10, 30] = 1.0
+            turned = np.rot90(picture, turns)
+            turned = turned[:, ::-1] if is_flipped else turned
+            row, column = np.argwhere(turned == 1.0)[0]
+            if not np.allclose(turned_tip(np.array([30.5, 10.5]), 64, turns, is_flipped), [column + 0.5, row + 0.5]):
+                return False
+    return True
+
+
+def a_crop_holds_its_tip_and_its_mask():
+    frames, random = read(data_set("crops")), np.random.default_rng(2)
+    for number in range(16):
+        for _ in range(10):
+            flat, tip, mask = example(frames, number, 64, Course(), random)
+            if flat.shape != (1, 64, 64) or mask.shape != (16, 16) or not (0 <= tip.min() and tip.max() < 64):
+                return False
+            if mask[int(tip[1]) // CELL, int(tip[0]) // CELL] != 1:
+                return False
+    return True
+
+
+# --- learning ---
+
+
+def it_learns_sixteen_frames_by_heart():
+    frames = read(data_set("heart", 20)).seen()
+    course = Course(crop_epochs=0, whole_epochs=100, batch=8, is_changed=False)
+    tracker, rows = train(frames, None, course)
+    errors, sums, _ = errors_of(tracker, frames)
+    print("# %d frames: median %.2f px, largest %.2f px" % (len(frames), np.median(errors), errors.max()))
+    return len(frames) == 16 and errors.max() < 1.0 and sums.min() > 0.5 and rows[-1][3] < rows[0][3]
+
+
+def the_same_seed_gives_the_same_tracker():
+    frames = read(data_set("seed")).seen()
+    states = []
+    for seed in (1, 1, 2):
+        tracker, _ = train(frames, None, Course(1, 1, crop=64, batch=4, seed=seed))
+        states.append(torch.cat([one.flatten().float() for one in tracker.state_dict().values()]))
+    return torch.equal(states[0], states[1]) and not torch.equal(states[0], states[2])
+
+
+def the_commands_train_and_judge():
+    folder, out = data_set("whole", 40), Path(FOLDER.name) / "out"
+    code, text, _ = said("train", folder, "--out", out, "--crop-epochs", 1, "--whole-epochs", 2)
+    good = code == 0 and "40 frames" in text and len((out / "curve.tsv").read_text().splitlines()) == 4
+    code, text, _ = said("judge", out, "same=%s" % folder, "--out", out)
+    names, *rows = (line.split("\t") for line in text.splitlines())
+    good = good and code == 0 and names[:3] == ["set", "inside", "clear"] and rows[0][1:] == rows[1][1:]
+    good = good and [row[:3] for row in rows] == [["same", "40", "32"], ["same wire", "40", "32"]]
+    figure = (out / "figures.tsv").read_text().split("\t")
+    good = good and figure == ["tracker.median_px", rows[0][3], "px", "set=same\n"]
+    return good and Image.open(out / "same.png").size == (4 * 260, 3 * 260)
+
+
+if __name__ == "__main__":
+    tap.run(
+        [
+            the_innermost_tip_is_that_of_the_first_tool_in_the_patient,
+            the_frames_read_are_those_that_were_written,
+            frames_that_were_kept_are_the_same,
+            a_data_set_of_the_factory_is_read,
+            a_shard_is_either_learned_or_watched,
+            what_cannot_be_read_is_refused_with_a_remedy,
+            flattening_removes_the_dose,
+            the_place_found_is_that_of_the_target,
+            a_turned_picture_has_a_turned_distribution,
+            a_tip_turns_with_its_picture,
+            a_crop_holds_its_tip_and_its_mask,
+            it_learns_sixteen_frames_by_heart,
+            the_same_seed_gives_the_same_tracker,
+            the_commands_train_and_judge,
+        ]
+    )

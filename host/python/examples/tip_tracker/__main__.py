@@ -1,0 +1,111 @@
+"""Trains and judges the tracker of tips.
+
+    python3 -m tip_tracker train DATA --out DIR            learn from a data set of cournand.factory
+    python3 -m tip_tracker judge DIR NAME=DATA --out DIR   measure the error in other data sets
+
+Exit codes: 0 done, 1 failed, 2 wrong usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import torch
+
+from .data import COVERED, DataError, Frames, read, split
+from .judge import COLUMNS, judged
+from .model import Tracker
+from .train import Course, Rows, train, write_curve
+
+WATCHED_PART = 0.06  # of the shards
+
+
+def _read(data: Path, keep: Path) -> Frames:
+    return read(data, keep / (data.name + ".npz"))
+
+
+def _train(given: argparse.Namespace) -> int:
+    given.out.mkdir(parents=True, exist_ok=True)
+    frames = _read(given.data, given.keep or given.out)
+    numbers, watched = split(frames, WATCHED_PART, given.seed)
+    learned, seen = frames.chosen(numbers).seen(COVERED), frames.chosen(watched).seen()
+    if not len(learned):
+        raise DataError("%s has no frame with a tip in the picture. Remedy: more frames" % given.data)
+    text = "%d frames: %d to learn from, %d with clear tips to watch"
+    print(text % (len(frames), len(learned), len(seen)), flush=True)
+    course = Course(given.crop_epochs, given.whole_epochs, seed=given.seed, is_short=given.bfloat16)
+
+    def after_epoch(tracker: Tracker, rows: Rows) -> None:
+        torch.save(tracker.state_dict(), given.out / "tracker.part.pt")
+        write_curve(given.out / "curve.tsv", rows)
+        print("epoch %d, %.0f s, edge %d: loss %.3f; median %.2f px, %.3f within 3 px" % rows[-1], flush=True)
+
+    train(learned, seen, course, after_epoch)
+    (given.out / "tracker.part.pt").replace(given.out / "tracker.pt")
+    return 0
+
+
+def _judge(given: argparse.Namespace) -> int:
+    tracker = Tracker()
+    try:
+        tracker.load_state_dict(torch.load(given.tracker / "tracker.pt"))
+    except (OSError, RuntimeError) as error:
+        raise DataError("%s has no tracker (%s). Remedy: tip_tracker train" % (given.tracker, error)) from error
+    given.out.mkdir(parents=True, exist_ok=True)
+    rows, figures = [COLUMNS], ""
+    for name, data in given.sets:
+        frames = _read(data, given.keep or given.out)
+        found = judged(tracker, name, frames, given.out / (name + ".png"))
+        rows += found
+        figures += "tracker.median_px\t%s\tpx\tset=%s\n" % (found[0][COLUMNS.index("median_px")], name)
+    text = "".join("\t".join(row) + "\n" for row in rows)
+    (given.out / "errors.tsv").write_text(text, encoding="utf-8")
+    (given.out / "figures.tsv").write_text(figures, encoding="utf-8")
+    print(text, end="")
+    return 0
+
+
+def _named(text: str) -> tuple[str, Path]:
+    name, is_named, path = text.partition("=")
+    if not is_named or not name:
+        raise argparse.ArgumentTypeError("%r is not NAME=DATA" % text)
+    return name, Path(path)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python3 -m tip_tracker", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    commands = parser.add_subparsers(dest="command", required=True)
+    learn = commands.add_parser("train", help="learn from a data set")
+    learn.add_argument("data", type=Path, help="folder of a data set with webdataset/*.tar")
+    learn.add_argument("--crop-epochs", type=int, default=2, help="passes over crops of 256 pixels (2)")
+    learn.add_argument("--whole-epochs", type=int, default=5, help="passes over whole pictures (5)")
+    learn.add_argument("--bfloat16", action="store_true", help="short numbers: twice as fast on some processors")
+    learn.add_argument("--seed", type=int, default=1, help="of weights, order and changes (1)")
+    test = commands.add_parser("judge", help="measure the error in data sets")
+    test.add_argument("tracker", type=Path, help="folder that `train` has written")
+    test.add_argument("sets", type=_named, nargs="+", metavar="NAME=DATA", help="data sets with a name for each")
+    for one in (learn, test):
+        one.add_argument("--out", type=Path, required=True, help="folder for the results")
+        one.add_argument("--keep", type=Path, help="folder for the arrays of data sets that were read (as --out)")
+        one.add_argument("--threads", type=int, default=1, help="processors (1)")
+    return parser
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Runs one command, and returns the exit code."""
+    given = _parser().parse_args(words)
+    torch.set_num_threads(given.threads)
+    try:
+        return _train(given) if given.command == "train" else _judge(given)
+    except (DataError, OSError) as error:
+        print("tip_tracker: %s" % error, file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
