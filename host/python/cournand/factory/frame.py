@@ -62,7 +62,7 @@ class ToolLabel:
 
 @dataclass(frozen=True)
 class LabelledFrame:
-    """All data of one frame that the formats write."""
+    """All data that the output formats store for one frame."""
 
     key: str
     index: int

@@ -64,7 +64,7 @@ class UsageError(Exception):
 
 @dataclass(frozen=True)
 class Options:
-    """All values that decide the bytes of a data set, besides the versions of the programs."""
+    """All values that determine the bytes of a data set, except the versions of the programs."""
 
     frames: int
     seed: int = 0
