@@ -54,11 +54,13 @@ def _part(errors: np.ndarray, percent: float) -> float:
     return float(np.percentile(errors, percent)) if len(errors) else float("nan")
 
 
-def judged(tracker: Tracker, name: str, frames: Frames, sheet: Path | None = None) -> list[tuple[str, ...]]:
+def judged(
+    tracker: Tracker, name: str, frames: Frames, sheet: Path | None = None, is_turned: bool = False
+) -> list[tuple[str, ...]]:
     """Judges a data set: returns a row for all its frames, and one for each set of tools. Writes a sheet with good,
     middling and bad frames of clear tips into `sheet`."""
     frames = frames.seen(COVERED)
-    errors, sums, found = errors_of(tracker, frames, is_turned=True)
+    errors, sums, found = errors_of(tracker, frames, is_turned)
     rows = [row_of(name, frames, errors, sums)]
     tools = np.array(["+".join(fact["tools"]) for fact in frames.facts])
     for one in sorted(set(tools)):
