@@ -45,7 +45,8 @@ def row_of(name: str, frames: Frames, errors: np.ndarray, sums: np.ndarray) -> t
     is_clear = frames.visible == CLEAR
     clear, covered = errors[is_clear], errors[~is_clear]
     sure = clear[sums[is_clear] >= SURE]
-    shares = (np.mean(clear <= 3), np.mean(clear <= 10), len(sure) / max(1, len(clear)))
+    count = max(1, len(clear))
+    shares = (np.sum(clear <= 3) / count, np.sum(clear <= 10) / count, len(sure) / count)
     numbers = (_part(clear, 50), _part(clear, 90), *shares, _part(sure, 90), _part(covered, 50))
     return (name, str(len(frames)), str(len(clear)), *("%.3g" % one for one in numbers))
 
