@@ -15,6 +15,7 @@ CELL = 4  # pixels of a cell's edge
 BLUR = 5  # cells of 8 pixels over which flattened() takes the mean
 WINDOW = 2  # cells on each side of the best cell that decide the place of the tip
 BLADE_PART = 0.05  # of the median: what is darker is a blade of the collimator, or as dark as one
+NONE = 8.0  # the score of the answer that a crop has no tip
 GAIN = 8.0  # brings the contrast of guidewires, 0.05 to 0.3, near to 1
 CHANNELS = (32, 48, 64, 64, 64)  # of the levels on the way down; the first needs many, for all directions of a wire
 CHANNELS_UP = (16, 32, 48, 64)  # of the levels on the way up
@@ -67,20 +68,24 @@ class Tracker(nn.Module):
 
 
 def target(tips: Tensor, cells: int, sigma: float = 1.0) -> Tensor:
-    """Returns the wanted distribution of each tip, float32 [n, cells * cells] with the sum 1: a Gaussian of the tip's
-    place (column and row in pixels, [n, 2]) with `sigma` in cells."""
+    """Returns the wanted distribution of each tip, float32 [n, cells * cells + 1] with the sum 1: a Gaussian around the
+    tip's place (column and row in pixels, [n, 2]) with `sigma` in cells. The last value is the probability that there
+    is no tip: 1 if the tip is outside the picture."""
     middles = torch.arange(cells, dtype=torch.float32) + 0.5
     columns, rows = tips[:, 0:1] / CELL, tips[:, 1:2] / CELL
     across = torch.exp(-((middles - columns) ** 2) / (2 * sigma**2))
     along = torch.exp(-((middles - rows) ** 2) / (2 * sigma**2))
     made = (along[:, :, None] * across[:, None, :]).flatten(1)
-    return made / made.sum(dim=1, keepdim=True).clamp(min=1e-12)
+    is_inside = ((tips >= 0) & (tips < cells * CELL)).all(dim=1, keepdim=True).float()
+    made = is_inside * made / made.sum(dim=1, keepdim=True).clamp(min=1e-12)
+    return torch.cat([made, 1 - is_inside], dim=1)
 
 
 def loss(made: Tensor, tips: Tensor, masks: Tensor) -> Tensor:
     """Returns the loss of a batch: the cross entropy of the tip's distribution, in nats, and the mean cross entropy of
     the masks. The masks teach the network what a tool is, before it knows where one ends."""
-    scores = functional.log_softmax(made[:, 0].flatten(1), dim=1)
+    none = torch.full((len(made), 1), NONE)
+    scores = functional.log_softmax(torch.cat([made[:, 0].flatten(1), none], dim=1), dim=1)
     tip = -(target(tips, made.shape[-1]) * scores).sum(dim=1).mean()
     weight = torch.tensor(8.0)  # some 2 % of the cells have a tool
     return tip + 2.0 * functional.binary_cross_entropy_with_logits(made[:, 1], masks, pos_weight=weight)
