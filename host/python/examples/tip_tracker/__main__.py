@@ -64,7 +64,7 @@ def _judge(given: argparse.Namespace) -> int:
     rows, figures = [COLUMNS], ""
     for name, data in given.sets:
         frames = _read(data, given.keep or given.out)
-        found = judged(tracker, name, frames, given.out / (name + ".png"))
+        found = judged(tracker, name, frames, given.out / (name + ".png"), given.turned)
         rows += found
         figures += "tracker.median_px\t%s\tpx\tset=%s\n" % (found[0][COLUMNS.index("median_px")], name)
     text = "".join("\t".join(row) + "\n" for row in rows)
@@ -96,6 +96,7 @@ def _parser() -> argparse.ArgumentParser:
     test = commands.add_parser("judge", help="measure the error in data sets")
     test.add_argument("tracker", type=Path, help="folder that `train` has written")
     test.add_argument("sets", type=_named, nargs="+", metavar="NAME=DATA", help="data sets with a name for each")
+    test.add_argument("--turned", action="store_true", help="take the mean over eight ways to turn a picture")
     for one in (learn, test):
         one.add_argument("--out", type=Path, required=True, help="folder for the results")
         one.add_argument("--keep", type=Path, help="folder for the arrays of data sets that were read (as --out)")

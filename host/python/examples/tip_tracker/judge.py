@@ -45,7 +45,8 @@ def row_of(name: str, frames: Frames, errors: np.ndarray, sums: np.ndarray) -> t
     is_clear = frames.visible == CLEAR
     clear, covered = errors[is_clear], errors[~is_clear]
     sure = clear[sums[is_clear] >= SURE]
-    shares = (np.mean(clear <= 3), np.mean(clear <= 10), len(sure) / max(1, len(clear)))
+    count = max(1, len(clear))
+    shares = (np.sum(clear <= 3) / count, np.sum(clear <= 10) / count, len(sure) / count)
     numbers = (_part(clear, 50), _part(clear, 90), *shares, _part(sure, 90), _part(covered, 50))
     return (name, str(len(frames)), str(len(clear)), *("%.3g" % one for one in numbers))
 
@@ -54,11 +55,13 @@ def _part(errors: np.ndarray, percent: float) -> float:
     return float(np.percentile(errors, percent)) if len(errors) else float("nan")
 
 
-def judged(tracker: Tracker, name: str, frames: Frames, sheet: Path | None = None) -> list[tuple[str, ...]]:
+def judged(
+    tracker: Tracker, name: str, frames: Frames, sheet: Path | None = None, is_turned: bool = False
+) -> list[tuple[str, ...]]:
     """Judges a data set: returns a row for all its frames, and one for each set of tools. Writes a sheet with good,
     middling and bad frames of clear tips into `sheet`."""
     frames = frames.seen(COVERED)
-    errors, sums, found = errors_of(tracker, frames, is_turned=True)
+    errors, sums, found = errors_of(tracker, frames, is_turned)
     rows = [row_of(name, frames, errors, sums)]
     tools = np.array(["+".join(fact["tools"]) for fact in frames.facts])
     for one in sorted(set(tools)):
