@@ -23,8 +23,11 @@ if [ ! -e "$folder/build.ninja" ] || [ "$want" != "$have" ] || [ -n "${CMAKE_ARG
     # shellcheck disable=SC2086
     configure() { cmake --preset "$preset" -B "$folder" "-DCRN_PARTS=$want" ${CMAKE_ARGS:-} >"$log" 2>&1; }
     # When the path to the compiler has changed, CMake deletes its cache and forgets the preset's values, such as the
-    # sanitizers. The second call sets them.
-    configure && { ! grep -q 'cache to be deleted' "$log" || configure; } || {
+    # sanitizers, and the parts; it may then miss packages that these parts do not need. The second call sets them.
+    made=0
+    configure || made=$?
+    if grep -q 'cache to be deleted' "$log"; then made=0 && { configure || made=$?; }; fi
+    [ "$made" = 0 ] || {
         cat "$log" >&2
         exit 1
     }

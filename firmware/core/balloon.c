@@ -295,10 +295,10 @@ static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_
     }
 }
 
-/* Returns the signed distance from the vessel wall to the surface of one of the balloon's balls, in one
- * direction. The distance is positive if the ball's surface lies beyond the vessel wall. The distance field
- * of the lumen is accurate at the vessel wall. The distance field is not accurate on the axis of a narrow
- * vessel, because the spline rounds off the ridge that the distance has there. */
+/* Returns the signed distance from the vessel wall to the surface of one of the balloon's balls,
+ * along the given direction. The distance is positive if the ball's surface lies beyond the vessel wall. The
+ * distance field of the lumen is accurate at the vessel wall. The distance field is not accurate on the axis
+ * of a narrow vessel, because the spline rounds off the ridge that the distance has there. */
 static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            const crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {

@@ -257,7 +257,7 @@ bool crn_state_restore(crn_model *model, crn_state *state, const uint8_t *bytes)
     }
     state->words = *copy;
     for (uint32_t i = 0; i < CRN_ARRAY_NODES; i++) {
-        state->voxels[i].voxel = 0;
+        state->voxels[i].number_and_depth = 0;
     }
     crn_exchange_take_line(model, &state->words);
     state->line.count = 0;

@@ -286,18 +286,22 @@ int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q3
     return find(lumen, position_m_q30, &place) ? distance_at(&place) : place.far_m_q30;
 }
 
-static int32_t greatest_of_27(const int8_t *c)
+/* Overflow is impossible: an entry of the index has 15 bits for a brick, so there are fewer than 2^15 * 1000
+ * coefficients, and their number fits 25 bits. */
+enum { VOXEL_DEPTH_BITS = 7, VOXEL_DEPTH_MOST = 127 };
+
+/* Returns how deep in the lumen the shallowest of the 27 coefficients is, 0 .. 127. Unit: voxel/32. */
+static int32_t least_depth_of_27(const int8_t *c)
 {
-    int32_t greatest = INT8_MIN;
-    for (int z = 0; z < 3; z++) {
-        for (int y = 0; y < 3; y++) {
+    int32_t greatest = -VOXEL_DEPTH_MOST;
+    for (int z = 0; z < 3 && greatest < 0; z++, c += SLICE) {
+        for (int y = 0; y < 3 * ROW; y += ROW) {
             for (int x = 0; x < 3; x++) {
-                const int32_t here = c[z * SLICE + y * ROW + x];
-                greatest = here > greatest ? here : greatest;
+                greatest = c[y + x] > greatest ? c[y + x] : greatest;
             }
         }
     }
-    return greatest;
+    return greatest < 0 ? -greatest : 0;
 }
 
 int32_t crn_lumen_distance_unless_far(const crn_lumen *lumen, const crn_vec3 *position_m_q30,
@@ -308,12 +312,13 @@ int32_t crn_lumen_distance_unless_far(const crn_lumen *lumen, const crn_vec3 *po
         return place.far_m_q30;
     }
     const int8_t *c = first_tap(&place);
-    const uint32_t voxel = (uint32_t)(c - lumen->samples) + 1;
-    if (last->voxel != voxel) {
-        *last = (crn_lumen_voxel){voxel, greatest_of_27(c)};
+    const uint32_t number = (uint32_t)(c - lumen->samples) + 1;
+    if (last->number_and_depth >> VOXEL_DEPTH_BITS != number) {
+        last->number_and_depth = number << VOXEL_DEPTH_BITS | (uint32_t)least_depth_of_27(c);
     }
-    const int32_t most = metres_q30(last->greatest * (1 << 19), place.level);
-    return most < far_m_q30 ? most : distance_at(&place);
+    const int32_t depth = (int32_t)(last->number_and_depth & VOXEL_DEPTH_MOST);
+    const int32_t most = metres_q30(-depth * (1 << 19), place.level);
+    return depth != 0 && most < far_m_q30 ? most : distance_at(&place);
 }
 
 crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30)

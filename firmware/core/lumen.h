@@ -88,11 +88,12 @@ typedef struct crn_lumen_sample {
  * marked INSIDE. */
 int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
-/* Remembers the voxel in which a point was last, and the greatest of the voxel's 27 coefficients, so that a
- * point which stays in its voxel needs no sum. `voxel` 0: none. What it remembers holds for one lumen. */
+/* Remembers the voxel in which a point was last, and how deep in the lumen the greatest of the voxel's 27
+ * coefficients is, so that a point which stays in its voxel needs no sum. The upper 25 bits are the number of
+ * the voxel's first coefficient plus one, or 0 for none. The lower 7 bits are the depth in units of voxel/32,
+ * or 0 where a coefficient is not inside. What it remembers holds for one lumen. */
 typedef struct crn_lumen_voxel {
-    uint32_t voxel;
-    int32_t greatest; /* voxel/32 */
+    uint32_t number_and_depth;
 } crn_lumen_voxel;
 
 /* Returns crn_lumen_distance, or a greater distance that is still below `far_m_q30`. A spline is never above

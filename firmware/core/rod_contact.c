@@ -1,7 +1,7 @@
 /* This file computes contact and friction of the tools on the vessel wall (docs/rod.md, "contact").
  *
- * At the predicted configuration x*, a node of radius r has the contact depth phi + r, where phi is the
- * signed distance from the wall, and the inward normal n of the wall. The node touches the wall when its
+ * At the predicted configuration x*, a node of radius r has the contact depth phi + r. Here phi is the signed
+ * distance from the wall, and n is the wall's inward normal at the node. The node touches the wall when its
  * depth is positive or when its drift will make the depth positive.
  * - Normal direction: k_n n n^T goes into the matrix, and k_c depth (+ k_deep beyond 0.2 mm) along n into the
  *   right side.

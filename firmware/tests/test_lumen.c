@@ -161,6 +161,38 @@ static void distance_is_that_of_contact_bit_for_bit(void **state)
     }
 }
 
+/* A remembered voxel saves the sum only where every coefficient of the voxel shows that the point is far. The
+ * result is then between the true distance and `far`; everywhere else it is the true distance. */
+static void remembered_voxel_never_hides_a_point_that_is_near(void **state)
+{
+    (void)state;
+    reference_random random = reference_random_seed(43);
+    mixed_levels();
+    crn_lumen_voxel last = {0};
+    int saved = 0, near = 0;
+    for (int i = 0; i < RANDOM_POINTS / 4; i++) {
+        if (i % 5000 == 0) {
+            random_bricks(&random);
+            last.number_and_depth = 0;
+            for (int k = 0; k < BRICKS * 1000; k++) { /* half of the fields are deep inside the lumen */
+                int8_t *sample = &samples[0][0][0][0] + k;
+                if (i % 10000 == 0) *sample = (int8_t)(*sample / 4 - 96);
+            }
+        }
+        where w = random_point(&random, i % 3);
+        const int32_t far = (int32_t)reference_random_below(&random, 8 * VOXEL_Q30) - 6 * VOXEL_Q30;
+        for (int step = 0; step < 4; step++) { /* the point crosses at most a few voxels */
+            const int32_t got = crn_lumen_distance_unless_far(&lumen, &w.position, far, &last);
+            const int32_t distance = crn_lumen_distance(&lumen, &w.position);
+            assert_true(got == distance || (distance <= got && got < far));
+            saved += got != distance;
+            near += distance >= far;
+            w.position.v[step % 3] += 1 << 17;
+        }
+    }
+    assert_true(saved > RANDOM_POINTS / 20 && near > RANDOM_POINTS / 20); /* both kinds of points occur */
+}
+
 /* Fills every level-0 brick with values of a function of the position, in voxels from the lattice corner. The
  * function first computes the spline's coefficients c = f - (second differences) / 8 from the values f, which
  * is exact for quadratic functions. */
@@ -317,6 +349,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(contact_is_the_quadratic_b_spline),
         cmocka_unit_test(distance_is_that_of_contact_bit_for_bit),
+        cmocka_unit_test(remembered_voxel_never_hides_a_point_that_is_near),
         cmocka_unit_test(known_walls_are_met_within_the_rounding_of_the_samples),
         cmocka_unit_test(field_is_smooth_across_bricks_and_voxels),
         cmocka_unit_test(normals_have_unit_length_and_point_inward),

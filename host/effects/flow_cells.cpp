@@ -67,6 +67,8 @@ void measure(FlowCell &cell, const VesselBranch &branch)
     cell.radius_mm = std::sqrt(volume_mm3 / (pi * cell.length_mm));
 }
 
+constexpr std::size_t group_cells = 16;
+
 double wanted_length_m(double radius_m)
 {
     return std::clamp(length_per_radius * radius_m, length_min_mm * 1e-3, length_max_mm * 1e-3);
@@ -88,8 +90,7 @@ FlowCells::FlowCells(const VesselTree &tree)
     }
     branch_begin_.push_back(cells_.size());
     for (const VesselLesion &lesion : tree.lesions) throats_.push_back(throat_of(tree, lesion));
-    middle_m_.resize(cells_.size());
-    for (std::size_t i = 0; i < cells_.size(); ++i) middle_m_[i] = at(i, cells_[i].middle);
+    find_middles();
 }
 
 void FlowCells::cut(const VesselTree &tree, std::size_t index)
@@ -178,21 +179,52 @@ void FlowCells::place(const VesselTree &moved)
 {
     if (!is_alike(moved)) return;
     for (std::size_t b = 0; b < points_m_.size(); ++b) points_m_[b] = moved.branches[b].points_m;
-    for (std::size_t i = 0; i < cells_.size(); ++i) middle_m_[i] = at(i, cells_[i].middle);
+    find_middles();
 }
 
+void FlowCells::find_middles()
+{
+    middle_m_.resize(cells_.size());
+    groups_.clear();
+    for (std::size_t i = 0; i < cells_.size(); ++i) middle_m_[i] = at(i, cells_[i].middle);
+    for (std::size_t begin = 0; begin < cells_.size(); begin += group_cells) {
+        const std::size_t end = std::min(begin + group_cells, cells_.size());
+        Group group{begin, end, 0.5 * (middle_m_[begin] + middle_m_[end - 1]), 0.0};
+        for (std::size_t i = begin; i < end; ++i)
+            group.reach_m =
+                std::max(group.reach_m, (middle_m_[i] - group.middle_m).norm() + cells_[i].radius_mm * 1e-3);
+        groups_.push_back(group);
+    }
+}
+
+// If the smallest power distance so far is f^2, a cell with a smaller one lies within f + r, where r is the
+// radius of the cell: p^2 < f^2 + r^2 <= (f + r)^2. Groups that lie farther away need no search. Of cells
+// with equal power distances, the first is found.
 std::size_t FlowCells::nearest(const Eigen::Vector3d &place_m) const
 {
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-        const double radius_m = cells_[i].radius_mm * 1e-3;
-        const double power = (place_m - middle_m_[i]).squaredNorm() - radius_m * radius_m;
-        if (!(power < least)) continue;
-        least = power;
-        best = i;
+    constexpr double margin_m = 1e-6; // far more than all rounding errors
+    std::size_t best = cells_.size();
+    double least = std::numeric_limits<double>::infinity(), reach_m = least;
+    auto search = [&](const Group &group) {
+        for (std::size_t i = group.begin; i < group.end; ++i) {
+            const double radius_m = cells_[i].radius_mm * 1e-3;
+            const double power = (place_m - middle_m_[i]).squaredNorm() - radius_m * radius_m;
+            if (!(power < least || (power == least && i < best))) continue;
+            least = power;
+            best = i;
+        }
+        reach_m = std::sqrt(std::max(least, 0.0)) + margin_m;
+    };
+    auto square = [&](const Group &group) { return (place_m - group.middle_m).squaredNorm(); };
+    std::size_t first = 0;
+    for (std::size_t i = 1; i < groups_.size(); ++i)
+        if (square(groups_[i]) < square(groups_[first])) first = i;
+    if (!groups_.empty()) search(groups_[first]);
+    for (const Group &group : groups_) {
+        const double within_m = group.reach_m + reach_m;
+        if (!(square(group) > within_m * within_m)) search(group);
     }
-    return best;
+    return best < cells_.size() ? best : 0;
 }
 
 } // namespace crn

@@ -76,12 +76,21 @@ class FlowCells
     bool is_alike(const VesselTree &tree) const;
     FlowThroat throat_of(const VesselTree &tree, const VesselLesion &lesion) const;
     Eigen::Vector3d at(std::size_t cell, const FlowCell::Place &place) const;
+    void find_middles();
+
+    // Consecutive cells. All their balls lie within reach_m of the middle.
+    struct Group {
+        std::size_t begin, end;
+        Eigen::Vector3d middle_m;
+        double reach_m;
+    };
 
     std::vector<FlowCell> cells_;
     std::vector<std::size_t> branch_begin_;
     std::vector<FlowThroat> throats_;
     std::vector<std::vector<Eigen::Vector3d>> points_m_; // of each branch, as of now
     std::vector<Eigen::Vector3d> middle_m_;
+    std::vector<Group> groups_;
 };
 
 // Returns the mean flow out of a vessel of radius r by Murray's law: pi/4 500/s r^3, which gives a wall shear

@@ -7,10 +7,10 @@
 //   scintillator  1/(1 + H f^2), H = 0.5 mm2: Lorentzian fit of CsI, about .67/.33/.18
 //                 at 1/2/3 per mm, as measured for panels after division by their pixel's share
 //
-// The focal spot and the pixel blur the expected signal, before photons are drawn at random. After photons
-// are drawn, the light in the scintillator spreads the contribution of each photon, so that the noise has the
-// scintillator's texture. All blurs are symmetric kernels, applied along rows and then along columns. Up to
-// 0.9 of half the sampling frequency, the modulation transfer function (MTF) of each kernel follows the
+// The expected signal is blurred by the focal spot and by the pixel before photons are drawn at random. After
+// photons are drawn, the light in the scintillator spreads the contribution of each photon, so that the noise
+// has the scintillator's texture. All blurs are symmetric kernels, applied along rows and then along columns.
+// Up to 0.9 of half the sampling frequency, the modulation transfer function (MTF) of each kernel follows the
 // formula in the list at the top of this file.
 #pragma once
 #include <array>

@@ -189,93 +189,6 @@ SignalKey key_of(const XraySettings &settings, const XrayTechnique &technique)
     return key;
 }
 
-using Exponents = std::array<float, beam_energy_count>;
-
-// Returns, for each photon energy, -log2 of the fraction of the beam that the bodies transmit.
-Exponents behind_bodies(const XrayChain &chain, std::int32_t pixel)
-{
-    Exponents exponent{};
-    for (int m = 0; m < material_count; ++m) {
-        if (chain.paths.bodies()[m].empty()) continue;
-        const auto path = static_cast<float>(chain.paths.bodies()[m][pixel]);
-        for (int k = 0; k < beam_energy_count; ++k) exponent[k] += chain.beam.log2_per_q10mm[m][k] * path;
-    }
-    return exponent;
-}
-
-float transmitted(const BeamTable &beam, const Exponents &exponent)
-{
-    float sum = 0.0f;
-    for (int k = 0; k < beam_energy_count; ++k)
-        sum += beam.share[k] * exp2_negative(exponent[k] > 0.0f ? exponent[k] : 0.0f);
-    return sum;
-}
-
-// If the exponents of all rays through a pixel differ by less than ray_spread_max, a single transmission is
-// computed, for their mean path length. If the exponents differ by less than ray_spread_max, the transmission
-// of the mean path length has a relative error of only 1e-4 against the mean of the rays' transmissions.
-constexpr float ray_spread_max = 0.1f;
-
-// A tool cannot displace more of a material than lies on the ray, so the tool's negative path length is
-// limited to that amount.
-float limited(std::int32_t length, std::int32_t there)
-{
-    return static_cast<float>(std::max(length, -there));
-}
-
-// Returns the mean transmission of a pixel's rays, each of which has its own path lengths.
-float mean_of_rays(const XrayChain &chain, std::size_t touched, const Exponents &body)
-{
-    const ToolPaths &tools = chain.paths.tools();
-    const PathPictures &bodies = chain.paths.bodies();
-    const std::int32_t pixel = tools.pixels[touched];
-    std::array<Exponents, tool_rays> ray_exponent;
-    ray_exponent.fill(body);
-    for (std::size_t slot = 0; slot < tools.materials.size(); ++slot) {
-        const int m = static_cast<int>(tools.materials[slot]);
-        const Exponents &per_length = chain.beam.log2_per_q10mm[m];
-        const std::int32_t there = bodies[m].empty() ? 0 : bodies[m][pixel];
-        const std::int32_t *length = tools.q10mm.data() + touched * tools.ints_per_pixel() + slot * tool_rays;
-        for (int ray = 0; ray < tool_rays; ++ray) {
-            const float added = limited(length[ray], there);
-            for (int k = 0; k < beam_energy_count; ++k) ray_exponent[ray][k] += per_length[k] * added;
-        }
-    }
-    float sum = 0.0f;
-    for (const Exponents &exponent : ray_exponent) sum += transmitted(chain.beam, exponent);
-    return sum * (1.0f / tool_rays);
-}
-
-// Several rays pass through each pixel, because tools are thin. The transmissions of the rays through a pixel
-// are averaged, because averaged path lengths would make thin metal too dark. Inside a wide column of
-// contrast medium the path lengths of a pixel's rays are nearly equal, so a single transmission for the mean
-// path length is accurate enough.
-float behind_tools(const XrayChain &chain, std::size_t touched)
-{
-    const ToolPaths &tools = chain.paths.tools();
-    const PathPictures &bodies = chain.paths.bodies();
-    const std::int32_t pixel = tools.pixels[touched];
-    const Exponents body = behind_bodies(chain, pixel);
-    Exponents mean = body;
-    float spread = 0.0f;
-    for (std::size_t slot = 0; slot < tools.materials.size(); ++slot) {
-        const int m = static_cast<int>(tools.materials[slot]);
-        const Exponents &per_length = chain.beam.log2_per_q10mm[m];
-        const std::int32_t there = bodies[m].empty() ? 0 : bodies[m][pixel];
-        const std::int32_t *length = tools.q10mm.data() + touched * tools.ints_per_pixel() + slot * tool_rays;
-        float low = limited(length[0], there), high = low, sum = low;
-        for (int ray = 1; ray < tool_rays; ++ray) {
-            const float added = limited(length[ray], there);
-            low = std::min(low, added);
-            high = std::max(high, added);
-            sum += added;
-        }
-        for (int k = 0; k < beam_energy_count; ++k) mean[k] += per_length[k] * (sum * (1.0f / tool_rays));
-        spread += (high - low) * *std::max_element(per_length.begin(), per_length.end());
-    }
-    return spread < ray_spread_max ? transmitted(chain.beam, mean) : mean_of_rays(chain, touched, body);
-}
-
 } // namespace
 
 XraySettings held_settings(const XraySettings &settings)
@@ -361,34 +274,6 @@ ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, Exp
     if (!settings.beam.fixed_technique && state)
         chain.exposure.follow(choice.technique, exp2_double(chain.log_mean), *state);
     return choice;
-}
-
-void attenuate_tools(XrayChain &chain)
-{
-    const ToolPaths &tools = chain.paths.tools();
-    const int count = static_cast<int>(tools.pixels.size());
-    chain.tool_gain.resize(count);
-    run_on_threads(count > 500 ? chain.threads : 1, [&](int thread) {
-        const RowRange range =
-            count > 500 ? rows_of_thread(thread, chain.threads, count) : RowRange{0, count};
-        for (int i = range.begin; i < range.end; ++i) {
-            // The lower limit of 1e-12 avoids a division by zero, and a pixel that the bodies make black
-            // still stays black.
-            const float body = std::max(chain.transmission[tools.pixels[i]], 1e-12f);
-            chain.tool_gain[i] = std::min(behind_tools(chain, i) / body, 1e3f) - 1.0f;
-        }
-    });
-    // The average over several rays per pixel already includes the blur by the pixel, and the signal of the
-    // bodies is already blurred. The shadow of the tools must still be blurred by the focal spot, but not by
-    // the pixel.
-    chain.tool_blur.run(chain.size, tools.pixels, chain.tool_gain, chain.kernels->focal_spot);
-    const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
-    chain.tool_signal.resize(pixels.size());
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-        const float left = std::max(1.0f + chain.tool_blur.values()[i], 0.0f);
-        const float primary = chain.primary[pixels[i]];
-        chain.tool_signal[i] = primary * left + (chain.signal[pixels[i]] - primary);
-    }
 }
 
 } // namespace crn

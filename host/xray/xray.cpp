@@ -192,8 +192,8 @@ std::vector<std::int32_t> Xray::instrument_path_q10mm(Material material) const
     if (place == tools.materials.end()) return {};
     const std::size_t slot = place - tools.materials.begin();
     std::vector<std::int32_t> path(static_cast<std::size_t>(tools.size) * tools.size, 0);
-    for (std::size_t i = 0; i < tools.pixels.size(); ++i)
-        path[tools.pixels[i]] = (tools.sum(i, slot) + tool_rays / 2) / tool_rays;
+    for (const std::int32_t pixel : tools.pixels)
+        path[pixel] = (tools.sum(pixel, slot) + tool_rays / 2) / tool_rays;
     return path;
 }
 

@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <boost/heap/d_ary_heap.hpp>
 #include <cmath>
-#include <queue>
 
 namespace crn::mesh
 {
@@ -76,7 +76,9 @@ class Simplifier
     std::vector<std::vector<uint32_t>> triangles_of_;
     std::vector<uint32_t> version_;
     std::vector<bool> triangle_alive_;
-    std::priority_queue<Candidate> queue_;
+    // The queue is far larger than the caches, so a heap with eight branches reads less memory than a binary
+    // one.
+    boost::heap::d_ary_heap<Candidate, boost::heap::arity<8>> queue_;
     std::vector<uint32_t> around_keep_, around_drop_, shared_; // kept between calls to avoid allocations
 };
 

@@ -29,10 +29,10 @@ static int64_t width_nm(const crn_safety_swing *swing)
 }
 
 /* Returns the hand's work in two swings of the carriage, computed from the hand's force less the mean force.
- * The mean force must be subtracted because growing swings do not end where they began. Without the
- * subtraction of the mean force, the steady force with which the hand presses against a wall would count as
- * work. Overflow is impossible, because travels are below 2^41 nm and the mean is below 2^31 mN /
- * CYCLE_ticks. */
+ * The mean force must be subtracted, because a growing oscillation does not return to the position
+ * where it began. Without the subtraction of the mean force, the steady force with which the hand presses
+ * against a wall would count as work. Overflow is impossible, because travels are below 2^41 nm and the mean
+ * is below 2^31 mN / CYCLE_ticks. */
 static int64_t hand_pJ(const crn_safety_swing *now, const crn_safety_swing *last)
 {
     const int64_t mean_mN = crn_quotient(now->hand_mN_ms + last->hand_mN_ms, now->ticks + last->ticks);

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <numbers>
+#include <random>
 extern "C" {
 #include <cmocka.h>
 }
@@ -303,6 +304,25 @@ void the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest(void **)
     assert_int_equal(cells[cells.nearest(Vector3d(0.0, -0.1, 0.009))].branch, 0);
 }
 
+// The search leaves out groups of cells; it must find the cell that a search of all cells finds.
+void the_cell_is_that_of_a_search_of_all_cells(void **)
+{
+    const FlowCells cells(aorta());
+    std::mt19937 random(1);
+    auto within_m = [&](double low, double high) { return low + (high - low) * random() / 4294967295.0; };
+    for (int turn = 0; turn < 2000; ++turn) {
+        const Vector3d place_m(within_m(-0.1, 0.2), within_m(-0.4, 0.3), within_m(-0.1, 0.1));
+        std::size_t best = 0;
+        auto power = [&](std::size_t i) {
+            const double radius_m = cells[i].radius_mm * 1e-3;
+            return (place_m - cells.middle_m(i)).squaredNorm() - radius_m * radius_m;
+        };
+        for (std::size_t i = 1; i < cells.size(); ++i)
+            if (power(i) < power(best)) best = i;
+        assert_int_equal(cells.nearest(place_m), best);
+    }
+}
+
 // --- time ---
 
 void aorta_flows_in_systole_and_left_coronary_in_diastole(void **)
@@ -373,6 +393,7 @@ int main()
         cmocka_unit_test(without_a_mouth_nothing_is_injected),
         cmocka_unit_test(side_holes_share_the_flow),
         cmocka_unit_test(the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest),
+        cmocka_unit_test(the_cell_is_that_of_a_search_of_all_cells),
         cmocka_unit_test(aorta_flows_in_systole_and_left_coronary_in_diastole),
         cmocka_unit_test(a_snapshot_goes_on_bit_for_bit),
         cmocka_unit_test(cells_follow_their_vessels),

@@ -7,11 +7,11 @@ tag, it compares the header with the committed description.
   test_library_abi.py --write    writes the description of the present header
 
 The description is made from a small object file that contains only variables. For each function, the object file has
-one variable of the function's type. For each constant, it has an array of as many bytes as the constant's value. For
-each member of a struct, it has one variable of the member's type, and an array of as many bytes as the member's offset.
-In the types of functions, structs that begin with struct_bytes are opaque, because later versions may add members at
-their end. The size of every other struct must not change. The test of the installed library checks that this library
-exports exactly the functions of the header."""
+one variable, which is a pointer to a function of this type. For each constant, it has an array of as many bytes as the
+constant's value. For each member of a struct, it has one variable of the member's type, and an array of as many bytes
+as the member's offset. In the types of functions, structs that begin with struct_bytes are opaque, because later
+versions may add members at their end. The size of every other struct must not change. The test of the installed library
+checks that this library exports exactly the functions of the header."""
 
 import os
 import re

@@ -19,7 +19,7 @@ tools=j_wire,rosen,coronary_014,beacon_5f,pigtail_5f,terumo_4f,j_wire+beacon_5f,
 tools+=,coronary_014+guide_jr4_6f,rosen+balloon_6x20,rosen+balloon_6x20@renal_6_0x18
 tools+=,coronary_014+balloon_3x20+guide_jl4_6f
 rare_tools=terumo_stiff_angled,simmons_2_5f,terumo_stiff_angled+terumo_5f
-dose="20 160" rare_dose="10 20" # nGy at the detector
+dose="20 160" low_dose="10 20" high_dose="160 320" # nGy at the detector
 
 make_in cournand.anatomies --bodies --first 1 --count 4 --out "$out/scenes" --programs "$build/bin"
 make_in cournand.anatomies --bodies --first 101 --count 2 --out "$out/scenes" --programs "$build/bin"
@@ -31,13 +31,15 @@ data() {
         --shard-frames 20 --block-frames 4 --out "$out/data/$1" --quiet
 }
 data train "$frames" 1 "$scenes" "$tools" "$dose"
-data held_out 600 2 "$rare_scenes" "$rare_tools" "$rare_dose"
+data held_out 600 7 "$rare_scenes" "$rare_tools" "$high_dose"
+data held_out_noisy 600 2 "$rare_scenes" "$rare_tools" "$low_dose"
 data same 300 3 "$scenes" "$tools" "$dose"
 data anatomy 300 4 "$rare_scenes" "$tools" "$dose"
 data instrument 300 5 "$scenes" "$rare_tools" "$dose"
-data noise 300 6 "$scenes" "$tools" "$rare_dose"
+data noise 300 6 "$scenes" "$tools" "$low_dose"
 
 # shellcheck disable=SC2086
 [ -e "$out/tracker.pt" ] || tracker train "$out/data/train" --out "$out" --keep "$out/kept" ${TRACKER_WORDS:-}
-tracker judge "$out" --out "$out" --keep "$out/kept" "held_out=$out/data/held_out" "same=$out/data/same" \
-    "anatomy=$out/data/anatomy" "instrument=$out/data/instrument" "noise=$out/data/noise"
+words=()
+for name in held_out held_out_noisy same anatomy instrument noise; do words+=("$name=$out/data/$name"); done
+tracker judge "$out" "${words[@]}" --out "$out" --keep "$out/kept"

@@ -126,4 +126,5 @@ NB_MODULE(_core, module)
     add_recordings(module);
     add_pictures(module);
     add_batches(module);
+    add_encoders(module);
 }

@@ -93,5 +93,6 @@ void add_worlds(nb::module_ &module);
 void add_pictures(nb::module_ &module);
 void add_recordings(nb::module_ &module);
 void add_batches(nb::module_ &module);
+void add_encoders(nb::module_ &module);
 
 } // namespace cournand_python

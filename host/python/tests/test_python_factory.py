@@ -19,11 +19,12 @@ import prepare  # noqa: E402
 
 prepare.enter(os.path.abspath(__file__))
 
+import cournand  # noqa: E402
 import factory_runs as runs  # noqa: E402
 import numpy as np  # noqa: E402
 from cournand.factory import Course, Options, UsageError, plan_shard, png  # noqa: E402
 from cournand.factory.formats.coco import annotations_of  # noqa: E402
-from cournand.factory.frame import CLEAR, OUTSIDE  # noqa: E402
+from cournand.factory.frame import CLEAR, OUTSIDE, areas_of  # noqa: E402
 from cournand.factory.options import varied  # noqa: E402
 from cournand.factory.plan import ATTEMPTS, AS_SHIPPED  # noqa: E402
 
@@ -207,7 +208,7 @@ def ranges_of_dose_angles_and_offset_hold_and_stand_in_the_plan():
 
 
 def read_png(content):
-    """Reads a PNG file as the PNG standard describes it: chunks with their checksums, and the filters 0 and 1."""
+    """Reads a PNG file as the PNG standard describes it: chunks with their checksums, and the filters 0 to 2."""
     at, data, kinds = 8, b"", []
     while at < len(content):
         (size,) = struct.unpack(">I", content[at : at + 4])
@@ -221,11 +222,15 @@ def read_png(content):
     width, height, bits, colour = struct.unpack(">IIBB", head[:10])
     step = bits // 8 * (3 if colour == 2 else 1)
     rows = np.frombuffer(zlib.decompress(data), np.uint8).reshape(height, width * step + 1)
-    lines = []
+    lines = [np.zeros((width, step), np.uint8)]
     for row in rows:
         line = row[1:].reshape(width, step)
-        lines.append(np.cumsum(line, axis=0, dtype=np.uint8) if row[0] == 1 else line)
-    pixels = np.stack(lines)
+        if row[0] == 1:
+            line = np.cumsum(line, axis=0, dtype=np.uint8)
+        elif row[0] == 2:
+            line = line + lines[-1]
+        lines.append(line)
+    pixels = np.stack(lines[1:])
     return pixels.reshape(height, width, step) if colour == 2 else pixels.copy().view(">u%d" % step)[:, :, 0]
 
 
@@ -250,6 +255,19 @@ def a_png_holds_the_pixels_with_every_compression():
         for how in ("stored", "fast", "flat")
     )
     return good and np.array_equal(png.decode_colour(png.encode(images[2], "flat")), images[2])
+
+
+def a_png_of_a_mask_holds_its_pixels():
+    """Masks of random sizes, from empty ones to noise, whose runs lie along the rows or along the columns."""
+    draw, good = np.random.default_rng(2), True
+    for part in (0.0, 0.001, 0.02, 0.5) * 20:
+        height, width = draw.integers(1, 600, 2)
+        mask = (draw.random((height, width)) < part).astype(np.uint8) * draw.integers(1, 256, dtype=np.uint8)
+        mask = np.maximum.accumulate(mask, axis=int(draw.integers(0, 2)))
+        good = good and np.array_equal(read_png(png.encode(mask, "flat")), mask)
+        counts = areas_of(mask)
+        good = good and all(counts[one.name] == np.count_nonzero(mask & np.uint8(one)) for one in cournand.Label)
+    return good
 
 
 def a_tar_holds_every_frame_once_and_its_masks_have_the_stated_areas():
@@ -460,6 +478,7 @@ if __name__ == "__main__":
             a_refused_set_of_tools_is_drawn_again,
             ranges_of_dose_angles_and_offset_hold_and_stand_in_the_plan,
             a_png_holds_the_pixels_with_every_compression,
+            a_png_of_a_mask_holds_its_pixels,
             a_tar_holds_every_frame_once_and_its_masks_have_the_stated_areas,
             run_lengths_give_the_masks_back,
             the_annotations_of_all_shards_are_one_file,

@@ -3,11 +3,9 @@
 it in an empty virtual environment. In the environment with the wheel, the five lines of the README, an environment from
 gymnasium.make and the notebook must work. Checks the types by mypy. Prints TAP."""
 
-import glob
 import os
 import re
 import resource
-import shutil
 import subprocess
 import sys
 import time
@@ -16,39 +14,17 @@ import zipfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import prepare  # noqa: E402
+import wheel  # noqa: E402
 
 sys.path.insert(0, os.path.join(prepare.ROOT, "tools", "check"))
 import tap  # noqa: E402
 import tree  # noqa: E402
 
-WORK = os.path.join(prepare.FOLDER, "wheel-test")
-LAB = os.path.join(prepare.FOLDER, "requirements-lab.txt")
+from wheel import PYTHON, TOOLS, WORK, found, succeeds  # noqa: E402
+
 LIMIT_S = 60  # of the issue: installation and picture, after the download; in the processor's time
 UNWANTED = re.compile(r"lib(X|GL|EGL|OpenGL|glfw|dcm|ofstd|usb|png|archive|openh264|sqlite|pq)", re.IGNORECASE)
-
-
-def environment():
-    """Returns the path of the Python of a virtual environment with the tools of this test."""
-    os.makedirs(prepare.FOLDER, exist_ok=True)
-    pinned = "".join(tree.read("host/python/requirements%s.txt" % name) for name in ("", "-lab"))
-    if not os.path.exists(LAB) or open(LAB, encoding="utf-8").read() != pinned:
-        with open(LAB, "w", encoding="utf-8") as file:
-            file.write(pinned)
-    return prepare.environment(os.path.join(prepare.FOLDER, "lab"), LAB)
-
-
-def succeeds(words, **more):
-    """Runs a command, prints its output if it fails, and returns whether it succeeded."""
-    ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, **more)
-    if ended.returncode != 0:
-        print("# " + ended.stdout.decode(errors="replace").replace("\n", "\n# "))
-    return ended.returncode == 0
-
-
-PYTHON = environment()
-BIN = os.path.dirname(PYTHON)
 EMPTY = os.path.join(WORK, "empty")
-TOOLS = dict(os.environ, PATH=BIN + os.pathsep + os.environ["PATH"])
 
 
 def processor_s():
@@ -57,29 +33,10 @@ def processor_s():
     return used.ru_utime + used.ru_stime
 
 
-def found(pattern):
-    names = glob.glob(os.path.join(WORK, pattern))
-    return names[0] if len(names) == 1 else None
-
-
-def pip_makes_a_wheel():
-    shutil.rmtree(WORK, ignore_errors=True)
-    words = [PYTHON, "-m", "pip", "wheel", ".", "--no-deps", "--no-build-isolation", "--wheel-dir", WORK]
-    library = os.path.join(prepare.BUILD, "lib", "libcournand.a")
-    words += ["--config-settings", "cmake.define.COURNAND_LIBRARY=" + library]  # Debian's pip does not know -C
-    words += ["--config-settings", "build-dir=" + os.path.join(prepare.FOLDER, "wheel-build")]
-    return succeeds(words, cwd=prepare.ROOT, env=TOOLS) and found("cournand-*-cp310-abi3-linux_x86_64.whl")
-
-
-def auditwheel_completes_the_wheel():
-    words = [PYTHON, "-m", "auditwheel", "repair", str(found("*.whl")), "--wheel-dir", os.path.join(WORK, "complete")]
-    return succeeds(words, env=TOOLS) and found("complete/*-manylinux_2_3*_x86_64.whl")
-
-
 def the_wheel_carries_what_it_needs_and_nothing_else():
-    with zipfile.ZipFile(found("complete/*.whl")) as wheel:
-        names = wheel.namelist()
-        wheel.extractall(os.path.join(WORK, "opened"))
+    with zipfile.ZipFile(found("complete/*.whl")) as opened:
+        names = opened.namelist()
+        opened.extractall(os.path.join(WORK, "opened"))
     needed = subprocess.run(
         ["readelf", "-d", os.path.join(WORK, "opened", "cournand", "_core.abi3.so")],
         capture_output=True,
@@ -102,14 +59,10 @@ def the_wheel_carries_what_it_needs_and_nothing_else():
 
 
 def an_empty_environment_has_a_picture_in_a_minute():
-    numpy, backend = [
-        line for line in tree.read("host/python/requirements.txt").split() if line.startswith(("numpy==", "nanobind-b"))
-    ]
-    wheels = os.path.join(WORK, "downloaded")
-    download = [PYTHON, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", wheels, numpy, backend]
-    if not succeeds(download):
+    wheels = wheel.downloaded()
+    if not wheels:
         return False
-    example = re.search(r"```python\n(.*?)```", tree.read("README.md"), re.S).group(1)
+    example = wheel.five_lines()
     begin, before = time.monotonic(), processor_s()
     venv.create(EMPTY, with_pip=True)
     python = os.path.join(EMPTY, "bin", "python")
@@ -157,8 +110,8 @@ def the_types_hold():
 
 tap.run(
     [
-        pip_makes_a_wheel,
-        auditwheel_completes_the_wheel,
+        wheel.pip_makes_a_wheel,
+        wheel.auditwheel_completes_the_wheel,
         the_wheel_carries_what_it_needs_and_nothing_else,
         an_empty_environment_has_a_picture_in_a_minute,
         gymnasium_makes_the_environments,

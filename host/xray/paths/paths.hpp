@@ -69,26 +69,50 @@ void finish_row(const View &view, int row, int begin, int end, std::int32_t *lin
 
 // Holds the path lengths in tools, which are added to the path lengths in the bodies. Only the pixels that a
 // tool touches have an entry with path lengths in tools. Several rays pass through each pixel that a tool
-// touches, because tools are thin. Each ray has one path length for each of the drawn materials.
+// touches, because tools are thin. Inside a wide tube, all rays of a pixel have nearly the same path length,
+// so a wide tube has one path length for all rays of a pixel.
 inline constexpr int tool_rays = 9;
 
 struct ToolPaths {
     int size = 0;
     std::vector<Material> materials;  // drawn in this frame
-    std::vector<std::int32_t> pixels; // touched, row*size + column, each once, in drawing order
-    std::vector<std::int32_t> entry;  // of each pixel of the picture: its index in `pixels`, -1 for none
-    // [touched pixel][material][ray], 1/1024 mm; a negative length is subtracted (blood that metal
-    // displaces).
-    std::vector<std::int32_t> q10mm;
+    std::vector<std::int32_t> pixels; // touched, row*size + column, each once, in rising order
+    std::vector<std::int32_t>
+        entry; // of each pixel of the picture: the index of its path lengths, -1 for none
+    // The path lengths are in 1/1024 mm; a negative length is subtracted (blood that metal displaces). The
+    // length of a ray is the sum of its own length in narrow tubes and of the pixel's length in wide tubes.
+    std::vector<std::int32_t> wide_q10mm;   // [entry][material], the same for all rays
+    std::vector<std::int32_t> narrow_entry; // of each entry: its index in narrow_q10mm, -1 for none
+    std::vector<std::int32_t> narrow_q10mm; // [narrow entry][material][ray]
 
-    std::size_t ints_per_pixel() const { return materials.size() * tool_rays; }
-    // Returns the sum of path lengths over all rays of one touched pixel, for one of `materials`; this sum is
-    // tool_rays times the mean.
-    std::int32_t sum(std::size_t touched, std::size_t material) const
+    // Working data of the painter: all touched pixels of a row are in these columns.
+    struct Columns {
+        int begin, end;
+    };
+    std::vector<Columns> touched;
+
+    // Returns the path lengths [material] in wide tubes.
+    const std::int32_t *wide(std::int32_t entry_of_pixel) const
     {
-        const std::int32_t *ray = q10mm.data() + touched * ints_per_pixel() + material * tool_rays;
-        std::int32_t sum = 0;
-        for (int k = 0; k < tool_rays; ++k) sum += ray[k];
+        return wide_q10mm.data() + static_cast<std::size_t>(entry_of_pixel) * materials.size();
+    }
+    // Returns the path lengths [material][ray] in narrow tubes, or nullptr if no narrow tube touches the
+    // pixel.
+    const std::int32_t *narrow(std::int32_t entry_of_pixel) const
+    {
+        const std::int32_t place = narrow_entry[static_cast<std::size_t>(entry_of_pixel)];
+        if (place < 0) return nullptr;
+        return narrow_q10mm.data() + static_cast<std::size_t>(place) * materials.size() * tool_rays;
+    }
+    // Returns the sum of path lengths over all rays of one pixel, for one of `materials`; this sum is
+    // tool_rays times the mean.
+    std::int32_t sum(std::int32_t pixel, std::size_t material) const
+    {
+        const std::int32_t at = entry[static_cast<std::size_t>(pixel)];
+        if (at < 0) return 0;
+        std::int32_t sum = tool_rays * wide(at)[material];
+        if (const std::int32_t *rays = narrow(at))
+            for (int k = 0; k < tool_rays; ++k) sum += rays[material * tool_rays + k];
         return sum;
     }
 };

@@ -278,6 +278,7 @@ void draw_tubes(const XrayFrame &frame, const View &view, Material displaced, To
     TubePainter painter(view, materials, displaced, paths);
     draw_line(painter, frame, view);
     draw_curves(painter, frame, view);
+    painter.finish();
 }
 
 double contrast_share(double iodine_mg_per_ml)

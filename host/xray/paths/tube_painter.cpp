@@ -3,6 +3,7 @@
 // because all values computed in it are small: the distances in pixels from d0, and t - t0.
 #include "host/xray/paths/tube_painter.hpp"
 #include "host/xray/paths/lanes.hpp"
+#include "host/xray/paths/tube_outline.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -46,68 +47,61 @@ float greatest(float a, float b)
     return a > b ? a : b;
 }
 
-// Computes path lengths in the uncut cylinder, in 1/1024 mm, for `count` rays in a row: (u + i step, v), in
-// pixels from the middle of the cylinder.
-CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int count, std::int32_t *out)
+// Computes path lengths in the cylinder, in 1/1024 mm, for `count` rays in a row: (u + i step, v), in pixels
+// from the middle of the cylinder.
+inline __attribute__((always_inline)) void chords_of_row(const Chords &c, bool is_hollow, float u, float v,
+                                                         float step, int count, std::int32_t *out)
 {
     const float dy = c.middle_v + v, dz = c.focal, ey = -c.t0 * v;
+    const float nx = dy * c.axis.z - dz * c.axis.y, nx_square = nx * nx, yz_square = dy * dy + dz * dz;
+    const float slope_row_a = dy * c.normal_a.y + dz * c.normal_a.z,
+                slope_row_b = dy * c.normal_b.y + dz * c.normal_b.z;
+    const float end_row_a = ey * c.normal_a.y + c.beyond_a, end_row_b = ey * c.normal_b.y + c.beyond_b;
     for (int i = 0; i < count; ++i) {
         const float from_middle = u + step * static_cast<float>(i);
         const float dx = c.middle_u + from_middle, ex = -c.t0 * from_middle;
-        const float nx = dy * c.axis.z - dz * c.axis.y, ny = dz * c.axis.x - dx * c.axis.z,
-                    nz = dx * c.axis.y - dy * c.axis.x; // d x axis
-        const float square = greatest(nx * nx + ny * ny + nz * nz, 1e-3f);
+        const float ny = dz * c.axis.x - dx * c.axis.z, nz = dx * c.axis.y - dy * c.axis.x; // d x axis
+        const float share = 1.0f / greatest(nx_square + ny * ny + nz * nz, 1e-3f);
         const float beside = ex * nx + ey * ny; // distance from the axis times |n|
         const float middle =
-            (nx * (ey * c.axis.z) - ny * (ex * c.axis.z) + nz * (ex * c.axis.y - ey * c.axis.x)) / square;
+            (nx * (ey * c.axis.z) - ny * (ex * c.axis.z) + nz * (ex * c.axis.y - ey * c.axis.x)) * share;
         // The cylinder's two end planes limit the ray's path in it; a small slope replaces a slope of 0, to
         // avoid a division by zero.
-        float slope_a = dx * c.normal_a.x + dy * c.normal_a.y + dz * c.normal_a.z;
-        float slope_b = dx * c.normal_b.x + dy * c.normal_b.y + dz * c.normal_b.z;
+        float slope_a = dx * c.normal_a.x + slope_row_a, slope_b = dx * c.normal_b.x + slope_row_b;
         slope_a = std::fabs(slope_a) > 1e-6f ? slope_a : 1e-6f;
         slope_b = std::fabs(slope_b) > 1e-6f ? slope_b : 1e-6f;
-        const float at_a = (ex * c.normal_a.x + ey * c.normal_a.y + c.beyond_a) / slope_a;
-        const float at_b = (ex * c.normal_b.x + ey * c.normal_b.y + c.beyond_b) / slope_b;
+        const float at_a = (ex * c.normal_a.x + end_row_a) / slope_a;
+        const float at_b = (ex * c.normal_b.x + end_row_b) / slope_b;
         const float low = greatest(slope_a > 0.0f ? at_a : -1e9f, slope_b < 0.0f ? at_b : -1e9f);
         const float high = least(slope_a < 0.0f ? at_a : 1e9f, slope_b > 0.0f ? at_b : 1e9f);
-        const float under_outer = c.outer_square * square - beside * beside;
-        const float under_inner = c.inner_square * square - beside * beside;
-        const float outer = std::sqrt(greatest(under_outer, 0.0f)) / square;
-        const float inner = std::sqrt(greatest(under_inner, 0.0f)) / square;
-        const float filled = greatest(least(middle + outer, high) - greatest(middle - outer, low), 0.0f);
-        const float hollow = greatest(least(middle + inner, high) - greatest(middle - inner, low), 0.0f);
-        const float chord = under_outer > 0.0f ? (under_inner > 0.0f ? filled - hollow : filled) : 0.0f;
-        const float length = std::sqrt(dx * dx + dy * dy + dz * dz);
+        const float beside_square = beside * beside * share;
+        const float outer = std::sqrt(greatest((c.outer_square - beside_square) * share, 0.0f));
+        float chord = greatest(least(middle + outer, high) - greatest(middle - outer, low), 0.0f);
+        if (is_hollow) {
+            const float inner = std::sqrt(greatest((c.inner_square - beside_square) * share, 0.0f));
+            chord -= greatest(least(middle + inner, high) - greatest(middle - inner, low), 0.0f);
+        }
+        const float length = std::sqrt(dx * dx + yz_square);
         const float scaled = chord * length * c.q10;
         out[i] = static_cast<std::int32_t>(least(scaled, 1e9f) + 0.5f);
     }
 }
 
-// Finds those columns [first, second) of the rows [y, y + 1] that are nearer than `pad` to the line from (ax,
-// ay) to (bx, by).
-struct Extent {
-    double ax, ay, bx, by, pad;
+CRN_WIDE void chords_of_solid(const Chords &c, float u, float v, float step, int count, std::int32_t *out)
+{
+    chords_of_row(c, false, u, v, step, count, out);
+}
 
-    std::pair<double, double> columns(double y) const
-    {
-        const double low = y - pad, high = y + 1.0 + pad, dy = by - ay;
-        double begin = 0.0, end = 1.0;
-        if (std::fabs(dy) > 1e-9) {
-            const double first = (low - ay) / dy, second = (high - ay) / dy;
-            begin = std::max(begin, std::min(first, second));
-            end = std::min(end, std::max(first, second));
-        }
-        if (begin > end) return {0.0, -1.0};
-        const double x0 = ax + begin * (bx - ax), x1 = ax + end * (bx - ax);
-        return {std::min(x0, x1) - pad, std::max(x0, x1) + pad};
-    }
-};
+CRN_WIDE void chords_of_hollow(const Chords &c, float u, float v, float step, int count, std::int32_t *out)
+{
+    chords_of_row(c, true, u, v, step, count, out);
+}
 
 } // namespace
 
 struct TubePainter::Line {
     Chords chords;
-    int rays; // per pixel along each edge: grid or 1
+    bool is_wide; // one ray per pixel, not grid * grid
     std::size_t material;
     float contrast; // in the displaced material
 };
@@ -118,12 +112,16 @@ TubePainter::TubePainter(const View &view, std::span<const Material> materials, 
       size_(view.size)
 {
     if (paths.size == size_)
-        for (std::int32_t pixel : paths.pixels) paths.entry[pixel] = -1;
+        for (int y = 0; y < size_; ++y)
+            for (int x = paths.touched[y].begin; x < paths.touched[y].end; ++x) row_of(y)[x] = -1;
     else
         paths.entry.assign(static_cast<std::size_t>(size_) * size_, -1);
     paths.size = size_;
+    paths.touched.assign(size_, {size_, 0});
     paths.pixels.clear();
-    paths.q10mm.clear();
+    paths.wide_q10mm.clear();
+    paths.narrow_entry.clear();
+    paths.narrow_q10mm.clear();
     paths.materials = {displaced};
     auto add = [&](Material material) {
         auto &known = paths.materials;
@@ -140,15 +138,31 @@ std::size_t TubePainter::slot(Material material) const
     return std::find(paths_.materials.begin(), paths_.materials.end(), material) - paths_.materials.begin();
 }
 
-std::int32_t *TubePainter::entry(int pixel)
+std::int32_t *TubePainter::row_of(int y)
+{
+    return paths_.entry.data() + static_cast<std::size_t>(y) * size_;
+}
+
+std::size_t TubePainter::entry(int pixel)
 {
     std::int32_t &place = paths_.entry[pixel];
     if (place < 0) {
-        place = static_cast<std::int32_t>(paths_.pixels.size());
-        paths_.pixels.push_back(pixel);
-        paths_.q10mm.resize(paths_.q10mm.size() + paths_.ints_per_pixel(), 0);
+        place = static_cast<std::int32_t>(paths_.narrow_entry.size());
+        paths_.wide_q10mm.resize(paths_.wide_q10mm.size() + paths_.materials.size(), 0);
+        paths_.narrow_entry.push_back(-1);
     }
-    return paths_.q10mm.data() + static_cast<std::size_t>(place) * paths_.ints_per_pixel();
+    return static_cast<std::size_t>(place);
+}
+
+std::int32_t *TubePainter::narrow(int pixel)
+{
+    std::int32_t &place = paths_.narrow_entry[entry(pixel)];
+    const std::size_t ints = paths_.materials.size() * tool_rays;
+    if (place < 0) {
+        place = static_cast<std::int32_t>(paths_.narrow_q10mm.size() / ints);
+        paths_.narrow_q10mm.resize(paths_.narrow_q10mm.size() + ints, 0);
+    }
+    return paths_.narrow_q10mm.data() + static_cast<std::size_t>(place) * ints;
 }
 
 void TubePainter::label(TubeLabels *labels, std::uint8_t bit, bool is_summed)
@@ -158,7 +172,7 @@ void TubePainter::label(TubeLabels *labels, std::uint8_t bit, bool is_summed)
     is_summed_ = is_summed;
 }
 
-void TubePainter::mark(int pixel, const std::int32_t *rays)
+void TubePainter::mark(int pixel, std::int32_t sum_of_rays)
 {
     if (!is_summed_) {
         labels_->pixels[static_cast<std::size_t>(pixel)] |= bit_;
@@ -166,31 +180,58 @@ void TubePainter::mark(int pixel, const std::int32_t *rays)
     }
     std::int32_t &sum = labels_->sums_q10mm[static_cast<std::size_t>(pixel)];
     if (sum == 0) labels_->summed.push_back(pixel);
-    for (int k = 0; k < tool_rays; ++k) sum += rays[k];
+    sum += sum_of_rays;
 }
 
-void TubePainter::paint_row(const Line &line, int y, int x0, int x1)
+// Traces the rays of one row of pixels, `rays` rays per pixel along each edge, into rows_.
+void TubePainter::trace(const Line &line, int rays, int y, int x0, int x1)
 {
-    const int count = (x1 - x0) * line.rays;
-    rows_.resize(static_cast<std::size_t>(line.rays) * count);
-    const double step = 1.0 / line.rays;
-    const auto u = static_cast<float>(x0 + 0.5 * step - half_ - static_cast<double>(line.chords.middle_u));
-    for (int j = 0; j < line.rays; ++j) {
-        const auto v =
-            static_cast<float>(half_ - y - (j + 0.5) * step - static_cast<double>(line.chords.middle_v));
-        chords_of_row(line.chords, u, v, static_cast<float>(step), count, rows_.data() + j * count);
+    const int count = (x1 - x0) * rays;
+    rows_.resize(static_cast<std::size_t>(rays) * count);
+    const Chords &c = line.chords;
+    const double step = 1.0 / rays;
+    const auto u = static_cast<float>(x0 + 0.5 * step - half_ - static_cast<double>(c.middle_u));
+    for (int j = 0; j < rays; ++j) {
+        const auto v = static_cast<float>(half_ - y - (j + 0.5) * step - static_cast<double>(c.middle_v));
+        std::int32_t *row = rows_.data() + static_cast<std::size_t>(j) * count;
+        if (c.inner_square > 0.0f)
+            chords_of_hollow(c, u, v, static_cast<float>(step), count, row);
+        else
+            chords_of_solid(c, u, v, static_cast<float>(step), count, row);
     }
-    for (int x = 0; x < x1 - x0; ++x) {
-        std::int32_t rays[tool_rays], any = 0;
+}
+
+void TubePainter::paint_wide(const Line &line, int y, int x0, int x1)
+{
+    trace(line, 1, y, x0, x1);
+    for (int x = x0; x < x1; ++x) {
+        const std::int32_t length = rows_[x - x0];
+        if (length == 0) continue;
+        const int pixel = y * size_ + x;
+        if (labels_ != nullptr) mark(pixel, tool_rays * length);
+        const std::size_t at = entry(pixel) * paths_.materials.size(); // may move wide_q10mm
+        std::int32_t *of_pixel = paths_.wide_q10mm.data() + at;
+        const auto mixed = static_cast<std::int32_t>(static_cast<float>(length) * line.contrast);
+        of_pixel[line.material] += length;
+        of_pixel[displaced_] -= length - mixed;
+        of_pixel[contrast_] -= mixed;
+    }
+}
+
+void TubePainter::paint_narrow(const Line &line, int y, int x0, int x1)
+{
+    trace(line, grid, y, x0, x1);
+    const std::size_t count = static_cast<std::size_t>(x1 - x0) * grid;
+    for (int x = x0; x < x1; ++x) {
+        std::int32_t rays[tool_rays], sum = 0;
         for (int j = 0; j < grid; ++j)
             for (int i = 0; i < grid; ++i) {
-                const int row = line.rays == grid ? j : 0, column = line.rays == grid ? x * grid + i : x;
-                rays[j * grid + i] = rows_[row * count + column];
-                any |= rays[j * grid + i];
+                rays[j * grid + i] = rows_[j * count + static_cast<std::size_t>(x - x0) * grid + i];
+                sum += rays[j * grid + i];
             }
-        if (any == 0) continue;
-        if (labels_ != nullptr) mark(y * size_ + x0 + x, rays);
-        std::int32_t *of_pixel = entry(y * size_ + x0 + x);
+        if (sum == 0) continue;
+        if (labels_ != nullptr) mark(y * size_ + x, sum);
+        std::int32_t *of_pixel = narrow(y * size_ + x);
         std::int32_t *own = of_pixel + line.material * tool_rays;
         std::int32_t *blood = of_pixel + displaced_ * tool_rays, *contrast = of_pixel + contrast_ * tool_rays;
         for (int k = 0; k < tool_rays; ++k) {
@@ -216,14 +257,6 @@ void TubePainter::paint(const TubePiece &piece)
         outer = apart_mm;
         inner = 0.0;
     }
-    auto pixel_x = [&](const Vector3d &p) { return half_ + focal_pixels_ * p.x() / p.z(); };
-    auto pixel_y = [&](const Vector3d &p) { return half_ - focal_pixels_ * p.y() / p.z(); };
-    // `pad` includes an allowance for the rim of the cylinder, for its oblique ends at the bisecting planes,
-    // and for half a pixel's diagonal.
-    const double pad = 1.6 * outer * focal_pixels_ / near_mm + 1.0;
-    const Extent extent{pixel_x(piece.a_mm), pixel_y(piece.a_mm), pixel_x(piece.b_mm), pixel_y(piece.b_mm),
-                        pad};
-
     Line line;
     Chords &c = line.chords;
     c.axis = single((piece.b_mm - piece.a_mm).normalized());
@@ -238,17 +271,34 @@ void TubePainter::paint(const TubePiece &piece)
     c.outer_square = static_cast<float>(outer * outer);
     c.inner_square = static_cast<float>(inner * inner);
     c.q10 = static_cast<float>(std::min(share, 1.0) * 1024.0);
-    line.rays = outer * focal_pixels_ > wide_pixels * middle.z() ? 1 : grid;
+    line.is_wide = outer * focal_pixels_ > wide_pixels * middle.z();
     line.material = slot(piece.material);
     line.contrast = static_cast<float>(std::clamp(piece.displaced_contrast, 0.0, 1.0));
 
+    const TubeOutline outline(piece, outer, focal_pixels_, half_);
     auto pixel = [&](double at) { return static_cast<int>(std::clamp(std::floor(at), -1.0, 1.0 * size_)); };
-    const int y0 = std::max(pixel(std::min(extent.ay, extent.by) - pad), 0);
-    const int y1 = std::min(pixel(std::max(extent.ay, extent.by) + pad), size_ - 1);
+    const auto [top, bottom] = outline.rows();
+    const int y0 = std::max(pixel(top), 0), y1 = std::min(pixel(bottom), size_ - 1);
     for (int y = y0; y <= y1; ++y) {
-        const auto [from, to] = extent.columns(y);
+        const auto [from, to] = outline.columns(y);
         const int x0 = std::max(pixel(from), 0), x1 = std::min(pixel(to) + 1, size_);
-        if (x0 < x1) paint_row(line, y, x0, x1);
+        if (x0 >= x1) continue;
+        ToolPaths::Columns &touched = paths_.touched[y];
+        touched = {std::min(touched.begin, x0), std::max(touched.end, x1)};
+        if (line.is_wide)
+            paint_wide(line, y, x0, x1);
+        else
+            paint_narrow(line, y, x0, x1);
+    }
+}
+
+void TubePainter::finish()
+{
+    paths_.pixels.reserve(paths_.narrow_entry.size());
+    for (int y = 0; y < size_; ++y) {
+        const std::int32_t *row = row_of(y);
+        for (int x = paths_.touched[y].begin; x < paths_.touched[y].end; ++x)
+            if (row[x] >= 0) paths_.pixels.push_back(y * size_ + x);
     }
 }
 

@@ -28,19 +28,24 @@ class TubePainter
     // sets the bits later.
     void label(TubeLabels *labels, std::uint8_t bit, bool is_summed);
     void paint(const TubePiece &piece);
+    void finish(); // lists the touched pixels after the last piece
 
   private:
     struct Line; // one row of rays and the data that a piece needs for it
-    void paint_row(const Line &line, int y, int x0, int x1);
+    void trace(const Line &line, int rays, int y, int x0, int x1);
+    void paint_wide(const Line &line, int y, int x0, int x1);
+    void paint_narrow(const Line &line, int y, int x0, int x1);
     std::size_t slot(Material material) const;
-    std::int32_t *entry(int pixel);
-    void mark(int pixel, const std::int32_t *rays);
+    std::int32_t *row_of(int y); // the entries of the pixels of a row
+    std::size_t entry(int pixel);
+    std::int32_t *narrow(int pixel); // the path lengths [material][ray]
+    void mark(int pixel, std::int32_t sum_of_rays);
 
     ToolPaths &paths_;
     double focal_pixels_, half_;
     int size_;
     std::size_t displaced_, contrast_;
-    std::vector<std::int32_t> rows_; // of three rows of rays
+    std::vector<std::int32_t> rows_; // of rays: of one or three rows
     TubeLabels *labels_ = nullptr;
     std::uint8_t bit_ = 0;
     bool is_summed_ = false;

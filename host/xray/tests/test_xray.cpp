@@ -198,6 +198,32 @@ static void picture_is_the_same_for_any_number_of_threads(void **)
     assert_int_equal(one, 0x7a9083b12e5445e1);
 }
 
+// Medium in a wide vessel has one ray per pixel and in a narrow vessel nine rays, and a wire displaces
+// medium. The golden hash of this picture, too, is equal for all compilers and any number of threads.
+static void picture_of_contrast_medium_is_the_same_for_any_number_of_threads(void **)
+{
+    XrayScene scene;
+    std::string error;
+    assert_true(scene.set_bodies(chest_like(), error));
+    SweptCurve wide{Material::iohexol_350, {}}, narrow{Material::iohexol_350, {}};
+    for (int i = 0; i <= 30; ++i) {
+        const double s = i / 30.0;
+        wide.points.push_back({{0.01 + 0.02 * s * s, -0.05 + 0.1 * s, 0.01 * s}, 0.012, 0.1 + 0.5 * s});
+        narrow.points.push_back({{-0.03 + 0.05 * s, 0.02 * s, 0.02}, 0.003 - 0.002 * s, 0.8});
+    }
+    const std::vector<SweptCurve> curves = {wide, narrow};
+    const std::vector<RadiopaqueInstrument> wires = {guidewire_look()};
+    WireFrame wire = bent_wire();
+    for (WireNode &node : wire.nodes) node.contrast_mg_per_ml = 120.0;
+    for (int threads : {1, 2, 7}) {
+        Xray xray(scene, threads);
+        XrayPicture picture;
+        xray.render(oblique_settings(), {wires, wire, curves}, 7, nullptr, picture);
+        std::printf("# contrast medium %016llx\n", static_cast<unsigned long long>(hash_of(picture)));
+        assert_int_equal(hash_of(picture), 0xf1f93ff6fd41763c);
+    }
+}
+
 static void kept_view_gives_the_same_picture_as_a_new_one(void **)
 {
     const auto first = render(chest_like(), oblique_settings(), bent_wire());
@@ -365,6 +391,7 @@ int main()
         cmocka_unit_test(nested_body_is_taken_out_of_its_parent),
         cmocka_unit_test(source_inside_a_body_sees_the_way_out),
         cmocka_unit_test(picture_is_the_same_for_any_number_of_threads),
+        cmocka_unit_test(picture_of_contrast_medium_is_the_same_for_any_number_of_threads),
         cmocka_unit_test(kept_view_gives_the_same_picture_as_a_new_one),
         cmocka_unit_test(tube_has_the_volume_of_its_wire),
         cmocka_unit_test(tube_is_unbroken_and_as_thick_as_the_wire),

@@ -466,8 +466,8 @@ void a_file_gives_the_lesion_back(void **)
 
 // The mesh of the vessel has a radius of 2 mm. The centrelines state a radius of 2 mm in one case and 2.5 mm
 // in the other case. If the centrelines state 2 mm, the smallest radius of the vessel tree equals that of the
-// mesh. If the centrelines state 2.5 mm, the smallest radius of the tree is 0.3 mm larger than that of the
-// mesh.
+// mesh. If the centrelines state a radius of 2.5 mm, the tree's smallest radius must be 0.3 mm larger than
+// the mesh's.
 void a_mesh_that_is_not_the_trees_is_warned_of(void **)
 {
     for (const double stated_mm : {2.0, 2.5}) {

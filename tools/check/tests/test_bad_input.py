@@ -136,7 +136,7 @@ def anatomy_cases(bench):
 
 # --- bake ------------------------------------------------------------------------------------------------------------
 def bake_scene(bench, name, pattern, text, mesh=None, mesh_name="lumen.stl"):
-    """Checks that the program bake refuses a scene with the given text."""
+    """Checks that `bake` refuses a scene file whose contents are `text`, with a message that matches `pattern`."""
     bench.write("lumen.stl", stl(LUMEN))
     if mesh is not None:
         bench.write(mesh_name, mesh)

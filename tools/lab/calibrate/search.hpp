@@ -2,13 +2,13 @@
 // can choose CMA-ES or differential evolution instead of the genetic algorithm, with the same budget of
 // trials. A trial gives the value of each parameter as its position 0 .. 1 in the parameter's range.
 //
-// The algorithms of the library pagmo request one trial after the other. We run each generation twice, so
-// that all its trials can be evaluated in parallel. In the first run, a copy of the algorithm runs on a
-// problem that only records the requested trials. No trial of a generation depends on the result of another
-// trial of that generation. The workers (threads or processes) evaluate the recorded trials of a generation
-// at the same time. In the second run, pagmo's own algorithm runs the generation and receives the recorded
-// results at once. The outcome of the search equals that of pagmo's algorithm alone, for any number of
-// workers.
+// The algorithms of the library pagmo request one trial after the other. To evaluate
+// all trials of a generation in parallel, we run each generation twice. In the first run, a copy of the
+// algorithm runs on a problem that only records the requested trials. No trial of a generation depends on the
+// result of another trial of that generation. The workers (threads or processes) evaluate the recorded trials
+// of a generation at the same time. In the second run, pagmo's own algorithm runs the generation and receives
+// the recorded results at once. The outcome of the search equals that of pagmo's algorithm alone, for any
+// number of workers.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <cstdint>

@@ -104,7 +104,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
     @property
     def world(self) -> Any:
-        """The world of this environment; if a caller moves the world directly, the episode changes, too."""
+        """The world of this environment. If a caller steps the world directly, the current episode advances with it."""
         return self._fleet.worlds[0]
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from .. import _core
 from ..world import Pose
 from ..xray import Label, Picture, View
 
@@ -26,6 +27,8 @@ COLUMNS = ("position", "arc_mm", "x_mm", "y_mm", "z_mm", "column", "row", "visib
 """Of the array of centrelines."""
 
 Floats = npt.NDArray[np.float64]
+
+_BITS = [(label.name or "", label.bit_length() - 1) for label in Label]  # names and numbers of the bits
 
 
 class Point(NamedTuple):
@@ -62,7 +65,7 @@ class ToolLabel:
 
 @dataclass(frozen=True)
 class LabelledFrame:
-    """All data of one frame that the formats write."""
+    """All data that the output formats store for one frame."""
 
     key: str
     index: int
@@ -127,7 +130,8 @@ def visibilities(pixels: Floats, labels: npt.NDArray[np.uint8], bit: int) -> npt
 
 def areas_of(labels: npt.NDArray[np.uint8]) -> dict[str, int]:
     """Returns the number of pixels of each mask."""
-    return {label.name or "": int(np.count_nonzero(labels & np.uint8(label))) for label in Label}
+    counts = _core.count_bits(labels)
+    return {name: counts[bit] for name, bit in _BITS}
 
 
 class Axis:

@@ -21,6 +21,9 @@ COMPRESSIONS = ("stored", "fast")
 SEED_MAX = 2**63 - 1
 FRAMES_MAX = 1_000_000_000
 PLAN = "plan.json"
+FACTORY_VERSION = "2"
+"""The version of the encoders and of the choice of scenes, views and motions: it changes when equal options give other
+bytes."""
 
 # Sets of tools, from the innermost to the outermost. "@" is followed by a stent on the balloon of the set.
 TOOL_SETS = (
@@ -64,7 +67,7 @@ class UsageError(Exception):
 
 @dataclass(frozen=True)
 class Options:
-    """All values that decide the bytes of a data set, besides the versions of the programs."""
+    """All values that determine the bytes of a data set, except the versions of the programs."""
 
     frames: int
     seed: int = 0
@@ -187,6 +190,7 @@ def versions(options: Options) -> dict[str, str]:
     """Returns the versions of all programs and libraries that can change the bytes of a data set."""
     found = {
         "cournand": __version__,
+        "factory": FACTORY_VERSION,
         "core": str(CORE_VERSION),
         "numpy": np.__version__,
         "python": platform.python_version(),

@@ -9,26 +9,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .. import _core
+
 _HEAD = b"\x89PNG\r\n\x1a\n"
 _GREY, _COLOUR = 0, 2
 _NONE, _SUB = 0, 1  # filters of a row
-STORED_BLOCK = 65535
 
 
 def _chunk(kind: bytes, body: bytes) -> bytes:
     return b"".join((struct.pack(">I", len(body)), kind, body, struct.pack(">I", zlib.crc32(body, zlib.crc32(kind)))))
-
-
-def _stored(rows: bytes) -> bytes:
-    """Returns a zlib stream of stored blocks of a fixed size, without compression, so that its bytes depend on no
-    library."""
-    parts = [b"\x78\x01"]
-    for begin in range(0, len(rows), STORED_BLOCK):
-        part = rows[begin : begin + STORED_BLOCK]
-        is_last = begin + STORED_BLOCK >= len(rows)
-        parts += [struct.pack("<BHH", is_last, len(part), len(part) ^ 0xFFFF), part]
-    parts.append(struct.pack(">I", zlib.adler32(rows)))
-    return b"".join(parts)
 
 
 def _packed(rows: bytes, strategy: int) -> bytes:
@@ -40,8 +29,13 @@ def encode(pixels: npt.NDArray[Any], compression: str = "fast") -> bytes:
     """Returns the PNG of an image, uint8 or uint16 [h, w], or uint8 [h, w, 3].
 
     `compression` is "stored" for no compression, "fast" for noisy pictures, or "flat" for images of few values such as
-    masks.
+    masks. The bytes of "stored" images, and of "flat" images of type uint8 [h, w], depend on no library.
     """
+    if compression == "stored":
+        whole = np.ascontiguousarray(pixels)
+        return _core.stored_png(whole) if pixels.ndim == 2 else _core.stored_colour_png(whole)
+    if compression == "flat" and pixels.ndim == 2 and pixels.dtype == np.uint8:
+        return _core.mask_png(np.ascontiguousarray(pixels))
     height, width = pixels.shape[:2]
     is_wide = pixels.dtype == np.uint16
     is_colour = pixels.ndim == 3
@@ -56,11 +50,7 @@ def encode(pixels: npt.NDArray[Any], compression: str = "fast") -> bytes:
     else:
         rows[:, 0] = _NONE
         rows[:, 1:] = body
-    data = rows.tobytes()
-    if compression == "stored":
-        data = _stored(data)
-    else:
-        data = _packed(data, zlib.Z_RLE if compression == "fast" else zlib.Z_DEFAULT_STRATEGY)
+    data = _packed(rows.tobytes(), zlib.Z_RLE if compression == "fast" else zlib.Z_DEFAULT_STRATEGY)
     head = struct.pack(">IIBBBBB", width, height, 16 if is_wide else 8, _COLOUR if is_colour else _GREY, 0, 0, 0)
     return b"".join((_HEAD, _chunk(b"IHDR", head), _chunk(b"IDAT", data), _chunk(b"IEND", b"")))
 

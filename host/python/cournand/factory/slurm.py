@@ -1,4 +1,4 @@
-"""Makes a script for Slurm: an array of tasks that share the shards, and a last job that completes the data set."""
+"""Makes a Slurm script: a job array whose tasks divide the shards, and a final job that completes the data set."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ import tap  # noqa: E402
 from tip_tracker import __main__ as program  # noqa: E402
 from tip_tracker.data import DataError, innermost_tip, read, split  # noqa: E402
 from tip_tracker.judge import errors_of  # noqa: E402
-from tip_tracker.model import CELL, flattened, located, target  # noqa: E402
+from tip_tracker.model import CELL, chances_of, flattened, located, target  # noqa: E402
 from tip_tracker.train import Course, example, train, turned_tip  # noqa: E402
 
 FOLDER = tempfile.TemporaryDirectory()
@@ -154,6 +154,10 @@ def what_cannot_be_read_is_refused_with_a_remedy():
         good = good and code == 1 and name in errors and "Remedy" in errors
     code, _, errors = said("judge", empty, "x=%s" % folder, "--out", Path(FOLDER.name) / "none")
     good = good and code == 1 and "Remedy" in errors
+    empty.mkdir()
+    (empty / "tracker.pt").write_bytes(b"no tracker")
+    code, _, errors = said("judge", empty, "x=%s" % folder, "--out", empty)
+    good = good and code == 1 and "has no tracker" in errors
     return good and said("judge", empty, "x", "--out", empty)[0] == 2 and said("learn")[0] == 2
 
 
@@ -172,12 +176,31 @@ def flattening_removes_the_dose():
 def the_place_found_is_that_of_the_target():
     """The mean of a Gaussian over whole cells is its middle; the window cuts its edges off."""
     tips = torch.rand(200, 2) * 100 + 14
-    wanted = target(tips, 32)
-    made = torch.stack([torch.log(wanted + 1e-30), torch.zeros_like(wanted)], dim=1).reshape(200, 2, 32, 32)
-    places, inside = located(made)
+    places, inside = located(target(tips, 32)[:, :-1].reshape(200, 32, 32))
     worst = float(torch.linalg.norm(places - tips, dim=1).max())
     print("# at most %.3f px" % worst)
     return worst < 0.7 and float(inside.min()) > 0.9  # measured 0.24: half a cell off, 1.2 % of the mass is cut off
+
+
+class Darkest(torch.nn.Module):
+    """Stands for a tracker: its score is high where a cell is dark, and where the cell above is, which is no symmetry
+    of the square."""
+
+    def forward(self, flat):
+        dark = -40 * torch.nn.functional.avg_pool2d(flat, CELL)
+        return torch.cat([dark + 0.2 * dark.roll(1, 2), dark], dim=1)
+
+
+def a_turned_picture_has_a_turned_distribution():
+    flat = torch.randn(2, 1, 64, 64)
+    chances = chances_of(Darkest(), flat)
+    worst = float((chances_of(Darkest(), torch.rot90(flat, 1, (2, 3))) - torch.rot90(chances, 1, (1, 2))).abs().max())
+    flipped = float((chances_of(Darkest(), flat.flip(3)) - chances.flip(2)).abs().max())
+    single = torch.zeros(1, 1, 64, 64)
+    single[0, 0, 8:12, 40:44] = -1.0
+    best = int(chances_of(Darkest(), single).flatten().argmax())
+    print("# at most %.1e apart" % max(worst, flipped))
+    return max(worst, flipped) < 1e-6 and best == 2 * 16 + 10 and abs(float(chances[0].sum()) - 1) < 1e-5
 
 
 def a_tip_turns_with_its_picture():
@@ -193,16 +216,20 @@ def a_tip_turns_with_its_picture():
     return True
 
 
-def a_crop_holds_its_tip_and_its_mask():
+def a_crop_has_the_mask_at_its_tip_or_has_no_tip():
     frames, random = read(data_set("crops")), np.random.default_rng(2)
+    inside = 0
     for number in range(16):
         for _ in range(10):
             flat, tip, mask = example(frames, number, 64, Course(), random)
-            if flat.shape != (1, 64, 64) or mask.shape != (16, 16) or not (0 <= tip.min() and tip.max() < 64):
+            is_inside = bool((tip >= 0).all() and (tip < 64).all())
+            wanted = target(tip[None], 16)[0]
+            good = flat.shape == (1, 64, 64) and mask.shape == (16, 16) and float(wanted[-1]) == 1 - is_inside
+            if not good or (is_inside and mask[int(tip[1]) // CELL, int(tip[0]) // CELL] != 1):
                 return False
-            if mask[int(tip[1]) // CELL, int(tip[0]) // CELL] != 1:
-                return False
-    return True
+            inside += is_inside
+    print("# %d of 160 crops have a tip" % inside)
+    return 112 <= inside < 160
 
 
 # --- learning ---
@@ -210,7 +237,7 @@ def a_crop_holds_its_tip_and_its_mask():
 
 def it_learns_sixteen_frames_by_heart():
     frames = read(data_set("heart", 20)).seen()
-    course = Course(crop_epochs=0, whole_epochs=100, batch=8, is_changed=False)
+    course = Course(crop_epochs=0, whole_epochs=60, is_changed=False)
     tracker, rows = train(frames, None, course)
     errors, sums, _ = errors_of(tracker, frames)
     print("# %d frames: median %.2f px, largest %.2f px" % (len(frames), np.median(errors), errors.max()))
@@ -230,9 +257,14 @@ def the_commands_train_and_judge():
     folder, out = data_set("whole", 40), Path(FOLDER.name) / "out"
     code, text, _ = said("train", folder, "--out", out, "--crop-epochs", 1, "--whole-epochs", 2)
     good = code == 0 and "40 frames" in text and len((out / "curve.tsv").read_text().splitlines()) == 4
+    more = said("train", folder, "--from", out, "--out", out, "--crop-epochs", 0, "--whole-epochs", 1)
+    good = good and more[0] == 0 and len((out / "curve.tsv").read_text().splitlines()) == 2
     code, text, _ = said("judge", out, "same=%s" % folder, "--out", out)
-    row = dict(zip(*(line.split("\t") for line in text.splitlines())))
-    good = good and code == 0 and (row["set"], row["frames"], row["judged"]) == ("same", "40", "32")
+    names, *rows = (line.split("\t") for line in text.splitlines())
+    good = good and code == 0 and names[:3] == ["set", "inside", "clear"] and rows[0][1:] == rows[1][1:]
+    good = good and [row[:3] for row in rows] == [["same", "40", "32"], ["same wire", "40", "32"]]
+    figure = (out / "figures.tsv").read_text().split("\t")
+    good = good and figure == ["tracker.median_px", rows[0][3], "px", "set=same\n"]
     return good and Image.open(out / "same.png").size == (4 * 260, 3 * 260)
 
 
@@ -247,8 +279,9 @@ if __name__ == "__main__":
             what_cannot_be_read_is_refused_with_a_remedy,
             flattening_removes_the_dose,
             the_place_found_is_that_of_the_target,
+            a_turned_picture_has_a_turned_distribution,
             a_tip_turns_with_its_picture,
-            a_crop_holds_its_tip_and_its_mask,
+            a_crop_has_the_mask_at_its_tip_or_has_no_tip,
             it_learns_sixteen_frames_by_heart,
             the_same_seed_gives_the_same_tracker,
             the_commands_train_and_judge,

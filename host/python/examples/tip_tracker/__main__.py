@@ -9,6 +9,7 @@ Exit codes: 0 done, 1 failed, 2 wrong usage.
 from __future__ import annotations
 
 import argparse
+import pickle
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -27,6 +28,15 @@ def _read(data: Path, keep: Path) -> Frames:
     return read(data, keep / (data.name + ".npz"))
 
 
+def _loaded(folder: Path) -> Tracker:
+    tracker = Tracker()
+    try:
+        tracker.load_state_dict(torch.load(folder / "tracker.pt"))
+    except (OSError, RuntimeError, pickle.UnpicklingError) as error:
+        raise DataError("%s has no tracker (%s). Remedy: tip_tracker train" % (folder, error)) from error
+    return tracker
+
+
 def _train(given: argparse.Namespace) -> int:
     given.out.mkdir(parents=True, exist_ok=True)
     frames = _read(given.data, given.keep or given.out)
@@ -43,24 +53,23 @@ def _train(given: argparse.Namespace) -> int:
         write_curve(given.out / "curve.tsv", rows)
         print("epoch %d, %.0f s, edge %d: loss %.3f; median %.2f px, %.3f within 3 px" % rows[-1], flush=True)
 
-    train(learned, seen, course, after_epoch)
+    train(learned, seen, course, after_epoch, _loaded(given.begin_with) if given.begin_with else None)
     (given.out / "tracker.part.pt").replace(given.out / "tracker.pt")
     return 0
 
 
 def _judge(given: argparse.Namespace) -> int:
-    tracker = Tracker()
-    try:
-        tracker.load_state_dict(torch.load(given.tracker / "tracker.pt"))
-    except (OSError, RuntimeError) as error:
-        raise DataError("%s has no tracker (%s). Remedy: tip_tracker train" % (given.tracker, error)) from error
+    tracker = _loaded(given.tracker)
     given.out.mkdir(parents=True, exist_ok=True)
-    rows = [COLUMNS]
+    rows, figures = [COLUMNS], ""
     for name, data in given.sets:
         frames = _read(data, given.keep or given.out)
-        rows.append(judged(tracker, name, frames, given.out / (name + ".png")))
+        found = judged(tracker, name, frames, given.out / (name + ".png"), given.turned)
+        rows += found
+        figures += "tracker.median_px\t%s\tpx\tset=%s\n" % (found[0][COLUMNS.index("median_px")], name)
     text = "".join("\t".join(row) + "\n" for row in rows)
     (given.out / "errors.tsv").write_text(text, encoding="utf-8")
+    (given.out / "figures.tsv").write_text(figures, encoding="utf-8")
     print(text, end="")
     return 0
 
@@ -79,13 +88,15 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True)
     learn = commands.add_parser("train", help="learn from a data set")
     learn.add_argument("data", type=Path, help="folder of a data set with webdataset/*.tar")
-    learn.add_argument("--crop-epochs", type=int, default=7, help="passes over crops of 256 pixels (7)")
-    learn.add_argument("--whole-epochs", type=int, default=3, help="passes over whole pictures (3)")
+    learn.add_argument("--crop-epochs", type=int, default=14, help="passes over crops of 192 pixels (14)")
+    learn.add_argument("--whole-epochs", type=int, default=1, help="passes over whole pictures (1)")
     learn.add_argument("--bfloat16", action="store_true", help="short numbers: twice as fast on some processors")
     learn.add_argument("--seed", type=int, default=1, help="of weights, order and changes (1)")
+    learn.add_argument("--from", type=Path, dest="begin_with", metavar="DIR", help="go on with this folder's tracker")
     test = commands.add_parser("judge", help="measure the error in data sets")
     test.add_argument("tracker", type=Path, help="folder that `train` has written")
     test.add_argument("sets", type=_named, nargs="+", metavar="NAME=DATA", help="data sets with a name for each")
+    test.add_argument("--turned", action="store_true", help="take the mean over eight ways to turn a picture")
     for one in (learn, test):
         one.add_argument("--out", type=Path, required=True, help="folder for the results")
         one.add_argument("--keep", type=Path, help="folder for the arrays of data sets that were read (as --out)")

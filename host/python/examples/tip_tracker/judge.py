@@ -1,4 +1,5 @@
-"""Judges the tracker: the distance in pixels from the found tip to the labelled tip, in frames whose tip is clear."""
+"""Judges the tracker: the distance in pixels from the found tip to the labelled tip. Clear tips count; the errors of
+covered tips stand beside them."""
 
 from __future__ import annotations
 
@@ -8,25 +9,31 @@ import numpy as np
 import torch
 from PIL import Image, ImageDraw
 
-from .data import STEP, Frames
-from .model import Tracker, located
+from .data import CLEAR, COVERED, STEP, Frames
+from .model import Tracker, chances_of, located
 
 BATCH = 8
 EDGE = 256  # of a picture in a sheet
-COLUMNS = ("set", "frames", "judged", "median_px", "p90_px", "within_3_px", "within_10_px", "sure", "sure_p90_px")
+COLUMNS = (
+    *("set", "inside", "clear", "median_px", "p90_px", "within_3_px", "within_10_px"),
+    *("sure", "sure_p90_px", "covered_median_px"),
+)
+SHEET = 16  # the least number of clear tips for a sheet of pictures
 SURE = 0.5  # a tracker is sure of a tip if its window holds at least this probability
 FOUND, LABEL = (255, 60, 60), (60, 230, 90)
 
 
-def errors_of(tracker: Tracker, frames: Frames) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def errors_of(
+    tracker: Tracker, frames: Frames, is_turned: bool = False
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Returns for each frame the error in pixels [n], the probability within the window [n], and the place that the
-    tracker found [n, 2]."""
+    tracker found [n, 2]. With `is_turned`, it looks at each picture in eight ways, which takes eight times as long."""
     tracker.eval()
     places, sums = [], []
     with torch.no_grad():
         for first in range(0, len(frames), BATCH):
             flat = torch.from_numpy(frames.pictures[first : first + BATCH]).float()[:, None] * STEP
-            place, inside = located(tracker(flat))
+            place, inside = located(chances_of(tracker, flat, is_turned))
             places.append(place.numpy())
             sums.append(inside.numpy())
     found = np.concatenate(places)
@@ -34,23 +41,38 @@ def errors_of(tracker: Tracker, frames: Frames) -> tuple[np.ndarray, np.ndarray,
 
 
 def row_of(name: str, frames: Frames, errors: np.ndarray, sums: np.ndarray) -> tuple[str, ...]:
-    """Returns a row of COLUMNS: `frames` is the whole set, and `errors` and `sums` are those of its clear tips."""
-    sure = sums >= SURE
-    numbers = (np.median(errors), np.percentile(errors, 90), np.mean(errors <= 3), np.mean(errors <= 10), np.mean(sure))
-    p90 = np.percentile(errors[sure], 90) if sure.any() else np.nan
-    return (name, str(len(frames)), str(len(errors)), *("%.3g" % one for one in (*numbers, p90)))
+    """Returns a row of COLUMNS for a set of frames, whose tips are all in the picture."""
+    is_clear = frames.visible == CLEAR
+    clear, covered = errors[is_clear], errors[~is_clear]
+    sure = clear[sums[is_clear] >= SURE]
+    count = max(1, len(clear))
+    shares = (np.sum(clear <= 3) / count, np.sum(clear <= 10) / count, len(sure) / count)
+    numbers = (_part(clear, 50), _part(clear, 90), *shares, _part(sure, 90), _part(covered, 50))
+    return (name, str(len(frames)), str(len(clear)), *("%.3g" % one for one in numbers))
 
 
-def judged(tracker: Tracker, name: str, frames: Frames, sheet: Path | None = None) -> tuple[str, ...]:
-    """Judges a data set, and writes a sheet with good, middling and bad frames into `sheet`."""
-    clear = frames.seen()
-    errors, sums, found = errors_of(tracker, clear)
-    if sheet is not None:
-        order = np.argsort(errors, kind="stable")
-        middle = len(order) // 2
-        numbers = [*order[len(order) // 10 :][:4], *order[middle : middle + 4], *order[-4:]]
-        _sheet(clear, numbers, found, errors).save(sheet)
-    return row_of(name, frames, errors, sums)
+def _part(errors: np.ndarray, percent: float) -> float:
+    return float(np.percentile(errors, percent)) if len(errors) else float("nan")
+
+
+def judged(
+    tracker: Tracker, name: str, frames: Frames, sheet: Path | None = None, is_turned: bool = False
+) -> list[tuple[str, ...]]:
+    """Judges a data set: returns a row for all its frames, and one for each set of tools. Writes a sheet with good,
+    middling and bad frames of clear tips into `sheet`."""
+    frames = frames.seen(COVERED)
+    errors, sums, found = errors_of(tracker, frames, is_turned)
+    rows = [row_of(name, frames, errors, sums)]
+    tools = np.array(["+".join(fact["tools"]) for fact in frames.facts])
+    for one in sorted(set(tools)):
+        numbers = np.flatnonzero(tools == one)
+        rows.append(row_of("%s %s" % (name, one), frames.chosen(numbers), errors[numbers], sums[numbers]))
+    clear = np.flatnonzero(frames.visible == CLEAR)
+    if sheet is not None and len(clear) >= SHEET:
+        order = clear[np.argsort(errors[clear], kind="stable")]
+        ranks = [*range(len(order) // 10, len(order) // 10 + 4), *range(len(order) // 2, len(order) // 2 + 4)]
+        _sheet(frames, [int(k) for k in (*order[ranks], *order[-4:])], found, errors).save(sheet)
+    return rows
 
 
 def _sheet(frames: Frames, numbers: list[int], found: np.ndarray, errors: np.ndarray) -> Image.Image:

@@ -15,9 +15,10 @@ from .data import STEP, Frames
 from .judge import errors_of
 from .model import CELL, Tracker, loss
 
-NOISE = 0.03  # largest deviation of the noise that is added to a picture, in units of the natural logarithm
+NOISE = 0.08  # largest deviation of the noise that is added, in units of the natural logarithm: as at some 10 nGy
 CONTRAST = (0.7, 1.4)  # factors on a picture
 CROP_MARGIN = 24  # pixels between the tip and the edge of its crop
+ANYWHERE_PART = 0.3  # of the crops: they may lie anywhere in their pictures, with or without the tip
 COLUMNS = ("epoch", "seconds", "edge", "loss", "median_px", "within_3_px")
 Batch = tuple[Tensor, Tensor, Tensor]
 Rows = list[tuple[float, ...]]
@@ -27,13 +28,13 @@ Rows = list[tuple[float, ...]]
 class Course:
     """How long and on what the tracker is trained."""
 
-    crop_epochs: float = 7.0
-    whole_epochs: float = 3.0
-    crop: int = 256
+    crop_epochs: int = 14
+    whole_epochs: int = 1
+    crop: int = 192
     """Edge of a crop in pixels, a multiple of 64. A picture that is not larger is never cropped."""
-    batch: int = 8
-    """Whole pictures of a batch; a batch of crops has twice as many."""
-    rate: float = 3e-3
+    batch: int = 4
+    """Pictures or crops of a batch."""
+    rate: float = 2e-3
     """The largest rate of learning."""
     seed: int = 1
     is_short: bool = False
@@ -57,7 +58,7 @@ def turned_tip(tip: np.ndarray, size: int, turns: int, is_flipped: bool) -> np.n
 
 def example(frames: Frames, number: int, edge: int, course: Course, random: np.random.Generator) -> Batch:
     """Returns one picture float32 [1, edge, edge], its tip [2] and its mask [edge / CELL, edge / CELL]. A crop
-    begins at a multiple of CELL and contains the tip."""
+    begins at a multiple of CELL. Most crops contain the tip; the place of any other tip is outside the crop."""
     picture, mask, tip = frames.pictures[number], frames.masks[number], frames.tips[number]
     size = len(picture)
     if course.is_changed:
@@ -65,7 +66,8 @@ def example(frames: Frames, number: int, edge: int, course: Course, random: np.r
         picture, mask = _turned(picture, turns, is_flipped), _turned(mask, turns, is_flipped)
         tip = turned_tip(tip, size, turns, is_flipped)
     if edge < size:
-        left, top = (_crop_begin(float(place), size, edge, random) for place in tip)
+        middle = random.uniform(0, size, 2) if random.uniform() < ANYWHERE_PART else tip
+        left, top = (_crop_begin(float(place), size, edge, random) for place in middle)
         picture = picture[top : top + edge, left : left + edge]
         cells = edge // CELL
         mask = mask[top // CELL : top // CELL + cells, left // CELL : left // CELL + cells]
@@ -73,13 +75,13 @@ def example(frames: Frames, number: int, edge: int, course: Course, random: np.r
     flat = torch.from_numpy(np.ascontiguousarray(picture)).float() * STEP
     if course.is_changed:
         flat = flat * float(random.uniform(*CONTRAST))
-        flat = flat + torch.randn(flat.shape) * (NOISE * float(random.uniform()) ** 2)
+        flat = flat + torch.randn(flat.shape) * (NOISE * float(random.uniform()))
     return flat[None], torch.from_numpy(tip), torch.from_numpy(np.ascontiguousarray(mask)).float()
 
 
 def _crop_begin(place: float, size: int, edge: int, random: np.random.Generator) -> int:
-    """Draws the first column or row of a crop which contains the tip at `place`, a multiple of CELL. The tip is at
-    least CROP_MARGIN pixels from the edge of the crop, unless it is nearer to the edge of the picture."""
+    """Draws the first column or row of a crop which contains `place`, a multiple of CELL. The place is at least
+    CROP_MARGIN pixels from the edge of the crop, unless it is nearer to the edge of the picture."""
     low, high = place + CROP_MARGIN - edge, place - CROP_MARGIN
     drawn = random.uniform(low, max(low, high))
     return int(min(max(drawn, 0), size - edge)) // CELL * CELL
@@ -100,21 +102,23 @@ def train(
     watched: Frames | None,
     course: Course,
     after_epoch: Callable[[Tracker, Rows], None] = lambda tracker, rows: None,
+    begin_with: Tracker | None = None,
 ) -> tuple[Tracker, Rows]:
     """Trains on frames whose tips are in the picture; returns the tracker, and a row of COLUMNS for each epoch. The
-    figures of `watched` are those of frames which are not trained on. Calls `after_epoch` with what there is so far."""
+    figures of `watched` are those of frames which are not trained on. Calls `after_epoch` with what there is so far.
+    With `begin_with`, this tracker learns on; without it, a new one begins."""
     torch.manual_seed(course.seed)
     random = np.random.default_rng(course.seed)
-    tracker = Tracker().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    tracker = begin_with if begin_with is not None else Tracker()
+    tracker = tracker.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     optimiser = torch.optim.AdamW(tracker.parameters(), lr=course.rate, weight_decay=1e-4)
-    stages = [(min(course.crop, frames.pictures.shape[1]), 2 * course.batch, course.crop_epochs)]
-    stages.append((frames.pictures.shape[1], course.batch, course.whole_epochs))
-    plan = [(edge, count) for edge, count, epochs in stages for _ in range(round(epochs))]
-    total = sum(max(1, len(frames) // count) for _, count in plan)
-    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, course.rate, total_steps=total + 1, pct_start=0.1)
+    size, count = frames.pictures.shape[1], course.batch
+    plan = [min(course.crop, size)] * course.crop_epochs + [size] * course.whole_epochs
+    steps = max(20, len(plan) * max(1, len(frames) // count) + 1)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, course.rate, total_steps=steps, pct_start=0.1)
     begin = time.monotonic()
     rows: Rows = []
-    for epoch, (edge, count) in enumerate(plan, 1):
+    for epoch, edge in enumerate(plan, 1):
         tracker.train()
         losses = []
         for pictures, tips, masks in batches(frames, edge, count, course, random):
