@@ -51,7 +51,7 @@ variant() { # variant NAME CC CXX LEVEL
     local build="build/compilers/$1"
     export CMAKE_ARGS="-DCMAKE_C_COMPILER=$2 -DCMAKE_CXX_COMPILER=$3 -DCRN_OPT=$4 -DCRN_CORE_OPT=$4"
     echo "building $1 ..."
-    if ! BUILD="$build" JOBS="$jobs" tools/build.sh release run,tests cournand test_host_xray_tests_test_xray \
+    if ! BUILD="$build" JOBS="$jobs" tools/build.sh release run,tools,tests cournand test_host_xray_tests_test_xray \
         >"build/compilers-$1.log" 2>&1; then
         tail -n 20 "build/compilers-$1.log" >&2
         echo "compare_compilers: $1 does not build; the whole log is build/compilers-$1.log" >&2
