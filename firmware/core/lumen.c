@@ -294,10 +294,10 @@ enum { VOXEL_DEPTH_BITS = 7, VOXEL_DEPTH_MOST = 127 };
 static int32_t least_depth_of_27(const int8_t *c)
 {
     int32_t greatest = -VOXEL_DEPTH_MOST;
-    for (int z = 0; z < 3 && greatest < 0; z++, c += SLICE) {
-        for (int y = 0; y < 3 * ROW; y += ROW) {
-            for (int x = 0; x < 3; x++) {
-                greatest = c[y + x] > greatest ? c[y + x] : greatest;
+    for (int z = 0; z < 3 * SLICE && greatest < 0; z += SLICE) {
+        for (int y = z; y < z + 3 * ROW; y += ROW) {
+            for (int x = y; x < y + 3; x++) {
+                greatest = c[x] > greatest ? c[x] : greatest;
             }
         }
     }

@@ -4,7 +4,7 @@
     python -m cournand.anatomies --task iliac --split judge --out anatomies
     python -m cournand.anatomies --count 3 --bodies --out anatomies
 
-To make a scene, the programs `anatomy` and `bake` are needed, and about 20 s of processor time, or two minutes with
+To make a scene, the programs `anatomy` and `bake` are needed, and about 20 s of processor time, or a minute with
 `--bodies`. Without `--bodies`, X-ray pictures show the tools and the contrast medium alone. An existing scene is not
 made again, so the same command continues after an interruption.
 """

@@ -11,9 +11,13 @@ namespace
 
 using Colours = nb::ndarray<const std::uint8_t, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu>;
 
-// An array of pixels has two dimensions, and a third of length 3 for colours.
+// An array of pixels has two dimensions, and a third of length 3 for colours. A PNG file has at least one
+// pixel, and the stream of its pixels must be shorter than 2^31 bytes.
 template <class Pixels> Image image_of(const Pixels &pixels)
 {
+    constexpr std::size_t most = std::size_t{1} << 30;
+    if (pixels.shape(0) == 0 || pixels.shape(1) == 0 || pixels.size() > most / pixels.itemsize())
+        throw nb::value_error("a PNG file needs at least one pixel, and at most 2^30 bytes of pixels");
     return {reinterpret_cast<const std::uint8_t *>(pixels.data()), pixels.shape(0), pixels.shape(1),
             pixels.itemsize() * (pixels.ndim() == 3 ? 3 : 1)};
 }

@@ -13,6 +13,7 @@ import sys
 import tarfile
 import tempfile
 import zlib
+from dataclasses import replace
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import prepare  # noqa: E402
@@ -25,7 +26,7 @@ import numpy as np  # noqa: E402
 from cournand.factory import Course, Options, UsageError, plan_shard, png  # noqa: E402
 from cournand.factory.formats.coco import annotations_of  # noqa: E402
 from cournand.factory.frame import CLEAR, OUTSIDE, areas_of  # noqa: E402
-from cournand.factory.options import varied  # noqa: E402
+from cournand.factory.options import VARIATION, varied  # noqa: E402
 from cournand.factory.plan import ATTEMPTS, AS_SHIPPED  # noqa: E402
 
 sys.path.insert(0, os.path.join(prepare.ROOT, "tools", "check"))
@@ -257,6 +258,23 @@ def a_png_holds_the_pixels_with_every_compression():
     return good and np.array_equal(png.decode_colour(png.encode(images[2], "flat")), images[2])
 
 
+def a_picture_without_pixels_has_no_png():
+    for shape in ((2, 0), (0, 2)):
+        for how in ("stored", "flat"):
+            try:
+                png.encode(np.zeros(shape, np.uint8), how)
+            except ValueError:
+                continue
+            return False
+    return True
+
+
+def rounding_leaves_no_range_of_angles():
+    variation = replace(VARIATION, primary_deg=(5.04, 5.06))
+    options = Options(frames=24, shard_frames=24, block_frames=1, variation=variation)
+    return {block.primary_deg for block in plan_shard(options, 0).blocks} <= {5.04, 5.06}
+
+
 def a_png_of_a_mask_holds_its_pixels():
     """Masks of random sizes, from empty ones to noise, whose runs lie along the rows or along the columns."""
     draw, good = np.random.default_rng(2), True
@@ -478,7 +496,9 @@ if __name__ == "__main__":
             a_refused_set_of_tools_is_drawn_again,
             ranges_of_dose_angles_and_offset_hold_and_stand_in_the_plan,
             a_png_holds_the_pixels_with_every_compression,
-            a_png_of_a_mask_holds_its_pixels,
+            a_picture_without_pixels_has_no_png,
+        rounding_leaves_no_range_of_angles,
+        a_png_of_a_mask_holds_its_pixels,
             a_tar_holds_every_frame_once_and_its_masks_have_the_stated_areas,
             run_lengths_give_the_masks_back,
             the_annotations_of_all_shards_are_one_file,

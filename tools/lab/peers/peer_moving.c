@@ -36,8 +36,8 @@ static const field fields[] = {
 };
 enum { FIELDS = sizeof fields / sizeof fields[0], SPARE_ELEMENTS = 8, TICKS_PER_S = 1000 };
 
-/* Reads one argument key=value into the task; returns false for an unknown key or a value that is not a
- * positive number. */
+/* Reads one argument key=value into the task; returns false for an unknown or repeated key, or for a value
+ * that is not a positive number. */
 static int read_field(moving_task *task, const char *argument)
 {
     const char *equals = strchr(argument, '=');
@@ -46,7 +46,9 @@ static int read_field(moving_task *task, const char *argument)
         if (strncmp(fields[i].name, argument, (size_t)(equals - argument)) != 0) continue;
         if (strlen(fields[i].name) != (size_t)(equals - argument)) continue;
         char *end;
-        double value = strtod(equals + 1, &end);
+        double value = strtod(equals + 1, &end), before;
+        memcpy(&before, (const char *)task + fields[i].offset, sizeof before);
+        if (before != 0) return 0; /* the key stands here twice */
         memcpy((char *)task + fields[i].offset, &value, sizeof value);
         return end != equals + 1 && *end == 0 && value > 0 && value < 1e6;
     }
@@ -62,7 +64,8 @@ static int read_task(moving_task *task, int argc, char **argv)
         memcpy(&value, (const char *)task + fields[i].offset, sizeof value);
         if (value == 0) return 0;
     }
-    return 1;
+    return task->samples >= 1 && task->samples == floor(task->samples) &&
+           task->samples <= task->duration_s * TICKS_PER_S;
 }
 
 static crn_instrument wire_of(const moving_task *task)

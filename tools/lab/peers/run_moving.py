@@ -88,7 +88,10 @@ class Peers:
         figures = dict(figures)
         faults = gate.faults_alone(figures)
         if not faults:
-            figures["tip_mm"] = gate.tip_difference_mm(tips_mm, self.run(peer, gate.reference(setting))[1])
+            there, reference_mm = self.run(peer, gate.reference(setting))
+            if there["simulated_s"] < figures["simulated_s"]:
+                raise CannotMeasure("%s: the reference run of %s ended too early" % (peer, setting))
+            figures["tip_mm"] = gate.tip_difference_mm(tips_mm, reference_mm)
             faults = gate.faults(figures)
         return {
             "peer": peer,

@@ -58,7 +58,7 @@ VARIATION = Randomise(
 
 DOSE_NGY = 40.0  # the dose at the detector by which `variation.dose` is multiplied
 LIMITS = {"--dose": (1.0, 10000.0), "--primary": (-120.0, 120.0), "--secondary": (-50.0, 50.0)}  # of cournand.View
-OFFSET_MAX = 0.45  # of the field; at 0.5, the tip can leave the picture
+OFFSET_MAX = 0.45  # of the field, along each axis; from about 0.28 on, the tip can leave the picture
 
 
 class UsageError(Exception):
@@ -211,7 +211,8 @@ def read_options(text: str) -> tuple[Options, dict[str, str]]:
         given["variation"] = Randomise(**{name: tuple(pair) for name, pair in given["variation"].items()})
         known = {one.name for one in fields(Options)}
         if set(given) != known:
-            raise UsageError("%s: its options are of another version of the factory" % PLAN)
+            text = "%s: its options are of another version of the factory. Remedy: begin in an empty folder"
+            raise UsageError(text % PLAN)
         lists = {name: tuple(value) for name, value in given.items() if isinstance(value, list)}
         return Options(**{**given, **lists}), dict(plan["versions"])
     except (ValueError, KeyError, TypeError, AttributeError) as error:

@@ -162,13 +162,18 @@ def _draw_block(
         push,
         turn,
         pressure if is_inflated else 0.0,
-        round(drawn["primary_deg"], 1),
-        round(drawn["secondary_deg"], 1),
+        _rounded_within(drawn["primary_deg"], options.variation.primary_deg),
+        _rounded_within(drawn["secondary_deg"], options.variation.secondary_deg),
         field_m,
         round(DOSE_NGY * _even_in_log(drawn["dose"], options.variation.dose), 2),
         (round(float(offset[0]), 4), round(float(offset[1]), 4), round(float(offset[2]), 4)),
         _draw_injection(frames, options.block_frames, contrast),
     )
+
+
+def _rounded_within(angle_deg: float, limits: tuple[float, float]) -> float:
+    """Rounds an angle to 0.1 degrees, but not beyond its limits."""
+    return min(max(round(angle_deg, 1), limits[0]), limits[1])
 
 
 def _even_in_log(value: float, limits: tuple[float, float]) -> float:

@@ -60,15 +60,17 @@ def png(pixels):
     return file.getvalue()
 
 
-def data_set(name, frames=16, shard_frames=4, seed=1):
-    """Writes a data set of drawn wires as the factory would, and returns its folder. Every fifth tip is covered."""
+def data_set(name, frames=16, shard_frames=4, seed=1, size=SIZE, is_empty=False):
+    """Writes a data set of drawn wires as the factory would, and returns its folder. Every fifth tip is covered; with
+    `is_empty`, all tips are outside of the picture. Below SIZE, `size` cuts the pictures."""
     folder, random = Path(FOLDER.name) / name, np.random.default_rng(seed)
     (folder / "webdataset").mkdir(parents=True)
     for shard in range(-(-frames // shard_frames)):
         with tarfile.open(folder / "webdataset" / ("%06d.tar" % shard), "w") as tar:
             for number in range(min(shard_frames, frames - shard * shard_frames)):
                 raw, mask, tip = drawn(random)
-                covered = 1 if (shard * shard_frames + number) % 5 == 4 else 2
+                covered = 0 if is_empty else 1 if (shard * shard_frames + number) % 5 == 4 else 2
+                raw, mask = raw[:size, :size], mask[:size, :size]
                 facts = {"scene": "drawn", "tools": [tool(0, 90.0, tip, covered)], "dose": {"detector_nGy": 40.0}}
                 files = {"json": json.dumps(facts).encode(), "labels.png": png(mask.astype(np.uint8))}
                 files["raw.png"] = png(raw)
@@ -120,6 +122,18 @@ def frames_that_were_kept_are_the_same():
     return arrays and first.facts == second.facts and [one.name for one in keep.parent.glob("*.part.npz")] == []
 
 
+def what_was_kept_is_not_taken_for_another_data_set():
+    """Two data sets have the same name in different folders; then the first one is made again with other frames."""
+    keep, folders = Path(FOLDER.name) / "taken.npz", [data_set("a/same", seed=2), data_set("b/same", seed=3)]
+    read(folders[0], keep)
+    good = np.array_equal(read(folders[1], keep).tips, read(folders[1]).tips)
+    (folders[1] / "webdataset").rename(folders[1] / "before")
+    data_set("b/same", seed=4)
+    good = good and np.array_equal(read(folders[1], keep).tips, read(folders[1]).tips)
+    keep.write_bytes(b"damaged")
+    return good and np.array_equal(read(folders[1], keep).tips, read(folders[1]).tips)
+
+
 def a_data_set_of_the_factory_is_read():
     """The factory needs the Python of the package's tests, which has other packages than this one."""
     folder = Path(FOLDER.name) / "factory"
@@ -158,7 +172,27 @@ def what_cannot_be_read_is_refused_with_a_remedy():
     (empty / "tracker.pt").write_bytes(b"no tracker")
     code, _, errors = said("judge", empty, "x=%s" % folder, "--out", empty)
     good = good and code == 1 and "has no tracker" in errors
+    (empty / "tracker.pt").write_bytes(b"")
+    code, _, errors = said("judge", empty, "x=%s" % folder, "--out", empty)
+    good = good and code == 1 and "has no tracker" in errors
+    code, _, errors = said("train", data_set("narrow", size=96), "--out", Path(FOLDER.name) / "none")
+    good = good and code == 1 and "a multiple of 64" in errors
     return good and said("judge", empty, "x", "--out", empty)[0] == 2 and said("learn")[0] == 2
+
+
+def numbers_that_make_no_sense_are_refused():
+    words = ["train", "data", "--out", str(Path(FOLDER.name) / "none")]
+    for more in (("--threads", 0), ("--crop-epochs", -1), ("--crop-epochs", 0, "--whole-epochs", 0)):
+        if said(*words, *more)[0] != 2:
+            return False
+    return True
+
+
+def a_set_without_tips_is_refused():
+    out = Path(FOLDER.name) / "some"
+    good = said("train", data_set("some-tips"), "--out", out, "--crop-epochs", 0, "--whole-epochs", 1)[0] == 0
+    code, _, errors = said("judge", out, "none=%s" % data_set("no-tips", is_empty=True), "--out", out)
+    return good and code == 1 and "no frame with a tip" in errors
 
 
 # --- geometry ---
@@ -274,9 +308,12 @@ if __name__ == "__main__":
             the_innermost_tip_is_that_of_the_first_tool_in_the_patient,
             the_frames_read_are_those_that_were_written,
             frames_that_were_kept_are_the_same,
+            what_was_kept_is_not_taken_for_another_data_set,
             a_data_set_of_the_factory_is_read,
             a_shard_is_either_learned_or_watched,
             what_cannot_be_read_is_refused_with_a_remedy,
+            numbers_that_make_no_sense_are_refused,
+            a_set_without_tips_is_refused,
             flattening_removes_the_dose,
             the_place_found_is_that_of_the_target,
             a_turned_picture_has_a_turned_distribution,

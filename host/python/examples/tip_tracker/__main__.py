@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import pickle
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import torch
@@ -25,14 +25,14 @@ WATCHED_PART = 0.06  # of the shards
 
 
 def _read(data: Path, keep: Path) -> Frames:
-    return read(data, keep / (data.name + ".npz"))
+    return read(data, keep / (data.resolve().name + ".npz"))
 
 
 def _loaded(folder: Path) -> Tracker:
     tracker = Tracker()
     try:
         tracker.load_state_dict(torch.load(folder / "tracker.pt"))
-    except (OSError, RuntimeError, pickle.UnpicklingError) as error:
+    except (OSError, RuntimeError, TypeError, AttributeError, EOFError, pickle.UnpicklingError) as error:
         raise DataError("%s has no tracker (%s). Remedy: tip_tracker train" % (folder, error)) from error
     return tracker
 
@@ -74,6 +74,17 @@ def _judge(given: argparse.Namespace) -> int:
     return 0
 
 
+def _count(least: int) -> Callable[[str], int]:
+    """Returns a reader of whole numbers of at least `least` for an option."""
+
+    def read_count(text: str) -> int:
+        if not text.isdecimal() or int(text) < least:
+            raise argparse.ArgumentTypeError("%r is not a whole number of at least %d" % (text, least))
+        return int(text)
+
+    return read_count
+
+
 def _named(text: str) -> tuple[str, Path]:
     name, is_named, path = text.partition("=")
     if not is_named or not name:
@@ -88,8 +99,8 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True)
     learn = commands.add_parser("train", help="learn from a data set")
     learn.add_argument("data", type=Path, help="folder of a data set with webdataset/*.tar")
-    learn.add_argument("--crop-epochs", type=int, default=14, help="passes over crops of 192 pixels (14)")
-    learn.add_argument("--whole-epochs", type=int, default=1, help="passes over whole pictures (1)")
+    learn.add_argument("--crop-epochs", type=_count(0), default=14, help="passes over crops of 192 pixels (14)")
+    learn.add_argument("--whole-epochs", type=_count(0), default=1, help="passes over whole pictures (1)")
     learn.add_argument("--bfloat16", action="store_true", help="short numbers: twice as fast on some processors")
     learn.add_argument("--seed", type=int, default=1, help="of weights, order and changes (1)")
     learn.add_argument("--from", type=Path, dest="begin_with", metavar="DIR", help="go on with this folder's tracker")
@@ -100,13 +111,16 @@ def _parser() -> argparse.ArgumentParser:
     for one in (learn, test):
         one.add_argument("--out", type=Path, required=True, help="folder for the results")
         one.add_argument("--keep", type=Path, help="folder for the arrays of data sets that were read (as --out)")
-        one.add_argument("--threads", type=int, default=1, help="processors (1)")
+        one.add_argument("--threads", type=_count(1), default=1, help="processors (1)")
     return parser
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Runs one command, and returns the exit code."""
-    given = _parser().parse_args(words)
+    parser = _parser()
+    given = parser.parse_args(words)
+    if given.command == "train" and given.crop_epochs + given.whole_epochs == 0:
+        parser.error("--crop-epochs and --whole-epochs are both 0: there is nothing to learn")
     torch.set_num_threads(given.threads)
     try:
         return _train(given) if given.command == "train" else _judge(given)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import json
 import tarfile
+import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -100,20 +101,40 @@ def _image(content: bytes) -> np.ndarray:
 
 
 def read(folder: Path, keep: Path | None = None) -> Frames:
-    """Reads a data set. With `keep`, the frames are read from this file if it exists, and are written into it if
-    not."""
-    if keep is not None and keep.exists():
-        with np.load(keep) as found:
-            return Frames(*(found[name] for name in ARRAYS), json.loads(str(found["facts"])))
+    """Reads a data set. With `keep`, the frames are read from this file if it was made from the same files, and are
+    written into it if not."""
+    identity = _identity(folder)
+    kept = _kept(keep, identity) if keep is not None else None
+    if kept is not None:
+        return kept
     rows = [_row(files, folder) for files in samples(folder)]
+    if len({row[0].shape for row in rows}) != 1:
+        raise DataError("%s: its frames do not all have one size. Remedy: make the data set again" % folder)
     frames = Frames(*(np.stack([row[k] for row in rows]) for k in range(4)), [row[4] for row in rows])
     if keep is not None:
         keep.parent.mkdir(parents=True, exist_ok=True)
         arrays = {name: getattr(frames, name) for name in ARRAYS}
         part = keep.with_suffix(".part.npz")
-        np.savez(part, facts=np.array(json.dumps(frames.facts)), **arrays)
+        np.savez(part, identity=np.array(identity), facts=np.array(json.dumps(frames.facts)), **arrays)
         part.replace(keep)
     return frames
+
+
+def _identity(folder: Path) -> str:
+    """Returns a text that changes with the place, the size and the time of the files of a data set."""
+    tars = sorted((folder.resolve() / "webdataset").glob("*.tar"))
+    return json.dumps([(str(path), path.stat().st_size, path.stat().st_mtime_ns) for path in tars])
+
+
+def _kept(keep: Path, identity: str) -> Frames | None:
+    """Returns the frames of a file that read() has kept, or None if there is no such file for this data set."""
+    try:
+        with np.load(keep) as found:
+            if "identity" not in found or str(found["identity"]) != identity:
+                return None
+            return Frames(*(found[name] for name in ARRAYS), json.loads(str(found["facts"])))
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        return None
 
 
 def _row(files: dict[str, bytes], folder: Path) -> tuple[Any, ...]:
@@ -124,9 +145,12 @@ def _row(files: dict[str, bytes], folder: Path) -> tuple[Any, ...]:
     except KeyError as error:
         text = "%s: frame %s has no file %s. Remedy: make the data set again"
         raise DataError(text % (folder, key, error)) from error
+    except (ValueError, OSError) as error:
+        text = "%s: frame %s cannot be read (%s). Remedy: make the data set again"
+        raise DataError(text % (folder, key, error)) from error
     size = len(raw)
-    if size % (8 * CELL) or raw.shape != (size, size):
-        raise DataError("%s: frame %s has %d pixels. Remedy: --size N, a multiple of 32" % (folder, key, size))
+    if size % (16 * CELL) or raw.shape != (size, size):  # the network halves the cells four times
+        raise DataError("%s: frame %s has %d pixels. Remedy: --size N, a multiple of 64" % (folder, key, size))
     with torch.no_grad():
         flat = flattened(torch.from_numpy(raw.astype(np.float32))[None, None])[0, 0].numpy()
     picture = np.clip(np.round(flat / STEP), -127, 127).astype(np.int8)

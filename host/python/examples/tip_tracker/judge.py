@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from PIL import Image, ImageDraw
 
-from .data import CLEAR, COVERED, STEP, Frames
+from .data import CLEAR, COVERED, STEP, DataError, Frames
 from .model import Tracker, chances_of, located
 
 BATCH = 8
@@ -61,6 +61,8 @@ def judged(
     """Judges a data set: returns a row for all its frames, and one for each set of tools. Writes a sheet with good,
     middling and bad frames of clear tips into `sheet`."""
     frames = frames.seen(COVERED)
+    if not len(frames):
+        raise DataError("the set %s has no frame with a tip in the picture. Remedy: more frames" % name)
     errors, sums, found = errors_of(tracker, frames, is_turned)
     rows = [row_of(name, frames, errors, sums)]
     tools = np.array(["+".join(fact["tools"]) for fact in frames.facts])

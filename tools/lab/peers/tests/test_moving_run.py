@@ -49,7 +49,8 @@ def main():
         output, table = run(folder, "cathsim 24 ms")
         wrong = lines_with(output, "cathsim ", "24 ms, Euler", "wrong: penetration_mm")
         report.check("CathSim's wire with a step of 24 ms leaves the vessel", [] if wrong else [output])
-        report.check("its speed is listed nevertheless", [] if re.search(r"dense +[0-9.]+ ", wrong[0]) else wrong)
+        is_listed = wrong and re.search(r"dense +[0-9.]+ ", wrong[0])
+        report.check("its speed is listed nevertheless", [] if is_listed else [output])
     report.end()
 
 
