@@ -14,6 +14,7 @@
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/anatomy/varied/coronaries.hpp"
 #include "tools/anatomy/varied/variety.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include "tools/bake/mesh.hpp"
@@ -166,11 +167,32 @@ int make(const Options &options, const char *kind,
     return 0;
 }
 
-/* Writes the vessel file of a seed, and prints what was drawn. */
-int draw(const std::string &file, std::uint64_t seed)
+/* The options of `anatomy draw`. */
+struct DrawOptions {
+    std::uint64_t seed = 0;
+    std::string file;
+    bool is_coronary = false;
+};
+
+/* Prints what was drawn. */
+void print_drawn(const std::string &file, const DrawnCoronaries &drawn)
 {
+    std::printf("%s: %s, %zu arteries, the LAD ends %s, %u attempts refused\n", file.c_str(),
+                drawn.draft.title.c_str(), drawn.arteries.size(), end_of_lad(drawn).c_str(), drawn.refused);
+}
+
+/* Writes the vessel file of a seed, and prints what was drawn. */
+int draw(const DrawOptions &options)
+{
+    const std::string &file = options.file;
     crn::check_outputs({}, {{"--output", file}});
-    const DrawnAorta drawn = drawn_aorta(seed);
+    if (options.is_coronary) {
+        const DrawnCoronaries drawn = drawn_coronaries(options.seed);
+        crn::write_whole_file(file, coronary_file_text(drawn));
+        print_drawn(file, drawn);
+        return 0;
+    }
+    const DrawnAorta drawn = drawn_aorta(options.seed);
     crn::write_whole_file(file, vessel_file_text(drawn));
     std::printf(
         "%s: %s, drop %.2f widths, aorta %.2f of the shipped diameters, iliac tortuosity %.3f right and "
@@ -210,7 +232,10 @@ void print_figures(const HeartFigures &f)
  * frames. */
 int make_heart(const Options &options)
 {
-    const VesselTree tree = vessels_for("heart", options);
+    std::optional<DrawnCoronaries> drawn;
+    if (options.seed) drawn = drawn_coronaries(*options.seed);
+    VesselTree tree = drawn ? tree_of(drawn->draft, "heart.toml") : vessels_for("heart", options);
+    if (drawn) tree.made_by = crn::formatted("heart --seed %s", std::to_string(drawn->seed).c_str());
     std::vector<Body> bodies = patient_bodies(tree, options.fineness);
     const bool is_whole = options.bodies && !options.heart_only;
     if (!is_whole) // the figures need the chambers
@@ -234,6 +259,11 @@ int make_heart(const Options &options)
     figures.least_volume_factor = beat.least_volume_factor();
     crn::write_whole_file((options.folder / "heart.json").string(), figures_json(figures));
     print_figures(figures);
+    if (drawn) {
+        const std::string file = (options.folder / "vessels.toml").string();
+        crn::write_whole_file(file, coronary_file_text(*drawn));
+        print_drawn(file, *drawn);
+    }
     std::printf("%s: %zu bodies and %zu centrelines in %d frames\n",
                 (options.folder / "beat").string().c_str(), sequence.bodies.size(), sequence.vessels.size(),
                 BEAT_FRAMES);
@@ -383,20 +413,16 @@ void add_making_options(CLI::App &command, Options &options)
 template <typename Seed> CLI::Option *add_seed(CLI::App &command, Seed &seed)
 {
     return command
-        .add_option("--seed", seed, "Draws other arteries: arch, courses, diameters (docs/vessels.md)")
+        .add_option("--seed", seed, "Draws other arteries: branches, courses, diameters (docs/vessels.md)")
         ->type_name("N")
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{UINT32_MAX}));
 }
 
-/* The options of `anatomy draw`. */
-struct DrawOptions {
-    std::uint64_t seed = 0;
-    std::string file;
-};
-
 void add_draw_options(CLI::App &command, DrawOptions &options)
 {
     add_seed(command, options.seed)->required();
+    command.add_flag("--coronary", options.is_coronary,
+                     "Draws coronary arteries that leave the shipped aorta, for `anatomy heart`");
     command.add_option("-o,--output", options.file, "The vessel file")
         ->type_name("FILE")
         ->group("Outputs")
@@ -423,6 +449,7 @@ int run(int argc, char **argv)
         "  anatomy list my.toml    checks a file of your own vessels (docs/vessels.md)\n"
         "  anatomy aorta --vessels my.toml -o out/mine\n"
         "  anatomy aorta --seed 7 -o out/seven     another man's arteries, drawn from a seed\n"
+        "  anatomy heart --seed 7 -o out/heart7    other coronary arteries, drawn from a seed\n"
         "  anatomy draw --seed 7 -o seven.toml     only the file of these arteries");
     app.require_subcommand(1);
     Options options;
@@ -448,6 +475,7 @@ int run(int argc, char **argv)
         ->excludes("--lesion"); // a lesion belongs to a scene
     DrawOptions draw_options;
     add_seed(*aorta, options.seed)->excludes("--vessels");
+    add_seed(*heart, options.seed)->excludes("--vessels");
     auto *drawn =
         app.add_subcommand("draw", "A vessel file with the arteries of another man, drawn from a seed");
     add_draw_options(*drawn, draw_options);
@@ -464,7 +492,7 @@ int run(int argc, char **argv)
     if (const std::optional<int> code = crn::parse_command_line(app, argc, argv)) return *code;
     if (*table) return list(tree_named(which));
     if (*checked) return check(folder);
-    if (*drawn) return draw(draw_options.file, draw_options.seed);
+    if (*drawn) return draw(draw_options);
     if (*beat) return make_beat(beat_options);
     if (*heart) return make_heart(options);
     if (*aorta) return make(options, "aorta", patient_bodies);

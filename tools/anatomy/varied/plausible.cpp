@@ -52,12 +52,13 @@ double bend_radii(const Curve &curve)
 /* The distance between a parent and its own branch is not measured, because a branch may leave its parent at
  * any angle.
  */
-double apart_mm(const Vessel &one, const Curve &curve, const Vessel &other, const Curve &other_curve)
+double apart_mm(const Vessel &one, const Curve &curve, const Vessel &other, const Curve &other_curve,
+                double near_origin_mm)
 {
     double least_mm = 1e9;
     if (one.parent == other.name || other.parent == one.name) return least_mm;
-    const auto beyond = [](const Vessel &vessel, const CurvePoint &point) {
-        return vessel.parent.empty() || point.arc_mm > NEAR_ORIGIN_MM;
+    const auto beyond = [&](const Vessel &vessel, const CurvePoint &point) {
+        return vessel.parent.empty() || point.arc_mm > near_origin_mm;
     };
     for (const CurvePoint &a : curve) {
         if (!beyond(one, a)) continue;
@@ -67,6 +68,18 @@ double apart_mm(const Vessel &one, const Curve &curve, const Vessel &other, cons
                     std::min(least_mm, (a.position_mm - b.position_mm).norm() - a.radius_mm - b.radius_mm);
     }
     return least_mm;
+}
+
+/* Coronary arteries descend from an artery with a bed of the heart. */
+bool is_coronary(const std::vector<Vessel> &vessels, size_t index)
+{
+    while (vessels[index].bed == Bed::body && !vessels[index].parent.empty()) {
+        size_t parent = 0;
+        while (parent < vessels.size() && vessels[parent].name != vessels[index].parent) ++parent;
+        if (parent == vessels.size()) return false;
+        index = parent;
+    }
+    return vessels[index].bed != Bed::body;
 }
 
 } // namespace
@@ -86,9 +99,29 @@ TreeSpaces spaces_of(const std::vector<Vessel> &vessels)
         spaces.bend_radii.push_back(bend_radii(curves.back()));
         std::vector<double> &row = spaces.apart_mm.emplace_back();
         const size_t i = curves.size() - 1;
-        for (size_t j = 0; j < i; ++j) row.push_back(apart_mm(vessel, curves[i], vessels[j], curves[j]));
+        for (size_t j = 0; j < i; ++j)
+            row.push_back(apart_mm(vessel, curves[i], vessels[j], curves[j], NEAR_ORIGIN_MM));
     }
     return spaces;
+}
+
+std::string broken_coronary_rule(const std::vector<Vessel> &vessels)
+{
+    constexpr double STEP_MM = 1.0, NEAR_FORK_MM = 9.0;
+    std::vector<Curve> curves;
+    for (const Vessel &vessel : vessels) curves.push_back(vessel_curve(vessel, STEP_MM));
+    for (size_t i = 0; i < vessels.size(); ++i) {
+        if (!is_coronary(vessels, i)) continue;
+        const char *name = vessels[i].name.c_str();
+        const double bend = bend_radii(curves[i]);
+        if (bend < BEND_RADII) return crn::formatted("%s: a bend of %.1f radii", name, bend);
+        for (size_t j = 0; j < i; ++j) {
+            const double apart = apart_mm(vessels[i], curves[i], vessels[j], curves[j], NEAR_FORK_MM);
+            if (apart < APART_MM)
+                return crn::formatted("%s: %.1f mm from %s", name, apart, vessels[j].name.c_str());
+        }
+    }
+    return "";
 }
 
 std::string broken_rule(const std::vector<Vessel> &vessels, const TreeSpaces &usual)

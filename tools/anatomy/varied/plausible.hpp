@@ -28,4 +28,9 @@ TreeSpaces spaces_of(const std::vector<Vessel> &vessels);
    measured values of the shipped tree, whose vessels have the same order. */
 std::string broken_rule(const std::vector<Vessel> &vessels, const TreeSpaces &usual);
 
+/* Returns a text about the first rule that the coronary arteries of a tree break, or "" if they keep all
+ * rules. Their lumens are at least APART_MM apart, except near their origins, and do not bend more sharply
+ * than other vessels. */
+std::string broken_coronary_rule(const std::vector<Vessel> &vessels);
+
 } // namespace anatomy

@@ -1,15 +1,13 @@
 /* Writes a drawn tree as a vessel file (docs/vessels.md). */
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
+#include "tools/anatomy/varied/file_text.hpp"
 #include "tools/anatomy/varied/variety.hpp"
 
 namespace anatomy
 {
 
-namespace
-{
-
-std::string quoted(const std::string &text)
+std::string quoted_text(const std::string &text)
 {
     std::string result = "\"";
     for (const char c : text) {
@@ -19,18 +17,18 @@ std::string quoted(const std::string &text)
     return result + '"';
 }
 
+std::string name_text(const std::string &name, const std::string &source)
+{
+    return name.empty() ? "" : ", name = " + quoted_text(name) + ", source = " + quoted_text(source);
+}
+
 std::string station_text(const Station &station)
 {
     const auto mm = [](double value) { return crn::trimmed_text(value, 2); };
-    std::string text = "    { position_mm = [" + mm(station.position_mm.x()) + ", " +
-                       mm(station.position_mm.y()) + ", " + mm(station.position_mm.z()) +
-                       "], diameter_mm = " + mm(station.diameter_mm);
-    if (!station.name.empty())
-        text += ", name = " + quoted(station.name) + ", source = " + quoted(station.source);
-    return text + " },\n";
+    return "    { position_mm = [" + mm(station.position_mm.x()) + ", " + mm(station.position_mm.y()) + ", " +
+           mm(station.position_mm.z()) + "], diameter_mm = " + mm(station.diameter_mm) +
+           name_text(station.name, station.source) + " },\n";
 }
-
-} // namespace
 
 std::string vessel_file_text(const DrawnAorta &drawn)
 {
@@ -44,14 +42,14 @@ std::string vessel_file_text(const DrawnAorta &drawn)
                        static_cast<unsigned long long>(drawn.seed), arch_type_name(drawn.arch.type),
                        drawn.arch.drop_widths, drawn.arch.has_common_trunk ? "; common trunk" : "",
                        drawn.right_tortuosity, drawn.left_tortuosity, drawn.aorta_scale);
-    text += "format = 1\ntitle = " + quoted(draft.title) +
+    text += "format = 1\ntitle = " + quoted_text(draft.title) +
             "\nframe = \"patient\"\nfillet_mm = " + crn::trimmed_text(draft.fillet_mm, 2) +
-            "\n\n[entry]\nvessel = " + quoted(draft.entry->vessel) +
+            "\n\n[entry]\nvessel = " + quoted_text(draft.entry->vessel) +
             "\ny_mm = " + crn::trimmed_text(*draft.entry->y_mm, 2) + "\n";
     for (const GivenVessel &given : draft.vessels) {
         const Vessel &vessel = given.vessel;
-        text += "\n[[vessel]]\nname = " + quoted(vessel.name) + "\n";
-        if (!vessel.parent.empty()) text += "parent = " + quoted(vessel.parent) + "\n";
+        text += "\n[[vessel]]\nname = " + quoted_text(vessel.name) + "\n";
+        if (!vessel.parent.empty()) text += "parent = " + quoted_text(vessel.parent) + "\n";
         if (vessel.flow_ml_min > 0)
             text += "flow_ml_min = { value = " + crn::trimmed_text(vessel.flow_ml_min, 2) +
                     ", source = \"that of the shipped aorta\" }\n";
