@@ -136,6 +136,17 @@ cournand_status cournand_world_tip(cournand_world *world, uint32_t position, cou
     });
 }
 
+cournand_status cournand_world_moved(cournand_world *world, const double *rest_m, size_t count, double *now_m)
+{
+    return with_world(world, [&](World &from) {
+        require(count == 0 || (rest_m != nullptr && now_m != nullptr), "rest_m or now_m is NULL");
+        require(count <= 1u << 24, "count is above 16777216");
+        for (size_t i = 0; i < 3 * count; i++)
+            require(std::isfinite(rest_m[i]), "rest_m has a number that is not finite");
+        from.moved({rest_m, 3 * count}, {now_m, 3 * count});
+    });
+}
+
 cournand_status cournand_world_hash(cournand_world *world, uint64_t *hash)
 {
     return with_world(world, [&](World &from) {

@@ -344,6 +344,13 @@ typedef struct cournand_place {
 COURNAND_API cournand_status cournand_world_tip(cournand_world *world, uint32_t position,
                                                 cournand_place *place);
 
+/* Returns where points of the tissue are now. `rest_m` has `count` rows of x, y, z in the reference pose
+ * (heart and breath at rest), such as points of a vessel's centreline. `now_m` receives as many rows; it may
+ * be `rest_m` itself. In a scene that does not move, the points stay. Status: BAD_ARGUMENT if a number is not
+ * finite; nothing is written then. */
+COURNAND_API cournand_status cournand_world_moved(cournand_world *world, const double *rest_m, size_t count,
+                                                  double *now_m);
+
 /* Returns the full hash of the core's state (FNV-1a), as `cournand run` prints it. */
 COURNAND_API cournand_status cournand_world_hash(cournand_world *world, uint64_t *hash);
 

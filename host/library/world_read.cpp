@@ -151,6 +151,18 @@ void World::read(std::uint32_t position, cournand_place &place)
     place.radii = tip.place.radii;
 }
 
+void World::moved(std::span<const double> rest_m, std::span<double> now_m)
+{
+    const std::optional<Motion> &motion = scene().anatomy().motion;
+    nodes();
+    const MotionMoment moment{frame_.heart_phase32, frame_.breath_phase32};
+    for (std::size_t i = 0; i < rest_m.size(); i += 3) {
+        const Eigen::Vector3d rest(rest_m[i], rest_m[i + 1], rest_m[i + 2]);
+        const Eigen::Vector3d now = motion ? motion->push(rest, moment) : rest;
+        for (std::size_t axis = 0; axis < 3; axis++) now_m[i + axis] = now[static_cast<Eigen::Index>(axis)];
+    }
+}
+
 std::uint64_t World::hash()
 {
     return link_.read_hash64().hash;

@@ -273,6 +273,9 @@ void Caller::read()
     cournand_place place{};
     place.struct_bytes = sizeof place;
     answer(cournand_world_tip(from, in_.near<std::uint32_t>(in_.one() % 4), &place));
+    double points[6] = {};
+    for (double &number : points) number = in_.near<double>(0.01 * in_.one());
+    answer(cournand_world_moved(from, points, in_.one() % 3, points));
     cournand_fault faults[4];
     std::size_t count = 0;
     answer(cournand_world_faults(from, faults, in_.one() % 5, &count));

@@ -369,6 +369,22 @@ void a_tip_lies_in_a_vessel_that_the_scene_names(void **)
     done(cournand_world_free(placed));
 }
 
+void points_of_a_scene_that_rests_stay(void **)
+{
+    cournand_world *resting = world(aorta());
+    push(resting, 100);
+    const double rest_m[6] = {0.01, -0.2, 0.03, 0.0, 0.15, 0.02};
+    double now_m[6] = {};
+    done(cournand_world_moved(resting, rest_m, 2, now_m));
+    assert_memory_equal(now_m, rest_m, sizeof now_m);
+    const double wrong_m[3] = {0.0, NAN, 0.0};
+    assert_int_equal(cournand_world_moved(resting, wrong_m, 1, now_m), COURNAND_BAD_ARGUMENT);
+    assert_int_equal(cournand_world_moved(resting, nullptr, 1, now_m), COURNAND_BAD_ARGUMENT);
+    assert_memory_equal(now_m, rest_m, sizeof now_m);
+    done(cournand_world_moved(resting, nullptr, 0, nullptr));
+    done(cournand_world_free(resting));
+}
+
 void an_order_changes_the_heart_rate(void **)
 {
     cournand_world *calm = world(free_space()), *fast = world(free_space());
@@ -498,6 +514,7 @@ int main()
         cmocka_unit_test(hands_move_the_stated_way),
         cmocka_unit_test(forces_of_the_wall_are_read_node_by_node_and_as_a_peak),
         cmocka_unit_test(a_tip_lies_in_a_vessel_that_the_scene_names),
+        cmocka_unit_test(points_of_a_scene_that_rests_stay),
         cmocka_unit_test(an_order_changes_the_heart_rate),
         cmocka_unit_test(tools_are_exchanged_by_an_order),
         cmocka_unit_test(a_scaled_tool_is_as_stiff_as_asked),

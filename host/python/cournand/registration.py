@@ -10,6 +10,7 @@ CHALLENGES = {
     "cournand/Brachiocephalic-v1": "brachiocephalic",
     "cournand/LeftCarotid-v1": "left_carotid",
     "cournand/ShippedArch-v1": "shipped_arch",
+    "cournand/Coronary-v1": "coronary",
     "cournand/ArchVariety-v1": "arch_variety",
     "cournand/TwoDevices-v1": "two_devices",
 }

@@ -118,6 +118,16 @@ nb::tuple tip(const World &world, std::uint32_t position)
                           place.inside_m, place.radii);
 }
 
+// Moves points in place; `points_m` belongs to the caller alone, so no other thread writes to it meanwhile.
+using Points = nb::ndarray<double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+void move_points(const World &world, const Points &points_m)
+{
+    unlocked([&] {
+        return cournand_world_moved(world.get(), points_m.data(), points_m.shape(0), points_m.data());
+    });
+}
+
 std::uint64_t hash(const World &world)
 {
     std::uint64_t value = 0;
@@ -179,6 +189,7 @@ void add_worlds(nb::module_ &module)
         .def("contacts", &contacts)
         .def("read", &read)
         .def("tip", &tip)
+        .def("move_points", &move_points)
         .def("hash", &hash)
         .def("faults", &faults)
         .def("inject", &inject)

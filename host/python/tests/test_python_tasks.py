@@ -23,7 +23,7 @@ prepare.enter(os.path.abspath(__file__))
 import numpy as np  # noqa: E402
 from cournand import BadFileError, anatomies, judge, train  # noqa: E402
 from cournand.data import find  # noqa: E402
-from cournand.envs import NavigationEnv, Task  # noqa: E402
+from cournand.envs import Exchange, Move, NavigationEnv, NavigationVectorEnv, Task  # noqa: E402
 from cournand.tasks import CHALLENGES, Challenge, Linear, card, expert, policy_of, score, table  # noqa: E402
 
 sys.path.insert(0, os.path.join(prepare.ROOT, "tools", "check"))
@@ -125,6 +125,41 @@ def the_expert_turns_the_bend_towards_the_target():
     return abs(right - np.pi / 2) < 0.1 and abs(none) < 1e-6
 
 
+def an_approach_by_one_move_is_the_same_as_its_length():
+    start_m = NavigationEnv(NEAR).world.scene.start_m
+    plain = NavigationEnv(replace(NEAR, approach_m=0.03))
+    moved = NavigationEnv(replace(NEAR, approach=(Move(0, start_m + 0.03),)))
+    begun = [env.reset(seed=5)[0] for env in (plain, moved)]
+    print("# inserted %.4f m" % moved.world.read().inserted_m[0])
+    return plain.world.hash() == moved.world.hash() and np.array_equal(*begun)
+
+
+def an_approach_exchanges_a_tool():
+    """The hand lags behind by some millimetres at most, as its grip is elastic."""
+    approach = (Move(0, 0.1, 0.1), Move(0, -0.005, 0.1), Exchange(0, "terumo_stiff_angled"), Move(0, 0.02))
+    task = replace(NEAR, tools=("terumo_stiff_angled",), approach=approach, approach_tools=("j_wire",))
+    envs = NavigationVectorEnv(2, task, threads=2)
+    envs.reset(seed=[1, 2])
+    readings = [world.read() for world in envs._fleet.worlds]
+    print("# inserted %.4f m" % readings[0].inserted_m[0])
+    return all(read.line == (1,) and abs(read.inserted_m[0] - 0.02) < 0.005 for read in readings)
+
+
+def wrong_approaches_are_refused():
+    texts = [
+        refusal(lambda: replace(NEAR, approach_m=0.1, approach=(Move(0, 0.1),))),
+        refusal(lambda: replace(NEAR, approach_tools=("terumo_5f",))),
+        refusal(lambda: replace(NEAR, approach=(Move(1, 0.1),))),
+        refusal(lambda: replace(NEAR, approach=(Move(0, 3.0),))),
+        refusal(lambda: replace(NEAR, approach=(Move(0, 0.1, 0.0),))),
+        refusal(lambda: replace(NEAR, approach=(Exchange(0, "terumo_5f"),))),
+        refusal(lambda: replace(NEAR, approach=(Move(0, 0.1),), approach_tools=("terumo_5f",))),
+        refusal(lambda: replace(NEAR, approach=("push",))),
+    ]
+    print("# %s" % texts[-2])
+    return all("approach" in text for text in texts)
+
+
 def a_card_is_written_read_and_made_a_table():
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "card.json")
@@ -204,6 +239,7 @@ def wrong_calls_are_refused_with_text():
             refusal(lambda: SHORT.episodes("test", 1)),
             refusal(lambda: replace(SHORT, pool=3)),
             refusal(lambda: list(anatomies.make([-1], folder))),
+            refusal(lambda: list(anatomies.make([1], folder, kind="lung"))),
             refusal(lambda: list(anatomies.make([1], folder, programs=folder)), BadFileError),
         ]
         codes = [
@@ -214,6 +250,8 @@ def wrong_calls_are_refused_with_text():
             said(anatomies.main, "--split", "judge")[0],
             said(anatomies.main, "--first", "-1")[0],
             said(anatomies.main, "--task", "iliac", "--bodies")[0],
+            said(anatomies.main, "--task", "iliac", "--kind", "heart")[0],
+            said(anatomies.main, "--kind", "lung")[0],
         ]
         print("# %s" % nowhere[1].strip(), codes)
         remedy = "python -m cournand.anatomies --task iliac --out " + folder
@@ -225,7 +263,7 @@ def programs_of(folder, bake_words):
     shipped scene."""
     scene = os.path.splitext(find("scenes", ".scene", "aorta"))[0]
     texts = {
-        "anatomy": '#!/bin/sh\nfor last; do :; done\nmkdir -p "$last"\necho "$3" "$4" >>"%s/drawn"\n' % folder,
+        "anatomy": '#!/bin/sh\nfor last; do :; done\nmkdir -p "$last"\necho "$1" "$3" "$4" >>"%s/drawn"\n' % folder,
         "bake": '#!/bin/sh\nout=${3%%.scene}\ncp "%s.bodies" "$out.bodies"\n%s\ncp "%s.scene" "$3"\n'
         % (scene, bake_words, scene),
     }
@@ -249,15 +287,17 @@ def a_scene_is_complete_or_absent_and_made_once():
         os.remove(os.path.join(out, "aorta-5.scene"))
         again = said(anatomies.main, "--count", "3", "--first", "4", "--out", out, "--programs", programs)
         bodies = said(anatomies.main, "--count", "1", "--bodies", "--out", out, "--programs", programs)
+        said(anatomies.main, "--count", "1", "--kind", "heart", "--out", out, "--programs", programs)
         drawn = sorted(open(os.path.join(programs, "drawn"), encoding="utf-8").read().splitlines())
         names = sorted(os.listdir(out))
         opened = NavigationEnv(replace(NEAR, scene=os.path.join(out, "aorta-6.scene"))).reset(seed=1)[1]["path_m"] > 0
+    expected = ["aorta-0-bodies", "aorta-4", "aorta-5", "aorta-6", "heart-0"]
     return (
         "exit code 3" in failed
         and left == []
         and first[0] == again[0] == bodies[0] == 0
-        and drawn == ["0 --quiet", *("%d --no-bodies" % seed for seed in (4, 5, 5, 6))]
-        and names == ["aorta-%s.%s" % (seed, end) for seed in ("0-bodies", 4, 5, 6) for end in ("bodies", "scene")]
+        and drawn == ["aorta 0 --quiet", *("aorta %d --no-bodies" % seed for seed in (4, 5, 5, 6)), "heart 0 --no-bodies"]
+        and names == ["%s.%s" % (name, end) for name in expected for end in ("bodies", "scene")]
         and opened
     )
 
@@ -301,6 +341,9 @@ tap.run(
         a_resting_policy_goes_nowhere,
         the_expert_reaches_an_easy_target_safely,
         the_expert_turns_the_bend_towards_the_target,
+        an_approach_by_one_move_is_the_same_as_its_length,
+        an_approach_exchanges_a_tool,
+        wrong_approaches_are_refused,
         a_card_is_written_read_and_made_a_table,
         the_rows_of_the_page_are_those_of_its_cards,
         the_commands_of_the_page_are_accepted,

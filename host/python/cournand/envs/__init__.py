@@ -10,13 +10,15 @@ The guide to the environments is docs/gymnasium.md.
 
 from ..registration import register
 from .navigation import EnvSnapshot, NavigationEnv, NavigationVectorEnv
-from .task import AORTA, ARCH_BRANCH, TASKS, Randomise, Task
+from .task import AORTA, ARCH_BRANCH, TASKS, Exchange, Move, Randomise, Task
 
 __all__ = [
     "AORTA",
     "ARCH_BRANCH",
     "TASKS",
     "EnvSnapshot",
+    "Exchange",
+    "Move",
     "NavigationEnv",
     "NavigationVectorEnv",
     "Randomise",

@@ -6,8 +6,10 @@ depends neither on other environments, nor on earlier episodes, nor on the numbe
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -19,7 +21,7 @@ from ..scene import Scene, Tool
 from ..world import TICKS_PER_S, Order, World
 from ..xray import View, XRay
 from .actions import Actions
-from .task import TOOL_FACTORS, Randomise, Task, VesselPaths
+from .task import TOOL_FACTORS, Exchange, Randomise, Task, VesselPaths
 
 POINTS, SPACING_M = 3, 0.002
 KINDS = ("state", "fluoroscopy", "labels")
@@ -40,6 +42,10 @@ class Episode:
     number: int = 0
     step: int = 0
     target_m: npt.NDArray[np.float64] = None  # type: ignore[assignment]
+    """Target in the reference pose."""
+    moved_m: npt.NDArray[np.float64] = None  # type: ignore[assignment]
+    """Target at the tick `moved_at`, in a scene that moves."""
+    moved_at: int = -1
     exits: npt.NDArray[np.float64] = None  # type: ignore[assignment]
     beyond: npt.NDArray[np.float64] = None  # type: ignore[assignment]
     path_m: float = 0.0
@@ -106,10 +112,10 @@ class Fleet:
             raise ValueError("size: %r is not a multiple of 16 within 64 and 512" % (size,))
         self.randomise = randomise or Randomise()
         self.stages = [Stage(name, task) for name in self.randomise.scenes or (task.scene,)]
-        self.tools = [Tool(name) for name in task.tools]
-        self.positions = len(self.tools)
+        self.tools = [Tool(name) for name in task.all_tools()]
+        self.positions = len(task.tools)
         self.actions = Actions(self.positions, action, contrast=contrast, c_arm=c_arm)
-        if contrast and not any(tool.is_catheter for tool in self.tools):
+        if contrast and not any(tool.is_catheter for tool in self.tools[: self.positions]):
             raise ValueError("contrast: no tool of the task has a lumen: name a catheter in Task.tools")
         self.pool = Pool(threads)
         self._starts: OrderedDict[tuple[Any, ...], bytes] = OrderedDict()
@@ -146,7 +152,9 @@ class Fleet:
     # --- worlds ---
 
     def _world(self, tools: Sequence[Tool], stage: int) -> World:
-        return World(self.stages[stage].scene, tools, contact_ticks=self.task.contact_ticks, patient=self.has_contrast)
+        line = [self.task.all_tools().index(name) + 1 for name in self.task.first_line()]
+        ticks = self.task.contact_ticks
+        return World(self.stages[stage].scene, tools, line=line, contact_ticks=ticks, patient=self.has_contrast)
 
     def _ready_world(self, number: int, stage: int) -> World:
         """Returns an environment's world with the unchanged tools in this scene; the world is made only once."""
@@ -171,14 +179,11 @@ class Fleet:
         the tools in again."""
         keys = [self._start_key(episode) for episode in episodes]
         new = list({key: number for number, key in enumerate(keys) if key not in self._starts}.values())
-        ticks = round(self.task.approach_m / APPROACH_M_PER_S * TICKS_PER_S)
         starts = {key: self._starts[key] for key in keys if key in self._starts}
         if new:
             pushed = [self._world_at_start(worlds[number], episodes[number]) for number in new]
-            if ticks > 0:
-                actions = np.zeros((len(new), 8), dtype=np.float32)
-                actions[:, : self.positions] = APPROACH_M_PER_S
-                Batch(self.pool, pushed, points=0).move(actions, ticks)
+            with ThreadPoolExecutor(self.threads) as threads:
+                list(threads.map(self._push_in, pushed))
             starts.update({keys[number]: world.snapshot() for number, world in zip(new, pushed)})
         for key in keys:
             self._starts[key] = starts[key]
@@ -186,6 +191,21 @@ class Fleet:
         while len(self._starts) > STARTS_MAX:
             self._starts.popitem(last=False)
         Batch(self.pool, worlds, points=0).restore([starts[key] for key in keys])
+
+    def _push_in(self, world: World) -> None:
+        """Moves the tools of a world to where the task begins."""
+        task = self.task
+        if task.approach_m > 0.0:
+            world.move([APPROACH_M_PER_S] * self.positions, ticks=round(task.approach_m / APPROACH_M_PER_S * TICKS_PER_S))
+        for one in task.approach:
+            if isinstance(one, Exchange):
+                world.exchange(one.position, task.all_tools().index(one.tool) + 1)
+                world.move(ticks=1)
+                continue
+            way_m = one.inserted_m - world.read().inserted_m[one.position]
+            speeds = [0.0] * self.positions
+            speeds[one.position] = math.copysign(one.speed_m_per_s, way_m)
+            world.move(speeds, ticks=max(round(abs(way_m) / one.speed_m_per_s * TICKS_PER_S), 1))
 
     def _world_at_start(self, world: World, episode: Episode) -> World:
         """Returns a world at tick 0 that is like `world`, because an episode may still be using `world`."""
@@ -233,7 +253,9 @@ class Fleet:
         exits, beyond = stage.paths.towards(stage.targets[index], along)
         no_action = np.zeros(self.actions.width, dtype=np.float32)
         view = self._view(target, drawn)
-        return Episode(seed, number, 0, target, exits, beyond, np.inf, 0.0, no_action, view, drawn)
+        return Episode(
+            seed, number, target_m=target, exits=exits, beyond=beyond, path_m=np.inf, action=no_action, view=view, drawn=drawn
+        )
 
     def _drawn_tools(self, drawn: dict[str, float]) -> list[Tool]:
         factors = {name: drawn[name] for name in TOOL_FACTORS}
@@ -319,7 +341,17 @@ class Fleet:
         return float(self.batch.states[number, self.batch.columns.figures][FIGURES.index(name)])
 
     def tip_distance(self, number: int) -> float:
-        return float(np.linalg.norm(self.batch.states[number, :3] - self.episodes[number].target_m))
+        return float(np.linalg.norm(self.batch.states[number, :3] - self.target_now_m(number)))
+
+    def target_now_m(self, number: int) -> npt.NDArray[np.float64]:
+        """Returns the target, which moves with the vessel's wall."""
+        episode = self.episodes[number]
+        if not self.stages[episode.stage].scene.moves:
+            return episode.target_m
+        if episode.moved_at != self.worlds[number].tick:
+            episode.moved_at = self.worlds[number].tick
+            episode.moved_m = self.worlds[number].moved(episode.target_m[None])[0]
+        return episode.moved_m
 
     def is_safe(self, number: int) -> bool:
         return self.episodes[number].force_peak_N <= self.task.force_limit_N
@@ -347,7 +379,7 @@ class Fleet:
             "is_out_of_range": is_out,
             "force_peak_N": episode.force_peak_N,
             "path_m": episode.path_m,
-            "target_m": episode.target_m.copy(),
+            "target_m": self.target_now_m(number).copy(),
             "seed": episode.seed,
             "episode": episode.number,
             **more,
@@ -411,7 +443,7 @@ class Fleet:
             more += [episode.view.primary_deg / ANGLES_MAX_DEG[0], episode.view.secondary_deg / ANGLES_MAX_DEG[1]]
         made = np.concatenate(
             [
-                ((points - episode.target_m) / 0.1).ravel(),
+                ((points - self.target_now_m(number)) / 0.1).ravel(),
                 heading / max(float(np.linalg.norm(heading)), 1e-9),
                 (hands / (1.0, 1.0, 0.01)).ravel(),
                 [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,35 @@ from ..randomise import TOOL_FACTORS, Randomise, Range
 from ..scene import Scene
 from ..xray import View
 
-__all__ = ["AORTA", "ARCH_BRANCH", "TASKS", "TOOL_FACTORS", "Randomise", "Task", "VesselPaths", "task_of"]
+__all__ = [
+    "AORTA",
+    "ARCH_BRANCH",
+    "TASKS",
+    "TOOL_FACTORS",
+    "Exchange",
+    "Move",
+    "Randomise",
+    "Task",
+    "VesselPaths",
+    "task_of",
+]
+
+
+class Move(NamedTuple):
+    """A move of an approach: the tool at a position is pushed or pulled until it is inserted by a length."""
+
+    position: int
+    """0 for the innermost tool."""
+    inserted_m: float
+    """Length beyond the introducer's opening, from -0.005 (outside) to 2."""
+    speed_m_per_s: float = 0.06
+
+
+class Exchange(NamedTuple):
+    """An exchange of an approach: another tool takes the place at a position. The tools there must be outside."""
+
+    position: int
+    tool: str
 
 
 @dataclass(frozen=True)
@@ -33,6 +62,11 @@ class Task:
     tools: tuple[str, ...] = ("j_wire",)
     approach_m: float = 0.0
     """Length by which the tools are pushed in at 60 mm/s before the episode begins."""
+    approach: tuple[Union[Move, Exchange], ...] = ()
+    """Moves and exchanges before the episode begins, instead of `approach_m`. Afterwards the tools in use must be
+    `tools`."""
+    approach_tools: tuple[str, ...] = ()
+    """Further tools, which only the approach uses. The first of them begins at position 0."""
     target_part: Range = (0.0, 1.0)
     """Part of each target vessel in which targets lie, from 0 (its beginning, where the blood enters) to 1 (its
     end)."""
@@ -76,8 +110,39 @@ class Task:
         for name, most in (("contrast_max_ml_per_s", 50.0), ("contrast_limit_ml", 1e4), ("c_arm_max_deg_per_s", 180.0)):
             if not 0.0 < getattr(self, name) <= most:
                 raise ValueError("Task.%s: %r is not above 0 and at most %g" % (name, getattr(self, name), most))
+        self._check_approach()
         if not 0.0 < self.force_limit_N < math.inf:
             raise ValueError("Task.force_limit_N: %r is not a force above 0" % (self.force_limit_N,))
+
+
+    def _check_approach(self) -> None:
+        if self.approach and self.approach_m:
+            raise ValueError("Task: it has both `approach` and `approach_m`")
+        if self.approach_tools and not self.approach:
+            raise ValueError("Task.approach_tools: there is no `approach` that uses them")
+        line = self.first_line()
+        for number, one in enumerate(self.approach):
+            where = "Task.approach[%d]: " % number
+            if not isinstance(one, (Move, Exchange)):
+                raise ValueError(where + "%r is neither a Move nor an Exchange" % (one,))
+            if not 0 <= one.position < len(line):
+                raise ValueError(where + "there is no position %r" % (one.position,))
+            if isinstance(one, Exchange):
+                if one.tool not in self.all_tools():
+                    raise ValueError(where + "%r is not in `tools` or `approach_tools`" % (one.tool,))
+                line[one.position] = one.tool
+            elif not (-0.005 <= one.inserted_m <= 2.0 and 0.0 < one.speed_m_per_s <= 0.2):
+                raise ValueError(where + "%r is not within -0.005 and 2 m, or its speed not within 0.2 m/s" % (one,))
+        if tuple(line) != self.tools:
+            raise ValueError("Task.approach: it ends with the tools %s, not with `tools`" % ", ".join(line))
+
+    def all_tools(self) -> tuple[str, ...]:
+        """Returns the names of all tools of a world: those in use, and those of the approach."""
+        return self.tools + self.approach_tools
+
+    def first_line(self) -> list[str]:
+        """Returns the name of the tool at each position at tick 0."""
+        return list(self.approach_tools[:1] + self.tools[1:] if self.approach_tools else self.tools)
 
 
 AORTA = Task(targets=("descending aorta",), target_part=(0.2, 0.9), steps=300)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..anatomies import need, path_of
-from ..envs.task import Task
+from ..envs.task import Exchange, Move, Task
 
 SPLITS = ("train", "judge")
 BELOW_ARCH_M = 0.5
@@ -48,6 +48,10 @@ class Challenge:
     """Number of drawn anatomies, which have the seeds 0 .. pool - 1; 0 if only the scene of the task is used."""
     is_always_new: bool = False
     """True if every episode has its own anatomy, with a seed of 31 bits."""
+    kind: str = "aorta"
+    """What `anatomy --seed` draws: "aorta", or "heart" for coronary arteries."""
+    outer_tools_rest: bool = False
+    """True if the scripted expert moves only the innermost tool."""
     version: int = 1
     """Increases with every change that can change a score."""
 
@@ -95,19 +99,31 @@ class Challenge:
 
     def scene(self, folder: str | os.PathLike[str], anatomy: int) -> str:
         """Returns the path of an anatomy's scene."""
-        return str(path_of(folder, anatomy)) if anatomy >= 0 else self.task.scene
+        return str(path_of(folder, anatomy, kind=self.kind)) if anatomy >= 0 else self.task.scene
 
     def need_scenes(self, folder: str | os.PathLike[str], episodes: list[EpisodeSeed]) -> None:
         """Raises BadFileError with the remedy if the scene of an episode does not exist."""
         command = "python -m cournand.anatomies --task %s --out %s" % (self.name, os.fspath(folder))
         if self.is_always_new:
             command += " --episodes %d" % max(len(episodes), 1)
-        need(folder, [one.anatomy for one in episodes if one.anatomy >= 0], command)
+        need(folder, [one.anatomy for one in episodes if one.anatomy >= 0], command, kind=self.kind)
 
     def limited_to(self, steps: int) -> Challenge:
         """Returns the same task with shorter episodes, for a trial."""
         return replace(self, task=replace(self.task, steps=steps))
 
+
+LEFT_MAIN = (
+    Move(0, 0.64, 0.07),
+    Move(1, 0.74, 0.07),
+    Move(0, 0.42, 0.07),
+    Move(1, 0.885, 0.04),
+    Move(0, -0.005, 0.07),
+    Exchange(0, "coronary_014"),
+    Move(0, 0.88, 0.07),
+)
+"""A J wire goes round the arch, and a guiding catheter follows over it. Without the wire, the catheter's tip slides into
+the mouth of the left main artery. A coronary guidewire then takes the place of the J wire."""
 
 _ARCH = {"tools": ("terumo_stiff_angled",), "approach_m": BELOW_ARCH_M, "target_part": (0.3, 0.7), "steps": 300}
 
@@ -147,6 +163,25 @@ CHALLENGES = {
             "an angled wire to one of three branches of the shipped arch",
             Task(targets=THREE_BRANCHES, **_ARCH),  # type: ignore[arg-type]
             "own",
+        ),
+        Challenge(
+            "coronary",
+            "a coronary guidewire from a guiding catheter to one of four branches of a beating heart",
+            Task(
+                targets=("LAD", "D1", "LCX", "OM1"),
+                target_part=(0.4, 0.8),
+                tools=("coronary_014", "guide_jl3_6f"),
+                approach=LEFT_MAIN,
+                approach_tools=("j_wire",),
+                steps=300,
+                reach_m=0.003,
+                push_max_m_per_s=0.02,
+                force_limit_N=6.0,
+            ),
+            "own",
+            pool=8,
+            kind="heart",
+            outer_tools_rest=True,
         ),
         Challenge(
             "arch_variety",

@@ -30,15 +30,16 @@ def scenes_of(challenge: Challenge, folder: str | os.PathLike[str], split: str =
     if challenge.pool:
         challenge.need_scenes(folder, challenge.one_episode_of_each(split))
         return tuple(challenge.scene(folder, seed) for seed in challenge.anatomies(split))
-    names = [path.stem.removeprefix("aorta-") for path in Path(folder).glob("aorta-*.scene")]
+    prefix = challenge.kind + "-"
+    names = [path.stem.removeprefix(prefix) for path in Path(folder).glob(prefix + "*.scene")]
     seeds = sorted(int(name) for name in names if name.isdecimal() and int(name) % 2 == SPLITS.index(split))
     if not seeds:
         command = "python -m cournand.anatomies --task %s --split %s --episodes %d --out %s"
         raise BadFileError(
-            ("%s has no scene aorta-N.scene with an N of the split '%s'. Remedy: " + command)
-            % (os.fspath(folder), split, challenge.name, split, SCENES_NEW, os.fspath(folder))
+            ("%s has no scene %sN.scene with an N of the split '%s'. Remedy: " + command)
+            % (os.fspath(folder), prefix, split, challenge.name, split, SCENES_NEW, os.fspath(folder))
         )
-    return tuple(str(path_of(folder, seed)) for seed in seeds)
+    return tuple(str(path_of(folder, seed, kind=challenge.kind)) for seed in seeds)
 
 
 def _task(

@@ -35,8 +35,8 @@ class Phase(Enum):
 class Expert:
     """The expert in one episode."""
 
-    def __init__(self, tools: int = 1) -> None:
-        self.tools = tools
+    def __init__(self, tools: int = 1, *, outer_tools_rest: bool = False) -> None:
+        self.tools, self.outer_tools_rest = tools, outer_tools_rest
         self._phase, self._best_m, self._idle = Phase.PUSH, np.inf, 0
         self._low_m, self._steps = np.inf, 0
 
@@ -76,8 +76,9 @@ class Expert:
         return True
 
     def _action(self, push: float, turn: float) -> npt.NDArray[np.float32]:
-        """Moves the innermost tool; the other tools follow at the same speed without a turn."""
-        return np.array([push] * self.tools + [turn] + [0.0] * (self.tools - 1), dtype=np.float32)
+        """Moves the innermost tool; the other tools follow at the same speed without a turn, or rest."""
+        outer = [0.0 if self.outer_tools_rest else push] * (self.tools - 1)
+        return np.array([push, *outer, turn] + [0.0] * (self.tools - 1), dtype=np.float32)
 
 
 def bend_angle(points: npt.NDArray[np.float64]) -> float:

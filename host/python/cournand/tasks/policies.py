@@ -45,7 +45,7 @@ def _random(challenge: Challenge, episode: EpisodeSeed) -> Policy:
 
 
 def _expert(challenge: Challenge, episode: EpisodeSeed) -> Policy:
-    return Expert(len(challenge.task.tools))
+    return Expert(len(challenge.task.tools), outer_tools_rest=challenge.outer_tools_rest)
 
 
 POLICIES: dict[str, PolicyMaker] = {"rest": _rest, "random": _random, "push": _push, "expert": _expert}
