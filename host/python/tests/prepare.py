@@ -29,11 +29,11 @@ def run(words, **more):
     return ended.stdout.decode(errors="replace")
 
 
-def environment(folder, requirements):
+def environment(folder, requirements, with_debian=False):
     """Makes a virtual environment with pinned packages, unless it exists already, and returns the path of its
     Python."""
     try:
-        return pinned_environment.make(folder, requirements)
+        return pinned_environment.make(folder, requirements, with_debian=with_debian)
     except pinned_environment.EnvironmentFault as fault:
         sys.exit(str(fault))
     except pinned_environment.PackagesFault as fault:
@@ -118,6 +118,25 @@ def enter(script, more=None):
     names = dict(os.environ, COURNAND_PYTHON_TEST=script, PYTHONPATH=SITE, PYTHONDONTWRITEBYTECODE="1")
     sys.stdout.flush()
     os.execve(python, [python, script] + sys.argv[1:], names)
+
+
+def deep():
+    """Makes the environment of the deep baseline, and returns the path of its Python. The caller is Debian's Python,
+    whose PyTorch and NumPy the environment also sees."""
+    more = os.path.join(ROOT, "host", "python", "requirements-deep.txt")
+    return environment(os.path.join(FOLDER, "deep"), more, with_debian=True)
+
+
+def enter_deep(script):
+    """Continues a test script of Debian's Python in the environment of the deep baseline, which also sees Debian's
+    PyTorch and NumPy, unless it is there already."""
+    if os.environ.get("COURNAND_PYTHON_TEST") == script:
+        return
+    prepare()
+    python = deep()
+    names = dict(os.environ, COURNAND_PYTHON_TEST=script, PYTHONPATH=SITE, PYTHONDONTWRITEBYTECODE="1")
+    sys.stdout.flush()
+    os.execve(python, [python, script] + sys.argv[1:], dict(names, OMP_NUM_THREADS="1"))
 
 
 if __name__ == "__main__":
