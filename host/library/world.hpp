@@ -73,7 +73,8 @@ class World
     void read(cournand_contacts &contacts);
     void read(std::uint32_t position, cournand_place &place);
     void read(cournand_patient_reading &reading);
-    // Writes where points of the tissue, which are given in the reference pose, are now. Rows of x, y, z in m.
+    // Writes where points of the tissue, which are given in the reference pose, are now. Rows of x, y, z in
+    // m.
     void moved(std::span<const double> rest_m, std::span<double> now_m);
     std::uint64_t hash();
     std::size_t read(std::span<cournand_fault> faults);

@@ -7,8 +7,9 @@
 
 A scene of the kind `aorta` has drawn arteries from the groins to the arch; a scene of the kind `heart` has drawn
 coronary arteries on the shipped heart, which beats. To make a scene, the programs `anatomy` and `bake` are needed, and
-about 20 s of processor time (a minute for a heart), or a minute more with `--bodies`. Without `--bodies`, X-ray pictures show the tools and the contrast medium alone. An existing scene is not
-made again, so the same command continues after an interruption.
+about 20 s of processor time (a minute for a heart), or a minute more with `--bodies`. Without `--bodies`, X-ray
+pictures show the tools and the contrast medium alone. An existing scene is not made again, so the same command
+continues after an interruption.
 """
 
 from __future__ import annotations
@@ -84,7 +85,10 @@ def make(
     found = find_programs(programs)
     os.makedirs(folder, exist_ok=True)
     with ThreadPoolExecutor(workers) as pool:  # each thread waits for the processes of one scene
-        running = {pool.submit(_make_one, found, path_of(folder, seed, kind=kind, bodies=bodies), kind, seed, bodies): seed for seed in missing}
+        running = {}
+        for seed in missing:
+            final = path_of(folder, seed, kind=kind, bodies=bodies)
+            running[pool.submit(_make_one, found, final, kind, seed, bodies)] = seed
         try:
             for done in as_completed(running):
                 done.result()

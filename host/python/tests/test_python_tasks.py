@@ -296,7 +296,8 @@ def a_scene_is_complete_or_absent_and_made_once():
         "exit code 3" in failed
         and left == []
         and first[0] == again[0] == bodies[0] == 0
-        and drawn == ["aorta 0 --quiet", *("aorta %d --no-bodies" % seed for seed in (4, 5, 5, 6)), "heart 0 --no-bodies"]
+        and drawn
+        == ["aorta 0 --quiet", *("aorta %d --no-bodies" % seed for seed in (4, 5, 5, 6)), "heart 0 --no-bodies"]
         and names == ["%s.%s" % (name, end) for name in expected for end in ("bodies", "scene")]
         and opened
     )

@@ -196,7 +196,9 @@ class Fleet:
         """Moves the tools of a world to where the task begins."""
         task = self.task
         if task.approach_m > 0.0:
-            world.move([APPROACH_M_PER_S] * self.positions, ticks=round(task.approach_m / APPROACH_M_PER_S * TICKS_PER_S))
+            world.move(
+                [APPROACH_M_PER_S] * self.positions, ticks=round(task.approach_m / APPROACH_M_PER_S * TICKS_PER_S)
+            )
         for one in task.approach:
             if isinstance(one, Exchange):
                 world.exchange(one.position, task.all_tools().index(one.tool) + 1)
@@ -254,7 +256,15 @@ class Fleet:
         no_action = np.zeros(self.actions.width, dtype=np.float32)
         view = self._view(target, drawn)
         return Episode(
-            seed, number, target_m=target, exits=exits, beyond=beyond, path_m=np.inf, action=no_action, view=view, drawn=drawn
+            seed,
+            number,
+            target_m=target,
+            exits=exits,
+            beyond=beyond,
+            path_m=np.inf,
+            action=no_action,
+            view=view,
+            drawn=drawn,
         )
 
     def _drawn_tools(self, drawn: dict[str, float]) -> list[Tool]:

@@ -114,7 +114,6 @@ class Task:
         if not 0.0 < self.force_limit_N < math.inf:
             raise ValueError("Task.force_limit_N: %r is not a force above 0" % (self.force_limit_N,))
 
-
     def _check_approach(self) -> None:
         if self.approach and self.approach_m:
             raise ValueError("Task: it has both `approach` and `approach_m`")

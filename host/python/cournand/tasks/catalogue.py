@@ -122,8 +122,8 @@ LEFT_MAIN = (
     Exchange(0, "coronary_014"),
     Move(0, 0.88, 0.07),
 )
-"""A J wire goes round the arch, and a guiding catheter follows over it. Without the wire, the catheter's tip slides into
-the mouth of the left main artery. A coronary guidewire then takes the place of the J wire."""
+"""A J wire goes round the arch, and a guiding catheter follows over it. Without the wire, the catheter's tip slides
+into the mouth of the left main artery. A coronary guidewire then takes the place of the J wire."""
 
 _ARCH = {"tools": ("terumo_stiff_angled",), "approach_m": BELOW_ARCH_M, "target_part": (0.3, 0.7), "steps": 300}
 

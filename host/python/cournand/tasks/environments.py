@@ -1,6 +1,6 @@
 """The named tasks as environments for training; Gymnasium calls these functions by name (docs/gymnasium.md).
 
-    env = gymnasium.make("cournand/Iliac-v1", scenes="anatomies")
+env = gymnasium.make("cournand/Iliac-v1", scenes="anatomies")
 """
 
 from __future__ import annotations
