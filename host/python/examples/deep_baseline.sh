@@ -17,8 +17,9 @@ words() {
     case $1 in
     iliac) echo "--steps 40000" ;;
     subclavian) echo "--steps 25000 --push 0.6" ;;
-    brachiocephalic | shipped_arch) echo "--steps 25000 --demonstrations 30" ;;
-    left_carotid) echo "--steps 25000 --demonstrations 40" ;;
+    shipped_arch) echo "--steps 25000 --demonstrations 30" ;;
+    brachiocephalic) echo "--steps 40000 --demonstrations 30" ;;
+    left_carotid) echo "--steps 40000 --demonstrations 40" ;;
     arch_variety) echo "--steps 16000 --push 0.6 --scenes 3" ;;
     two_devices) echo "--steps 8000 --push 0.6" ;;
     esac
