@@ -12,7 +12,8 @@ python=$(PYTHONPATH=host/python/tests /usr/bin/python3 -c 'import prepare; print
 export PYTHONPATH=$build/python/site:host/python/examples OMP_NUM_THREADS=1
 mkdir -p "$out"
 
-# The words with which each task learns, and how many episodes it is judged in.
+# The words with which each task learns, and the number of episodes in which it is judged. The task arch_variety goes on
+# with the network of shipped_arch, which is therefore trained before it.
 words() {
     case $1 in
     iliac) echo "--steps 40000" ;;
@@ -20,7 +21,7 @@ words() {
     shipped_arch) echo "--steps 25000 --demonstrations 30" ;;
     brachiocephalic) echo "--steps 40000 --demonstrations 30" ;;
     left_carotid) echo "--steps 40000 --demonstrations 40" ;;
-    arch_variety) echo "--steps 16000 --push 0.6 --scenes 3" ;;
+    arch_variety) echo "--steps 16000 --scenes 3 --from $out/shipped_arch_1.npz" ;;
     two_devices) echo "--steps 8000 --push 0.6" ;;
     esac
 }
