@@ -22,7 +22,7 @@ report "the shared library has a soname" $?
 ldd "$installed/libcournand.so" >"$work/said" 2>&1
 ! grep -qiE 'libX|libGL|libEGL|glfw|OSMesa|dcm|ofstd|usb|png|archive|openh264|sqlite|pq|not found' "$work/said"
 report "the shared library needs no X11, GL, GLFW, DCMTK, libusb or libpng" $?
-tr '\n' ' ' <"$work/tree/usr/include/cournand.h" | grep -oE 'COURNAND_API [^;(]*\(' |
+cat "$work"/tree/usr/include/cournand{,_play}.h | tr '\n' ' ' | grep -oE 'COURNAND_API [^;(]*\(' |
     grep -oE 'cournand_[a-z0-9_]+\(' | tr -d '(' | sort >"$work/header"
 nm -D --defined-only "$installed/libcournand.so" | awk '$2 == "T" {sub(/@.*/, "", $3); print $3}' | sort >"$work/shared"
 diff "$work/header" "$work/shared" >"$work/said" && [ "$(wc -l <"$work/header")" -ge 40 ]
