@@ -8,7 +8,8 @@ headers=("$1" "$2") library=$3
 shift 3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-cat "${headers[@]}" | tr '\n' ' ' | grep -oE 'COURNAND_API [^;(]*\(' | grep -oE 'cournand_[a-z0-9_]+\(' | tr -d '(' >"$work/names"
+cat "${headers[@]}" | tr '\n' ' ' | grep -oE 'COURNAND_API [^;(]*\(' |
+    grep -oE 'cournand_[a-z0-9_]+\(' | tr -d '(' >"$work/names"
 [ -s "$work/names" ]
 mapfile -t wanted < <(sed 's/^/--undefined=/' "$work/names")
 ld.bfd -r --gc-sections --force-group-allocation "${wanted[@]}" -o "$work/cournand.o" --start-group "$@" --end-group

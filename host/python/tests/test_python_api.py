@@ -229,8 +229,8 @@ def ten_thousand_wrong_calls_do_not_crash():
             file.write(SCRIPT)
         play = cournand.Play(script, SCENE, [WIRE])
     junk = [None, -1, 0, 1, 3, 2**31, 2**64, -(2**70), 0.5, float("nan"), float("inf"), "", "x", "\0", b"", b"abc"]
-    junk += [[], [1] * 20, ["a"], [None], (), {}, object(), made, xray, SCENE, WIRE, play, np.zeros(0), np.zeros((3, 3))]
-    junk += [np.zeros((2, 8), dtype=np.float32), np.zeros((1, 8)), np.full((2, 8), np.nan, dtype=np.float32)]
+    junk += [[], [1] * 20, ["a"], [None], (), {}, object(), made, xray, SCENE, WIRE, np.zeros(0), np.zeros((3, 3))]
+    junk += [play, np.zeros((2, 8), dtype=np.float32), np.zeros((1, 8)), np.full((2, 8), np.nan, dtype=np.float32)]
     junk += [
         np.zeros(2, dtype=cournand.INPUT),
         b"\0" * len(made.snapshot()),
