@@ -12,22 +12,22 @@ python=$(PYTHONPATH=host/python/tests /usr/bin/python3 -c 'import prepare; print
 export PYTHONPATH=$build/python/site:host/python/examples OMP_NUM_THREADS=1
 mkdir -p "$out"
 
-# The words with which each task learns, and how many episodes it is judged in.
+# The words with which each task learns. Two tasks go on with the network of another task, which is therefore trained
+# before them.
 words() {
     case $1 in
     iliac) echo "--steps 40000" ;;
-    subclavian) echo "--steps 25000 --push 0.6" ;;
-    brachiocephalic | shipped_arch) echo "--steps 25000 --demonstrations 30" ;;
-    left_carotid) echo "--steps 25000 --demonstrations 40" ;;
-    arch_variety) echo "--steps 16000 --push 0.6 --scenes 3" ;;
-    two_devices) echo "--steps 8000 --push 0.6" ;;
+    subclavian) echo "--steps 20000 --push 0.6" ;;
+    shipped_arch) echo "--steps 25000 --demonstrations 30" ;;
+    brachiocephalic) echo "--steps 40000 --demonstrations 30" ;;
+    left_carotid) echo "--steps 20000 --from $out/brachiocephalic_1.npz" ;;
+    arch_variety) echo "--steps 8000 --scenes 3 --from $out/shipped_arch_1.npz" ;;
+    two_devices) echo "--steps 15000 --push 0.6" ;;
     esac
 }
 episodes() {
     case $1 in
-    iliac | subclavian) echo 20 ;;
-    arch_variety) echo 4 ;;
-    two_devices) echo 2 ;;
+    iliac | subclavian | shipped_arch) echo 20 ;;
     *) echo 10 ;;
     esac
 }

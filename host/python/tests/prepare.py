@@ -77,7 +77,8 @@ def prepare():
 def sources():
     """Returns the path of every source file of the package."""
     places = ["host/python/cournand", "host/python/module", "shared/examples/instruments", "shared/examples/stents"]
-    single = ["host/library/cournand.h", "shared/version.h", "shared/examples/scenes/aorta.tar.xz"]
+    single = ["host/library/cournand.h", "host/library/cournand_play.h"]
+    single += ["shared/version.h", "shared/examples/scenes/aorta.tar.xz"]
     files = [REQUIREMENTS, os.path.join(BUILD, "lib", "libcournand.a")] + [os.path.join(ROOT, one) for one in single]
     for place in places:
         for folder, folders, names in os.walk(os.path.join(ROOT, place)):

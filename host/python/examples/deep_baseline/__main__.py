@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from cournand.errors import BadFileError
-from cournand.tasks import CHALLENGES, challenge_of
+from cournand.tasks import CHALLENGES, Network, challenge_of
 
 from .curves import draw, read_curve
 from .train import Course, train, write_curve
@@ -38,7 +38,8 @@ def _train(given: argparse.Namespace) -> int:
         text = "%8d steps  %6.0f s  %5d episodes  rewards %6.2f  safe %3.0f %%"
         print(text % (row[0], row[1], row[2], row[3], 100 * row[4]), flush=True)
 
-    network, _ = train(challenge_of(given.task), course, given.anatomies, after)
+    begin_with = None if given.begin_with is None else Network.load(given.begin_with)
+    network, _ = train(challenge_of(given.task), course, given.anatomies, after, begin_with)
     network.save(given.out)
     return 0
 
@@ -89,6 +90,7 @@ def _parser() -> argparse.ArgumentParser:
     learn.add_argument("--steps", type=_count(1), default=usual.steps, help="of all worlds (%d)" % usual.steps)
     learn.add_argument("--seed", type=_count(0), default=usual.seed, help="of weights, episodes, exploration (1)")
     learn.add_argument("--demonstrations", type=_count(0), default=0, help="episodes of the expert to imitate (0)")
+    learn.add_argument("--from", dest="begin_with", metavar="FILE.npz", help="go on with the network of this file")
     learn.add_argument("--push", type=_part, default=0.0, help="mean push at the beginning, -1 to 1 (0)")
     learn.add_argument("--worlds", type=_count(1), default=usual.worlds, help="that step together (%d)" % usual.worlds)
     learn.add_argument("--threads", type=_count(1), default=1, help="of the worlds (1)")

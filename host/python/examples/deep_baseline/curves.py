@@ -14,6 +14,9 @@ from matplotlib.figure import Figure
 
 from .train import COLUMNS
 
+EPISODES_LEAST = 20
+"""Number of ended episodes from which a curve begins. Successes are short and end first, so the first shares would be
+too high."""
 Curve = dict[str, npt.NDArray[np.float64]]
 
 
@@ -41,9 +44,10 @@ def draw(curves: Sequence[tuple[str, Curve]], path: str | os.PathLike[str]) -> N
     for name, curve in curves:
         task = _task(name)
         is_first = name == next(other for other, _ in curves if _task(other) == task)
+        is_shown = curve["episodes"] >= EPISODES_LEAST
         axes.plot(
-            curve["steps"] / 1000.0,
-            100.0 * curve["safe_success"],
+            curve["steps"][is_shown] / 1000.0,
+            100.0 * curve["safe_success"][is_shown],
             color="C%d" % tasks.index(task),
             label=task if is_first else None,
             linewidth=1.4,

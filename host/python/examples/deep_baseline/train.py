@@ -23,6 +23,8 @@ from .worlds import LAGS, Worlds
 COLUMNS = ("steps", "seconds", "episodes", "rewards", "safe_success", "steps_median")
 SEEDS_APART = 1000
 """World i of a training with the seed s has the seed 1000 s + i, so two trainings have no episode in common."""
+SEEN_EARLIER = 3e6
+"""Weight of an earlier training in the statistics of the observations, in observations: they hardly change."""
 WATCHED = 50
 """Number of the last episodes whose results a point of the curve averages."""
 
@@ -137,11 +139,15 @@ def train(
     course: Course,
     anatomies: str | os.PathLike[str] = "anatomies",
     after: Callable[[Sequence[float]], None] = lambda row: None,
+    begin_with: Network | None = None,
 ) -> tuple[Network, list[tuple[float, ...]]]:
     """Trains on the training anatomies of a task. Returns the network and its curve, a row of COLUMNS per rollout;
-    calls `after` with each row. The seconds are those of the processor. Equal courses give equal networks."""
+    calls `after` with each row. The seconds are those of the processor. Equal courses give equal networks. With
+    `begin_with`, this network learns on; without it, a new one begins."""
     torch.set_num_threads(1)
     model, normalised = learner(challenge, course, scenes_of(challenge, anatomies, course.scenes))
+    if begin_with is not None:
+        put(begin_with, model, normalised)
     if course.demonstrations:
         imitate(model, normalised, *demonstrate(challenge, course.demonstrations, anatomies))
     rows: list[tuple[float, ...]] = []
@@ -154,13 +160,33 @@ def train(
     return exported(model, normalised, challenge), rows
 
 
+def _linear(model: Any) -> list[torch.nn.Linear]:
+    """Returns the layers from the observation to the mean action."""
+    hidden = [one for one in model.policy.mlp_extractor.policy_net if isinstance(one, torch.nn.Linear)]
+    return [*hidden, model.policy.action_net]
+
+
+def put(network: Network, model: Any, normalised: VecNormalize) -> None:
+    """Makes a model act as a network does. Raises ValueError if the network has other sizes."""
+    sizes = [tuple(one.weight.shape) for one in _linear(model)]
+    given = [weights.shape for weights, _ in network.layers]
+    if sizes != given or list(network.lags) != list(LAGS):
+        raise ValueError(
+            "the network of the task %s has the sizes %s and the lags %s; this training needs %s and %s"
+            % (network.task, given, list(network.lags), sizes, list(LAGS))
+        )
+    with torch.no_grad():
+        for layer, (weights, biases) in zip(_linear(model), network.layers):
+            layer.weight.copy_(torch.from_numpy(weights))
+            layer.bias.copy_(torch.from_numpy(biases))
+    normalised.obs_rms.mean = network.mean.astype(np.float64)
+    normalised.obs_rms.var = np.maximum(network.scale.astype(np.float64) ** 2 - normalised.epsilon, 0.0)
+    normalised.obs_rms.count = SEEN_EARLIER
+
+
 def exported(model: Any, normalised: VecNormalize, challenge: Challenge) -> Network:
     """Returns the mean action of a model, without its noise, as a network for NumPy."""
-    linear = [one for one in model.policy.mlp_extractor.policy_net if isinstance(one, torch.nn.Linear)]
-    layers = [
-        (one.weight.detach().numpy().copy(), one.bias.detach().numpy().copy())
-        for one in (*linear, model.policy.action_net)
-    ]
+    layers = [(one.weight.detach().numpy().copy(), one.bias.detach().numpy().copy()) for one in _linear(model)]
     statistics = normalised.obs_rms
     return Network(
         layers,

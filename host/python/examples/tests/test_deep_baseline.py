@@ -33,7 +33,7 @@ from cournand.tasks.network import features  # noqa: E402
 from deep_baseline import __main__ as program  # noqa: E402
 from deep_baseline.curves import read_curve  # noqa: E402
 from deep_baseline.demonstrations import demonstrate, imitate  # noqa: E402
-from deep_baseline.train import Course, exported, learner, scenes_of, train  # noqa: E402
+from deep_baseline.train import Course, exported, learner, put, scenes_of, train  # noqa: E402
 from deep_baseline.worlds import LAGS, Worlds  # noqa: E402
 from stable_baselines3.common.env_checker import check_env  # noqa: E402
 
@@ -178,6 +178,24 @@ def a_trained_network_is_judged_with_the_same_bits_by_1_and_2_threads():
     return cards[0] == cards[1]
 
 
+def a_training_goes_on_with_an_earlier_network():
+    """A model acts as the network that was put into it. The statistics are kept in double precision."""
+    earlier = train(SHORT, TINY)[0]
+    model, normalised = learner(SHORT, replace(TINY, seed=2), ["aorta"])
+    put(earlier, model, normalised)
+    now = exported(model, normalised, SHORT)
+    worst = float(np.abs(now.scale / earlier.scale - 1.0).max())
+    same = np.array_equal(weights_of(now), weights_of(earlier)) and np.array_equal(now.mean, earlier.mean)
+    after = train(SHORT, TINY, begin_with=earlier)[0]
+    print("# scales at most %.1e apart" % worst)
+    try:
+        put(replace(earlier, lags=[0]), model, normalised)
+        return False
+    except ValueError as error:
+        good = same and worst < 1e-6 and not np.array_equal(weights_of(after), weights_of(now))
+        return good and "sizes" in str(error)
+
+
 def it_learns_to_push():
     """Without a push at the beginning, the first episodes fail, and the last ones reach their targets."""
     rows = train(SHORT, Course(steps=16_000, rollout=32))[1]
@@ -262,6 +280,7 @@ tap.run(
         equal_courses_train_equal_networks,
         the_exported_network_acts_as_the_trained_one,
         a_trained_network_is_judged_with_the_same_bits_by_1_and_2_threads,
+        a_training_goes_on_with_an_earlier_network,
         it_learns_to_push,
         it_imitates_the_expert,
         the_commands_train_judge_and_draw,
