@@ -270,7 +270,8 @@ class World:
 
     def moved(self, rest_m: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Returns where points of the tissue are now, float64 [n, 3]. `rest_m` are n points in the reference pose
-        (heart and breath at rest), such as points of a vessel's centreline. In a scene that does not move, the points stay."""
+        (heart and breath at rest), such as points of a vessel's centreline. In a scene that does not move, the points
+        stay."""
         points = np.array(rest_m, dtype=np.float64, order="C")
         if points.ndim != 2 or points.shape[1] != 3:
             raise ValueError("rest_m is not an array [n, 3]")

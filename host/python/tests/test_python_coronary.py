@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Tests the task `coronary` in a drawn heart that beats (docs/tasks.md): the approach leaves a guiding catheter in the
-left main artery, targets move with the wall, and the scripted expert reaches some of them. Makes one scene, which takes
-a minute of a processor. Prints TAP."""
+left main artery, and targets move with the wall. Makes one scene, which takes a minute of a processor. Prints TAP."""
 
 import os
 import sys
@@ -52,38 +51,42 @@ def the_approach_leaves_the_catheter_in_the_left_main_artery():
     return guide.name == "LM" and guide.radii < 1.0 and abs(read.inserted_m[0] - 0.88) < 0.002 and len(in_use) == 2
 
 
-def points_of_the_wall_move_and_come_back():
-    """A beat at 70 per minute lasts 857 ticks, and 20 samples cover it; the LAD of the shipped heart moves by 12.9 mm in a
-    beat, and the breath moves the heart, too. The lower aorta rests."""
+def points_of_the_wall_move_with_the_heart():
+    """The LAD of the shipped heart moves by 12.9 mm in a beat (`anatomy heart`), to which the breath adds. The right
+    iliac artery rests. A beat at 70 per minute lasts 857 ticks, so 60 samples cover it."""
     scene = Scene(SCENE)
     world = World(scene, [Tool("j_wire")])
-    artery = scene.vessels[scene.find_vessel("LAD")].points_m[::10, :3].astype(np.float64)
-    aorta = scene.vessels[0].points_m[-50:, :3].astype(np.float64)
-    ways = []
-    for _ in range(20):
-        world.move(ticks=45)
-        ways.append(np.linalg.norm(world.moved(artery) - artery, axis=1))
-    still = np.abs(world.moved(aorta) - aorta).max()
-    most = np.max(ways)
-    print("# the LAD moves by %.1f mm, the lower aorta by %.4f mm" % (most * 1e3, still * 1e3))
-    return 0.008 < most < 0.03 and still < 1e-6 and np.array_equal(artery, artery.copy())
+
+    def points_of(name):
+        return scene.vessels[scene.find_vessel(name)].points_m[:, :3].astype(np.float64)
+
+    artery, iliac, places = points_of("LAD"), points_of("right iliac artery"), []
+    for _ in range(60):
+        world.move(ticks=15)
+        places.append(world.moved(artery))
+    most = max(np.linalg.norm(one - other, axis=1).max() for one in places for other in places)
+    still = np.abs(world.moved(iliac) - iliac).max()
+    print("# the LAD moves by %.1f mm, the iliac artery by %.4f mm" % (most * 1e3, still * 1e3))
+    return 0.0115 < most < 0.02 and still < 1e-9
 
 
-def the_moved_tip_lies_where_the_pose_says():
-    """The place of the tip is found in the reference pose; moved back, the centreline's point at this place lies within
-    a radius of the tip."""
+def the_tip_lies_in_the_moved_vessel():
+    """The place of the tip is found in the reference pose. The centreline of its vessel, moved to this tick, passes the
+    tip within the radius of the lumen (and 0.2 mm, as its points are 2 mm apart); the resting centreline does not."""
     ENV.reset(seed=2)
-    for _ in range(30):
+    moved, resting = [], []
+    for number in range(40):
         ENV.step([0.5, 0.0, 0.3, 0.0])
-    scene, place = ENV.world.scene, ENV.world.tip(0)
-    vessel = scene.vessels[place.vessel]
-    points = vessel.points_m[:, :3].astype(np.float64)
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    at = np.array([[np.interp(place.along_m, along, points[:, axis]) for axis in range(3)]])
-    radius = float(np.interp(place.along_m, along, vessel.points_m[:, 3]))
-    off = float(np.linalg.norm(ENV.world.moved(at)[0] - np.array(place.tip_m)))
-    print("# %s: %.2f mm from the moved centreline, radius %.2f mm" % (place.name, off * 1e3, radius * 1e3))
-    return off < place.radii * radius + 0.0005
+        place = ENV.world.tip(0)
+        vessel = ENV.world.scene.vessels[place.vessel]
+        if number < 24 or vessel.name == "LM":
+            continue
+        points = vessel.points_m[:, :3].astype(np.float64)
+        for found, where in ((moved, ENV.world.moved(points)), (resting, points)):
+            ways = np.linalg.norm(where - np.array(place.tip_m), axis=1)
+            found.append(float(ways.min() - vessel.points_m[int(ways.argmin()), 3]))
+    print("# beyond the lumen: %.2f mm moved, %.2f mm at rest" % (max(moved) * 1e3, max(resting) * 1e3))
+    return len(moved) > 5 and max(moved) < 0.0002 and max(resting) > 0.002
 
 
 def the_target_moves_with_the_wall():
@@ -97,14 +100,16 @@ def the_target_moves_with_the_wall():
     return spread > 0.003
 
 
-def the_expert_reaches_targets_and_equal_seeds_give_equal_bits():
-    cards = [score(ONE_HEART, policy_of("expert"), name="expert", episodes=3, threads=threads) for threads in (1, 2)]
-    figures = cards[0]["summary"]
-    print(
-        "# success %.2f, safe %.2f, peak %.2f N"
-        % tuple(figures[name] for name in ("success", "safe_success", "force_peak_p95_N"))
-    )
-    return cards[0]["episodes"] == cards[1]["episodes"] and figures["success"] > 0.0
+def equal_seeds_give_equal_bits_with_1_and_2_threads():
+    short = ONE_HEART.limited_to(40)
+    cards = [score(short, policy_of("expert"), name="expert", episodes=3, threads=threads) for threads in (1, 2)]
+    print("# peak force %.2f N" % cards[0]["summary"]["force_peak_p95_N"])
+    return cards[0]["episodes"] == cards[1]["episodes"]
+
+
+def the_outer_tools_of_the_expert_rest():
+    action = policy_of("expert")(CORONARY, CORONARY.episode(0))(np.ones(ENV.observation_space.shape, np.float32), {})
+    return action.shape == (4,) and action[0] != 0.0 and action[1] == 0.0
 
 
 def gymnasium_accepts_the_environment():
@@ -119,10 +124,11 @@ tap.run(
     [
         the_scene_moves_and_has_every_target,
         the_approach_leaves_the_catheter_in_the_left_main_artery,
-        points_of_the_wall_move_and_come_back,
-        the_moved_tip_lies_where_the_pose_says,
+        points_of_the_wall_move_with_the_heart,
+        the_tip_lies_in_the_moved_vessel,
         the_target_moves_with_the_wall,
-        the_expert_reaches_targets_and_equal_seeds_give_equal_bits,
+        equal_seeds_give_equal_bits_with_1_and_2_threads,
+        the_outer_tools_of_the_expert_rest,
         gymnasium_accepts_the_environment,
     ]
 )
