@@ -132,7 +132,7 @@ def _parser() -> argparse.ArgumentParser:
         one.add_argument("tracker", type=Path, help="folder that `train` has written")
         one.add_argument("--turned", action="store_true", help="take the mean over eight ways to turn a picture")
     test.add_argument("sets", type=_named, nargs="+", metavar="NAME=DATA", help="data sets with a name for each")
-    dosed.add_argument("sets", type=_dosed, nargs="+", metavar="DOSE=DATA", help="data sets with the dose of each in nGy")
+    dosed.add_argument("sets", type=_dosed, nargs="+", metavar="DOSE=DATA", help="data sets with their doses in nGy")
     for one in (learn, test, dosed):
         one.add_argument("--bfloat16", action="store_true", help="short numbers: twice as fast on some processors")
         one.add_argument("--out", type=Path, required=True, help="folder for the results")

@@ -58,7 +58,8 @@ class Frames:
 
     def chosen(self, numbers: np.ndarray) -> Frames:
         """Returns the frames of the given numbers, int [k]."""
-        return Frames(*(getattr(self, name)[numbers] for name in ARRAYS), [self.facts[int(number)] for number in numbers])
+        parts = (getattr(self, name)[numbers] for name in ARRAYS)
+        return Frames(*parts, [self.facts[int(number)] for number in numbers])
 
     def seen(self, least: int = CLEAR) -> Frames:
         """Returns the frames whose tip is clear, or, with `least` = COVERED, those whose tip is in the picture."""

@@ -29,7 +29,7 @@ Row = tuple[float, ...]
 
 def ratios_of(frames: Frames) -> np.ndarray:
     """Returns for each frame the contrast of the innermost tool near its tip, divided by the deviation of the noise of
-    one pixel there: float64 [n], nan where no pixel of the tool is near. See data.contrast_at() and noise.noise_of()."""
+    one pixel there: float64 [n], nan where no pixel of the tool is near. See contrast_at() and noise_of()."""
     cells = np.clip(frames.tips.astype(int) // NOISE_CELL, 0, frames.noise.shape[1] - 1)
     noise = frames.noise[np.arange(len(frames)), cells[:, 1], cells[:, 0]]
     return np.array([fact["contrast"] for fact in frames.facts]) / np.maximum(noise, STEP / 10)
@@ -124,7 +124,8 @@ def _plot(draw: ImageDraw.ImageDraw, rows: list[Row]) -> None:
     for column, row in enumerate(rows):
         named = dict(zip(COLUMNS, row))
         middle = left + (column + 0.5) * (EDGE + 4)
-        draw.line([(middle, _height(named["p25_px"])), (middle, _height(named["p75_px"]))], fill=(120, 140, 200), width=9)
+        quartiles = [(middle, _height(named["p25_px"])), (middle, _height(named["p75_px"]))]
+        draw.line(quartiles, fill=(120, 140, 200), width=9)
         middles.append((middle, _height(named["median_px"])))
         text = "%g nGy\ncontrast / noise %.1f" % (named["dose_nGy"], named["contrast_to_noise"])
         draw.multiline_text((middle - 56, _height(LEAST_PX) + 18), text, fill=ink, align="center")
