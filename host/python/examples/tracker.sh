@@ -55,10 +55,13 @@ for one in 5 10 20 40 80 160; do
     doses+=("$one=$out/data/dose_$one")
 done
 
-[ -e "$out/tracker.pt" ] || tracker train "$out/data/train" --out "$out"
+# The second part of the training goes on with whole pictures at a lower rate.
+[ -e "$out/first/tracker.pt" ] || tracker train "$out/data/train" --out "$out/first"
+[ -e "$out/tracker.pt" ] || tracker train "$out/data/train" --out "$out" --from "$out/first" \
+    --crop-epochs 0 --whole-epochs 2 --rate 0.001
 sets=()
 for name in held_out held_out_noisy valid valid_noisy same anatomy instrument noise; do
     sets+=("$name=$out/data/$name")
 done
-tracker judge "$out" "${sets[@]}" --out "$out" --turned
-tracker doses "$out" "${doses[@]}" --out "$out" --turned
+tracker judge "$out" "${sets[@]}" --out "$out"
+tracker doses "$out" "${doses[@]}" --out "$out"

@@ -198,7 +198,13 @@ def what_cannot_be_read_is_refused_with_a_remedy():
 
 def numbers_that_make_no_sense_are_refused():
     words = ["train", "data", "--out", str(Path(FOLDER.name) / "none")]
-    for more in (("--threads", 0), ("--crop-epochs", -1), ("--crop-epochs", 0, "--whole-epochs", 0)):
+    for more in (
+        ("--threads", 0),
+        ("--crop-epochs", -1),
+        ("--crop-epochs", 0, "--whole-epochs", 0),
+        ("--rate", 0),
+        ("--rate", "nan"),
+    ):
         if said(*words, *more)[0] != 2:
             return False
     return True

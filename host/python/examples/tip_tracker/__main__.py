@@ -49,7 +49,9 @@ def _train(given: argparse.Namespace) -> int:
         raise DataError("%s has no frame with a tip in the picture. Remedy: more frames" % given.data)
     text = "%d frames: %d to learn from, %d with clear tips to watch"
     print(text % (len(frames), len(learned), len(seen)), flush=True)
-    course = Course(given.crop_epochs, given.whole_epochs, seed=given.seed, is_short=given.bfloat16)
+    course = Course(
+        given.crop_epochs, given.whole_epochs, rate=given.rate, seed=given.seed, is_short=given.bfloat16
+    )
 
     def after_epoch(tracker: Tracker, rows: Rows) -> None:
         torch.save(tracker.state_dict(), given.out / "tracker.part.pt")
@@ -101,6 +103,12 @@ def _count(least: int) -> Callable[[str], int]:
     return read_count
 
 
+def _rate(text: str) -> float:
+    if not re.fullmatch(r"[0-9]*\.?[0-9]+(e-[0-9]+)?", text) or not 0.0 < float(text) <= 0.1:
+        raise argparse.ArgumentTypeError("%r is not a number above 0 and at most 0.1" % text)
+    return float(text)
+
+
 def _named(text: str) -> tuple[str, Path]:
     name, is_named, path = text.partition("=")
     if not is_named or not name:
@@ -125,6 +133,7 @@ def _parser() -> argparse.ArgumentParser:
     learn.add_argument("--crop-epochs", type=_count(0), default=9, help="passes over crops of 192 pixels (9)")
     learn.add_argument("--whole-epochs", type=_count(0), default=2, help="passes over whole pictures (2)")
     learn.add_argument("--seed", type=int, default=1, help="of weights, order and changes (1)")
+    learn.add_argument("--rate", type=_rate, default=2e-3, help="the largest rate of learning (0.002)")
     learn.add_argument("--from", type=Path, dest="begin_with", metavar="DIR", help="go on with this folder's tracker")
     test = commands.add_parser("judge", help="measure the error in data sets")
     dosed = commands.add_parser("doses", help="compare the errors at several doses")
