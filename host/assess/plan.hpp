@@ -7,7 +7,7 @@
 #include "host/assess/condition.hpp"
 #include "host/base/examples.hpp"
 #include "host/base/toml_reader.hpp"
-#include "host/report/score.hpp"
+#include "host/report/figures/score.hpp"
 #include <optional>
 #include <string>
 #include <vector>

@@ -43,8 +43,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b)
 
 } // namespace
 
-FileError::FileError(const std::string &file, int line, int column, const std::string &text)
-    : Fault(place(file, line, column, text))
+FileError::FileError(const std::string &file_, int line_, int column_, const std::string &text)
+    : Fault(place(file_, line_, column_, text)), file(file_), line(line_), column(column_)
 {
 }
 

@@ -14,6 +14,8 @@ class FileError : public Fault
 {
   public:
     FileError(const std::string &file, int line, int column, const std::string &text);
+    std::string file;
+    int line, column;
 };
 
 // Returns ", did you mean 'advance'?" if a known word is at most two edits away from the given word, else ";

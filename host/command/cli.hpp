@@ -65,12 +65,6 @@ int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 
-// Returns the tools that are nested in the vessels at the end of a session, for its report; a position
-// without a tool has the name "nothing".
-std::vector<Instrument> reported_tools(const Patient &patient);
-// Returns the nested tools; a position without a tool gets the name "nothing".
-std::vector<Instrument> with_free_positions(std::vector<Instrument> tools);
-
 // Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
 // tool of every option --tool. Throws UsageError if there is no tool, or more tools than `most`; throws
 // FileError for a bad file.
@@ -100,8 +94,6 @@ DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
 // stent files, if a file is not a valid stent file, or if no tool has a balloon on which the stent fits.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
                  const std::vector<Instrument> &tools);
-// The returned command puts the first stent on its balloon when the session begins.
-inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
 // Returns the file paths of the tools, as input files for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 

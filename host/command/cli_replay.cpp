@@ -7,6 +7,7 @@
 #include "host/igtl/feed.hpp"
 #include "host/patient/patient.hpp"
 #include "host/picture/session_pictures.hpp"
+#include "host/report/figures/reported_tools.hpp"
 #include "host/report/session_summary.hpp"
 #include "host/session/recording_upgrade.hpp"
 #include "host/session/replay.hpp"

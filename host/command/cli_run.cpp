@@ -11,9 +11,11 @@
 #include "host/patient/balloon.hpp"
 #include "host/patient/patient.hpp"
 #include "host/picture/session_pictures.hpp"
+#include "host/report/figures/reported_tools.hpp"
 #include "host/report/session_summary.hpp"
 #include "host/rig/rig.hpp"
 #include "host/script/hand_model.hpp"
+#include "host/script/session_checks.hpp"
 #include "host/session/run.hpp"
 #include <algorithm>
 #include <cstdio>
@@ -49,49 +51,6 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     check_dicom_settings(pictures.dicom);
 }
 
-// If the session contains an injection that is impossible with these tools or this scene, the program reports
-// this before the session begins.
-void check_injections(const Session &session, const PatientContrast &contrast)
-{
-    double iodine_mg_per_ml = iodine_default_mg_per_ml;
-    for (const Statement &statement : session.statements)
-        for (const RoomCommand &command : statement.room) {
-            if (command.action == RoomAction::contrast_strength) iodine_mg_per_ml = command.values[0];
-            const std::string why = contrast.refusal(command, iodine_mg_per_ml);
-            if (!why.empty()) throw FileError(session.file, statement.line, 0, why);
-        }
-}
-
-void check_inflations(const Session &session, const std::vector<Instrument> &tools)
-{
-    if (balloon_tool(tools)) return;
-    for (const Statement &statement : session.statements)
-        if (statement.inflation)
-            throw FileError(session.file, statement.line, 0,
-                            std::string(no_balloon_text) + ": name a balloon catheter with --tool");
-}
-
-std::size_t count_loads(const Session &session)
-{
-    std::size_t count = 0;
-    for (const Statement &statement : session.statements)
-        for (const RoomCommand &command : statement.room) count += command.action == RoomAction::load_stent;
-    return count;
-}
-
-void check_loads(const Session &session, std::size_t stents)
-{
-    std::size_t count = 0;
-    for (const Statement &statement : session.statements)
-        for (const RoomCommand &command : statement.room) {
-            count += command.action == RoomAction::load_stent;
-            if (count > stents)
-                throw FileError(session.file, statement.line, 0,
-                                "loads stent " + std::to_string(count) + ", but " + std::to_string(stents) +
-                                    " are given: name each with --stent");
-        }
-}
-
 RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, const RunOptions &options,
                     const Session &session, Recorder *recorder, FrameSink *sink, const TipPlaces &tips,
                     const SessionWitness &witness)
@@ -99,13 +58,13 @@ RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, co
     RunSettings settings{!options.quiet && shows_progress()};
     settings.tips = &tips;
     settings.witness = &witness;
-    std::vector<RoomCommand> begin = options.free_run_s ? entry_commands(scene) : std::vector<RoomCommand>();
-    const bool can_load = !options.free_run_s || balloon_tool(patient.tools());
-    if (patient.stents() && count_loads(session) == 0 && can_load) begin.push_back(first_stent);
-    settings.begin = begin;
-    return options.free_run_s
-               ? run_free_session(device, patient, begin, *options.free_run_s, recorder, sink, settings)
-               : run_session(device, patient, session, recorder, sink, settings);
+    if (!options.free_run_s) {
+        settings.begin = begin_commands(session, patient);
+        return run_session(device, patient, session, recorder, sink, settings);
+    }
+    settings.begin = entry_commands(scene);
+    if (patient.stents() && balloon_tool(patient.tools())) settings.begin.push_back(first_stent);
+    return run_free_session(device, patient, settings.begin, *options.free_run_s, recorder, sink, settings);
 }
 
 void write_card(const std::string &path, const SessionPictures &pictures)

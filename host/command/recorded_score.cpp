@@ -3,6 +3,7 @@
 #include "host/base/number_text.hpp"
 #include "host/cases/goals.hpp"
 #include "host/command/cli.hpp"
+#include "host/report/figures/reported_tools.hpp"
 #include "host/report/session_summary.hpp"
 #include "host/session/replay.hpp"
 

@@ -15,18 +15,6 @@ std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vec
     return inputs;
 }
 
-std::vector<Instrument> reported_tools(const Patient &patient)
-{
-    return with_free_positions(patient.tools());
-}
-
-std::vector<Instrument> with_free_positions(std::vector<Instrument> tools)
-{
-    for (Instrument &tool : tools)
-        if (tool.name.empty() && tool.table.knots_count == 0) tool.name = free_position;
-    return tools;
-}
-
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools,
                                    std::size_t most)
 {

@@ -54,6 +54,15 @@ const char *cournand_error_text(void)
     return last_text();
 }
 
+cournand_status cournand_error_where(cournand_error_place *place)
+{
+    const ErrorPlace last = last_place();
+    return guarded([&] {
+        const cournand_error_place own{0, last.line, last.column, 0, last.file};
+        write_struct(place, own, "place");
+    });
+}
+
 const char *cournand_version_text(void)
 {
     return CRN_VERSION;
@@ -129,7 +138,7 @@ cournand_status cournand_tool_open(const char *path, cournand_tool **tool)
     return guarded([&] {
         require(path != nullptr && tool != nullptr, "path or tool is NULL");
         *tool = make_handle<cournand_tool>(
-            std::make_shared<Instrument>(with_files([&] { return read_instrument(path); })));
+            std::make_shared<NamedTool>(with_files([&] { return open_tool(path); })));
     });
 }
 
@@ -166,7 +175,7 @@ cournand_status cournand_tool_scaled(const cournand_tool *tool, const cournand_t
         const auto from = object_of(tool);
         require(made != nullptr, "scaled is NULL: pass where the handle goes");
         *made = make_handle<cournand_tool>(
-            std::make_shared<Instrument>(scaled(*from, read_struct(scales, "scales"))));
+            std::make_shared<NamedTool>(NamedTool{scaled(*from, read_struct(scales, "scales")), from->word}));
     });
 }
 

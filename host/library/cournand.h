@@ -96,6 +96,16 @@ COURNAND_API const char *cournand_status_name(cournand_status status);
  * thread. */
 COURNAND_API const char *cournand_error_text(void);
 
+/* Holds the place in a file that the last refusal in this thread names. `line` and `column` count from 1; 0
+ * means the whole file, or the whole line. If the refusal names no file, `file` is "". */
+typedef struct cournand_error_place {
+    uint32_t struct_bytes;
+    uint32_t line, column;
+    uint32_t reserved;
+    const char *file; /* valid until the next refusal in this thread */
+} cournand_error_place;
+COURNAND_API cournand_status cournand_error_where(cournand_error_place *place);
+
 /* The next two functions return the library's version, as a text such as "0.1.0" and as the number major *
  * 1000000 + minor * 1000 + patch. */
 COURNAND_API const char *cournand_version_text(void);

@@ -9,7 +9,7 @@
 namespace crn::library
 {
 
-enum class HandleKind : std::uintptr_t { scene = 1, tool, world, renderer, pool, recording };
+enum class HandleKind : std::uintptr_t { scene = 1, tool, world, renderer, pool, recording, script, play };
 
 std::uintptr_t add_handle(HandleKind kind, std::shared_ptr<void> object);
 // The next two functions return null for a handle that is NULL, freed or of another kind.

@@ -11,15 +11,25 @@ namespace crn::library
 namespace
 {
 
-thread_local char failure_text[text_bytes] = "";
+thread_local char failure_text[text_bytes] = "", failure_file[text_bytes] = "";
+thread_local std::uint32_t failure_line = 0, failure_column = 0;
+
+// Copies a text, and cuts it between two characters if it is too long.
+void copy_text(char (&to)[text_bytes], const char *text) noexcept
+{
+    std::size_t count = std::strlen(text);
+    if (count > text_bytes - 1)
+        for (count = text_bytes - 1; count > 0 && (static_cast<unsigned char>(text[count]) & 0xc0u) == 0x80u;)
+            count--;
+    std::memcpy(to, text, count);
+    to[count] = '\0';
+}
 
 cournand_status keep(cournand_status status, const char *text) noexcept
 {
-    std::size_t count = std::min(std::strlen(text), text_bytes - 1);
-    while (count > 0 && (static_cast<unsigned char>(text[count]) & 0xc0u) == 0x80u) // cut between characters
-        count--;
-    std::memcpy(failure_text, text, count);
-    failure_text[count] = '\0';
+    copy_text(failure_text, text);
+    failure_file[0] = '\0';
+    failure_line = failure_column = 0;
     return status;
 }
 
@@ -28,6 +38,11 @@ cournand_status keep(cournand_status status, const char *text) noexcept
 const char *last_text() noexcept
 {
     return failure_text;
+}
+
+ErrorPlace last_place() noexcept
+{
+    return {failure_file, failure_line, failure_column};
 }
 
 cournand_status note_failure(cournand_status otherwise) noexcept
@@ -40,6 +55,12 @@ cournand_status note_failure(cournand_status otherwise) noexcept
         return keep(error.reject.code != 0 ? COURNAND_REFUSED : COURNAND_INTERNAL, error.what());
     } catch (const RecordingError &error) {
         return keep(COURNAND_BAD_FILE, error.what());
+    } catch (const FileError &error) {
+        keep(COURNAND_BAD_FILE, error.what());
+        copy_text(failure_file, error.file.c_str());
+        failure_line = static_cast<std::uint32_t>(error.line);
+        failure_column = static_cast<std::uint32_t>(error.column);
+        return COURNAND_BAD_FILE;
     } catch (const Fault &error) {
         return keep(COURNAND_BAD_FILE, error.what());
     } catch (const std::bad_alloc &) {

@@ -1,8 +1,10 @@
 // Keeps every exception inside the library: a function of the API runs its work in guarded(), which returns a
 // status and keeps the text for cournand_error_text().
 #pragma once
+#include "host/base/text.hpp"
 #include "host/library/cournand.h"
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <new>
 #include <stdexcept>
@@ -25,6 +27,12 @@ class Refused : public std::runtime_error
 // allocates.
 cournand_status note_failure(cournand_status otherwise) noexcept;
 const char *last_text() noexcept;
+// Returns the place in a file that the last refusal in this thread names; the file is "" if it names none.
+struct ErrorPlace {
+    const char *file;
+    std::uint32_t line, column;
+};
+ErrorPlace last_place() noexcept;
 
 // Throws Refused(COURNAND_BAD_ARGUMENT) if an argument does not meet the given condition.
 inline void require(bool holds, const char *text)
@@ -50,6 +58,8 @@ template <class Work> auto with_files(Work work)
     try {
         return work();
     } catch (const Refused &) {
+        throw;
+    } catch (const FileError &) { // has its place
         throw;
     } catch (const std::bad_alloc &) {
         throw;

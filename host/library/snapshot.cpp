@@ -94,6 +94,10 @@ std::uint64_t snapshot_check(std::span<const std::uint8_t> snapshot)
 // measure it.
 std::size_t World::snapshot_bytes()
 {
+    if (!may_be_saved_)
+        throw Refused(COURNAND_BAD_STATE,
+                      "the script is between two of its decisions: save the world at a tick "
+                      "that is a multiple of 16, at a pulse, or at the end");
     return fixed_bytes() + saved_patient().size();
 }
 
@@ -177,6 +181,7 @@ void World::save(std::span<std::uint8_t> bytes)
 
 void World::restore(std::span<const std::uint8_t> bytes)
 {
+    check_free();
     if (recorder_) throw Refused(COURNAND_BAD_STATE, "the world is being recorded: end its recording first");
     const std::size_t fixed = fixed_bytes();
     const auto refuse_size = [&] {

@@ -1,6 +1,7 @@
 #include "host/library/tool.hpp"
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 namespace crn::library
@@ -29,6 +30,11 @@ void check_factor(const char *name, double value, double least)
 }
 
 } // namespace
+
+NamedTool open_tool(const std::string &path)
+{
+    return {read_instrument(path), std::filesystem::path(split_preset(path).first).stem().string()};
+}
 
 void describe(const Instrument &tool, cournand_tool_info &info)
 {

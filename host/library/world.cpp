@@ -153,6 +153,13 @@ void World::check_alive() const
         throw Refused(COURNAND_BAD_STATE, "the world has stopped: " + stopped_ + "; make another world");
 }
 
+void World::check_free() const
+{
+    if (is_led_)
+        throw Refused(COURNAND_BAD_STATE, "a script leads this world, so it can only be read: make another "
+                                          "world, which can restore its snapshot");
+}
+
 Patient &World::need_patient()
 {
     if (!patient_)
@@ -171,6 +178,7 @@ void World::command(const RoomCommand &command)
 
 void World::inject(double volume_ml, double flow_ml_per_s, std::int32_t position, double iodine_mg_per_ml)
 {
+    check_free();
     const Patient &patient = need_patient();
     require(volume_ml >= 0.0 && volume_ml <= 200.0, "the volume is not within 0 and 200 ml");
     require(flow_ml_per_s >= 0.001 && flow_ml_per_s <= 50.0, "the flow is not within 0.001 and 50 ml/s");
@@ -191,6 +199,7 @@ void World::inject(double volume_ml, double flow_ml_per_s, std::int32_t position
 
 void World::load_stent()
 {
+    check_free();
     PatientStents *stents = need_patient().stents();
     if (!stents) throw Refused(COURNAND_BAD_STATE, "the world has no stents: name them in options.stents");
     const std::size_t refused = stents->refusals().size();

@@ -52,6 +52,8 @@ class World
 
     // Throws Refused if an earlier fault has stopped the world.
     void check_alive() const;
+    // Throws Refused if a script leads the world (play.hpp).
+    void check_free() const;
 
     // --- advancing (world_advance.cpp) ---
     struct Speeds { // of the hands in 1e-6 counts per tick
@@ -89,7 +91,9 @@ class World
     // --- recording (world_record.cpp) ---
     void record(const std::string &path, const std::string &session);
     void end_recording();
+    RecordingHeader recording_header(const std::string &session) const;
 
+    const WorldSettings &settings() const { return settings_; }
     const Scene &scene() const { return *settings_.scene; }
     std::size_t positions() const { return settings_.line.size(); }
     const std::vector<Instrument> &tools_on_line();
@@ -98,6 +102,7 @@ class World
     const std::vector<RadiopaqueInstrument> &looks_on_line();
 
   private:
+    friend class LedWorld; // of a play
     // Fills in the input of a tick; the number of the tick counts from 0 in each call of the library.
     using Fill = std::function<void(std::uint32_t, crn_wire_tick_input &)>;
     struct Source {
@@ -109,6 +114,7 @@ class World
     std::uint32_t batch_size(std::uint32_t left, const Recording *recording) const;
     void batch(std::uint32_t done, std::uint32_t count, const Source &source);
     void take(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
+    void note(const crn_wire_tick_state &state);
     void compare(const crn_wire_tick_state &state, const Recording &recording) const;
     void sample_contacts();
     void take_hands(const crn_wire_tick_input &input);
@@ -153,7 +159,8 @@ class World
     std::unique_ptr<Patient> patient_;
     bool was_commanded_ = false; // the patient has received a command
     std::vector<std::uint8_t> patient_bytes_;
-    std::string stopped_; // why the world cannot continue; empty: it can
+    bool is_led_ = false, may_be_saved_ = true; // by a script; at this tick
+    std::string stopped_;                       // why the world cannot continue; empty: it can
 
     // Holds the positions of the hands in 1e-6 counts since tick 0, and the pressure of the inflator.
     std::int64_t push_[COURNAND_POSITIONS_MAX] = {}, turn_[COURNAND_POSITIONS_MAX] = {};

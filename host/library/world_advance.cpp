@@ -131,6 +131,7 @@ void World::take_hands(const crn_wire_tick_input &input)
 
 World::Speeds World::checked_speeds(std::span<const float> action, std::uint32_t ticks) const
 {
+    check_free();
     check_ticks(ticks);
     Speeds speeds;
     for (std::size_t k = 0; k < COURNAND_POSITIONS_MAX; k++) {
@@ -187,6 +188,7 @@ void World::try_orders(const crn_wire_order_list &orders)
 
 void World::order(const cournand_order &order)
 {
+    check_free();
     crn_wire_order_list list{1, {wire_order(order)}};
     try_orders(list);
     orders_.add(list.items[0]);
@@ -194,6 +196,7 @@ void World::order(const cournand_order &order)
 
 void World::advance(std::span<const cournand_input> given)
 {
+    check_free();
     check_ticks(given.size());
     crn_wire_tick_input before = present_input();
     bool has_before = tick() > 0; // the first input of a world gives the zero of the hands
@@ -302,10 +305,15 @@ void World::batch(std::uint32_t done, std::uint32_t count, const Source &source)
 
 void World::take(const crn_wire_tick_input &input, const crn_wire_tick_state &state)
 {
-    range_.take(state);
-    if (range_.is_left() && !out_of_range_tick_) out_of_range_tick_ = range_.left()->tick;
+    note(state);
     recording_work([&](Recorder &recorder) { recorder.tick(input, state); });
     if (patient_) patient_->tick(input, state);
+}
+
+void World::note(const crn_wire_tick_state &state)
+{
+    range_.take(state);
+    if (range_.is_left() && !out_of_range_tick_) out_of_range_tick_ = range_.left()->tick;
     state_ = state;
 }
 
@@ -321,6 +329,7 @@ void World::sample_contacts()
 
 void World::replay(std::shared_ptr<const Recording> recording, std::uint32_t until)
 {
+    check_free();
     const RecordingHeader &header = recording->header;
     const LineNumbers line = line_or_table(header.line, header.tools.size());
     if (header.scene_bytes != settings_.scene->file().bytes.size() ||
@@ -397,7 +406,7 @@ void World::put_device(std::span<const std::uint8_t> bytes, std::uint32_t tick)
 
 void World::settle()
 {
-    if (!patient_ || patient_->next_look() > tick()) return;
+    if (!patient_ || is_led_ || patient_->next_look() > tick()) return; // a script's session looks itself
     nodes();
     patient_->look(frame_);
 }

@@ -6,10 +6,18 @@ namespace crn::library
 
 void World::record(const std::string &path, const std::string &session)
 {
+    check_free();
     if (recorder_) throw Refused(COURNAND_BAD_STATE, "the world is being recorded: end its recording first");
     if (tick() != 0 || was_commanded_ || !orders_.is_empty())
         throw Refused(COURNAND_BAD_STATE,
                       "a recording begins at tick 0, before the first order: make another world");
+    const RecordingHeader header = recording_header(session);
+    recorder_ = with_files([&] { return std::make_unique<Recorder>(path, header); });
+    recorded_hash_tick_ = 0;
+}
+
+RecordingHeader World::recording_header(const std::string &session) const
+{
     RecordingHeader header;
     header.core_version = core_version_;
     header.schema_hash = crn_wire_schema_hash();
@@ -22,8 +30,7 @@ void World::record(const std::string &path, const std::string &session)
     header.entry = settings_.entry;
     header.rig = settings_.rig;
     header.stents = settings_.stents;
-    recorder_ = with_files([&] { return std::make_unique<Recorder>(path, header); });
-    recorded_hash_tick_ = 0;
+    return header;
 }
 
 void World::record_state()

@@ -1,9 +1,9 @@
 // Writes the score as one HTML page that needs no other file.
+#include "host/report/score_page.hpp"
 #include "host/base/format.hpp"
 #include "host/base/html_page.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/report/page.hpp"
-#include "host/report/score.hpp"
 #include <nlohmann/json.hpp>
 
 namespace crn

@@ -3,7 +3,8 @@
 #include "host/base/terminal.hpp"
 #include "host/patient/contrast.hpp"
 #include "host/patient/stents.hpp"
-#include "host/report/score.hpp"
+#include "host/report/figures/score.hpp"
+#include "host/report/score_page.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>

@@ -70,7 +70,8 @@ crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
     return entry;
 }
 
-SessionFrame session_frame(Device &device, const crn_wire_tick_state &state, const crn_wire_tick_input &input)
+SessionFrame session_frame(SteppedDevice &device, const crn_wire_tick_state &state,
+                           const crn_wire_tick_input &input)
 {
     const Link &link = device.link();
     const crn_wire_nodes &shape = link.nodes();

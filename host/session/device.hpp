@@ -10,6 +10,7 @@
 #include "host/session/range_watch.hpp"
 #include "host/session/recording.hpp"
 #include "host/session/scene_file.hpp"
+#include "host/session/stepped_device.hpp"
 #include "host/session/witness.hpp"
 #include <functional>
 #include <memory>
@@ -36,7 +37,7 @@ class FreeRunSink
     virtual void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
 };
 
-class Device
+class Device final : public SteppedDevice
 {
   public:
     // `tools` is the table of the session's tools, and `line` gives the number of the tool at each position,
@@ -46,14 +47,13 @@ class Device
     Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
            const crn_wire_rig &rig, const DeviceChoice &choice = {}, const LineNumbers &line = {});
     // The destructor restores the settings that a rig had before.
-    ~Device();
+    ~Device() override;
     Device(const Device &) = delete;
     Device &operator=(const Device &) = delete;
 
-    Link &link() { return *link_; }                                 // the same object throughout
-    const std::vector<Instrument> &tools() const { return tools_; } // the table
-    const LineNumbers &line() const { return line_; }               // at the start of the session
-    std::size_t positions() const { return line_.size(); }
+    Link &link() override { return *link_; }
+    const std::vector<Instrument> &tools() const override { return tools_; }
+    const LineNumbers &line() const override { return line_; }
     const crn_wire_hello_reply &identity() const { return identity_; }
     const crn_wire_rig &rig() const { return rig_; } // active; no limit above the device's own
     // Returns the header of a recording of this device's session. `session` names the script, or states who
@@ -69,17 +69,18 @@ class Device
     // sent to the device again, and the new results are compared with the former results. After a
     // disconnection the session continues, equal bit for bit to a session without interruption. Throws
     // LinkError if the device does not come back, or if its new results differ from its former results.
-    std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
+    std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs,
+                                              bool want_nodes) override;
     // Sends any other request to the device, with the same protection against an unplugged cable as step().
-    void ask(const std::function<void(Link &)> &request);
+    void ask(const std::function<void(Link &)> &request) override;
     // The next three functions return the data that a recording contains besides the ticks. If the device is
     // a rig, its ticks, hashes and snapshots are first compared with the results of this machine's core
     // (witness.hpp). The next three functions throw LinkError if the rig's results differ from those of this
     // machine's core.
-    Hash64 read_hash64();                      // hash of the last tick given or stepped
-    std::optional<Hash64> last_hash64();       // last one that came without a request
-    std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
-    std::uint32_t resumes() const { return resumes_; }
+    Hash64 read_hash64() override;                      // hash of the last tick given or stepped
+    std::optional<Hash64> last_hash64() override;       // last one that came without a request
+    std::vector<std::uint8_t> read_snapshot() override; // LOCKSTEP
+    std::uint32_t resumes() const override { return resumes_; }
     // Returns true if the device runs on its own clock; such a device removes the motor forces when the host
     // is silent too long.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
@@ -152,7 +153,7 @@ crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
 // Returns the shape of the nested tools and the readings of every tool after a batch of steps. The returned
 // frame combines the nodes that the link received last with the result and the input of the last tick. Before
 // the first tick, `state` is empty and no forces are known yet.
-SessionFrame session_frame(Device &device, const crn_wire_tick_state &state,
+SessionFrame session_frame(SteppedDevice &device, const crn_wire_tick_state &state,
                            const crn_wire_tick_input &input);
 
 // Holds the inserted length of one tool, and the largest length, force and torque that this tool had in a

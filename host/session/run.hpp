@@ -45,7 +45,7 @@ struct RunResult {
 void send_orders(Link &link, Patient &patient);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
-RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
+RunResult run_session(SteppedDevice &device, Patient &patient, const Session &session, Recorder *recorder,
                       FrameSink *sink, const RunSettings &settings);
 
 // Runs a session in FREE_RUN for `seconds`, on the device's own clock. If `seconds` is 0, the session runs
@@ -63,7 +63,9 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
                                  Patient &patient);
 // Returns the computing time of the session on this machine, which differs from run to run.
 nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient);
-// Writes a report, returned by report_of() or timing_of(), to a file. Throws OutputError.
+// Returns the text of a report; write_report() writes it to a file. `report` comes from report_of() or
+// timing_of(). write_report() throws OutputError.
+std::string report_text(const nlohmann::ordered_json &report);
 void write_report(const std::string &path, const nlohmann::ordered_json &report);
 
 } // namespace crn

@@ -3,7 +3,7 @@
 #pragma once
 #include "host/live/background_task.hpp"
 #include "host/live/trainee_records.hpp"
-#include "host/report/score.hpp"
+#include "host/report/figures/score.hpp"
 #include "host/suite/case_card.hpp"
 #include "host/suite/ui.hpp"
 #include <nlohmann/json.hpp>

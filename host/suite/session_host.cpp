@@ -4,7 +4,9 @@
 #include "host/igtl/geometry.hpp"
 #include "host/patient/balloon.hpp"
 #include "host/records/identity.hpp"
+#include "host/report/figures/reported_tools.hpp"
 #include "host/report/session_summary.hpp"
+#include "host/script/session_checks.hpp"
 #include <cstdio>
 #include <filesystem>
 

@@ -20,9 +20,10 @@ def python_of(folder):
     return os.path.join(folder, "bin", "python")
 
 
-def make(folder, requirements, announce=lambda: None):
+def make(folder, requirements, announce=lambda: None, with_debian=False):
     """Makes the environment, unless one with the same requirements exists, and returns the path of its Python. Calls
-    `announce` before it downloads anything."""
+    `announce` before it downloads anything. With `with_debian`, the environment also sees the packages of the Python
+    that calls this function."""
     stamp = os.path.join(folder, "requirements.sha256")
     with open(requirements, "rb") as file:
         wanted = hashlib.sha256(file.read()).hexdigest()
@@ -33,7 +34,7 @@ def make(folder, requirements, announce=lambda: None):
     announce()
     shutil.rmtree(folder, ignore_errors=True)
     try:
-        venv.create(folder, with_pip=True)
+        venv.create(folder, with_pip=True, system_site_packages=with_debian)
     except (OSError, subprocess.CalledProcessError) as error:
         raise EnvironmentFault(
             "no virtual environment: %s. Remedy: sudo apt-get install python3-venv" % error

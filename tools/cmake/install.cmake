@@ -20,7 +20,7 @@ set(CRN_CORE_ROOMS firmware/core)
 set(CRN_HOST_ROOMS shared/wire shared/scene firmware/app/safety firmware/app/haptics firmware/app firmware/port/sim
     host/base host/model host/link host/effects host/stent host/xray/paths host/xray
     host/xray/style host/xray/gl host/room host/dicom host/patient host/rig host/script host/session
-    host/cases host/picture host/report host/assess)
+    host/report/figures host/cases host/picture host/report host/assess)
 
 # Archives are in link order: each comes before those that it uses.
 function(crn_install_archives rooms name)

@@ -1,6 +1,6 @@
 # The evidence: the thesis, references, calibration, other projects (tools/lab).
 ##@ For makers of evidence
-.PHONY: test-hours tracker
+.PHONY: test-hours tracker deep-baseline
 .PHONY: lab test-lab thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
 LAB = run$(comma)tools$(comma)lab
 
@@ -19,6 +19,11 @@ tracker: ## train a tracker of tips on 5,000 pictures, and judge it on others: o
 tracker: packages-build+tools+test+tracker
 	$(call build,release,run$(comma)tools,anatomy bake cournand_library)
 	@host/python/examples/tracker.sh out/tracker
+
+deep-baseline: ## train deep policies of the named tasks, and judge them: out/deep (TASKS=iliac: one task; an hour)
+deep-baseline: packages-build+tools+test+tracker
+	$(call build,release,run$(comma)tools,anatomy bake cournand_library)
+	@host/python/examples/deep_baseline.sh out/deep
 
 validate: ## compare the rod with closed forms; write out/validation.html and .tsv and docs/validation.md
 validate: packages-build+tools+lab

@@ -4,6 +4,8 @@
 // must have a text, and a refused call must not change the state hash of its world. The sanitizers watch the
 // memory.
 #include "host/library/tests/seal.hpp"
+// After cournand.h:
+#include "host/library/cournand_play.h"
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +22,7 @@ namespace
 
 constexpr std::uint32_t ticks_max = 160; // of one input: a tick takes long under the sanitizers
 constexpr std::size_t worlds_max = 4, calls_max = 64;
+constexpr std::uint8_t plays_from = 240; // of the bytes that choose a call
 
 void promise(bool kept)
 {
@@ -62,6 +65,7 @@ class Bytes
 struct Shared {
     cournand_scene *scene = nullptr;
     cournand_tool *tools[3] = {};
+    cournand_script *script = nullptr;
     Shared()
     {
         const char *const names[] = {"shared/examples/instruments/coronary_014.toml",
@@ -69,6 +73,8 @@ struct Shared {
                                      "shared/examples/instruments/guide_jl4_6f.toml"};
         promise(cournand_scene_open(nullptr, nullptr, &scene) == COURNAND_OK);
         for (int i = 0; i < 3; i++) promise(cournand_tool_open(names[i], &tools[i]) == COURNAND_OK);
+        promise(cournand_script_open("shared/examples/sessions/free_space.session", "novice:1", &script) ==
+                COURNAND_OK);
     }
 };
 
@@ -79,6 +85,7 @@ class Caller
     ~Caller()
     {
         for (cournand_world *world : worlds_) cournand_world_free(world);
+        cournand_play_free(play_);
         cournand_renderer_free(renderer_);
         cournand_pool_free(pool_);
     }
@@ -127,6 +134,7 @@ class Caller
     void render();
     void share();
     void patient();
+    void play();
     // Makes a call that may change the world only if the call succeeds.
     template <class Call> void change(cournand_world *world, Call call)
     {
@@ -144,11 +152,14 @@ class Caller
     std::vector<std::uint8_t> snapshot_;
     cournand_renderer *renderer_ = nullptr;
     cournand_pool *pool_ = nullptr;
+    cournand_play *play_ = nullptr; // also a freed one
 };
 
 void Caller::call()
 {
-    switch (in_.one() % 12) {
+    const std::uint8_t kind = in_.one();
+    if (kind >= plays_from) return play();
+    switch (kind % 12) {
     case 0:
         return create();
     case 1:
@@ -333,6 +344,37 @@ void Caller::patient()
     answer(cournand_world_end_recording(treated));
 }
 
+// Begins or continues a play; its world becomes one of the worlds that the other calls use.
+void Caller::play()
+{
+    auto *const tools = const_cast<cournand_tool **>(shared().tools);
+    cournand_play_options options{};
+    options.struct_bytes = in_.size_of(sizeof options) <= sizeof options ? sizeof options : 0;
+    const char *const stents[] = {"shared/examples/stents/coronary_3_0x18.toml", nullptr};
+    options.stents = in_.one() % 8 ? stents : nullptr;
+    options.stent_count = in_.near<std::uint32_t>(0);
+    if (!play_) {
+        const std::size_t count = in_.near<std::size_t>(1u + in_.one() % 3u);
+        answer(cournand_play_create(in_.one() % 8 ? shared().script : nullptr, shared().scene, tools, count,
+                                    in_.one() % 2 ? &options : nullptr, &play_));
+    }
+    answer(cournand_play_advance(play_, ticks(), in_.near<std::uint32_t>(COURNAND_PLAY_TO_PULSE)));
+    cournand_play_state state{};
+    state.struct_bytes = in_.size_of(sizeof state) <= sizeof state ? sizeof state : 0;
+    answer(cournand_play_read(play_, &state));
+    cournand_view view{};
+    view.struct_bytes = sizeof view;
+    answer(cournand_play_view(play_, &view));
+    const char *json = nullptr;
+    answer(cournand_play_report(play_, &json));
+    promise(json == nullptr || *json == '{');
+    cournand_world *world = nullptr;
+    if (worlds_.size() < worlds_max)
+        answer(in_.one() % 2 ? cournand_play_world(play_, &world) : cournand_play_new_world(play_, &world));
+    if (world) worlds_.push_back(world);
+    if (in_.one() % 8 == 0) answer(cournand_play_free(play_)); // its handle stays here
+}
+
 } // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
@@ -346,11 +388,11 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
 // a correct checksum.
 std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
 {
-    constexpr unsigned kinds = 12, patients = 8;
+    constexpr unsigned kinds = 13, patients = 8;
     if (index >= kinds + patients || capacity < 256) return 0;
     if (index < kinds) {
         for (std::size_t i = 0; i < 256; i++)
-            bytes[i] = static_cast<std::uint8_t>(i % 48 < 40 ? 1 + i % 3 : index);
+            bytes[i] = static_cast<std::uint8_t>(i % 48 < 40 ? 1 + i % 3 : index < 12 ? index : plays_from);
         bytes[0] = 0;
         return 256;
     }

@@ -20,7 +20,8 @@ import sys
 import tempfile
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", ".."))
-HEADER = "host/library/cournand.h"
+HEADERS = ["host/library/cournand.h", "host/library/cournand_play.h"]
+HEADER = HEADERS[0]
 KEPT = "host/library/cournand.abi"
 failed = 0
 number = 0
@@ -130,8 +131,10 @@ CHANGES = [
 
 def main():
     os.chdir(ROOT)
-    with open(HEADER, encoding="utf-8") as file:
-        header = file.read()
+    header = ""
+    for name in HEADERS:
+        with open(name, encoding="utf-8") as file:
+            header += file.read()
     if sys.argv[1:] == ["--write"]:
         said = describe(header, KEPT)
         print(said or "Written: " + KEPT)

@@ -22,7 +22,7 @@ report "the shared library has a soname" $?
 ldd "$installed/libcournand.so" >"$work/said" 2>&1
 ! grep -qiE 'libX|libGL|libEGL|glfw|OSMesa|dcm|ofstd|usb|png|archive|openh264|sqlite|pq|not found' "$work/said"
 report "the shared library needs no X11, GL, GLFW, DCMTK, libusb or libpng" $?
-tr '\n' ' ' <"$work/tree/usr/include/cournand.h" | grep -oE 'COURNAND_API [^;(]*\(' |
+cat "$work"/tree/usr/include/cournand{,_play}.h | tr '\n' ' ' | grep -oE 'COURNAND_API [^;(]*\(' |
     grep -oE 'cournand_[a-z0-9_]+\(' | tr -d '(' | sort >"$work/header"
 nm -D --defined-only "$installed/libcournand.so" | awk '$2 == "T" {sub(/@.*/, "", $3); print $3}' | sort >"$work/shared"
 diff "$work/header" "$work/shared" >"$work/said" && [ "$(wc -l <"$work/header")" -ge 40 ]
@@ -51,6 +51,10 @@ report "the static library links into a program that needs no shared one" $?
 g++ -std=c++11 -Wall -Wextra -Wpedantic -Werror "$examples/another_angle.cpp" $(pkg-config --cflags --libs cournand) \
     -o angle >said 2>&1
 report "the C++ example compiles as C++11" $?
+printf '#include <cournand.h>\n#include <cournand_play.h>\n' >header.cpp
+# shellcheck disable=SC2046
+g++ -std=c++11 -Wall -Wextra -Wpedantic -Werror -c header.cpp $(pkg-config --cflags cournand) >said 2>&1
+report "both headers compile as C++11" $?
 cat >short.session <<'S'
 begin inserted 5 mm
 advance 100 mm at 60 mm/s
@@ -63,6 +67,25 @@ report "the C++ example renders a moment of a recording of cournand run" $?
 report "it renders the same picture twice" $?
 ./angle short.rec "$scene" 1.5 -40 10 other.pgm >said 2>&1 && ! cmp -s picture.pgm other.pgm
 report "it renders another picture from another angle" $?
+
+cat >play.session <<'S'
+begin inserted 5 mm
+fluoro on rate 15 p/s
+advance 100 mm at 60 mm/s while rotate 1 turn
+fluoro off
+expect inserted at least 100 mm
+S
+# shellcheck disable=SC2046
+gcc -std=c11 -Wall -Wextra -Wpedantic -Werror "$examples/play_a_script.c" $(pkg-config --cflags --libs cournand) \
+    -o play >said 2>&1 && "$program" run play.session --scene "$scene" --instrument "$tools/j_wire.toml" --quiet \
+    --record run.rec --json run.json >said 2>&1 &&
+    ./play play.session "$scene" "$tools/j_wire.toml" play.rec >play.json 2>said && grep -q "^tick .* N$" said &&
+    cmp run.json play.json >said 2>&1 && cmp run.rec play.rec >said 2>&1
+report "the C example plays a script to the report and the recording of cournand run, byte for byte" $?
+echo "expect inserted at least 900 mm" >>play.session
+./play play.session "$scene" "$tools/j_wire.toml" play.rec >play.json 2>said
+[ $? = 1 ] && grep -q "play.session:6" said
+report "it ends with 1 when an expectation does not hold" $?
 
 # --- by CMake ---
 cat >CMakeLists.txt <<'C'

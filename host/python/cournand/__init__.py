@@ -29,9 +29,11 @@ from .errors import (
     InternalError,
     NoMemoryError,
     RefusedError,
+    ScriptError,
 )
 from .recording import INPUT, Recording, RecordingInfo
 from .scene import Scene, Tool, Vessel
+from .script import Moment, Play, play
 from .session import Frame, Session
 from .world import Contacts, Fault, Order, Patient, PatientReading, Place, Pose, Reading, World
 from .xray import Label, Picture, View, XRay
@@ -58,12 +60,14 @@ __all__ = [
     "Frame",
     "InternalError",
     "Label",
+    "Moment",
     "NoMemoryError",
     "Order",
     "Patient",
     "PatientReading",
     "Picture",
     "Place",
+    "Play",
     "Pool",
     "Pose",
     "Reading",
@@ -71,6 +75,7 @@ __all__ = [
     "RecordingInfo",
     "RefusedError",
     "Scene",
+    "ScriptError",
     "Session",
     "Tool",
     "Vessel",
@@ -78,6 +83,7 @@ __all__ = [
     "World",
     "XRay",
     "errors",
+    "play",
     "shipped_scenes",
     "shipped_stents",
     "shipped_tools",

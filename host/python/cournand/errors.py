@@ -45,6 +45,18 @@ class BadFileError(Error, OSError):
     status = "BAD_FILE"
 
 
+class ScriptError(BadFileError):
+    """A session script has a mistake, or names a tool, a vessel or a stent that its session does not have."""
+
+    def __init__(self, text: str, file: str = "", line: int = 0, column: int = 0) -> None:
+        super().__init__(text)
+        self.file: str = file
+        self.line: int = line
+        """Number of the line, from 1; 0 for the whole file."""
+        self.column: int = column
+        """Number of the column, from 1; 0 for the whole line."""
+
+
 class RefusedError(Error, RuntimeError):
     """The simulated device or patient refuses the request."""
 

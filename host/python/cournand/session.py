@@ -29,8 +29,7 @@ class Frame(NamedTuple):
 class Session:
     """A world under pulsed fluoroscopy, which a program controls pulse by pulse, and which is recorded on request.
 
-    A Session cannot play the scripts of `cournand run`, because only that program simulates hands that slip and steer,
-    and checks what a script expects. `Recording` opens the recordings that `cournand run` makes.
+    `Play` plays the session scripts of `cournand run`, whose hands slip and steer. `Recording` opens recordings.
 
         with cournand.Session("aorta", ["j_wire"], record="mine.rec") as session:
             for frame in session.lead(lambda frame: (0.03, 0.0), seconds=2):

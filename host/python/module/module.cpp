@@ -88,13 +88,19 @@ void raise(const std::exception_ptr &thrown, void *)
     try {
         std::rethrow_exception(thrown);
     } catch (const StatusError &error) {
-        const nb::object kind =
-            nb::module_::import_("cournand.errors").attr("of_status")(static_cast<int>(error.status));
+        const nb::module_ errors = nb::module_::import_("cournand.errors");
+        nb::object kind = errors.attr("of_status")(static_cast<int>(error.status));
         // A text may quote bytes of a path or of a file that are not valid UTF-8.
         const char *text = error.what();
         const auto decoded =
             nb::steal(PyUnicode_DecodeUTF8(text, static_cast<Py_ssize_t>(std::strlen(text)), "replace"));
-        if (decoded.is_valid()) PyErr_SetObject(kind.ptr(), decoded.ptr());
+        if (!decoded.is_valid()) return;
+        if (error.script.empty()) return PyErr_SetObject(kind.ptr(), decoded.ptr());
+        kind = errors.attr("ScriptError");
+        const auto file = nb::steal(PyUnicode_DecodeFSDefault(error.script.c_str()));
+        if (!file.is_valid()) return;
+        const nb::object made = kind(decoded, file, error.line, error.column);
+        PyErr_SetObject(kind.ptr(), made.ptr());
     }
 }
 
@@ -124,6 +130,7 @@ NB_MODULE(_core, module)
         .def("scaled", &scaled_tool);
     add_worlds(module);
     add_recordings(module);
+    add_plays(module);
     add_pictures(module);
     add_batches(module);
     add_encoders(module);

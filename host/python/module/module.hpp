@@ -3,6 +3,8 @@
 // every call that takes more than microseconds.
 #pragma once
 #include "host/library/cournand.h"
+// After cournand.h:
+#include "host/library/cournand_play.h"
 #include <memory>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -27,6 +29,8 @@ class StatusError : public std::runtime_error
     {
     }
     cournand_status status;
+    std::string script; // with a line and a column, both from 1: the place of a mistake in a session script
+    std::uint32_t line = 0, column = 0;
 };
 
 // Call it in the thread of the refused call, because the library keeps the text of a refusal separately for
@@ -62,6 +66,8 @@ using Scene = Owned<cournand_scene, cournand_scene_free>;
 using Tool = Owned<cournand_tool, cournand_tool_free>;
 using World = Owned<cournand_world, cournand_world_free>;
 using Pool = Owned<cournand_pool, cournand_pool_free>;
+using Script = Owned<cournand_script, cournand_script_free>;
+using Play = Owned<cournand_play, cournand_play_free>;
 using Recording = Owned<cournand_recording, cournand_recording_free>;
 
 // Returns an empty struct of the API in which its size is set.
@@ -92,6 +98,7 @@ template <class Number> nb::tuple tuple_of(const Number *numbers, std::size_t co
 void add_worlds(nb::module_ &module);
 void add_pictures(nb::module_ &module);
 void add_recordings(nb::module_ &module);
+void add_plays(nb::module_ &module);
 void add_batches(nb::module_ &module);
 void add_encoders(nb::module_ &module);
 

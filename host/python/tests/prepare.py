@@ -29,11 +29,11 @@ def run(words, **more):
     return ended.stdout.decode(errors="replace")
 
 
-def environment(folder, requirements):
+def environment(folder, requirements, with_debian=False):
     """Makes a virtual environment with pinned packages, unless it exists already, and returns the path of its
     Python."""
     try:
-        return pinned_environment.make(folder, requirements)
+        return pinned_environment.make(folder, requirements, with_debian=with_debian)
     except pinned_environment.EnvironmentFault as fault:
         sys.exit(str(fault))
     except pinned_environment.PackagesFault as fault:
@@ -77,7 +77,8 @@ def prepare():
 def sources():
     """Returns the path of every source file of the package."""
     places = ["host/python/cournand", "host/python/module", "shared/examples/instruments", "shared/examples/stents"]
-    single = ["host/library/cournand.h", "shared/version.h", "shared/examples/scenes/aorta.tar.xz"]
+    single = ["host/library/cournand.h", "host/library/cournand_play.h"]
+    single += ["shared/version.h", "shared/examples/scenes/aorta.tar.xz"]
     files = [REQUIREMENTS, os.path.join(BUILD, "lib", "libcournand.a")] + [os.path.join(ROOT, one) for one in single]
     for place in places:
         for folder, folders, names in os.walk(os.path.join(ROOT, place)):
@@ -118,6 +119,25 @@ def enter(script, more=None):
     names = dict(os.environ, COURNAND_PYTHON_TEST=script, PYTHONPATH=SITE, PYTHONDONTWRITEBYTECODE="1")
     sys.stdout.flush()
     os.execve(python, [python, script] + sys.argv[1:], names)
+
+
+def deep():
+    """Makes the environment of the deep baseline, and returns the path of its Python. The caller is Debian's Python,
+    whose PyTorch and NumPy the environment also sees."""
+    more = os.path.join(ROOT, "host", "python", "requirements-deep.txt")
+    return environment(os.path.join(FOLDER, "deep"), more, with_debian=True)
+
+
+def enter_deep(script):
+    """Continues a test script of Debian's Python in the environment of the deep baseline, which also sees Debian's
+    PyTorch and NumPy, unless it is there already."""
+    if os.environ.get("COURNAND_PYTHON_TEST") == script:
+        return
+    prepare()
+    python = deep()
+    names = dict(os.environ, COURNAND_PYTHON_TEST=script, PYTHONPATH=SITE, PYTHONDONTWRITEBYTECODE="1")
+    sys.stdout.flush()
+    os.execve(python, [python, script] + sys.argv[1:], dict(names, OMP_NUM_THREADS="1"))
 
 
 if __name__ == "__main__":

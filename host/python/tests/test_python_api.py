@@ -223,9 +223,14 @@ def ten_thousand_wrong_calls_do_not_crash():
     draw = random.Random(23)
     made, xray, batch = world(), cournand.XRay(SCENE, 64), cournand.Batch(cournand.Pool(2), [world(), world()])
     treated = cournand.World(SCENE, [cournand.Tool("terumo_5f")], patient=True)
+    with tempfile.TemporaryDirectory() as folder:
+        script = os.path.join(folder, "a.session")
+        with open(script, "w", encoding="ascii") as file:
+            file.write(SCRIPT)
+        play = cournand.Play(script, SCENE, [WIRE])
     junk = [None, -1, 0, 1, 3, 2**31, 2**64, -(2**70), 0.5, float("nan"), float("inf"), "", "x", "\0", b"", b"abc"]
     junk += [[], [1] * 20, ["a"], [None], (), {}, object(), made, xray, SCENE, WIRE, np.zeros(0), np.zeros((3, 3))]
-    junk += [np.zeros((2, 8), dtype=np.float32), np.zeros((1, 8)), np.full((2, 8), np.nan, dtype=np.float32)]
+    junk += [play, np.zeros((2, 8), dtype=np.float32), np.zeros((1, 8)), np.full((2, 8), np.nan, dtype=np.float32)]
     junk += [
         np.zeros(2, dtype=cournand.INPUT),
         b"\0" * len(made.snapshot()),
@@ -238,6 +243,7 @@ def ten_thousand_wrong_calls_do_not_crash():
     ]
     owners = [made, xray, batch, SCENE, WIRE, cournand.Patient(made), made._core, xray._core, batch._core, SCENE._core]
     owners += [WIRE._core, cournand, cournand._core, cournand.View(), treated, treated.patient, treated._core]
+    owners += [play, play._core, play._script, play.world, play.world._core]
     calls = [(owner, name) for owner in owners for name in dir(owner) if not name.startswith("_")]
     left_out = {"record", "save"}  # they write files
     calls = [(owner, name) for owner, name in calls if name not in left_out and callable(getattr(owner, name))]

@@ -38,7 +38,12 @@ def runs(page):
 
 
 def the_examples_of_the_package_run():
-    return len(blocks("docs/python.md")) >= 8 and runs("docs/python.md") == ["led.rec", "mine.rec", "wire.png"]
+    return len(blocks("docs/python.md")) >= 8 and runs("docs/python.md") == [
+        "iliac.session",
+        "led.rec",
+        "mine.rec",
+        "wire.png",
+    ]
 
 
 def the_examples_of_the_environments_run():

@@ -79,6 +79,31 @@ def the_text_of_a_refusal_survives_any_letters():
     return all(raises(cournand.BadFileError, lambda path=name: cournand.Tool(path)) for name in names)
 
 
+def a_refused_call_of_a_play_changes_nothing():
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "a.session")
+        with open(path, "w", encoding="ascii") as file:
+            file.write("needs tool j_wire\nadvance 50 mm at 50 mm/s\n")
+        play = cournand.Play(path)
+        other = cournand.Play(path)
+        no_folder = os.path.join(folder, "no", "a.rec")
+        good = raises(cournand.BadFileError, lambda: cournand.Play(path, record=no_folder))
+    play.advance(ticks=100)
+    before = play.world.hash()
+    good = good and raises(cournand.BadStateError, play.world.snapshot)  # 100 is no multiple of 16
+    for ticks in (0, 600001):
+        good = good and raises(cournand.BadArgumentError, lambda given=ticks: play.advance(ticks=given))
+    for ticks in (-1, 2**32, "1", None, 0.5):
+        good = good and exception_of(lambda given=ticks: play._core.advance(given, False)) is not None
+    for tools in ([None], [play], ["no_such_wire"], [WIRE] * 9):
+        good = good and exception_of(lambda given=tools: cournand.Play(path, tools=given)) is not None
+    good = good and play.world.hash() == before and play.tick == 100
+    other.finish()
+    names = ["/" + "x" * extra + letters for letters in ("ö" * 2000, "医" * 900) for extra in range(3)]
+    good = good and all(raises(cournand.ScriptError, lambda path=one: cournand.Play(path)) for one in names)
+    return good and other.tick > 1000
+
+
 def only_inputs_are_taken_for_inputs():
     made = world()
     wrong = [np.zeros(3), np.zeros((2, 42), dtype=np.int32), np.zeros(168, dtype=np.uint8), [0, 1], None]
@@ -193,6 +218,7 @@ tap.run(
         a_refused_row_moves_no_world,
         a_refused_snapshot_restores_no_world,
         the_text_of_a_refusal_survives_any_letters,
+        a_refused_call_of_a_play_changes_nothing,
         only_inputs_are_taken_for_inputs,
         a_renderer_needs_a_size,
         a_batch_returns_only_the_pictures_of_the_call,

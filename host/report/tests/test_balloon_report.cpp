@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-#include "host/report/report_angioplasty.hpp"
+#include "host/report/figures/report_angioplasty.hpp"
 
 extern "C" {
 #include <cmocka.h>

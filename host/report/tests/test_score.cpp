@@ -1,6 +1,7 @@
 // Tests the score of an angioplasty, which is computed from a session's report: points between two limits,
 // and the score's page.
-#include "host/report/score.hpp"
+#include "host/report/figures/score.hpp"
+#include "host/report/score_page.hpp"
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

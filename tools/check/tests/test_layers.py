@@ -154,7 +154,19 @@ ALLOWED = {
         "host/base",
     ],
     "host/igtl/tests": HOST_TESTS,
+    # The report of a session, without pictures, for the C library, too.
+    "host/report/figures": [
+        "host/session",
+        "host/script",
+        "host/patient",
+        "host/room",
+        "host/effects",
+        "host/model",
+        "host/base",
+        "shared",
+    ],
     "host/report": [
+        "host/report/figures",
         "host/picture/picture.hpp",
         "host/picture/canvas.hpp",
         "host/session",
@@ -184,6 +196,7 @@ ALLOWED = {
     "host/suite": ["host", "shared"],
     # The C library needs no window, no OpenGL, no DICOM and no command line.
     "host/library": [
+        "host/report/figures",
         "host/session",
         "host/script",
         "host/patient",
@@ -195,8 +208,8 @@ ALLOWED = {
         "shared",
     ],
     "host/library/tests": HOST_TESTS,
-    # The Python module knows the C library's header and nothing else of the project.
-    "host/python/module": ["host/library/cournand.h"],
+    # The Python module knows the C library's headers and nothing else of the project.
+    "host/python/module": ["host/library/cournand.h", "host/library/cournand_play.h"],
     # The command line as a library, so that tests run whole commands in their process; the window comes as a function.
     "host/command": ["host", "shared", "firmware/core/core.h"],
     "host/app": ["host/suite", "host/command"],  # the program: main

@@ -33,7 +33,7 @@ MUST_HOLD = {
     ),
     "libcournand0": "usr/lib/LIB/libcournand.so.0",
     "libcournand-dev": (
-        "usr/include/cournand.h usr/lib/LIB/libcournand.a usr/lib/LIB/libcournand.so "
+        "usr/include/cournand.h usr/include/cournand_play.h usr/lib/LIB/libcournand.a usr/lib/LIB/libcournand.so "
         "usr/lib/LIB/pkgconfig/cournand.pc usr/lib/LIB/cmake/cournand/cournand-config.cmake "
         "usr/share/cournand/examples/library/round_the_arch.c"
     ),

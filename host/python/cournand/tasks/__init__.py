@@ -6,6 +6,7 @@ python -m cournand.judge iliac --policy expert --episodes 20 --json card.json
 from .card import score, table
 from .catalogue import CHALLENGES, SPLITS, Challenge, EpisodeSeed, challenge_of
 from .expert import Expert
+from .network import Network
 from .play import Player, Row
 from .policies import Linear, Policy, PolicyMaker, policy_of
 
@@ -16,6 +17,7 @@ __all__ = [
     "EpisodeSeed",
     "Expert",
     "Linear",
+    "Network",
     "Player",
     "Policy",
     "PolicyMaker",

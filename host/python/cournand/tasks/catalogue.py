@@ -89,6 +89,10 @@ class Challenge:
             return list(range(SPLITS.index(split), self.pool, 2))
         return list(dict.fromkeys(one.anatomy for one in self.episodes(split, count))) if self.is_always_new else []
 
+    def one_episode_of_each(self, split: str) -> list[EpisodeSeed]:
+        """Returns an episode for each anatomy of the task's pool in a split."""
+        return [EpisodeSeed(-1, anatomy, -1) for anatomy in self.anatomies(split)]
+
     def scene(self, folder: str | os.PathLike[str], anatomy: int) -> str:
         """Returns the path of an anatomy's scene."""
         return str(path_of(folder, anatomy)) if anatomy >= 0 else self.task.scene

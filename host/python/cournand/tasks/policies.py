@@ -19,6 +19,7 @@ import numpy.typing as npt
 from ..errors import BadFileError
 from .catalogue import Challenge, EpisodeSeed
 from .expert import Expert
+from .network import Network
 
 Policy = Callable[[npt.NDArray[np.float32], dict[str, Any]], Any]
 PolicyMaker = Callable[[Challenge, EpisodeSeed], Policy]
@@ -115,11 +116,11 @@ class Linear:
 
 def policy_of(given: str) -> PolicyMaker:
     """Returns the policy maker with this name in POLICIES, the policy maker MODULE:FUNCTION, or one for a policy file
-    of `cournand.train`."""
+    of `cournand.train` or of a network."""
     if given in POLICIES:
         return POLICIES[given]
     if given.endswith(".npz"):
-        return Linear.load(given).make
+        return (Network.load(given) if Network.is_in(given) else Linear.load(given)).make
     module, colon, name = given.partition(":")
     if not colon:
         raise ValueError(

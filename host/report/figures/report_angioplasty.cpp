@@ -1,4 +1,4 @@
-#include "host/report/report_angioplasty.hpp"
+#include "host/report/figures/report_angioplasty.hpp"
 #include "host/patient/balloon.hpp"
 #include "host/patient/stents.hpp"
 #include <nlohmann/json.hpp>

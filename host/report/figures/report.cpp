@@ -2,8 +2,8 @@
 #include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/effects/lesion_figures.hpp"
-#include "host/report/report_angioplasty.hpp"
-#include "host/report/score.hpp"
+#include "host/report/figures/report_angioplasty.hpp"
+#include "host/report/figures/score.hpp"
 #include "host/session/run.hpp"
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -278,10 +278,14 @@ nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient
             {"contrast_share_of_wall_clock", ratio(cost.step_s + cost.frame_s, result.seconds)}};
 }
 
+std::string report_text(const nlohmann::ordered_json &report)
+{
+    return report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 void write_report(const std::string &path, const nlohmann::ordered_json &report)
 {
-    write_whole_file(path,
-                     report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    write_whole_file(path, report_text(report));
 }
 
 } // namespace crn

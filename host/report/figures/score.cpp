@@ -1,4 +1,4 @@
-#include "host/report/score.hpp"
+#include "host/report/figures/score.hpp"
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>

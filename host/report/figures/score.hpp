@@ -1,9 +1,8 @@
 // Scores an angioplasty from the report of its session (docs/score.md): between two limits, the points of
 // each metric change in proportion to its value. If the report does not contain the value of a metric, the
 // metric is shown without points and does not change the sum.
-//   Json score = score_of(report);    write_score_page("score.html", report, score, pictures);
+//   Json score = score_of(report);
 #pragma once
-#include "host/picture/picture.hpp"
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -28,19 +27,5 @@ std::vector<std::string> score_metric_names();
 // treatment achieved and "burden" for what it cost the patient. `value` is null if it is not known; `points`
 // is null if `value` is null or the metric has no weight. `report` is what write_report() returned.
 nlohmann::ordered_json score_of(const nlohmann::ordered_json &report, const ScoreLimits &limits = {});
-
-struct ScorePicture {
-    std::string caption;
-    Image image;
-};
-
-// Writes the score as one page without scripts or links, with the score, the tools, pictures, and curves over
-// time. Throws OutputError.
-void write_score_page(const std::string &path, const nlohmann::ordered_json &report,
-                      const nlohmann::ordered_json &score, const std::vector<ScorePicture> &pictures);
-// Returns the text of the page that write_score_page() writes, for tests. Throws std::runtime_error if a
-// picture cannot be encoded.
-std::string score_page(const nlohmann::ordered_json &report, const nlohmann::ordered_json &score,
-                       const std::vector<ScorePicture> &pictures);
 
 } // namespace crn
