@@ -456,6 +456,9 @@ crn_build_status crn_model_build_table(crn_model *model, const crn_instrument *t
         return status;
     }
     clear_model(model);
+#if CRN_HAS_LANES
+    model->has_lanes = crn_lanes_present();
+#endif
     model->lumen = lumen;
     model->entry = *entry;
     model->table_count = table_count;

@@ -16,6 +16,7 @@
 #define CRN_CORE_MODEL_H
 
 #include "firmware/core/core.h"
+#include "firmware/core/lanes.h"
 #include "firmware/core/motion.h"
 
 enum { CRN_ARRAY_NODES = CRN_NODE_MAX + 4 };
@@ -156,6 +157,9 @@ struct crn_model {
     crn_balloon_model balloon;               /* of the line */
     crn_mesh_node mesh[CRN_ARRAY_NODES];
     crn_table_tool table[CRN_TABLE_MAX];
+#if CRN_HAS_LANES
+    bool has_lanes; /* this processor computes with lanes */
+#endif
 };
 
 /* The function crn_model_set_tip_load, for validation cases, puts a constant force on the tip. The force is

@@ -1,6 +1,8 @@
-/* This file has the fixed-point functions that are too long to be inline; fixed.h states their formats,
- * overflow and error bounds. */
+/* This file has the functions with fixed-point numbers and vectors that are too long to be inline; fixed.h
+ * and vector.h state their formats, overflow and error bounds. */
 #include "firmware/core/fixed.h"
+#include "firmware/core/lanes.h"
+#include "firmware/core/vector.h"
 
 int32_t crn_sqrt64(uint64_t a)
 {
@@ -117,3 +119,99 @@ int32_t crn_asin_q29(int32_t a_q30)
     int32_t angle_q29 = (int32_t)crn_rshift_round64(angle_q31, 2);
     return a_q30 < 0 ? -angle_q29 : angle_q29;
 }
+
+/* --- vectors -------------------------------------------------------------------------------------------- */
+
+/* Returns a b - c d, rounded once. Overflow is impossible before saturation, because |a b - c d| <= 2^63 -
+ * 2^31. To round the result, the code shifts first and then adds the highest bit that the shift dropped, so
+ * that the addition cannot overflow. */
+static int32_t minor_2x2(int32_t a, int32_t b, int32_t c, int32_t d, unsigned n)
+{
+    int64_t difference = (int64_t)a * b - (int64_t)c * d;
+    return crn_sat32(crn_asr64(difference, n) + (crn_asr64(difference, n - 1) & 1));
+}
+
+crn_vec3 crn_vec3_cross(crn_vec3 a, crn_vec3 b, unsigned n)
+{
+    return crn_vec3_make(minor_2x2(a.v[1], b.v[2], a.v[2], b.v[1], n),
+                         minor_2x2(a.v[2], b.v[0], a.v[0], b.v[2], n),
+                         minor_2x2(a.v[0], b.v[1], a.v[1], b.v[0], n));
+}
+
+crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length)
+{
+    /* The square of each component is at most 2^62, so the sum of three squares fits an unsigned 64-bit
+     * number. */
+    uint64_t square = (uint64_t)((int64_t)a.v[0] * a.v[0]) + (uint64_t)((int64_t)a.v[1] * a.v[1]) +
+                      (uint64_t)((int64_t)a.v[2] * a.v[2]);
+    if (square == 0) {
+        if (length != NULL) {
+            *length = 0;
+        }
+        return fallback;
+    }
+    /* The length |a| of a vector follows from its square = m 2^(32 - shift), with the mantissa m in [2^30,
+     * 2^32): with y = 1/sqrt(m), it is |a| = 2^(32 - shift/2) / y. */
+    unsigned shift = crn_clz64(square) & ~1u;
+    uint32_t m_q32 = (uint32_t)((square << shift) >> 32);
+    int32_t y_q30 = crn_rsqrt_q30(m_q32);
+    unsigned drop = 32 - shift / 2;
+    if (length != NULL) {
+        uint64_t root = (uint64_t)m_q32 * (uint64_t)y_q30;
+        unsigned root_drop = 30 + shift / 2;
+        uint64_t rounded = (root + ((uint64_t)1 << (root_drop - 1))) >> root_drop;
+        *length = rounded > INT32_MAX ? INT32_MAX : (int32_t)rounded;
+    }
+    return crn_vec3_make(crn_mul(a.v[0], y_q30, drop), crn_mul(a.v[1], y_q30, drop),
+                         crn_mul(a.v[2], y_q30, drop));
+}
+
+/* --- lanes ---------------------------------------------------------------------------------------------- */
+
+#if CRN_HAS_LANES
+
+typedef struct cpu_words {
+    uint32_t a, b, c, d;
+} cpu_words;
+
+static cpu_words cpuid(uint32_t leaf, uint32_t subleaf)
+{
+    cpu_words words;
+    __asm__ volatile("cpuid"
+                     : "=a"(words.a), "=b"(words.b), "=c"(words.c), "=d"(words.d)
+                     : "a"(leaf), "c"(subleaf));
+    return words;
+}
+
+/* Returns the register that says which registers the operating system keeps. */
+static uint32_t kept_registers(void)
+{
+    uint32_t low, high;
+    __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+    return low;
+}
+
+bool crn_lanes_present(void)
+{
+    enum {
+        XSAVE_ENABLED = 1u << 27, /* leaf 1, register c */
+        AVX = 1u << 28,
+        BMI1 = 1u << 3, /* leaf 7, register b */
+        AVX2 = 1u << 5,
+        BMI2 = 1u << 8,
+        LZCNT = 1u << 5, /* leaf 0x80000001, register c */
+        KEPT_256 = 6,    /* xgetbv: the registers of 128 and of 256 bits */
+    };
+    const uint32_t extended = 0x80000000u;
+    if (cpuid(0, 0).a < 7 || cpuid(extended, 0).a <= extended) {
+        return false;
+    }
+    const uint32_t first = cpuid(1, 0).c, seventh = cpuid(7, 0).b;
+    if ((first & XSAVE_ENABLED) == 0 || (first & AVX) == 0 || (kept_registers() & KEPT_256) != KEPT_256) {
+        return false;
+    }
+    const uint32_t needed = BMI1 | AVX2 | BMI2;
+    return (seventh & needed) == needed && (cpuid(extended + 1, 0).c & LZCNT) != 0;
+}
+
+#endif

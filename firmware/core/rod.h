@@ -223,7 +223,7 @@ crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const
                            uint32_t i);
 
 /* Computes the reference axes of all edges, from the introducer sheath to the tip, and the tools' material
- * axes where a curved rest shape needs them (rod_frames.c). */
+ * axes where a curved rest shape needs them (rod_twist.c). */
 void crn_frames_carry(const crn_model *model, crn_state *state);
 /* Makes the axis orthogonal to the tangent t and of unit length, to first order. The remaining error of the
  * axis is the square of its initial error. */
@@ -266,11 +266,15 @@ void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *ou
 /* Solves the linear system of the tick by block LDL^T decomposition, from tip to base and back (rod_solve.c).
  * The solution is written to the scratch memory, in Q33 m. */
 void crn_rod_solve(const crn_model *model, crn_state *state);
+#if CRN_HAS_LANES
+/* Eliminates all rows by lanes; returns true if a force had to be limited (rod_lanes.c). */
+bool crn_rod_eliminate_lanes(const crn_model *model, crn_state *state);
+#endif
 /* Returns the axial force that the tools exert on the two nodes inside the introducer sheath, after the
  * solve; a positive force pushes outwards, towards the hand. Q22 N. */
 int32_t crn_rod_handle_axial(const crn_model *model, const crn_state *state);
 
-/* Computes the new positions of the nodes and fills the output's length error (rod_advance.c). */
+/* Computes the new positions of the nodes and fills the output's length error (rod_length.c). */
 void crn_rod_advance(const crn_model *model, crn_state *state, crn_output *output);
 
 /* Computes a hash of the state that is cheap enough to be computed in every tick (core_state.c). */

@@ -4,6 +4,7 @@
  * tools only slid along their centreline: x* = x - T ds, where ds is the displacement of the leading tip. The
  * linear system is then solved only for the deviation of each node from its predicted position x*, so a fast
  * feed adds no force to the right side of the linear system (docs/rod.md, "feed"). */
+#include "firmware/core/lanes.h"
 #include "firmware/core/rod.h"
 
 enum {
@@ -290,6 +291,60 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
     fold->is_passed |= is_fold;
 }
 
+#if CRN_HAS_LANES
+/* As slide_nodes() for nodes whose slide is neither in a fold nor part of the rigid tip, from the hand
+ * towards the tip. Returns how many nodes towards the tip remain. */
+CRN_LANES_TARGET static uint32_t lanes_slide_nodes(const crn_model *model, crn_state *state, uint32_t count,
+                                                   uint32_t rigid)
+{
+    const crn_words4 four = {4, 4, 4, 4};
+    const crn_lanes back_m_q35 = crn_lanes_all(-4 * state->scratch.feed_m_q33);
+    const crn_lanes keep = crn_lanes_all(-4 * CRN_DAMPING_KEEP_Q30);
+    for (uint32_t i = count; i-- > rigid;) {
+        crn_node_state *node = &state->words.nodes[i];
+        crn_work *work = &state->scratch.nodes[i];
+        const crn_words4 ahead = crn_words_read(node[i > 0 ? -1 : 0].tangent_q30.v),
+                         behind = crn_words_read(node->tangent_q30.v);
+        const crn_lanes mean = __builtin_convertvector((ahead >> 1) + (behind >> 1), crn_lanes);
+        const crn_lanes squares = crn_lanes_mulh(mean, mean);
+        if ((int32_t)squares[0] + (int32_t)squares[1] + (int32_t)squares[2] < FOLD_Q28) {
+            return i + 1;
+        }
+        const crn_words4 slide = crn_lanes_halves(crn_lanes_mulh(back_m_q35, mean));
+        const crn_words4 step = crn_words_read(node->step_m_q33.v), drift = step - slide;
+        const crn_words4 lost =
+            crn_lanes_halves(crn_lanes_mulh(__builtin_convertvector(step, crn_lanes), keep));
+        const crn_words4 kept = drift + lost;
+        const int32_t inertia_q18 = crn_line_inertia(model, &state->line.nodes[i])
+                                    << (18 - model->stiffness_exponent);
+        crn_words_write3(work->position_m_q30.v,
+                         crn_words_read(node->position_m_q30.v) + ((slide + four) >> 3));
+        crn_words_write3(work->slide_m_q33.v, slide);
+        crn_words_write3(work->drift_m_q33.v, drift);
+        crn_words_write3(work->force_N_q22.v,
+                         crn_lanes_halves(crn_lanes_mulh(crn_lanes_all(inertia_q18),
+                                                         __builtin_convertvector(kept << 3, crn_lanes))));
+    }
+    return rigid;
+}
+
+/* As add_weight() for all free nodes. */
+CRN_LANES_TARGET static void lanes_add_weights(const crn_model *model, crn_state *state)
+{
+    const int32_t *g = model->gravity_m_s2_q20;
+    const crn_lanes gravity = {g[0], g[1], g[2], 0};
+    crn_lanes rest = crn_lanes_all(0);
+    for (uint32_t i = 0; i < state->words.free_count; i++) {
+        int32_t *force = state->scratch.nodes[i].force_N_q22.v;
+        const crn_lanes exact =
+            crn_lanes_product(crn_lanes_all(state->line.nodes[i].mass_kg_q40), gravity) + rest;
+        const crn_lanes rounded = crn_lanes_asr(exact + crn_lanes_all((int64_t)1 << 37), 38);
+        rest = exact - (crn_lanes)((crn_lanes_u64)rounded << 38);
+        crn_lanes_write3(force, crn_lanes_sat32(crn_lanes_read(force) + rounded));
+    }
+}
+#endif
+
 /* Moves nodes 0 .. count-1 by the slide -T ds. Nodes 0 .. rigid-1 move like node `rigid`. The first `rigid`
  * nodes also move by the displacement that the tip's rotation causes and that the scratch memory contains. In
  * a fold (a sharp bend), the function also keeps the lengths of the edges: the change that corrects an edge's
@@ -299,6 +354,14 @@ static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
     fold_shift fold = {{{0, 0, 0}}, false, false};
+    bool is_inside = false;
+#if CRN_HAS_LANES
+    if (model->has_lanes) {
+        const uint32_t left = lanes_slide_nodes(model, state, count, rigid);
+        is_inside = left < count;
+        count = left;
+    }
+#endif
     for (uint32_t i = count; i-- > 0;) {
         crn_vec3 mean, slide;
         const int32_t square_q28 = mean_tangent(state, i < rigid ? rigid : i, &mean);
@@ -306,12 +369,13 @@ static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count
             slide.v[k] = crn_mulh(back_m_q35, mean.v[k]);
         }
         if (square_q28 < FOLD_Q28 || fold.is_passed) {
-            slide_apart(model, state, i, i >= rigid && i + 1 < count, square_q28, &fold, &slide);
+            slide_apart(model, state, i, i >= rigid && is_inside, square_q28, &fold, &slide);
         }
         if (i < rigid) {
             slide = crn_vec3_add(slide, state->scratch.nodes[i].slide_m_q33);
         }
         predict_node(model, state, i, &slide);
+        is_inside = true;
     }
 }
 
@@ -376,7 +440,14 @@ static uint32_t count_free(const crn_model *model, uint32_t count, int32_t inser
 static void load_nodes(const crn_model *model, crn_state *state)
 {
     weight_carry carry = {{0, 0, 0}};
-    for (uint32_t i = 0; i < state->words.free_count; i++) {
+    uint32_t i = 0;
+#if CRN_HAS_LANES
+    if (model->has_lanes) {
+        lanes_add_weights(model, state);
+        i = state->words.free_count;
+    }
+#endif
+    for (; i < state->words.free_count; i++) {
         add_weight(model, &state->line.nodes[i], &carry, &state->scratch.nodes[i].force_N_q22);
     }
     for (int k = 0; k < 3; k++) {

@@ -8,6 +8,7 @@
  * The vector g is the sum of the tools' rest rotations, that is, of the angles of their stress-free shapes.
  * The twisting moment tau of the tools bends their common centreline with the force F = tau kb / 2, where kb
  * = 2 t x t' / (1 + t.t') is the curvature vector of a joint between edges with the tangents t and t'. */
+#include "firmware/core/lanes.h"
 #include "firmware/core/rod.h"
 
 enum {
@@ -120,12 +121,73 @@ static void edge_forces(const crn_model *model, crn_state *state, uint32_t i)
     }
 }
 
+#if CRN_HAS_LANES
+/* As stretch_of(), for lanes. Returns the strain, and writes w and the tangent; *tangent_q30 has the sign. */
+CRN_LANES_INLINE int32_t lanes_stretch_of(int32_t inverse_per_m_q18, const crn_work *from, crn_vec3 *w,
+                                          crn_vec3 *t, crn_lanes *tangent_q30, uint32_t *fault_bits)
+{
+    const crn_lanes way =
+        crn_lanes_sat32(crn_lanes_read(from[1].position_m_q30.v) - crn_lanes_read(from->position_m_q30.v));
+    const crn_lanes product =
+        crn_lanes_product(way, crn_lanes_all(inverse_per_m_q18)) + crn_lanes_all(1 << 17);
+    const crn_lanes edge = crn_lanes_sat32(crn_lanes_asr(product, 18));
+    const crn_lanes squares = crn_lanes_product(edge, edge);
+    const uint64_t square = (uint64_t)squares[0] + (uint64_t)squares[1] + (uint64_t)squares[2];
+    const int64_t excess = (int64_t)(square - ((uint64_t)1 << 60));
+    const int32_t high = crn_high64(excess);
+    if (high >= STRAIN_SMALL_Q30 / 2 || high < -STRAIN_SMALL_Q30 / 2) {
+        const int32_t strain =
+            stretch_of(inverse_per_m_q18, &from->position_m_q30, &from[1].position_m_q30, w, t, fault_bits);
+        *tangent_q30 = (crn_lanes){t->v[0], t->v[1], t->v[2], 0};
+        return strain;
+    }
+    const int32_t e = crn_narrow64(excess, 31);
+    *tangent_q30 = crn_lanes_scale_q30(edge, crn_lanes_all(inverse_stretch_of(e)));
+    crn_lanes_write3(w->v, edge);
+    crn_lanes_write3(t->v, *tangent_q30);
+    return strain_of(e);
+}
+
+/* As edge_forces() for all edges. The force on the node behind an edge stays in a register. */
+CRN_LANES_TARGET static void lanes_stretch(const crn_model *model, crn_state *state)
+{
+    crn_work *here = state->scratch.nodes;
+    crn_lanes force = crn_lanes_read(here->force_N_q22.v);
+    for (uint32_t i = 0; i < state->words.free_count; i++, here++) {
+        const int32_t inverse = model->mesh[i].inverse_length_per_m_q18;
+        crn_lanes tangent;
+        here->strain_q30 =
+            lanes_stretch_of(inverse, here, &here->u.a.stretch_q30, &state->words.nodes[i].tangent_q30,
+                             &tangent, &state->words.fault_bits);
+        const int32_t tension =
+            crn_limit64((int64_t)state->line.nodes[i].axial_stiffness_N_q17 * here->strain_q30, 25,
+                        TENSION_MAX_N_Q22 >> 7, CRN_FAULT_SATURATED, &state->words.fault_bits);
+        here->geometric = geometric_stiffness(tension, inverse, model->stiffness_exponent);
+        const crn_lanes pull = crn_lanes_scale_q30(crn_lanes_all(tension), tangent);
+        crn_lanes_write3(here->force_N_q22.v, crn_lanes_sat32(force + pull));
+        force = crn_lanes_sat32(crn_lanes_read(here[1].force_N_q22.v) - pull);
+    }
+    crn_lanes_write3(here->force_N_q22.v, force);
+}
+#endif
+
+static void stretch_edges(const crn_model *model, crn_state *state)
+{
+#if CRN_HAS_LANES
+    if (model->has_lanes) {
+        lanes_stretch(model, state);
+        return;
+    }
+#endif
+    for (uint32_t i = 0; i < state->words.free_count; i++) {
+        edge_forces(model, state, i);
+    }
+}
+
 void crn_rod_stretch(const crn_model *model, crn_state *state)
 {
     uint32_t na = state->words.free_count;
-    for (uint32_t i = 0; i < na; i++) {
-        edge_forces(model, state, i);
-    }
+    stretch_edges(model, state);
     /* The edge behind node na (the first held node) is straight inside the introducer sheath. */
     state->scratch.nodes[na].u.a.stretch_q30 = state->words.nodes[na].tangent_q30;
 }
@@ -275,8 +337,85 @@ static void joint_forces(const crn_model *model, crn_state *state, uint32_t i)
     }
 }
 
+#if CRN_HAS_LANES
+/* As part(), with the sign. Lanes of *limited become -1 where the force reaches its limit. */
+CRN_LANES_INLINE crn_lanes lanes_part(crn_lanes moment_N_m_q30, int32_t inverse_per_m_q18, crn_lanes *limited)
+{
+    const crn_lanes product =
+        crn_lanes_product(moment_N_m_q30, crn_lanes_all(inverse_per_m_q18)) + crn_lanes_all(1 << 25);
+    const crn_lanes force = crn_lanes_asr(product, 26);
+    *limited |= (force > crn_lanes_all(PART_MAX_N_Q22 - 1)) | (crn_lanes_all(-PART_MAX_N_Q22) > force);
+    return crn_lanes_clamp(force, PART_MAX_N_Q22);
+}
+
+/* As twist_force(), with the sign. */
+CRN_LANES_INLINE crn_lanes lanes_twist_force(int32_t torque_N_m_q30, const crn_vec3 *before,
+                                             const crn_vec3 *after)
+{
+    int32_t lack = 0;
+    const int32_t inverse = inverse_of_one_and(crn_vec3_dot_unit(before, after), &lack);
+    const crn_lanes across = crn_lanes_cross_unit(crn_lanes_read(before->v), crn_lanes_read(after->v));
+    return crn_lanes_scale_q30(crn_lanes_all(crn_scale_q30(torque_N_m_q30, inverse)), across);
+}
+
+/* Returns the bending moment of a joint, as moment_of() does, with the sign. */
+CRN_LANES_INLINE crn_lanes lanes_moment(const crn_model *model, crn_state *state, const crn_joint *joint,
+                                        uint32_t i)
+{
+    const crn_work *here = &state->scratch.nodes[i];
+    crn_words4 ahead, behind;
+    __builtin_memcpy(&ahead, here[-1].u.a.stretch_q30.v, sizeof ahead);
+    __builtin_memcpy(&behind, here->u.a.stretch_q30.v, sizeof behind);
+    crn_words4 bend_q28 = (behind >> 2) - (ahead >> 2);
+    if (joint->curved != 0) {
+        const crn_vec3 turn = crn_rod_line_turn(model, state, joint, i);
+        resist_twist(model, state, joint, i);
+        bend_q28 -= (crn_words4){turn.v[0], turn.v[1], turn.v[2], 0} >> 2;
+    }
+    const crn_lanes bend = __builtin_convertvector(bend_q28, crn_lanes);
+    const crn_lanes product = crn_lanes_product(bend, crn_lanes_all(joint->bend_N_m_q26));
+    return crn_lanes_sat32(crn_lanes_asr(product + crn_lanes_all(1 << 23), 24));
+}
+
+/* As joint_forces() for all joints. The forces on two nodes stay in registers. */
+CRN_LANES_TARGET static void lanes_bend(const crn_model *model, crn_state *state)
+{
+    crn_work *here = &state->scratch.nodes[1];
+    const crn_node_state *node = &state->words.nodes[1];
+    crn_lanes limited = crn_lanes_all(0);
+    crn_lanes ahead_force = crn_lanes_read(here[-1].force_N_q22.v),
+              force = crn_lanes_read(here->force_N_q22.v);
+    for (uint32_t i = 1; i <= state->words.free_count; i++, here++, node++) {
+        const crn_joint *joint = crn_rod_joint(state, i);
+        const crn_lanes moment = lanes_moment(model, state, joint, i);
+        crn_lanes twisting = crn_lanes_all(0);
+        if (here->torque_N_m_q30 != 0) {
+            twisting = lanes_twist_force(here->torque_N_m_q30, &node[-1].tangent_q30, &node->tangent_q30);
+        }
+        const crn_lanes front = lanes_part(crn_lanes_sat32(moment - twisting),
+                                           model->mesh[i - 1].inverse_length_per_m_q18, &limited);
+        const crn_lanes back =
+            lanes_part(crn_lanes_sat32(moment + twisting), model->mesh[i].inverse_length_per_m_q18, &limited);
+        crn_lanes_write3(here[-1].force_N_q22.v, crn_lanes_sat32(ahead_force - front));
+        ahead_force = crn_lanes_sat32(force + front + back);
+        force = crn_lanes_sat32(crn_lanes_read(here[1].force_N_q22.v) - back);
+    }
+    crn_lanes_write3(here[-1].force_N_q22.v, ahead_force);
+    crn_lanes_write3(here->force_N_q22.v, force);
+    if ((limited[0] | limited[1] | limited[2]) != 0) {
+        state->words.fault_bits |= CRN_FAULT_SATURATED;
+    }
+}
+#endif
+
 void crn_rod_bend(const crn_model *model, crn_state *state)
 {
+#if CRN_HAS_LANES
+    if (model->has_lanes) {
+        lanes_bend(model, state);
+        return;
+    }
+#endif
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
         joint_forces(model, state, i);
     }

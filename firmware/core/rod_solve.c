@@ -19,68 +19,7 @@
  * sum of up to six products is rounded once and no intermediate result is stored. Factors have 32 bits and
  * sums have 64 bits, so each product takes one SMLAL instruction on the Cortex-M7. The number formats are
  * Q(a) N/m below 2^29 for D, R, S, Q, T and kb, Q29 for V and P, Q22 N for r, and Q33 m for delta. */
-#include "firmware/core/rod.h"
-
-/* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */
-typedef struct inverse3 {
-    int_fast32_t m[6]; /* |m| <= 2^30 */
-    unsigned exponent;
-} inverse3;
-
-enum { XX, XY, XZ, YY, YZ, ZZ };
-enum {
-    FORCE_MAX_N_Q22 = 1 << 30,    /* 256 N; bounds the sums of products below 2^63 */
-    SOLUTION_MAX_M_Q33 = 1 << 29, /* 62 mm in one tick; the step cap of core_step.c acts far below that */
-};
-
-static inline int32_t limit(int64_t value, int32_t most)
-{
-    if ((uint64_t)(value + most) <= (uint64_t)most * 2) { /* one comparison for the usual case */
-        return (int32_t)value;
-    }
-    return value > 0 ? most : -most;
-}
-
-/* Returns the number of leading zero bits of a non-zero 64-bit value. */
-static inline unsigned clz64(uint64_t a)
-{
-    return (unsigned)__builtin_clzll(a);
-}
-
-static inline int64_t minor(int32_t a, int32_t b, int32_t c, int32_t d)
-{
-    return (int64_t)a * b - (int64_t)c * d;
-}
-
-/* Adjugate over determinant. Format: D Q(a), |D| < 2^29, positive definite. The adjugate matrix is computed
- * exactly in 64 bits (2 x 2^58). The adjugate matrix is shifted to 30 bits according to its largest diagonal
- * entry, which bounds every entry of a positive definite matrix. The determinant keeps 22 bits or more while
- * the ratio k_s / w of an edge's axial stiffness to its bending stiffness is at most 2^9. Overflow is
- * impossible, because the determinant of a 3x3 block is below 3 * 2^29 * 2^30. */
-static inline void invert(const crn_sym3 *d, inverse3 *inverse)
-{
-    const int32_t xx = d->m[XX], xy = d->m[XY], xz = d->m[XZ], yy = d->m[YY], yz = d->m[YZ], zz = d->m[ZZ];
-    const int64_t n[6] = {minor(yy, zz, yz, yz), minor(xz, yz, xy, zz), minor(xy, yz, xz, yy),
-                          minor(xx, zz, xz, xz), minor(xy, xz, xx, yz), minor(xx, yy, xy, xy)};
-    uint64_t size = ((uint64_t)(n[XX] | n[YY] | n[ZZ]) & (uint64_t)INT64_MAX) | ((uint64_t)1 << 30);
-    unsigned cut = 34 - clz64(size); /* brings the largest diagonal below 2^30: 1 .. 30 */
-    int32_t m[6];
-    for (int k = 0; k < 6; k++) {
-        m[k] = crn_narrow64(n[k], cut);
-    }
-    int64_t determinant = (int64_t)xx * m[XX] + (int64_t)xy * m[XY] + (int64_t)xz * m[XZ];
-    /* For an instrument far softer than the step of the number format, the determinant could fall below 2^31;
-     * the lower limit of 2^31 keeps every shift in range. */
-    const int64_t least = (int64_t)1 << 31;
-    determinant = determinant < least ? least : determinant;
-    unsigned lead = clz64((uint64_t)determinant); /* 3 .. 32 */
-    /* determinant = mantissa 2^(33 - lead); reciprocal = 2^61 / mantissa */
-    int32_t reciprocal = crn_reciprocal_q30((uint32_t)(((uint64_t)determinant << lead) >> 33));
-    for (int k = 0; k < 6; k++) {
-        inverse->m[k] = crn_mulh(m[k], reciprocal);
-    }
-    inverse->exponent = 62 - lead; /* 30 .. 59 */
-}
+#include "firmware/core/rod_block.h"
 
 /* One entry of D^-1 T. */
 static inline int32_t row_times(int_fast32_t a, int_fast32_t b, int_fast32_t c, const int_fast32_t *t,
@@ -103,33 +42,15 @@ static inline void times(const inverse3 *inverse, const int_fast32_t *t, int32_t
     }
 }
 
-/* Returns one component of D^-1 r, limited to 62 mm. Format: n r -> Q33 m by `shift`. Error: 1/2 LSB. */
-static inline int32_t row_apply(int_fast32_t a, int_fast32_t b, int_fast32_t c, const int_fast32_t *r,
-                                unsigned shift)
-{
-    int64_t sum = (int64_t)a * r[0] + (int64_t)b * r[1] + (int64_t)c * r[2];
-    if (shift > 32) { /* the low word cannot carry over */
-        int32_t value = crn_asr32(crn_high64(sum) + ((int32_t)1 << (shift - 33)), shift - 32);
-        return value > SOLUTION_MAX_M_Q33 ? SOLUTION_MAX_M_Q33
-                                          : (value < -SOLUTION_MAX_M_Q33 ? -SOLUTION_MAX_M_Q33 : value);
-    }
-    int32_t most = (int32_t)1 << (shift < 3 ? 0 : shift - 3); /* upper word of the limit */
-    int32_t high = crn_high64(sum);
-    if (shift < 32 && shift > 3 && high < most && high >= -most) {
-        return crn_narrow64(sum + ((int64_t)1 << (shift - 1)), shift);
-    }
-    return limit(crn_rshift_round64(sum, shift), SOLUTION_MAX_M_Q33);
-}
-
 /* z = D^-1 r. Format: r Q22 N -> Q33 m: shift = exponent - a - 11. Overflow is impossible, because the sum is
  * at most 3 * 2^29 * 2^30. */
 static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigned exponent_a, crn_vec3 *z)
 {
     const int_fast32_t *n = inverse->m;
     unsigned shift = inverse->exponent - exponent_a - 11;
-    z->v[0] = row_apply(n[XX], n[XY], n[XZ], r, shift);
-    z->v[1] = row_apply(n[XY], n[YY], n[YZ], r, shift);
-    z->v[2] = row_apply(n[XZ], n[YZ], n[ZZ], r, shift);
+    z->v[0] = deviation_of((int64_t)n[XX] * r[0] + (int64_t)n[XY] * r[1] + (int64_t)n[XZ] * r[2], shift);
+    z->v[1] = deviation_of((int64_t)n[XY] * r[0] + (int64_t)n[YY] * r[1] + (int64_t)n[YZ] * r[2], shift);
+    z->v[2] = deviation_of((int64_t)n[XZ] * r[0] + (int64_t)n[YZ] * r[1] + (int64_t)n[ZZ] * r[2], shift);
 }
 
 /* Computes the block P = kb D^-1 in Q29, from the inverse of the diagonal block D. Overflow is impossible: P
@@ -142,31 +63,14 @@ static inline void second_neighbour(const inverse3 *inverse, int32_t second, crn
     }
 }
 
-/* Adds the stiffness k along the vector v, that is, the matrix k v v^T, to a block. Overflow: |k| < 2^29. */
-static inline void add_along(const crn_vec3 *v_q30, int32_t stiffness, crn_sym3 *d)
-{
-    int32_t x = 4 * crn_mulh(4 * stiffness, v_q30->v[0]);
-    int32_t y = 4 * crn_mulh(4 * stiffness, v_q30->v[1]);
-    int32_t z = 4 * crn_mulh(4 * stiffness, v_q30->v[2]);
-    d->m[XX] = crn_mulh_add(d->m[XX], x, v_q30->v[0]);
-    d->m[XY] = crn_mulh_add(d->m[XY], x, v_q30->v[1]);
-    d->m[XZ] = crn_mulh_add(d->m[XZ], x, v_q30->v[2]);
-    d->m[YY] = crn_mulh_add(d->m[YY], y, v_q30->v[1]);
-    d->m[YZ] = crn_mulh_add(d->m[YZ], y, v_q30->v[2]);
-    d->m[ZZ] = crn_mulh_add(d->m[ZZ], z, v_q30->v[2]);
-}
-
-/* Adds the stiffness S of the edge behind node i, in Q(a). Format: (4 k) t keeps the fraction that k t in
- * Q(a) would lose. Overflow is impossible, because the entries of S are at most k_s, which is below 2^29. */
-static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
-{
-    const crn_vec3 *t = &state->words.nodes[i].tangent_q30;
-    int32_t geometric = state->scratch.nodes[i].geometric;
-    d->m[XX] += geometric;
-    d->m[YY] += geometric;
-    d->m[ZZ] += geometric;
-    add_along(t, state->line.nodes[i].spring - geometric, d);
-}
+/* Holds what the two previous rows contribute to the next row of the matrix, besides the blocks V and P. The
+ * last eliminated row contributes T, R + Q + Q^T, kb and r; the row before the last contributes kb and r. */
+typedef struct given {
+    int_fast32_t t[9];
+    crn_sym3 rest;
+    int_fast32_t second, second_before;
+    int_fast32_t r[3], r_before[3];
+} given;
 
 /* Adds the stiffness of a touching node, k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T), where n is
  * the wall's normal, t' is the tangent across n, k_n and k_f are the stiffnesses of contact and friction, and
@@ -191,28 +95,12 @@ static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_s
     add_along(n, work->wall_normal - across, d);
 }
 
-/* Holds what the two previous rows contribute to the next row of the matrix, besides the blocks V and P. The
- * last eliminated row contributes T, R + Q + Q^T, kb and r; the row before the last contributes kb and r. */
-typedef struct given {
-    int_fast32_t t[9];
-    crn_sym3 rest;
-    int_fast32_t second, second_before;
-    int_fast32_t r[3], r_before[3];
-} given;
-
-/* Holds pointers to the joints i-1, i and i+1, which contribute to row i of the matrix. */
-typedef struct joints3 {
-    const crn_joint *before, *here, *after;
-} joints3;
-
 /* Assembles the block R of row i from joints, inertia, wall and balloon. */
 static inline crn_sym3 load_rest(const crn_model *model, const crn_state *state, uint32_t i,
                                  const joints3 *joint)
 {
     const crn_work *work = &state->scratch.nodes[i];
-    const crn_joint *here = joint->here;
-    int32_t diagonal = crn_line_inertia(model, &state->line.nodes[i]) + joint->before->r + here->p +
-                       2 * here->q + here->r + joint->after->p + work->tied;
+    const int32_t diagonal = diagonal_of(model, state, i, joint);
     crn_sym3 rest = {{diagonal, 0, 0, diagonal, 0, diagonal}};
     if ((work->wall_normal | work->wall_friction) != 0) {
         add_wall(work, &state->words.nodes[i].tangent_q30, &rest);
@@ -373,6 +261,15 @@ static void substitute(crn_state *state)
 
 void crn_rod_solve(const crn_model *model, crn_state *state)
 {
+#if CRN_HAS_LANES
+    if (model->has_lanes) {
+        if (crn_rod_eliminate_lanes(model, state)) {
+            state->words.fault_bits |= CRN_FAULT_SATURATED;
+        }
+        substitute(state);
+        return;
+    }
+#endif
     eliminate(model, state);
     substitute(state);
 }
