@@ -64,4 +64,5 @@ for name in held_out held_out_noisy valid valid_noisy same anatomy instrument no
     sets+=("$name=$out/data/$name")
 done
 tracker judge "$out" "${sets[@]}" --out "$out"
+tracker judge "$out" "${sets[@]:0:2}" --out "$out/turned" --turned
 tracker doses "$out" "${doses[@]}" --out "$out"
