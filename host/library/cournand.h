@@ -205,7 +205,7 @@ COURNAND_API cournand_status cournand_tool_scaled(const cournand_tool *tool,
 typedef struct cournand_world cournand_world;
 
 enum {
-    COURNAND_WITH_PATIENT = 1, /* blood flow, contrast medium and stents; such a world has no snapshots */
+    COURNAND_WITH_PATIENT = 1, /* blood flow, contrast medium and stents */
 };
 
 typedef struct cournand_world_options {

@@ -26,9 +26,11 @@ except ImportError as error:
 import prepare  # noqa: E402
 import tap  # noqa: E402
 from tip_tracker import __main__ as program  # noqa: E402
-from tip_tracker.data import DataError, innermost_tip, read, split  # noqa: E402
-from tip_tracker.judge import errors_of  # noqa: E402
+from tip_tracker.data import DataError, contrast_at, innermost_tool, read, split  # noqa: E402
+from tip_tracker.doses import ratios_of  # noqa: E402
+from tip_tracker.judge import errors_of, median_interval  # noqa: E402
 from tip_tracker.model import CELL, chances_of, flattened, located, target  # noqa: E402
+from tip_tracker.noise import NOISE_CELL, added_factor, drawn_noise, noise_of  # noqa: E402
 from tip_tracker.train import Course, example, train, turned_tip  # noqa: E402
 
 FOLDER = tempfile.TemporaryDirectory()
@@ -95,10 +97,10 @@ def said(*words):
 # --- data ---
 
 
-def the_innermost_tip_is_that_of_the_first_tool_in_the_patient():
+def the_innermost_tool_is_the_first_in_the_patient():
     wire, catheter = tool(0, 200.0, (1, 1)), tool(1, 250.0, (2, 2))
-    good = innermost_tip({"tools": [catheter, wire]})["px"] == [1, 1]
-    return good and innermost_tip({"tools": [catheter]})["px"] == [2, 2] and innermost_tip({"tools": []}) is None
+    good = innermost_tool({"tools": [catheter, wire]}) is wire
+    return good and innermost_tool({"tools": [catheter]}) is catheter and innermost_tool({"tools": []}) is None
 
 
 def the_frames_read_are_those_that_were_written():
@@ -134,18 +136,32 @@ def what_was_kept_is_not_taken_for_another_data_set():
     return good and np.array_equal(read(folders[1], keep).tips, read(folders[1]).tips)
 
 
-def a_data_set_of_the_factory_is_read():
-    """The factory needs the Python of the package's tests, which has other packages than this one."""
-    folder = Path(FOLDER.name) / "factory"
+def factory_set(name, dose_nGy):
+    """Makes a small data set of the factory. The factory needs the Python of the package's tests, which has other
+    packages than this one."""
+    folder = Path(FOLDER.name) / name
     words = ["--frames", "6", "--shard-frames", "3", "--block-frames", "1", "--size", "128", "--tools", "j_wire"]
-    words += ["--dose", "100", "100", "--offset", "0.1", "--seed", "3", "--quiet", "--out", str(folder)]
+    words += ["--dose", str(dose_nGy), str(dose_nGy), "--offset", "0.1", "--seed", "3", "--quiet", "--out", str(folder)]
     environment = dict(os.environ, PYTHONPATH=prepare.SITE)
     subprocess.run([prepare.prepare(), "-m", "cournand.factory", *words], env=environment, check=True)
-    frames = read(folder)
+    return folder
+
+
+def a_data_set_of_the_factory_is_read():
+    frames = read(factory_set("factory", 100))
     middle = np.abs(frames.tips / 128 - 0.5).max(axis=1)
     print("# tips at most %.3f of the field from the middle" % middle.max())
     on_tool = [frames.masks[k][int(tip[1]) // CELL, int(tip[0]) // CELL] for k, tip in enumerate(frames.tips)]
     return len(frames) == 6 and all(on_tool) and {one["dose_nGy"] for one in frames.facts} == {100.0}
+
+
+def the_noise_of_the_factory_has_a_square_inverse_to_the_dose():
+    """A pixel of these small pictures has 16 times the quanta of one in pictures of 512 × 512 pixels. Steep edges of
+    bones add to the second differences, and they count for more at the higher dose."""
+    low, high = (read(factory_set("factory-%d" % dose, dose)).noise for dose in (1, 4))
+    ratios = low / high / np.sqrt(4 / 1)
+    print("# %.3f of the rule, from %.3f to %.3f" % (np.median(ratios), ratios.min(), ratios.max()))
+    return abs(float(np.median(ratios)) - 1) < 0.15  # measured 0.049
 
 
 def a_shard_is_either_learned_or_watched():
@@ -182,7 +198,13 @@ def what_cannot_be_read_is_refused_with_a_remedy():
 
 def numbers_that_make_no_sense_are_refused():
     words = ["train", "data", "--out", str(Path(FOLDER.name) / "none")]
-    for more in (("--threads", 0), ("--crop-epochs", -1), ("--crop-epochs", 0, "--whole-epochs", 0)):
+    for more in (
+        ("--threads", 0),
+        ("--crop-epochs", -1),
+        ("--crop-epochs", 0, "--whole-epochs", 0),
+        ("--rate", 0),
+        ("--rate", "nan"),
+    ):
         if said(*words, *more)[0] != 2:
             return False
     return True
@@ -193,6 +215,65 @@ def a_set_without_tips_is_refused():
     good = said("train", data_set("some-tips"), "--out", out, "--crop-epochs", 0, "--whole-epochs", 1)[0] == 0
     code, _, errors = said("judge", out, "none=%s" % data_set("no-tips", is_empty=True), "--out", out)
     return good and code == 1 and "no frame with a tip" in errors
+
+
+# --- noise ---
+
+
+def the_deviation_of_drawn_noise_is_found():
+    """White noise, and noise that neighbours share, in a picture with an edge of bone and a thin wire."""
+    rows, columns = torch.meshgrid(torch.arange(256.0), torch.arange(256.0), indexing="ij")
+    body = 0.3 * (columns > 130).float() - 0.2 * ((rows - 0.7 * columns).abs() < 1.5).float()
+    deviations = 0.05 + 0.05 * (rows >= 128).float()
+    torch.manual_seed(1)
+    worst = 0.0
+    for share in (0.0, 0.1, 0.2):
+        found = noise_of((body + drawn_noise(deviations, share))[None])[0]
+        part = found / deviations[NOISE_CELL // 2 :: NOISE_CELL, NOISE_CELL // 2 :: NOISE_CELL] - 1
+        worst = max(worst, abs(float(part.mean())))
+    print("# at most %.3f off" % worst)
+    return worst < 0.06  # measured 0.02
+
+
+def the_noise_of_a_lower_dose_is_that_of_fewer_quanta():
+    """Poisson counts of a fourth of the quanta are the reference for noise added to the logarithm of all quanta. The
+    place is measured as well: a half of the picture has a third of the quanta."""
+    random = np.random.default_rng(1)
+    quanta = np.where(np.arange(256) < 128, 1200.0, 400.0) * np.ones((256, 1))
+    many, few = (torch.from_numpy(np.log(random.poisson(quanta / part))).float()[None] for part in (1, 4))
+    at_each = torch.kron(noise_of(many)[0], torch.ones(NOISE_CELL, NOISE_CELL))
+    torch.manual_seed(1)
+    made = noise_of(many + np.sqrt(4 - 1) * drawn_noise(at_each, 0.0))[0]
+    off = (made / noise_of(few)[0] - 1).reshape(8, 2, 4).mean(dim=(0, 2))
+    print("# %.3f and %.3f off" % tuple(off))
+    return float(off.abs().max()) < 0.05  # measured 0.015
+
+
+def the_dose_that_is_drawn_lies_between_its_limits():
+    random = np.random.default_rng(1)
+    doses = 80.0 / (1 + np.array([added_factor(80.0, 5.0, random) for _ in range(2000)]) ** 2)
+    middle = float(np.median(doses))
+    print("# from %.2f to %.2f nGy, median %.1f nGy" % (doses.min(), doses.max(), middle))
+    good = doses.min() >= 5.0 and doses.max() <= 80.0 and abs(middle / 20.0 - 1) < 0.15  # 20 = sqrt(5 * 80)
+    return good and added_factor(4.0, 5.0, random) == 0.0
+
+
+def the_contrast_of_a_tool_is_measured_beside_it():
+    flat, is_tool = np.full((64, 64), 0.1), np.zeros((64, 64), bool)
+    is_tool[30:33, :40] = True
+    flat[is_tool] = -0.2
+    flat[:, 60:] = 9.0  # too far away
+    good = abs(contrast_at(flat, is_tool, (39.5, 31.5)) - 0.3) < 1e-12
+    return good and np.isnan(contrast_at(flat, is_tool, (5.0, 5.0)))
+
+
+def the_contrast_to_noise_falls_with_the_root_of_the_dose():
+    frames = read(data_set("ratios"))
+    ratios = ratios_of(frames)
+    frames.noise = frames.noise * 2
+    print("# contrast to noise %.1f to %.1f" % (ratios.min(), ratios.max()))
+    # The wire lets exp(-0.4) of some 3000 quanta pass at its middle, half as much of the contrast at its edges.
+    return np.allclose(ratios_of(frames), ratios / 2) and 5 < np.median(ratios) < 0.4 * np.sqrt(4000)
 
 
 # --- geometry ---
@@ -287,6 +368,29 @@ def the_same_seed_gives_the_same_tracker():
     return torch.equal(states[0], states[1]) and not torch.equal(states[0], states[2])
 
 
+def the_interval_of_a_median_comes_from_whole_shards():
+    """Ten shards of ten equal errors: the median of 100 numbers is that of 10, and its interval is as wide as for 10
+    independent numbers: between the second and the ninth of them (binomial distribution: 97.9 %)."""
+    errors = np.repeat(np.arange(10.0), 10)
+    low, high = median_interval(errors, ["%d" % (k // 10) for k in range(100)])
+    alone = median_interval(np.tile(np.arange(10.0), 10), ["%d" % (k // 10) for k in range(100)])
+    print("# %.2f to %.2f; equal shards: %.2f to %.2f" % (low, high, *alone))
+    return 1.0 <= low <= 2.5 and 6.5 <= high <= 8.0 and alone == (4.5, 4.5)
+
+
+def the_doses_are_compared_in_equal_courses():
+    out = Path(FOLDER.name) / "doses"
+    data = data_set("dosed", 20)
+    good = said("train", data, "--out", out, "--crop-epochs", 0, "--whole-epochs", 1)[0] == 0
+    code, text, _ = said("doses", out, "40=%s" % data, "20=%s" % data, "--out", out)
+    first, second = (line.split("\t") for line in (out / "doses.tsv").read_text().splitlines()[1:])
+    good = good and code == 0 and text.startswith("dose_nGy\tclear\tmedian_px")
+    good = good and (first[0], second[0]) == ("20", "40") and first[1:] == second[1:] and first[1] == "16"
+    tips = [int(line.split("\t")[2]) for line in (out / "contrast.tsv").read_text().splitlines()[1:]]
+    good = good and sum(tips) == 32 and Image.open(out / "doses.png").size[0] > 2 * 150
+    return good and said("doses", out, "dark=%s" % data, "--out", out)[0] == 2
+
+
 def the_commands_train_and_judge():
     folder, out = data_set("whole", 40), Path(FOLDER.name) / "out"
     code, text, _ = said("train", folder, "--out", out, "--crop-epochs", 1, "--whole-epochs", 2)
@@ -305,15 +409,21 @@ def the_commands_train_and_judge():
 if __name__ == "__main__":
     tap.run(
         [
-            the_innermost_tip_is_that_of_the_first_tool_in_the_patient,
+            the_innermost_tool_is_the_first_in_the_patient,
             the_frames_read_are_those_that_were_written,
             frames_that_were_kept_are_the_same,
             what_was_kept_is_not_taken_for_another_data_set,
             a_data_set_of_the_factory_is_read,
+            the_noise_of_the_factory_has_a_square_inverse_to_the_dose,
             a_shard_is_either_learned_or_watched,
             what_cannot_be_read_is_refused_with_a_remedy,
             numbers_that_make_no_sense_are_refused,
             a_set_without_tips_is_refused,
+            the_deviation_of_drawn_noise_is_found,
+            the_noise_of_a_lower_dose_is_that_of_fewer_quanta,
+            the_dose_that_is_drawn_lies_between_its_limits,
+            the_contrast_of_a_tool_is_measured_beside_it,
+            the_contrast_to_noise_falls_with_the_root_of_the_dose,
             flattening_removes_the_dose,
             the_place_found_is_that_of_the_target,
             a_turned_picture_has_a_turned_distribution,
@@ -321,6 +431,8 @@ if __name__ == "__main__":
             a_crop_has_the_mask_at_its_tip_or_has_no_tip,
             it_learns_sixteen_frames_by_heart,
             the_same_seed_gives_the_same_tracker,
+            the_interval_of_a_median_comes_from_whole_shards,
+            the_doses_are_compared_in_equal_courses,
             the_commands_train_and_judge,
         ]
     )

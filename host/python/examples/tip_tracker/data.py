@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import tarfile
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,10 +22,12 @@ import torch
 from PIL import Image
 
 from .model import CELL, flattened
+from .noise import noise_of
 
 TOOL_BITS = 1 | 2 | 4
+NEAR_TIP = 16  # pixels on each side of a tip within which the contrast of its tool is measured
 COVERED, CLEAR = 1, 2  # the visibility of a tip that another object covers, and of one that none covers
-ARRAYS = ("pictures", "masks", "tips", "visible")
+ARRAYS = ("pictures", "masks", "tips", "visible", "noise")
 STEP = 1 / 250.0  # of the stored pictures, in units of the natural logarithm
 
 
@@ -44,15 +47,18 @@ class Frames:
     """float32 [n, 2]: column and row of the innermost tip in pixels."""
     visible: np.ndarray
     """uint8 [n]: the visibility of the tip, 0 outside, 1 covered, 2 clear."""
+    noise: np.ndarray
+    """float32 [n, size / NOISE_CELL, size / NOISE_CELL]: the deviation of the pictures' noise, by noise_of()."""
     facts: list[dict[str, Any]]
-    """For each frame: key, scene, tools and dose_nGy."""
+    """For each frame: key, scene, tools, dose_nGy and contrast: by how much the logarithm is lower on the pixels of the
+    tool near the innermost tip than on those beside it, nan without a tool there."""
 
     def __len__(self) -> int:
         return len(self.tips)
 
     def chosen(self, numbers: np.ndarray) -> Frames:
         """Returns the frames of the given numbers, int [k]."""
-        parts = (self.pictures[numbers], self.masks[numbers], self.tips[numbers], self.visible[numbers])
+        parts = (getattr(self, name)[numbers] for name in ARRAYS)
         return Frames(*parts, [self.facts[int(number)] for number in numbers])
 
     def seen(self, least: int = CLEAR) -> Frames:
@@ -60,12 +66,11 @@ class Frames:
         return self.chosen(np.flatnonzero(self.visible >= least))
 
 
-def innermost_tip(facts: dict[str, Any]) -> dict[str, Any] | None:
-    """Returns the tip of the innermost tool that has left the introducer, or None if no tool has. It is the tip that a
+def innermost_tool(facts: dict[str, Any]) -> dict[str, Any] | None:
+    """Returns the innermost tool that has left the introducer, or None if no tool has. Its tip is the one that a
     guidewire shows: catheters around it end before it, or cover it."""
-    tools = facts["tools"]
-    tip: dict[str, Any] | None = min(tools, key=lambda tool: tool["position"])["tip"] if tools else None
-    return tip
+    tools: list[dict[str, Any]] = facts["tools"]
+    return min(tools, key=lambda tool: int(tool["position"])) if tools else None
 
 
 def samples(folder: Path) -> Iterator[dict[str, bytes]]:
@@ -110,7 +115,7 @@ def read(folder: Path, keep: Path | None = None) -> Frames:
     rows = [_row(files, folder) for files in samples(folder)]
     if len({row[0].shape for row in rows}) != 1:
         raise DataError("%s: its frames do not all have one size. Remedy: make the data set again" % folder)
-    frames = Frames(*(np.stack([row[k] for row in rows]) for k in range(4)), [row[4] for row in rows])
+    frames = Frames(*(np.stack([row[k] for row in rows]) for k in range(5)), [row[5] for row in rows])
     if keep is not None:
         keep.parent.mkdir(parents=True, exist_ok=True)
         arrays = {name: getattr(frames, name) for name in ARRAYS}
@@ -152,15 +157,28 @@ def _row(files: dict[str, bytes], folder: Path) -> tuple[Any, ...]:
     if size % (16 * CELL) or raw.shape != (size, size):  # the network halves the cells four times
         raise DataError("%s: frame %s has %d pixels. Remedy: --size N, a multiple of 64" % (folder, key, size))
     with torch.no_grad():
-        flat = flattened(torch.from_numpy(raw.astype(np.float32))[None, None])[0, 0].numpy()
-    picture = np.clip(np.round(flat / STEP), -127, 127).astype(np.int8)
+        flat = flattened(torch.from_numpy(raw.astype(np.float32))[None, None])[:, 0]
+        noise = noise_of(flat)[0].numpy()
+    picture = np.clip(np.round(flat[0].numpy() / STEP), -127, 127).astype(np.int8)
     is_tool = (labels & TOOL_BITS) != 0
     mask = is_tool.reshape(size // CELL, CELL, size // CELL, CELL).any(axis=(1, 3))
-    tip = innermost_tip(facts)
-    px = tip["px"] if tip else (0.0, 0.0)
-    tools = [tool["file"] for tool in facts["tools"]]
-    kept = {"key": key, "scene": facts["scene"], "tools": tools, "dose_nGy": facts["dose"]["detector_nGy"]}
-    return picture, mask, np.array(px, np.float32), np.uint8(tip["visibility"] if tip else 0), kept
+    tool = innermost_tool(facts)
+    px, visibility = (tool["tip"]["px"], tool["tip"]["visibility"]) if tool else ((0.0, 0.0), 0)
+    kept = {"key": key, "scene": facts["scene"], "tools": [tool["file"] for tool in facts["tools"]]}
+    kept["dose_nGy"] = facts["dose"]["detector_nGy"]
+    kept["contrast"] = contrast_at(flat[0].numpy(), (labels & (1 << tool["position"])) != 0, px) if tool else math.nan
+    return picture, mask, np.array(px, np.float32), np.uint8(visibility), noise, kept
+
+
+def contrast_at(flat: np.ndarray, is_tool: np.ndarray, px: Sequence[float]) -> float:
+    """Returns the mean of `flat` [size, size] over the pixels without the tool, less that over the pixels with it,
+    both within NEAR_TIP pixels of the column and row `px`; nan if there are none of either."""
+    column, row = int(px[0]), int(px[1])
+    near = tuple(slice(max(0, middle - NEAR_TIP), max(0, middle + NEAR_TIP + 1)) for middle in (row, column))
+    values, on_tool = flat[near], is_tool[near]
+    if not on_tool.any() or on_tool.all():
+        return math.nan
+    return float(values[~on_tool].mean() - values[on_tool].mean())
 
 
 def split(frames: Frames, part: float, seed: int) -> tuple[np.ndarray, np.ndarray]:

@@ -15,10 +15,11 @@ from .model import Tracker, chances_of, located
 BATCH = 8
 EDGE = 256  # of a picture in a sheet
 COLUMNS = (
-    *("set", "inside", "clear", "median_px", "p90_px", "within_3_px", "within_10_px"),
+    *("set", "inside", "clear", "median_px", "low_px", "high_px", "p90_px", "within_3_px", "within_10_px"),
     *("sure", "sure_p90_px", "covered_median_px"),
 )
 SHEET = 16  # the least number of clear tips for a sheet of pictures
+RESAMPLES = 2000  # of the shards, for the interval of the median
 SURE = 0.5  # a tracker is sure of a tip if its window holds at least this probability
 FOUND, LABEL = (255, 60, 60), (60, 230, 90)
 
@@ -42,13 +43,31 @@ def errors_of(
 
 def row_of(name: str, frames: Frames, errors: np.ndarray, sums: np.ndarray) -> tuple[str, ...]:
     """Returns a row of COLUMNS for a set of frames, whose tips are all in the picture."""
-    is_clear = frames.visible == CLEAR
+    is_clear, shards = frames.visible == CLEAR, shards_of(frames)
     clear, covered = errors[is_clear], errors[~is_clear]
     sure = clear[sums[is_clear] >= SURE]
     count = max(1, len(clear))
     shares = (np.sum(clear <= 3) / count, np.sum(clear <= 10) / count, len(sure) / count)
-    numbers = (_part(clear, 50), _part(clear, 90), *shares, _part(sure, 90), _part(covered, 50))
+    interval = median_interval(clear, [shards[k] for k in np.flatnonzero(is_clear)])
+    numbers = (_part(clear, 50), *interval, _part(clear, 90), *shares, _part(sure, 90), _part(covered, 50))
     return (name, str(len(frames)), str(len(clear)), *("%.3g" % one for one in numbers))
+
+
+def shards_of(frames: Frames) -> list[str]:
+    """Returns the name of the shard of each frame."""
+    return [str(fact["key"]).partition("-")[0] for fact in frames.facts]
+
+
+def median_interval(errors: np.ndarray, shards: list[str]) -> tuple[float, float]:
+    """Returns the interval of 95 % of the median error, by a bootstrap over shards: frames of one shard are alike, so
+    whole shards are drawn again and again. `shards` names the shard of each error."""
+    groups = [errors[np.array(shards) == one] for one in sorted(set(shards))]
+    if not groups:
+        return float("nan"), float("nan")
+    random = np.random.default_rng(1)
+    drawn = random.integers(len(groups), size=(RESAMPLES, len(groups)))
+    medians = [float(np.median(np.concatenate([groups[k] for k in row]))) for row in drawn]
+    return _part(np.array(medians), 2.5), _part(np.array(medians), 97.5)
 
 
 def _part(errors: np.ndarray, percent: float) -> float:

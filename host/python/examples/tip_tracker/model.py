@@ -17,7 +17,7 @@ WINDOW = 2  # cells on each side of the best cell that decide the place of the t
 BLADE_PART = 0.05  # of the median: what is darker is a blade of the collimator, or as dark as one
 NONE = 8.0  # the score of the answer that a crop has no tip
 GAIN = 8.0  # brings the contrast of guidewires, 0.05 to 0.3, near to 1
-CHANNELS = (32, 48, 64, 64, 64)  # of the levels on the way down; the first needs many, for all directions of a wire
+CHANNELS = (32, 48, 64, 96, 96)  # of the levels on the way down; the first needs many, for all directions of a wire
 CHANNELS_UP = (16, 32, 48, 64)  # of the levels on the way up
 
 
@@ -95,7 +95,7 @@ def chances_of(tracker: nn.Module, flat: Tensor, is_turned: bool = True) -> Tens
     """Returns the probability of each cell to hold the tip, float32 [n, size / CELL, size / CELL] with the sum 1. With
     `is_turned`, it is the mean over the eight ways to turn and flip a picture: the tip is the same in all of them."""
     if not is_turned:
-        made = tracker(flat)[:, 0]
+        made = tracker(flat)[:, 0].float()
         return functional.softmax(made.flatten(1), dim=1).reshape(made.shape)
     total = torch.zeros(len(flat), *(edge // CELL for edge in flat.shape[2:]))
     for turns in range(4):

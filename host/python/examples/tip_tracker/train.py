@@ -14,8 +14,10 @@ from torch import Tensor
 from .data import STEP, Frames
 from .judge import errors_of
 from .model import CELL, Tracker, loss
+from .noise import NOISE_CELL, SHARES, added_factor, drawn_noise
 
-NOISE = 0.08  # largest deviation of the noise that is added, in units of the natural logarithm: as at some 10 nGy
+LEAST_NGY = 5.0  # the lowest dose whose noise the training imitates
+AS_MADE_PART = 0.2  # of the examples: no noise is added to them
 CONTRAST = (0.7, 1.4)  # factors on a picture
 CROP_MARGIN = 24  # pixels between the tip and the edge of its crop
 ANYWHERE_PART = 0.3  # of the crops: they may lie anywhere in their pictures, with or without the tip
@@ -28,8 +30,8 @@ Rows = list[tuple[float, ...]]
 class Course:
     """How long and on what the tracker is trained."""
 
-    crop_epochs: int = 14
-    whole_epochs: int = 1
+    crop_epochs: int = 9
+    whole_epochs: int = 2
     crop: int = 192
     """Edge of a crop in pixels, a multiple of 64. A picture that is not larger is never cropped."""
     batch: int = 4
@@ -41,6 +43,8 @@ class Course:
     """True if the network computes with bfloat16 numbers, which is twice as fast on processors that have them."""
     is_changed: bool = True
     """True if pictures are turned, flipped, scaled and made noisier each time."""
+    least_nGy: float = LEAST_NGY
+    """The lowest dose whose noise is imitated."""
 
 
 def _turned(array: np.ndarray, turns: int, is_flipped: bool) -> np.ndarray:
@@ -60,11 +64,12 @@ def example(frames: Frames, number: int, edge: int, course: Course, random: np.r
     """Returns one picture float32 [1, edge, edge], its tip [2] and its mask [edge / CELL, edge / CELL]. A crop
     begins at a multiple of CELL. Most crops contain the tip; the place of any other tip is outside the crop."""
     picture, mask, tip = frames.pictures[number], frames.masks[number], frames.tips[number]
-    size = len(picture)
+    size, noise = len(picture), frames.noise[number]
     if course.is_changed:
         turns, is_flipped = int(random.integers(4)), bool(random.integers(2))
         picture, mask = _turned(picture, turns, is_flipped), _turned(mask, turns, is_flipped)
-        tip = turned_tip(tip, size, turns, is_flipped)
+        noise, tip = _turned(noise, turns, is_flipped), turned_tip(tip, size, turns, is_flipped)
+    left, top = 0, 0
     if edge < size:
         middle = random.uniform(0, size, 2) if random.uniform() < ANYWHERE_PART else tip
         left, top = (_crop_begin(float(place), size, edge, random) for place in middle)
@@ -74,8 +79,12 @@ def example(frames: Frames, number: int, edge: int, course: Course, random: np.r
         tip = tip - np.array([left, top], np.float32)
     flat = torch.from_numpy(np.ascontiguousarray(picture)).float() * STEP
     if course.is_changed:
+        if random.uniform() >= AS_MADE_PART:
+            rows, columns = (top + np.arange(edge)) // NOISE_CELL, (left + np.arange(edge)) // NOISE_CELL
+            deviations = torch.from_numpy(np.ascontiguousarray(noise[rows[:, None], columns]))
+            factor = added_factor(frames.facts[number]["dose_nGy"], course.least_nGy, random)
+            flat = flat + factor * drawn_noise(deviations, float(random.uniform(*SHARES)))
         flat = flat * float(random.uniform(*CONTRAST))
-        flat = flat + torch.randn(flat.shape) * (NOISE * float(random.uniform()))
     return flat[None], torch.from_numpy(tip), torch.from_numpy(np.ascontiguousarray(mask)).float()
 
 
