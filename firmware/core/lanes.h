@@ -28,6 +28,7 @@ typedef int64_t crn_lanes __attribute__((vector_size(32)));
 typedef uint64_t crn_lanes_u64 __attribute__((vector_size(32)));
 typedef int32_t crn_lanes_i32 __attribute__((vector_size(32)));
 typedef int32_t crn_words4 __attribute__((vector_size(16)));
+typedef uint32_t crn_words4_u32 __attribute__((vector_size(16)));
 
 /* Returns whether the processor has the instructions of CRN_LANES_TARGET, and the operating system keeps
  * their registers. */

@@ -322,8 +322,9 @@ CRN_LANES_TARGET static uint32_t lanes_slide_nodes(const crn_model *model, crn_s
         crn_words_write3(work->slide_m_q33.v, slide);
         crn_words_write3(work->drift_m_q33.v, drift);
         crn_words_write3(work->force_N_q22.v,
-                         crn_lanes_halves(crn_lanes_mulh(crn_lanes_all(inertia_q18),
-                                                         __builtin_convertvector(kept << 3, crn_lanes))));
+                         crn_lanes_halves(crn_lanes_mulh(
+                             crn_lanes_all(inertia_q18),
+                             __builtin_convertvector((crn_words4)((crn_words4_u32)kept << 3), crn_lanes))));
     }
     return rigid;
 }

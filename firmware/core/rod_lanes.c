@@ -139,9 +139,9 @@ CRN_LANES_INLINE void lanes_factor(const inverse3 *inverse, int32_t second, unsi
     }
     lanes_write_deviation(sums, shift_r, &work->solution_m_q33);
     crn_factor *f = &work->u.f;
-    for (int i = 0; i < 3; i++) {
-        crn_lanes_write(f->w_q29 + 3 * i, row->v[i]); /* the next write covers the fourth word */
-    }
+    crn_lanes_write(f->w_q29, row->v[0]); /* the next write covers the fourth word */
+    crn_lanes_write(f->w_q29 + 3, row->v[1]);
+    crn_lanes_write3(f->w_q29 + 6, row->v[2]);
     const crn_lanes p[3] = {row->p[0], row->p[1], row->p[2]};
     f->p_q29 = (crn_sym3){{(int32_t)p[0][0], (int32_t)p[0][1], (int32_t)p[0][2], (int32_t)p[1][1],
                            (int32_t)p[1][2], (int32_t)p[2][2]}};

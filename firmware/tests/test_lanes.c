@@ -61,9 +61,10 @@ static void lanes_compute_what_single_numbers_compute(void **context)
     for (int i = 0; i < 100000; i++) check_operations(&random);
 }
 
-/* Steps two rigs that differ only in the lanes, and compares all words of their states after each tick. */
-static void check_session(const crn_instrument *tools, uint32_t count, const crn_lumen *lumen,
-                          crn_vec3 load_N_q22, int ticks)
+/* Steps two rigs that differ only in the lanes, and compares all words of their states after each tick.
+ * Returns the fault bits at the end. */
+static uint32_t check_session(const crn_instrument *tools, uint32_t count, const crn_lumen *lumen,
+                              crn_vec3 load_N_q22, int ticks)
 {
     const uint32_t inserted_um[3] = {80000, 60000, 40000};
     rig *with = rig_of(tools, count, lumen, inserted_um), *without = rig_of(tools, count, lumen, inserted_um);
@@ -89,10 +90,12 @@ static void check_session(const crn_instrument *tools, uint32_t count, const crn
         if (memcmp(&with->state.words, &without->state.words, sizeof with->state.words) != 0)
             fail_msg("the states differ after tick %d", tick);
     }
+    const uint32_t fault_bits = with->state.words.fault_bits;
     print_message("# %u tools, %u free nodes, fault bits %08x\n", count, with->state.words.free_count,
-                  with->state.words.fault_bits);
+                  fault_bits);
     free(with);
     free(without);
+    return fault_bits;
 }
 
 static void a_wire_in_a_bent_tube_moves_alike(void **context)
@@ -129,7 +132,8 @@ static void values_at_their_limits_are_limited_alike(void **context)
     skip_without_lanes();
     const crn_instrument wire = reference_wire(1e-5, 600000, 2000, 0.1);
     const int32_t most = 100 << 22;
-    check_session(&wire, 1, NULL, (crn_vec3){{-most, most, most}}, 1000);
+    const uint32_t bits = check_session(&wire, 1, NULL, (crn_vec3){{-most, most, most}}, 1000);
+    assert_true((bits & CRN_FAULT_SATURATED) != 0 && (bits & CRN_FAULT_STEP_CAPPED) != 0);
 }
 
 int main(void)

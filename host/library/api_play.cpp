@@ -1,5 +1,7 @@
 // Contains the functions of cournand.h for sessions by script. A play and its world have one door, so only
 // one thread at a time can be inside either of them.
+#include "host/base/output_files.hpp"
+#include "host/base/pending_file.hpp"
 #include "host/library/play.hpp"
 #include "host/script/hand_model.hpp"
 
@@ -40,6 +42,24 @@ PlaySettings play_settings(const cournand_scene *scene, cournand_tool *const *to
     }
     settings.record = text_or_empty(options.record);
     return settings;
+}
+
+// Refuses a recording that would replace a file which the play reads. A folder in which no file can be
+// written is refused later, with the recording itself.
+void check_recording(const Session &session, const PlaySettings &settings)
+{
+    if (settings.record.empty()) return;
+    std::vector<NamedPath> inputs = {{"the script", session.file},
+                                     {"the scene", settings.scene->file().path},
+                                     {"the scene's bodies", settings.scene->bodies_path()}};
+    for (const std::string &stent : settings.stents) inputs.push_back({"a stent", stent});
+    try {
+        check_outputs(inputs, {{"record", settings.record}});
+    } catch (const UsageError &error) {
+        throw Refused(COURNAND_BAD_ARGUMENT, error.what());
+    } catch (const OutputError &) {
+        return;
+    }
 }
 
 } // namespace
@@ -83,8 +103,9 @@ cournand_status cournand_play_create(const cournand_script *script, const courna
     return guarded([&] {
         const auto session = object_of(script);
         require(play != nullptr, "play is NULL: pass where the handle goes");
-        *play = make_handle<cournand_play>(
-            std::make_shared<Play>(*session, play_settings(scene, tools, tool_count, options)));
+        PlaySettings settings = play_settings(scene, tools, tool_count, options);
+        check_recording(*session, settings);
+        *play = make_handle<cournand_play>(std::make_shared<Play>(*session, std::move(settings)));
     });
 }
 

@@ -80,7 +80,7 @@ COURNAND_API cournand_status cournand_play_advance(cournand_play *play, uint32_t
 typedef struct cournand_play_state {
     uint32_t struct_bytes;
     uint32_t tick;
-    uint32_t is_over;     /* 1: the script has ended, and the report is ready */
+    uint32_t is_over;     /* 1: the script has ended, or an error has stopped it */
     uint32_t is_at_pulse; /* 1: the last call stopped at a pulse (COURNAND_PLAY_TO_PULSE) */
     uint32_t pulses;      /* of the X-ray room, up to now */
     uint32_t is_beam_on;

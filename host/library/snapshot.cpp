@@ -94,11 +94,16 @@ std::uint64_t snapshot_check(std::span<const std::uint8_t> snapshot)
 // measure it.
 std::size_t World::snapshot_bytes()
 {
+    require_may_be_saved();
+    return fixed_bytes() + saved_patient().size();
+}
+
+void World::require_may_be_saved() const
+{
     if (!may_be_saved_)
         throw Refused(COURNAND_BAD_STATE,
                       "the script is between two of its decisions: save the world at a tick "
                       "that is a multiple of 16, at a pulse, or at the end");
-    return fixed_bytes() + saved_patient().size();
 }
 
 std::span<const std::uint8_t> World::saved_patient()
@@ -147,6 +152,7 @@ void World::with_patient(std::span<const std::uint8_t> bytes, std::uint32_t tick
 
 void World::save(std::span<std::uint8_t> bytes)
 {
+    require_may_be_saved();
     if (!orders_.is_empty())
         throw Refused(COURNAND_BAD_STATE, "an order waits for the next tick: advance the world first");
     const std::span<const std::uint8_t> patient = saved_patient();

@@ -105,7 +105,8 @@ class World
     const std::vector<RadiopaqueInstrument> &looks_on_line();
 
   private:
-    friend class LedWorld; // of a play
+    friend class LedWorld;             // of a play
+    void require_may_be_saved() const; // throws Refused between two decisions of a script
     // Fills in the input of a tick; the number of the tick counts from 0 in each call of the library.
     using Fill = std::function<void(std::uint32_t, crn_wire_tick_input &)>;
     struct Source {

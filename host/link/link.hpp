@@ -108,7 +108,9 @@ class Link
     const crn_wire_node_table &node_table() const { return node_table_; } // read by arm()
     const crn_wire_contacts &read_contacts(); // forces with which the wall holds the line now
     Hash64 read_hash64();
-    std::optional<Hash64> last_hash64() const { return hash64_; } // last one received, every 100 ticks
+    // Last one that came without a request, which the device sends every 100 ticks.
+    static constexpr std::uint32_t hash64_every_ticks = 100;
+    std::optional<Hash64> last_hash64() const { return hash64_; }
     crn_wire_status read_status();
     crn_wire_fault_log read_fault_log();
     crn_wire_rig read_rig();         // the active configuration

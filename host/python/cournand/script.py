@@ -13,6 +13,7 @@ from .scene import Scene, Tool
 from .world import TICKS_PER_S, Place, Reading, World
 from .xray import Picture, View, XRay
 
+_TICKS_MAX = 600_000
 _CALL_TICKS = 1000  # of one call of the library, so that Ctrl-C ends a long play
 
 
@@ -61,6 +62,8 @@ class Play:
         named: Sequence[Tool | str] = tools or needed_tools
         self.tools: tuple[Tool, ...] = tuple(one if isinstance(one, Tool) else Tool(one) for one in named)
         paths = [find("stents", ".toml", stent) for stent in stents or needed_stents]
+        if not self.tools:
+            raise ValueError("%s names no tool. Remedy: add `needs tools NAME`, or give `tools`" % os.fspath(script))
         cores = [tool._core for tool in self.tools]
         file = "" if record is None else os.fspath(record)
         self._core = _core.Play(self._script, self.scene._core, cores, paths, file)
@@ -83,17 +86,17 @@ class Play:
         calls stop change nothing in the session."""
         if (ticks is None) == (seconds is None):
             raise TypeError("advance() needs either `ticks` or `seconds`")
-        self._core.advance(ticks if ticks is not None else round(float(seconds or 0.0) * TICKS_PER_S), False)
+        self._core.advance(_checked(ticks if ticks is not None else round(float(seconds or 0.0) * TICKS_PER_S)), False)
 
     def moments(self, every_s: float) -> Iterator[Moment]:
         """Plays to the end of the script, and yields the state after each interval and at the end."""
-        ticks = round(every_s * TICKS_PER_S)
+        ticks = _checked(round(every_s * TICKS_PER_S))
         while not self.is_over:
             self._core.advance(ticks, False)
             yield self.now()
 
     def pulses(self) -> Iterator[Moment]:
-        """Plays to the end of the script, and yields the state at each pulse of the X-ray room."""
+        """Plays to the end of the script, and yields the state at each later pulse of the X-ray room."""
         while not self.is_over:
             self._core.advance(_CALL_TICKS, True)
             if self._core.read()[2]:
@@ -162,6 +165,13 @@ class Play:
 
     def __repr__(self) -> str:
         return "<cournand.Play of %s, tick %d%s>" % (self._script.describe()[0], self.tick, ", over" * self.is_over)
+
+
+def _checked(ticks: int) -> int:
+    """Returns a number of ticks that one call of the library accepts."""
+    if not 1 <= ticks <= _TICKS_MAX:
+        raise ValueError("%r ticks are not within 1 and %d (0.001 to 600 seconds)" % (ticks, _TICKS_MAX))
+    return ticks
 
 
 def play(script: str | os.PathLike[str], scene: Scene | str | None = None, **options: Any) -> dict[str, Any]:

@@ -169,6 +169,42 @@ def a_mistake_is_an_exception_with_its_place():
     )
 
 
+def a_refused_play_leaves_the_file_of_an_earlier_recording():
+    record = written("kept.rec", "an earlier recording")
+    script = written("vessel.session", "needs scene aorta\nneeds tool j_wire\nsteer into elbow\n")
+    refused = error_of(cournand.ScriptError, lambda: cournand.Play(script, record=record)) is not None
+    tools = [os.path.join(DATA, "instruments", "j_wire.toml")]
+    ended = run_code(script, tools, ["--record", record, "--scene", os.path.join(DATA, "scenes", "aorta.scene")])
+    return refused and ended == 1 and content(record) == b"an earlier recording"
+
+
+def run_code(script, tools, more):
+    words = [os.path.join(prepare.BUILD, "bin", "cournand"), "run", script, "--quiet", *more]
+    for tool in tools:
+        words += ["--tool", tool]
+    return subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode
+
+
+def a_recording_never_replaces_the_script():
+    script = written("mine.session", SESSION)
+    error = error_of(cournand.BadArgumentError, lambda: cournand.Play(script, record=script))
+    print("# %s" % error)
+    return error is not None and content(script) == SESSION.encode("ascii")
+
+
+def reading_the_hash_changes_no_recording():
+    files = []
+    for is_read in (False, True):
+        path = os.path.join(FOLDER.name, "hash%d.rec" % is_read)
+        play = cournand.Play(written("h.session", SESSION), record=path)
+        while not play.is_over:
+            play.advance(ticks=35)
+            if is_read:
+                play.world.hash()
+        files.append(content(path))
+    return files[0] == files[1] and len(files[0]) > 1000
+
+
 def only_the_script_moves_its_world():
     play = cournand.Play(written("b.session", SESSION))
     play.advance(seconds=0.16)
@@ -181,7 +217,7 @@ def only_the_script_moves_its_world():
     ]
     refused = all(error_of(cournand.BadStateError, call) is not None for call in calls)
     wrong = all(
-        error_of(Exception, call) is not None
+        error_of((TypeError, ValueError), call) is not None
         for call in (
             lambda: play.advance(),
             lambda: play.advance(ticks=0),
@@ -221,6 +257,9 @@ tap.run(
         pulses_pictures_and_a_branch_change_nothing,
         a_broken_expectation_is_a_result,
         a_mistake_is_an_exception_with_its_place,
+        a_refused_play_leaves_the_file_of_an_earlier_recording,
+        a_recording_never_replaces_the_script,
+        reading_the_hash_changes_no_recording,
         only_the_script_moves_its_world,
         a_long_call_releases_the_lock_and_refuses_a_second_thread,
     ]

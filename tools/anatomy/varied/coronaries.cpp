@@ -126,7 +126,7 @@ class Drawing
     /* Draws a diameter. Large hearts have large arteries: 0.6 of a deviation is common to all arteries. */
     double diameter_mm(const Calibre &calibre)
     {
-        const double z = 0.6 * size_ + 0.8 * chance_.normal(0, 1);
+        const double z = std::clamp(0.6 * size_ + 0.8 * chance_.normal(0, 1), -2.0, 2.0);
         return std::max(LEAST_MM, calibre.mean_mm + calibre.deviation_mm * z);
     }
 

@@ -32,7 +32,8 @@ def scenes_of(challenge: Challenge, folder: str | os.PathLike[str], split: str =
         return tuple(challenge.scene(folder, seed) for seed in challenge.anatomies(split))
     prefix = challenge.kind + "-"
     names = [path.stem.removeprefix(prefix) for path in Path(folder).glob(prefix + "*.scene")]
-    seeds = sorted(int(name) for name in names if name.isdecimal() and int(name) % 2 == SPLITS.index(split))
+    own = [int(name) for name in names if name.isdecimal() and str(int(name)) == name]
+    seeds = sorted(seed for seed in own if seed % 2 == SPLITS.index(split))
     if not seeds:
         command = "python -m cournand.anatomies --task %s --split %s --episodes %d --out %s"
         raise BadFileError(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import zipfile
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,18 @@ FORMAT = "cournand network 1"
 SEEN_MAX = 10.0
 """Limit of the normalised features."""
 TIP_FEATURES = 7
+UNREADABLE = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    AttributeError,
+    EOFError,
+    OverflowError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What NumPy raises for a file that is no policy, or a damaged one."""
 _Floats = npt.NDArray[np.float32]
 
 
@@ -140,7 +153,7 @@ class Network:
         try:
             with np.load(path, allow_pickle=False) as file:
                 return "layers" in file.files
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile, AttributeError):
+        except UNREADABLE:
             return False
 
     @classmethod
@@ -158,7 +171,7 @@ class Network:
                 mean, scale = file["mean"].astype(np.float32), file["scale"].astype(np.float32)
                 lags = [int(one) for one in file["lags"]]
                 task, version = str(file["task"]), int(file["version"])
-        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        except UNREADABLE as error:
             raise BadFileError("%s holds no network (%s). Remedy: train it again" % (path, error)) from error
         made = cls(layers, mean, scale, lags, task, version)
         fault = made._fault()

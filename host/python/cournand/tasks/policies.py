@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import importlib
 import os
-import zipfile
 from collections.abc import Callable
 from typing import Any
 
@@ -19,7 +18,7 @@ import numpy.typing as npt
 from ..errors import BadFileError
 from .catalogue import Challenge, EpisodeSeed
 from .expert import Expert
-from .network import Network
+from .network import UNREADABLE, Network
 
 Policy = Callable[[npt.NDArray[np.float32], dict[str, Any]], Any]
 PolicyMaker = Callable[[Challenge, EpisodeSeed], Policy]
@@ -103,7 +102,7 @@ class Linear:
                     raise ValueError("format %d" % int(file["format"]))
                 weights, mean, scale = (file[name].astype(np.float64) for name in ("weights", "mean", "scale"))
                 task, version = str(file["task"]), int(file["version"])
-        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        except UNREADABLE as error:
             raise BadFileError(
                 "%s is not a policy of `python -m cournand.train` (%s). Remedy: train it again" % (path, error)
             ) from error

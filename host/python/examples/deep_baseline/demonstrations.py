@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import torch
-from cournand.tasks import Challenge, EpisodeSeed, Expert, Player, Policy
+from cournand.tasks import Challenge, EpisodeSeed, Player, Policy
 from cournand.tasks.network import Memory, features
+from cournand.tasks.policies import POLICIES
 from stable_baselines3.common.vec_env import VecNormalize
 
 from .worlds import LAGS
@@ -27,7 +28,7 @@ class _Recorder:
         self.moments: dict[EpisodeSeed, list[tuple[_Floats, _Floats]]] = {}
 
     def make(self, challenge: Challenge, episode: EpisodeSeed) -> Policy:
-        expert, noted = Expert(len(challenge.task.tools)), self.moments.setdefault(episode, [])
+        expert, noted = POLICIES["expert"](challenge, episode), self.moments.setdefault(episode, [])
 
         def policy(observation: _Floats, info: dict[str, Any]) -> _Floats:
             action = expert(observation, info)
