@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 build=${BUILD:-build} out=${1:-out/deep} scenes=$out/anatomies
-tasks=${TASKS:-iliac subclavian brachiocephalic left_carotid shipped_arch arch_variety two_devices}
+tasks=${TASKS:-iliac subclavian brachiocephalic left_carotid shipped_arch coronary arch_variety two_devices}
 python3 host/python/tests/prepare.py >/dev/null
 python=$(PYTHONPATH=host/python/tests /usr/bin/python3 -c 'import prepare; print(prepare.deep())')
 export PYTHONPATH=$build/python/site:host/python/examples OMP_NUM_THREADS=1
@@ -21,13 +21,14 @@ words() {
     shipped_arch) echo "--steps 25000 --demonstrations 30" ;;
     brachiocephalic) echo "--steps 40000 --demonstrations 30" ;;
     left_carotid) echo "--steps 20000 --from $out/brachiocephalic_1.npz" ;;
+    coronary) echo "--steps 8000 --demonstrations 24 --worlds 8" ;;
     arch_variety) echo "--steps 8000 --scenes 3 --from $out/shipped_arch_1.npz" ;;
     two_devices) echo "--steps 15000 --push 0.6" ;;
     esac
 }
 episodes() {
     case $1 in
-    iliac | subclavian | shipped_arch) echo 20 ;;
+    iliac | subclavian | shipped_arch | coronary) echo 20 ;;
     *) echo 10 ;;
     esac
 }
