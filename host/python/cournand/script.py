@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from . import _core
 from .data import find
+from .errors import BadArgumentError
 from .scene import Scene, Tool
 from .world import TICKS_PER_S, Place, Reading, World
 from .xray import Picture, View, XRay
@@ -170,7 +171,7 @@ class Play:
 def _checked(ticks: int) -> int:
     """Returns a number of ticks that one call of the library accepts."""
     if not 1 <= ticks <= _TICKS_MAX:
-        raise ValueError("%r ticks are not within 1 and %d (0.001 to 600 seconds)" % (ticks, _TICKS_MAX))
+        raise BadArgumentError("%r ticks are not within 1 and %d (0.001 to 600 seconds)" % (ticks, _TICKS_MAX))
     return ticks
 
 
