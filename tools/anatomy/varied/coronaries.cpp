@@ -69,7 +69,8 @@ class Drawing
 
     DrawnCoronaries make()
     {
-        drawn_.draft = read_vessel_draft(shipped_vessel_file("aorta.toml"));
+        static const TreeDraft aorta = read_vessel_draft(shipped_vessel_file("aorta.toml"));
+        drawn_.draft = aorta;
         drawn_.draft.coronary_fillet_mm = CORONARY_FILLET_MM;
         left_main();
         anterior_descending();
@@ -193,7 +194,7 @@ class Drawing
         one.marks.back().diameter_mm = 0.65 * width_mm;
         HeartMark &named = one.marks[1];
         named.diameter_mm = 0.93 * width_mm;
-        named.name = name == "RI" ? "ramus" : name;
+        named.name = name;
         named.source = "drawn about " + crn::formatted("%.1f", calibre.mean_mm) + " mm";
         wind(one.marks, 0, chance_.uniform(0, 3));
         add(std::move(one));
@@ -201,11 +202,10 @@ class Drawing
 
     void left_main()
     {
-        const std::vector<Station> shipped = {
-            {Vec3(6, 151, 18), 1.07, "", ""},
-            {Vec3(17, 148, 14.5), 1.02, "", ""},
-            {Vec3(24, 143.5, 13.5), 1, "left main", "drawn about Dodge 1992"},
-            {Vec3(29, 138.5, 14.5), 0.93, "", ""}};
+        const std::vector<Station> shipped = {{Vec3(6, 151, 18), 1.07, "", ""},
+                                              {Vec3(17, 148, 14.5), 1.02, "", ""},
+                                              {Vec3(24, 143.5, 13.5), 1, "", ""},
+                                              {Vec3(29, 138.5, 14.5), 0.93, "", ""}};
         const double width_mm = diameter_mm(LEFT_MAIN), longer_mm = chance_.uniform(-6, 4);
         CoronaryArtery one = {"LM", "aorta", Bed::left_coronary, shipped, {}, 0};
         const Vec3 along = (shipped[3].position_mm - shipped[2].position_mm).normalized();

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import torch
 from cournand.tasks import Challenge
+from cournand.tasks.environments import scenes_of as scenes_of_split
 from cournand.tasks.network import SEEN_MAX, Network
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
@@ -68,12 +69,10 @@ class Course:
 
 def scenes_of(challenge: Challenge, anatomies: str | os.PathLike[str], most: int) -> list[str]:
     """Returns the scenes of the training anatomies. Raises BadFileError with the remedy if one does not exist."""
-    if not challenge.is_drawn:
-        return [challenge.task.scene]
-    seeds = challenge.anatomies("train", most)
-    episodes = challenge.episodes("train", most) if challenge.is_always_new else challenge.episodes("train", 64)
-    challenge.need_scenes(anatomies, episodes)
-    return [challenge.scene(anatomies, seed) for seed in seeds]
+    if not challenge.is_always_new:
+        return list(scenes_of_split(challenge, anatomies, "train")) or [challenge.task.scene]
+    challenge.need_scenes(anatomies, challenge.episodes("train", most))
+    return [challenge.scene(anatomies, seed) for seed in challenge.anatomies("train", most)]
 
 
 class _Curve(BaseCallback):
