@@ -201,9 +201,6 @@ int command_run(const RunOptions &given)
     std::optional<SessionAssessor> assessor;
     FrameSink *shown = watched.with(pictures.get(), patient.get());
     if (!options.plan.plan.empty()) assessor.emplace(options.plan, *patient, tools, tips, shown);
-    // Refuses vessels and tools that the script names and that do not exist, before the recording's file is
-    // made.
-    SessionPlayer(session, device.positions(), &tips.map());
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty())
         recorder = std::make_unique<Recorder>(options.record,

@@ -123,9 +123,6 @@ Play::Play(const Session &session, PlaySettings settings)
     : session_(session), world_(world_of(session_, settings)), device_(world_)
 {
     check_injections(session_, world_->patient()->contrast());
-    // Refuses vessels and tools that the script names and that do not exist, before the recording's file is
-    // made.
-    SessionPlayer(session_, device_.positions(), &world_->scene().tips().map());
     if (!settings.record.empty())
         recorder_ = with_files([&] {
             return std::make_unique<Recorder>(settings.record, device_.recording_header(session_.file));

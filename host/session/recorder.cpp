@@ -117,9 +117,15 @@ Recorder::Recorder(const std::string &path, const RecordingHeader &header) : pat
 }
 
 // A destructor may not throw. If the remaining ticks cannot be written, they are lost, and a reader
-// recognises that the recording was cut off.
+// recognises that the recording was cut off. A recording in which no tick has begun is discarded, because it
+// would replace an earlier file by nothing.
 Recorder::~Recorder()
 {
+    if (tick_ == 0 && !has_name_) {
+        file_.reset();
+        discard_pending(pending_file_);
+        return;
+    }
     try {
         if (file_) flush_ticks();
         give_name();
