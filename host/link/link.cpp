@@ -369,11 +369,8 @@ const crn_wire_contacts &Link::read_contacts()
 
 Hash64 Link::read_hash64()
 {
-    const std::optional<Hash64> last = hash64_;
     get(CRN_WIRE_GET_HASH64, CRN_WIRE_TYPE_hash64);
-    const Hash64 requested = *hash64_;
-    if (requested.tick % hash64_every_ticks != 0) hash64_ = last; // recordings keep those without a request
-    return requested;
+    return received_hash64_;
 }
 
 crn_wire_status Link::read_status()

@@ -108,7 +108,7 @@ class Link
     const crn_wire_node_table &node_table() const { return node_table_; } // read by arm()
     const crn_wire_contacts &read_contacts(); // forces with which the wall holds the line now
     Hash64 read_hash64();
-    // Last one that came without a request, which the device sends every 100 ticks.
+    // Last one of those that the device sends every 100 ticks without a request.
     static constexpr std::uint32_t hash64_every_ticks = 100;
     std::optional<Hash64> last_hash64() const { return hash64_; }
     crn_wire_status read_status();
@@ -181,6 +181,7 @@ class Link
     crn_wire_contacts contacts_{};
     crn_wire_fault_log fault_log_{};
     std::optional<Hash64> hash64_;
+    Hash64 received_hash64_; // last one, requested or not
     crn_wire_snapshot_begin snapshot_begin_{};
     std::vector<std::uint8_t> snapshot_;
 };

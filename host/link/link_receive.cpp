@@ -116,7 +116,8 @@ void Link::file_frame()
     case CRN_WIRE_TYPE_hash64: {
         crn_wire_hash64 hash;
         if (!crn_wire_decode_hash64(payload, length, &hash)) broken("hash64");
-        hash64_ = Hash64{hash.tick, hash.hash};
+        received_hash64_ = {hash.tick, hash.hash};
+        if (hash.tick % hash64_every_ticks == 0) hash64_ = received_hash64_;
         break;
     }
     case CRN_WIRE_TYPE_reject: {

@@ -63,15 +63,18 @@ def content(path):
 def run_of_the_program(script, tools, scene=None, stents=(), more=()):
     """Plays a script with `cournand run`, and returns the bytes of report and recording, and the exit code."""
     report, record = script + ".json", script + ".run.rec"
-    words = [os.path.join(prepare.BUILD, "bin", "cournand"), "run", script, "--quiet", "--json", report]
-    words += ["--record", record, *more]
+    code = exit_code_of_the_program(script, tools, record, scene, stents, ["--json", report, *more])
+    return content(report), content(record), code
+
+
+def exit_code_of_the_program(script, tools, record, scene=None, stents=(), more=()):
+    words = [os.path.join(prepare.BUILD, "bin", "cournand"), "run", script, "--quiet", "--record", record, *more]
     words += ["--scene", os.path.join(DATA, "scenes", scene + ".scene")] if scene else []
     for tool in tools:
         words += ["--tool", tool if os.sep in tool else os.path.join(DATA, "instruments", tool + ".toml")]
     for stent in stents:
         words += ["--stent", os.path.join(DATA, "stents", stent + ".toml")]
-    code = subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode
-    return content(report), content(record), code
+    return subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode
 
 
 def is_equal_to_run(name, text, tools, scene=None, stents=(), hands="", given=()):
@@ -173,16 +176,8 @@ def a_refused_play_leaves_the_file_of_an_earlier_recording():
     record = written("kept.rec", "an earlier recording")
     script = written("vessel.session", "needs scene aorta\nneeds tool j_wire\nsteer into elbow\n")
     refused = error_of(cournand.ScriptError, lambda: cournand.Play(script, record=record)) is not None
-    tools = [os.path.join(DATA, "instruments", "j_wire.toml")]
-    ended = run_code(script, tools, ["--record", record, "--scene", os.path.join(DATA, "scenes", "aorta.scene")])
+    ended = exit_code_of_the_program(script, ["j_wire"], record, "aorta")
     return refused and ended == 1 and content(record) == b"an earlier recording"
-
-
-def run_code(script, tools, more):
-    words = [os.path.join(prepare.BUILD, "bin", "cournand"), "run", script, "--quiet", *more]
-    for tool in tools:
-        words += ["--tool", tool]
-    return subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode
 
 
 def a_recording_never_replaces_the_script():

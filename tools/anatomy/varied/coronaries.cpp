@@ -441,9 +441,7 @@ DrawnCoronaries drawn_coronaries(std::uint64_t seed)
     for (unsigned number = 0; number < CORONARY_ATTEMPTS_MAX; ++number) {
         try {
             DrawnCoronaries drawn = Drawing(seed, number).make();
-            std::vector<Vessel> vessels;
-            for (const GivenVessel &given : drawn.draft.vessels) vessels.push_back(given.vessel);
-            if (broken_coronary_rule(vessels).empty()) return drawn;
+            if (broken_coronary_rule(tree_of(drawn.draft, "heart.toml").vessels).empty()) return drawn;
         } catch (const std::domain_error &) { // a course left the heart
         }
     }

@@ -70,18 +70,6 @@ double apart_mm(const Vessel &one, const Curve &curve, const Vessel &other, cons
     return least_mm;
 }
 
-/* Coronary arteries descend from an artery with a bed of the heart. */
-bool is_coronary(const std::vector<Vessel> &vessels, size_t index)
-{
-    while (vessels[index].bed == Bed::body && !vessels[index].parent.empty()) {
-        size_t parent = 0;
-        while (parent < vessels.size() && vessels[parent].name != vessels[index].parent) ++parent;
-        if (parent == vessels.size()) return false;
-        index = parent;
-    }
-    return vessels[index].bed != Bed::body;
-}
-
 } // namespace
 
 double bone_distance_mm(const Vec3 &point)
@@ -111,7 +99,7 @@ std::string broken_coronary_rule(const std::vector<Vessel> &vessels)
     std::vector<Curve> curves;
     for (const Vessel &vessel : vessels) curves.push_back(vessel_curve(vessel, STEP_MM));
     for (size_t i = 0; i < vessels.size(); ++i) {
-        if (!is_coronary(vessels, i)) continue;
+        if (vessels[i].bed == Bed::body) continue;
         const char *name = vessels[i].name.c_str();
         const double bend = bend_radii(curves[i]);
         if (bend < BEND_RADII) return crn::formatted("%s: a bend of %.1f radii", name, bend);
