@@ -12,8 +12,8 @@
 #include "host/cli/parse.hpp"
 #include "tools/anatomy/borrowed_beat.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
-#include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/anatomy/program/making.hpp"
 #include "tools/anatomy/varied/coronaries.hpp"
 #include "tools/anatomy/varied/variety.hpp"
 #include "tools/anatomy/vessel_file.hpp"
@@ -30,129 +30,6 @@ namespace
 {
 
 using namespace anatomy;
-
-struct Options {
-    std::filesystem::path folder;
-    Fineness fineness;
-    bool bodies = true, quiet = false, heart_only = false;
-    std::string vessels;               // the user's file; "": the one that ships
-    std::optional<std::uint64_t> seed; // draws other arteries (docs/vessels.md)
-    std::vector<std::string> lesions;  // as given on the command line
-};
-
-/* Reads the vessels for the command `anatomy KIND`. Throws std::invalid_argument when the user's file lacks
- * vessels that the command needs. */
-VesselTree vessels_for(const std::string &kind, const Options &options)
-{
-    if (options.vessels.empty()) return shipped_vessels(kind);
-    VesselTree tree = read_vessels(options.vessels);
-    const auto refuse = [&](const std::string &what) {
-        throw std::invalid_argument(options.vessels + ": " + what);
-    };
-    if ((kind == "aorta" || kind == "heart") && !tree.is_in_patient)
-        refuse("is in the frame of a phantom: use `anatomy phantom` or `anatomy access`, or give it frame = "
-               "\"patient\"");
-    if (kind != "heart" && tree.coronary_count > 0)
-        refuse("has coronary arteries, which beat: use `anatomy heart`");
-    if (kind == "heart")
-        for (const Bed bed : {Bed::left_coronary, Bed::right_coronary})
-            if (std::none_of(tree.vessels.begin(), tree.vessels.end(),
-                             [bed](const Vessel &vessel) { return vessel.bed == bed; }))
-                refuse(bed == Bed::left_coronary
-                           ? "has no [[coronary]] of the left side, which `anatomy heart` needs"
-                           : "has no [[coronary]] of the right side, which `anatomy heart` needs");
-    tree.made_by = kind + " --vessels " + crn::printable(options.vessels);
-    return tree;
-}
-
-void make_folder(const Options &options)
-{
-    crn::check_output_folder({"--output", options.folder.string()});
-    std::error_code failure;
-    std::filesystem::create_directories(options.folder, failure);
-    if (failure)
-        throw std::runtime_error(options.folder.string() +
-                                 ": the folder cannot be made: " + failure.message());
-}
-
-/* Makes one mesh, reports the mesh on standard error, and writes it to a file. */
-Mesh make_mesh(const Options &options, const std::string &name, const MeshRequest &request)
-{
-    const auto start = std::chrono::steady_clock::now();
-    Mesh mesh;
-    try {
-        mesh = mesh_of(request);
-    } catch (const std::exception &error) {
-        throw std::runtime_error(name + ": " + error.what() + "; try a finer --bodies-mm or --lumen-mm");
-    }
-    write_ply(options.folder / (file_stem(name) + ".ply"), mesh,
-              "Cournand anatomy, " + name + ", millimetres");
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-    if (!options.quiet && crn::shows_progress())
-        std::fprintf(stderr, "  %-20s %7zu triangles  %8.1f cm3  %5.1f s\n", name.c_str(),
-                     mesh.triangles.size(), mesh_volume_mm3(mesh) * 1e-3, passed.count());
-    return mesh;
-}
-
-/* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes the
- * text of the lesions before the meshes, so that a mistake on the command line is reported at once and not
- * after minutes. The calcium of a lesion is a part of the body that contains the vessels. */
-std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
-{
-    std::vector<Lesion> lesions;
-    for (const std::string &wish : options.lesions) lesions.push_back(lesion_from(wish));
-    std::string inside;
-    for (const Body &body : bodies)
-        if (body.name == "flesh" || body.name == "wall") inside = body.name;
-    return lesions_text(lesions, tree, inside);
-}
-
-/* If a sphere of the lumen is narrower than the diagonal of a grid cell, it may contain no grid point. The
- * mesh of the lumen would have a gap at a sphere without grid points. */
-void check_grid(const VesselTree &tree, double voxel_mm)
-{
-    const double narrowest_mm = std::sqrt(3.0) * voxel_mm;
-    for (const Vessel &vessel : tree.vessels)
-        for (const Station &station : vessel.stations) {
-            if (station.diameter_mm >= narrowest_mm) continue;
-            const double grid_mm = std::floor(100.0 * station.diameter_mm / std::sqrt(3.0)) / 100.0;
-            throw std::invalid_argument(
-                "'" + vessel.name + "' is " + crn::number_text(station.diameter_mm, 3) +
-                " mm wide, too narrow for a grid of " + crn::number_text(voxel_mm, 3) +
-                " mm: give --lumen-mm " + crn::decimals_text(grid_mm, 2));
-        }
-}
-
-/* Makes and writes the meshes, the centrelines and the scene's text. The callback `keep` receives the meshes
- * of the lumen and of every body. */
-void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
-                const std::function<void(const std::string &, const Mesh &)> &keep)
-{
-    const std::string lesions = lesions_of(options, tree, bodies);
-    const MeshRequest lumen_wanted = lumen_request(tree, options.fineness);
-    check_grid(tree, lumen_wanted.voxel_mm);
-    make_folder(options);
-    const Mesh blood = make_mesh(options, "lumen", lumen_wanted);
-    const size_t lumen = blood.triangles.size();
-    keep("lumen", blood);
-    for (const Vessel &vessel : tree.vessels)
-        write_centreline(options.folder / (file_stem(vessel.name) + ".mrk.json"), vessel);
-    size_t total = 0;
-    for (const Body &body : bodies) {
-        const Mesh mesh = make_mesh(options, body.name, body.request);
-        total += mesh.triangles.size();
-        keep(body.name, mesh);
-    }
-    write_scene(options.folder / "scene.toml", tree, bodies, lesions);
-    std::printf("%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines\n",
-                (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total,
-                tree.vessels.size());
-}
-
-std::vector<Body> no_bodies(const VesselTree &, const Fineness &)
-{
-    return {};
-}
 
 int make(const Options &options, const char *kind,
          std::vector<Body> (*bodies_of)(const VesselTree &, const Fineness &))
@@ -253,7 +130,7 @@ int make_heart(const Options &options)
     else
         make_scene(options, tree, is_whole ? bodies : std::vector<Body>{}, keep);
     if (!is_whole)
-        for (const Body &body : bodies) keep(body.name, make_mesh(options, body.name, body.request));
+        make_bodies(options, bodies, keep);
     write_sequence(options.folder / "beat", sequence);
     HeartFigures figures = heart_figures(sequence);
     figures.least_volume_factor = beat.least_volume_factor();
@@ -407,6 +284,11 @@ void add_making_options(CLI::App &command, Options &options)
             "A stenosis, BRANCH:PERCENT:LENGTH_MM:AT_MM[:ECCENTRICITY[:PLAQUE_DEG[:CALCIFIED_DEG]]], by "
             "diameter, its middle AT_MM behind the ostium; may be given often")
         ->take_all();
+    command
+        .add_option("--threads", options.threads,
+                    "Bodies that are meshed at the same time; the files do not depend on it")
+        ->check(CLI::Range(1u, 64u))
+        ->capture_default_str();
     command.add_flag("--quiet", options.quiet, "No progress lines on the terminal");
 }
 
