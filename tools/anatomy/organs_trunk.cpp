@@ -1,4 +1,4 @@
-/* Makes the shape of the skin and of the fat under the skin. */
+/* Makes the shape of the skin, of the fat under the skin, and of breasts. All figures are assumed. */
 #include "tools/anatomy/organs.hpp"
 #include <algorithm>
 #include <cmath>
@@ -38,37 +38,123 @@ double trunk_distance(const Vec3 &p)
     const double b = 0.5 * (z_front - z_back), z = p.z() - 0.5 * (z_front + z_back);
     // The cross-section of the trunk is a superellipse, because a trunk is closer to a rectangle than an
     // ellipse is.
-    constexpr double POWER = 2.5;
-    const double u = std::abs(p.x()) / a, w = std::abs(z) / b;
-    const double level = std::pow(std::pow(u, POWER) + std::pow(w, POWER), 1.0 / POWER);
+    // Its power is 2.5, which square roots give faster than pow() does.
+    const double u = std::abs(p.x()) / a, w = std::abs(z) / b, root_u = std::sqrt(u), root_w = std::sqrt(w);
+    const double level = std::pow(u * u * root_u + w * w * root_w, 0.4);
     if (level < 1e-6) return -std::min(a, b);
-    const double scale = std::pow(level, 1.0 - POWER);
-    const double slope =
-        std::hypot(scale * std::pow(u, POWER - 1.0) / a, scale * std::pow(w, POWER - 1.0) / b);
+    const double scale = 1.0 / (level * std::sqrt(level));
+    const double slope = scale * std::sqrt(std::pow(u * root_u / a, 2) + std::pow(w * root_w / b, 2));
     return (level - 1.0) / slope;
+}
+
+/* Where fat lies under the skin of the shipped man, at the chest 5 mm and at the belly and hips 14 mm; 2.5 mm at
+ * neck, head and arms. A woman's hips and thighs have more. */
+double fat_under_skin_mm(const SoftShape &shape, const Vec3 &p)
+{
+    constexpr double CHEST_FAT_MM = 5.0, BELLY_FAT_MM = 14.0, HEAD_FAT_MM = 2.5, HIPS_MM = 5.0;
+    double fat = CHEST_FAT_MM + smooth_step(-110.0, 30.0, -p.y()) * (BELLY_FAT_MM - CHEST_FAT_MM);
+    fat -= smooth_step(290.0, 360.0, p.y()) * (CHEST_FAT_MM - HEAD_FAT_MM);
+    if (shape.sex == Sex::woman) fat += HIPS_MM * smooth_step(120.0, 230.0, -p.y());
+    return fat;
+}
+
+/* Fat that a person has more or less than the shipped man lies in front and at the sides rather than at the back. */
+double extra_fat_mm(const SoftShape &shape, const Vec3 &p)
+{
+    if (shape.fat == 1.0) return 0.0;
+    const double share = 0.6 + 0.4 * smooth_step(-110.0, 30.0, p.z());
+    return (shape.fat - 1.0) * share * fat_under_skin_mm(shape, p);
+}
+
+/* The breasts of a person who lies on the back are flat and lean outwards. */
+Part breasts(double radius_mm)
+{
+    Part part(8.0);
+    for (double s : {-1.0, 1.0})
+        part.add<Ellipsoid>(side(s, 82, 128, 88), Vec3(1.02, 1.05, 0.62) * radius_mm,
+                            Eigen::AngleAxisd(s * 0.35, Vec3::UnitY()).toRotationMatrix());
+    return part;
+}
+
+/* Neck, head, and raised arms that bend at the elbow over the head. They follow the bones (skeleton_head.cpp). */
+Part upper_parts()
+{
+    Part part(22.0);
+    part.rod({{0, 300, -30}, {0, 350, -28}, {0, 395, -24}, {0, 440, -24}}, {60, 58, 58, 60});
+    part.add<Ellipsoid>(Vec3(0, 489, -20), Vec3(78, 78, 99));
+    part.add<Ellipsoid>(Vec3(0, 432, 34), Vec3(66, 68, 58));
+    part.add<Ellipsoid>(Vec3(0, 384, 52), Vec3(42, 32, 36));
+    part.rod({{0, 448, 88}, {0, 426, 104}}, {7, 10});
+    return part;
+}
+
+Part arms()
+{
+    Part part(16.0);
+    for (double s : {-1.0, 1.0}) {
+        part.rod({side(s, 172, 240, -52), side(s, 206, 300, -42), side(s, 240, 390, -22), side(s, 275, 470, -2),
+                  side(s, 300, 532, 12)},
+                 {52, 48, 46, 41, 38});
+        part.rod({side(s, 300, 535, 12), side(s, 262, 596, 18), side(s, 205, 668, 26), side(s, 158, 724, 34)},
+                 {38, 42, 34, 27});
+        Tube &hand = part.add<Tube>(
+            sample_curve({side(s, 158, 724, 34), side(s, 130, 762, 38), side(s, 98, 800, 42)}, {30, 40, 30}, 6.0),
+            side(s, 0.75, 0.6, 0), 0.42);
+        hand.bounds.include(side(s, 130, 762, 38), 45.0);
+    }
+    return part;
+}
+
+/* Returns the distance to a part, or FAR_MM where the part is too far to matter for the skin's surface. */
+constexpr double FAR_MM = 1e3;
+
+double distance_near(const Part &part, const Vec3 &p)
+{
+    constexpr double MATTERS_MM = 110.0; // more than the blends and the largest reach of a block of the grid
+    return part.bounds.is_beyond(p, MATTERS_MM) ? FAR_MM : part.distance(p);
 }
 
 } // namespace
 
-Solid skin()
+double belly_growth_mm(const SoftShape &shape, const Vec3 &p)
 {
-    constexpr double BOTTOM_MM = -430.0, SKIN_TOP_MM = 352.0, RIM_MM = 6.0, SHOULDER_BLEND_MM = 45.0;
+    if (shape.belly_mm == 0.0) return 0.0;
+    const double along = smooth_step(-130.0, -10.0, -p.y()) * smooth_step(-300.0, -190.0, p.y());
+    return shape.belly_mm * along * (0.25 + 0.75 * smooth_step(-90.0, 70.0, p.z()));
+}
+
+Solid breast_glands(const SoftShape &shape)
+{
+    Solid solid;
+    if (shape.breast_mm > 0.0) solid.add(breasts(0.8 * shape.breast_mm));
+    return solid;
+}
+
+Solid skin(const SoftShape &shape)
+{
+    constexpr double BOTTOM_MM = -430.0, RIM_MM = 6.0, SHOULDER_BLEND_MM = 45.0, NECK_BLEND_MM = 30.0,
+                     BREAST_BLEND_MM = 30.0;
     Part shoulders(30.0);
-    for (double s : {-1.0, 1.0}) {
-        shoulders.add<Ellipsoid>(side(s, 150, 232, -55), Vec3(60, 56, 58));
-        shoulders.rod({side(s, 172, 240, -52), side(s, 206, 300, -42), side(s, 226, 360, -30)}, {52, 47, 44});
-    }
+    for (double s : {-1.0, 1.0}) shoulders.add<Ellipsoid>(side(s, 150, 232, -55), Vec3(60, 56, 58));
+    const Part limbs = arms(), upper = upper_parts(), breast = breasts(shape.breast_mm);
+    const double more_mm = std::max(0.0, 22.0 * (shape.fat - 1.0)) + std::max(0.0, shape.belly_mm);
     Box where;
-    where.include(Vec3(-290, BOTTOM_MM, -160), 0.0);
-    where.include(Vec3(290, SKIN_TOP_MM, 130), 0.0);
+    where.include(Vec3(-345 - more_mm, BOTTOM_MM, -160 - more_mm), 0.0);
+    where.include(Vec3(345 + more_mm, 845, 150 + more_mm), 0.0);
     Part part(0.0);
     part.add<Formula>(
-        [shoulders](const Vec3 &p) {
-            double inside = smooth_min(trunk_distance(p), shoulders.distance(p), SHOULDER_BLEND_MM);
+        [=](const Vec3 &p) {
+            constexpr double NECK_MM = 330.0, NECK_RIM_MM = 20.0;
+            double inside = smooth_max(trunk_distance(p), p.y() - NECK_MM, NECK_RIM_MM);
+            if (const double limb = distance_near(limbs, p); limb < FAR_MM)
+                inside = smooth_min(inside, smooth_min(shoulders.distance(p), limb, 30.0), SHOULDER_BLEND_MM);
+            inside = smooth_min(inside, distance_near(upper, p), NECK_BLEND_MM);
+            inside -= extra_fat_mm(shape, p) + belly_growth_mm(shape, p);
+            if (shape.breast_mm > 0.0) inside = smooth_min(inside, distance_near(breast, p), BREAST_BLEND_MM);
             // The next two lines of code cut out the gap between the thighs.
             const double gap = std::hypot(p.x() * 1.6, std::max(0.0, p.y() + 400.0)) - 26.0;
             inside = smooth_max(inside, -gap, 20.0);
-            return smooth_max(inside, std::max(BOTTOM_MM - p.y(), p.y() - SKIN_TOP_MM), RIM_MM);
+            return smooth_max(inside, BOTTOM_MM - p.y(), RIM_MM);
         },
         where);
     Solid solid;
@@ -76,13 +162,19 @@ Solid skin()
     return solid;
 }
 
-double flesh_depth_mm(const Vec3 &p)
+double flesh_depth_mm(const SoftShape &shape, const Vec3 &p)
 {
-    // The fat under the skin is thin over the chest and thicker over the belly and hips.
-    constexpr double SKIN_MM = 2.0, CHEST_FAT_MM = 5.0, BELLY_FAT_MM = 14.0, FROM_MM = 110.0, TO_MM = -30.0;
-    const double share = std::clamp((FROM_MM - p.y()) / (FROM_MM - TO_MM), 0.0, 1.0);
-    const double smooth = share * share * (3.0 - 2.0 * share);
-    return SKIN_MM + CHEST_FAT_MM + smooth * (BELLY_FAT_MM - CHEST_FAT_MM);
+    // The flesh of all persons has the same outline, except for breasts and the belly's growth.
+    constexpr double SKIN_MM = 2.0;
+    double depth = SKIN_MM + fat_under_skin_mm(shape, p) + extra_fat_mm(shape, p);
+    if (shape.breast_mm > 0.0) {
+        // The whole breast lies in the fat, in front of the flesh.
+        static constexpr double BREAST_DEPTH = 0.9;
+        const Vec3 centre(p.x() < 0 ? -82 : 82, 128, 88);
+        const double off = (p - centre).norm() / shape.breast_mm;
+        depth += BREAST_DEPTH * 0.62 * shape.breast_mm * (1.0 - smooth_step(0.3, 1.5, off));
+    }
+    return depth;
 }
 
 } // namespace anatomy

@@ -14,6 +14,7 @@
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/output.hpp"
 #include "tools/anatomy/program/making.hpp"
+#include "tools/anatomy/program/person.hpp"
 #include "tools/anatomy/varied/coronaries.hpp"
 #include "tools/anatomy/varied/variety.hpp"
 #include "tools/anatomy/vessel_file.hpp"
@@ -30,6 +31,11 @@ namespace
 {
 
 using namespace anatomy;
+
+std::vector<Body> shipped_man(const VesselTree &tree, const Fineness &fineness)
+{
+    return patient_bodies(tree, fineness);
+}
 
 int make(const Options &options, const char *kind,
          std::vector<Body> (*bodies_of)(const VesselTree &, const Fineness &))
@@ -79,71 +85,18 @@ int draw(const DrawOptions &options)
     return 0;
 }
 
-void print_figures(const HeartFigures &f)
-{
-    const auto ml = [&](const std::vector<double> &volumes) {
-        const auto [least, most] = std::minmax_element(volumes.begin(), volumes.end());
-        return std::pair(*most, *least);
-    };
-    const auto [left_most, left_least] = ml(f.left_ml);
-    const auto [right_most, right_least] = ml(f.right_ml);
-    std::printf("left ventricle   %5.1f ml to %5.1f ml in frame %d: ejection fraction %.1f %%\n", left_most,
-                left_least, f.systole_frame, 100.0 * f.left_ejection);
-    std::printf("right ventricle  %5.1f ml to %5.1f ml: ejection fraction %.1f %%\n", right_most, right_least,
-                100.0 * f.right_ejection);
-    std::printf("base             descends %.1f mm, turns %+.1f deg as seen from the apex\n",
-                f.base_descent_mm, f.base_turn_deg);
-    std::printf("apex             turns %+.1f deg: twist %.1f deg\n", f.apex_turn_deg, f.twist_deg);
-    std::printf("inner wall       %.0f %% of its motion is towards one centre, which wanders %.0f mm\n",
-                100.0 * f.radial_share, f.centre_path_mm);
-    std::printf("map              shrinks a volume to %.2f at most: nothing folds over\n",
-                f.least_volume_factor);
-    for (const VesselFigures &vessel : f.vessels)
-        std::printf(
-            "%-16s %5.1f mm long, moves %4.1f mm, rests %3.0f ms after systole and %3.0f ms in diastole\n",
-            vessel.name.c_str(), vessel.length_mm, vessel.excursion_mm, vessel.systole_rest_ms,
-            vessel.diastole_rest_ms);
-}
-
-/* Makes the scene with the heart at the end of diastole, and writes the heart's moving bodies in 24
- * frames. */
 int make_heart(const Options &options)
 {
     std::optional<DrawnCoronaries> drawn;
     if (options.seed) drawn = drawn_coronaries(*options.seed);
     VesselTree tree = drawn ? tree_of(drawn->draft, "heart.toml") : vessels_for("heart", options);
     if (drawn) tree.made_by = crn::formatted("heart --seed %s", std::to_string(drawn->seed).c_str());
-    std::vector<Body> bodies = patient_bodies(tree, options.fineness);
-    const bool is_whole = options.bodies && !options.heart_only;
-    if (!is_whole) // the figures need the chambers
-        std::erase_if(bodies, [](const Body &body) { return !is_of_heart(body.name); });
-    const HeartBeat beat(tree.vessels.front());
-    HeartSequence sequence;
-    for (const Vessel &vessel : coronary_arteries(tree))
-        sequence.vessels.push_back(moving_vessel(vessel, beat));
-    const auto keep = [&](const std::string &name, const Mesh &mesh) {
-        if (moves_with_heart(name)) sequence.bodies.push_back(moving_body(name, mesh, beat));
-        if (name == "lumen") write_lumen_frames(options.folder / "lumen_beat", mesh, beat);
-    };
-    if (options.heart_only)
-        make_folder(options);
-    else
-        make_scene(options, tree, is_whole ? bodies : std::vector<Body>{}, keep);
-    if (!is_whole)
-        make_bodies(options, bodies, keep);
-    write_sequence(options.folder / "beat", sequence);
-    HeartFigures figures = heart_figures(sequence);
-    figures.least_volume_factor = beat.least_volume_factor();
-    crn::write_whole_file((options.folder / "heart.json").string(), figures_json(figures));
-    print_figures(figures);
+    make_heart_scene(options, tree, patient_bodies(tree, options.fineness));
     if (drawn) {
         const std::string file = (options.folder / "vessels.toml").string();
         crn::write_whole_file(file, coronary_file_text(*drawn));
         print_drawn(file, *drawn);
     }
-    std::printf("%s: %zu bodies and %zu centrelines in %d frames\n",
-                (options.folder / "beat").string().c_str(), sequence.bodies.size(), sequence.vessels.size(),
-                BEAT_FRAMES);
     return 0;
 }
 
@@ -265,10 +218,6 @@ void add_making_options(CLI::App &command, Options &options)
         ->type_name("FOLDER")
         ->group("Outputs")
         ->required();
-    command
-        .add_option("--vessels", options.vessels,
-                    "A file of your own vessels in place of those that ship (docs/vessels.md)")
-        ->type_name("FILE");
     command.add_option("--lumen-mm", options.fineness.lumen_voxel_mm, "Grid spacing of the lumen")
         ->check(CLI::Range(0.3, 3.0))
         ->capture_default_str();
@@ -290,6 +239,14 @@ void add_making_options(CLI::App &command, Options &options)
         ->check(CLI::Range(1u, 64u))
         ->capture_default_str();
     command.add_flag("--quiet", options.quiet, "No progress lines on the terminal");
+}
+
+void add_vessels_option(CLI::App &command, Options &options)
+{
+    command
+        .add_option("--vessels", options.vessels,
+                    "A file of your own vessels in place of those that ship (docs/vessels.md)")
+        ->type_name("FILE");
 }
 
 template <typename Seed> CLI::Option *add_seed(CLI::App &command, Seed &seed)
@@ -332,7 +289,10 @@ int run(int argc, char **argv)
         "  anatomy aorta --vessels my.toml -o out/mine\n"
         "  anatomy aorta --seed 7 -o out/seven     another man's arteries, drawn from a seed\n"
         "  anatomy heart --seed 7 -o out/heart7    other coronary arteries, drawn from a seed\n"
-        "  anatomy draw --seed 7 -o seven.toml     only the file of these arteries");
+        "  anatomy draw --seed 7 -o seven.toml     only the file of these arteries\n"
+        "  anatomy person --seed 7 -o out/seven    another person: sex, age, size, weight, bones, arteries\n"
+        "  anatomy person --seed 7 --sex f --age 81 --arch III --coronary -o out/old\n"
+        "  anatomy seeds --count 10000             checks that every seed gives a plausible person");
     app.require_subcommand(1);
     Options options;
     auto *aorta = app.add_subcommand(
@@ -347,10 +307,10 @@ int run(int argc, char **argv)
     auto *checked = app.add_subcommand(
         "check", "Whether a folder of 24 OBJ files is a beat: topology, inverted faces, jump at the wrap");
     auto *table = app.add_subcommand("list", "Stated diameters with position and source, tab separated");
-    add_making_options(*aorta, options);
-    add_making_options(*phantom, options);
-    add_making_options(*access, options);
-    add_making_options(*heart, options);
+    for (CLI::App *command : {aorta, phantom, access, heart}) {
+        add_making_options(*command, options);
+        add_vessels_option(*command, options);
+    }
     heart
         ->add_flag("--heart-only", options.heart_only,
                    "Only the heart and its vessels, without scene and lumen")
@@ -361,6 +321,7 @@ int run(int argc, char **argv)
     auto *drawn =
         app.add_subcommand("draw", "A vessel file with the arteries of another man, drawn from a seed");
     add_draw_options(*drawn, draw_options);
+    PersonCommand person_command(app, [](CLI::App &command, Options &all) { add_making_options(command, all); });
     BeatOptions beat_options; // their help states where the heart that ships has its landmarks
     const std::string_view first = argc > 1 ? argv[1] : "";
     if (first == "beat" || first == "--generate" || first == "--complete")
@@ -376,8 +337,9 @@ int run(int argc, char **argv)
     if (*checked) return check(folder);
     if (*drawn) return draw(draw_options);
     if (*beat) return make_beat(beat_options);
+    if (const std::optional<int> code = person_command.run()) return *code;
     if (*heart) return make_heart(options);
-    if (*aorta) return make(options, "aorta", patient_bodies);
+    if (*aorta) return make(options, "aorta", shipped_man);
     if (*access) return make(options, "access", no_bodies);
     return make(options, "phantom", phantom_bodies);
 }
