@@ -82,9 +82,10 @@ Part upper_parts()
     Part part(22.0);
     part.rod({{0, 300, -30}, {0, 350, -28}, {0, 395, -24}, {0, 440, -24}}, {60, 58, 58, 60});
     part.add<Ellipsoid>(Vec3(0, 489, -20), Vec3(78, 78, 99));
-    part.add<Ellipsoid>(Vec3(0, 432, 34), Vec3(66, 68, 58));
+    part.add<Ellipsoid>(Vec3(0, 428, 30), Vec3(71, 74, 62));
     part.add<Ellipsoid>(Vec3(0, 384, 52), Vec3(42, 32, 36));
-    part.rod({{0, 448, 88}, {0, 426, 104}}, {7, 10});
+    part.rod({{0, 362, -10}, {0, 372, 40}}, {50, 34}); // under the jaw
+    part.rod({{0, 448, 88}, {0, 426, 104}}, {7, 10});  // nose
     return part;
 }
 
@@ -165,7 +166,7 @@ Solid skin(const SoftShape &shape)
 double flesh_depth_mm(const SoftShape &shape, const Vec3 &p)
 {
     // The flesh of all persons has the same outline, except for breasts and the belly's growth.
-    constexpr double SKIN_MM = 2.0;
+    constexpr double SKIN_MM = 2.4;
     double depth = SKIN_MM + fat_under_skin_mm(shape, p) + extra_fat_mm(shape, p);
     if (shape.breast_mm > 0.0) {
         // The whole breast lies in the fat, in front of the flesh.

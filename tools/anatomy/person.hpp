@@ -27,7 +27,7 @@ struct Person {
     double age_years = 60.0, height_m = SHIPPED_HEIGHT_M;
     double weight_kg = SHIPPED_BMI * SHIPPED_HEIGHT_M * SHIPPED_HEIGHT_M;
     double osteophytes = 0.3, cartilage_calcium = 0.3; // SkeletonShape
-    double wall_calcium = 0.0;                         // SoftShape
+    double wall_calcium = 0.25;                        // SoftShape
     double gas = 1.0;
     std::uint32_t seed = 0; // of bowel gas and plaques; 0: the shipped man
 

@@ -26,7 +26,7 @@ LocalDistance outline_distance(const SoftShape &shape, const Solid &bones)
 {
     const Solid outline = skin(shape);
     return [=](const Box &box, double reach_mm) -> Distance {
-        constexpr double FLESH_MM = 5.0, BLEND_MM = 8.0;
+        constexpr double FLESH_MM = 7.0, BLEND_MM = 8.0;
         return [outline, reach_mm, near = bones.near(box, reach_mm + FLESH_MM + BLEND_MM)](const Vec3 &p) {
             const double own = outline.distance(p);
             if (own < -std::max(reach_mm, FLESH_MM + BLEND_MM)) return own; // bones only make it deeper
@@ -41,7 +41,7 @@ LocalDistance layer_distance(const SoftShape &shape, const Solid &bones, double 
                              double (*depth_mm)(const SoftShape &, const Vec3 &))
 {
     return [=, outline = outline_distance(shape, bones)](const Box &box, double reach_mm) -> Distance {
-        constexpr double COVER_MM = 2.0, BLEND_MM = 4.0;
+        constexpr double COVER_MM = 2.5, BLEND_MM = 4.0;
         const double deepest_mm = 10.0 + 20.0 * std::max(1.0, shape.fat);
         return [=, near = bones.near(box, reach_mm + COVER_MM + BLEND_MM),
                 own = outline(box, reach_mm + deepest_mm)](const Vec3 &p) {
@@ -55,7 +55,7 @@ LocalDistance layer_distance(const SoftShape &shape, const Solid &bones, double 
 
 double skin_depth_mm(const SoftShape &, const Vec3 &)
 {
-    return 2.0;
+    return 2.4;
 }
 
 } // namespace
@@ -65,11 +65,11 @@ std::vector<Body> layer_bodies(const SoftShape &shape, const Solid &bones, doubl
     const Box where = grown(skin(shape).bounds, 12.0);
     const LocalDistance flesh = layer_distance(shape, bones, 4.2, flesh_depth_mm);
     std::vector<Body> bodies = {
-        {"skin", "soft", "", {where, outline_distance(shape, bones), tight_mm(5.0, scale), SOFT_ERROR_MM}},
+        {"skin", "soft", "", {where, outline_distance(shape, bones), tight_mm(4.5, scale), SOFT_ERROR_MM}},
         {"fat",
          "adipose",
          "skin",
-         {where, layer_distance(shape, bones, 2.0, skin_depth_mm), tight_mm(4.0, scale), SOFT_ERROR_MM}},
+         {where, layer_distance(shape, bones, 2.4, skin_depth_mm), tight_mm(4.0, scale), SOFT_ERROR_MM}},
         {"flesh", "muscle", "fat", {where, flesh, tight_mm(4.0, scale), SOFT_ERROR_MM}},
     };
     const Solid glands = breast_glands(shape);

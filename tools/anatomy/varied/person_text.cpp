@@ -84,15 +84,16 @@ std::string person_text(const DrawnPerson &drawn, const PersonWish &wish)
 
 std::string person_vessels_text(const DrawnPerson &drawn)
 {
-    const VesselTree tree = enlarged(drawn.tree(), drawn.person.scale());
-    std::string text = "# The vessels of a drawn person at full size; they belong to the bodies in this folder, and not\n"
-                       "# to the shipped man's. How they are drawn: docs/anatomy.md\nformat = 1\ntitle = " +
+    const VesselTree tree = drawn.tree();
+    std::string text = "# The vessels of a drawn person in the frame of the shipped man. In this folder, all meshes and\n"
+                       "# centrelines are scaled by " + crn::decimals_text(drawn.person.scale(), 4) +
+                       ". How they are drawn: docs/anatomy.md\nformat = 1\ntitle = " +
                        quoted_text(tree.title) + "\nframe = \"patient\"\nfillet_mm = " +
                        crn::trimmed_text(tree.fillet_mm, 2) + "\n";
     if (tree.coronary_count > 0)
         text += "coronary_fillet_mm = " + crn::trimmed_text(tree.coronary_fillet_mm, 2) + "\n";
     text += "\n[entry]\nvessel = " + quoted_text(drawn.aorta.draft.entry->vessel) +
-            "\ny_mm = " + crn::trimmed_text(drawn.person.scale() * *drawn.aorta.draft.entry->y_mm, 2) + "\n";
+            "\ny_mm = " + crn::trimmed_text(*drawn.aorta.draft.entry->y_mm, 2) + "\n";
     for (size_t i = 0; i < tree.vessels.size(); ++i) {
         const Vessel &vessel = tree.vessels[i];
         const bool is_coronary = i + tree.coronary_count >= tree.vessels.size();

@@ -52,7 +52,7 @@ VesselTree enlarged(VesselTree tree, double factor);
 /* Returns what was drawn as TOML, with the command that makes this person again. */
 std::string person_text(const DrawnPerson &drawn, const PersonWish &wish);
 
-/* Returns the vessels at full size as a vessel file. */
+/* Returns the vessels in the shipped frame as a vessel file. */
 std::string person_vessels_text(const DrawnPerson &drawn);
 
 /* Returns one line about the person, such as "woman, 71 years, 158 cm, 63 kg, arch of type III". */
