@@ -85,7 +85,8 @@ MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat)
     return moving;
 }
 
-void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat, double scale)
+void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat,
+                        double scale)
 {
     std::filesystem::create_directories(folder);
     MovingBody moving = moving_body("lumen", rest, beat);

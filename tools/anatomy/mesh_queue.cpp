@@ -17,8 +17,8 @@ struct Made {
     double seconds = 0;
 };
 
-/* Estimates how long a mesh takes: the surface of its box in voxels. The longest meshes are begun first, so that
- * no thread makes a long one alone at the end. */
+/* Estimates how long a mesh takes: the surface of its box in voxels. The longest meshes are begun first, so
+ * that no thread makes a long one alone at the end. */
 double estimated_work(const MeshRequest &request)
 {
     const Vec3 size = (request.bounds.high - request.bounds.low) / request.voxel_mm;
@@ -53,8 +53,7 @@ unsigned usual_threads()
 }
 
 void make_meshes(const std::vector<std::string> &names, const std::vector<MeshRequest> &requests,
-                 unsigned threads,
-                 const std::function<void(size_t index, Mesh &&mesh, double seconds)> &take)
+                 unsigned threads, const std::function<void(size_t index, Mesh &&mesh, double seconds)> &take)
 {
     const std::vector<size_t> order = longest_first(requests);
     std::vector<std::promise<Made>> promises(requests.size());

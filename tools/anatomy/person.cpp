@@ -20,7 +20,8 @@ SoftShape soft_shape(const Person &person)
     const double above = person.bmi() - SHIPPED_BMI;
     SoftShape shape;
     shape.sex = person.sex;
-    shape.fat = std::max(FAT_LEAST, (person.bmi() - LEAN_BMI) / (SHIPPED_BMI - LEAN_BMI)) * (is_woman ? 1.3 : 1.0);
+    shape.fat =
+        std::max(FAT_LEAST, (person.bmi() - LEAN_BMI) / (SHIPPED_BMI - LEAN_BMI)) * (is_woman ? 1.3 : 1.0);
     shape.belly_mm = above * (is_woman ? 1.6 : 2.4);
     if (is_woman) shape.breast_mm = std::clamp(52.0 + 1.5 * above, 40.0, 78.0);
     shape.gas = person.gas;

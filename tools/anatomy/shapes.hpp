@@ -26,7 +26,7 @@ struct Box {
     {
         return limit_mm <= 0.0 || squared_distance(point) >= limit_mm * limit_mm;
     }
-    double distance(const Box &other) const;  // 0 where they touch or overlap
+    double distance(const Box &other) const; // 0 where they touch or overlap
 };
 
 using Distance = std::function<double(const Vec3 &)>; // signed distance at a point, millimetres
@@ -37,8 +37,8 @@ class Shape
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
     /* Returns a shape that has the same distances near the box but needs less computation than this shape;
-     * returns null when there is no such shape. The bounds of the returned shape are empty where nothing of this
-     * shape is near. */
+     * returns null when there is no such shape. The bounds of the returned shape are empty where nothing of
+     * this shape is near. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;
     double cortex_mm = 1.0;        // thickness of the shell around the marrow space
@@ -54,6 +54,12 @@ class Tube : public Shape
   public:
     explicit Tube(const Curve &curve);
     Tube(const Curve &curve, const Vec3 &flat, double thinness);
+    /* A twisted band: every sample of the curve has its own section. */
+    struct Section {
+        Vec3 flat;
+        double thinness;
+    };
+    Tube(const Curve &curve, const std::vector<Section> &sections);
     double distance(const Vec3 &point) const override;
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 
@@ -62,16 +68,16 @@ class Tube : public Shape
                      // to the end
         Vec3 start, axis;
         double inverse_squared, radius_mm, radius_change_mm;
+        Section section, section_change;
     };
     struct Chunk {
         size_t first, last;
         Box bounds;
     };
-    void build(const Curve &curve);
+    void build(const Curve &curve, const std::vector<Section> &sections);
     double section_distance(const Vec3 &point, const Segment &segment, double t) const;
     std::shared_ptr<const std::vector<Segment>> segments_;
-    Vec3 flat_ = Vec3::Zero();
-    double thinness_ = 1.0;
+    bool is_round_ = true;
     std::vector<Chunk> chunks_;
 };
 
@@ -98,27 +104,12 @@ class Plate : public Shape
     double distance(const Vec3 &point) const override;
 
   private:
-    struct Edge { // from corner i to corner i + 1
+    struct Edge {                // from corner i to corner i + 1
         Vec3 start, along, foot; // foot: the share of the opposite corner grows along it
         double inverse_squared, thickness, thickness_change;
     };
     std::array<Edge, 3> edges_;
     Vec3 normal_, half_thickness_mm_; // normal of length one
-};
-
-/* A vertebral body. The vertebral body is a drum with a waist, slightly hollow end plates and a flattened
- * back. The y axis of the drum's own frame points up. */
-class Drum : public Shape
-{
-  public:
-    Drum(const Vec3 &centre, const Eigen::Matrix3d &rotation, double width_mm, double height_mm,
-         double depth_mm);
-    double distance(const Vec3 &point) const override;
-
-  private:
-    Vec3 centre_;
-    Eigen::Matrix3d inverse_;
-    double half_width_, half_height_, half_depth_;
 };
 
 /* Describes a shape that is defined by an arbitrary distance function and a bounding box. */

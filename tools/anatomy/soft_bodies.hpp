@@ -32,6 +32,7 @@ std::vector<Body> layer_bodies(const SoftShape &shape, const Solid &bones, doubl
  * for its coronary arteries. */
 std::vector<Body> chest_bodies(const Solid &bones, const VesselTree &tree, double scale);
 /* Fat, organs, bowel with gas, and the calcium in the wall of the vessels of chest and belly. */
-std::vector<Body> belly_bodies(const SoftShape &shape, const Solid &bones, const VesselTree &tree, double scale);
+std::vector<Body> belly_bodies(const SoftShape &shape, const Solid &bones, const VesselTree &tree,
+                               double scale);
 
 } // namespace anatomy

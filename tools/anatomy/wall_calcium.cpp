@@ -27,7 +27,8 @@ class Numbers
     std::uint32_t state_;
 };
 
-/* How likely a plaque is at a point of the aorta, relative to other points; 0 near the heart. All are assumed. */
+/* How likely a plaque is at a point of the aorta, relative to other points; 0 near the heart. All are
+ * assumed. */
 double likelihood(const Vec3 &p, bool is_aorta)
 {
     if (!is_aorta) return p.y() > -250 ? 0.8 : 0.3;

@@ -1,4 +1,5 @@
-/* Calcium in the wall of the aorta and of the iliac arteries, which shows as bright flecks beside the lumen. */
+/* Calcium in the wall of the aorta and of the iliac arteries, which shows as bright flecks beside the lumen.
+ */
 #pragma once
 #include "tools/anatomy/person.hpp"
 #include "tools/anatomy/vessels.hpp"
@@ -12,8 +13,8 @@ struct Plaque {
     Eigen::Matrix3d rotation;     // columns: these directions
 };
 
-/* Returns the plaques of a person's tree. Their number grows with `wall_calcium`. Most lie below the renal arteries and
- * in the arch. */
+/* Returns the plaques of a person's tree. Their number grows with `wall_calcium`. Most lie below the renal
+ * arteries and in the arch. */
 std::vector<Plaque> wall_plaques(const VesselTree &tree, const SoftShape &shape);
 
 Solid plaque_solid(const std::vector<Plaque> &plaques);

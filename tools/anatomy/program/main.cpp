@@ -268,31 +268,33 @@ void add_draw_options(CLI::App &command, DrawOptions &options)
         ->required();
 }
 
+constexpr const char *EXAMPLES =
+    "Examples:\n"
+    "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.scene\n"
+    "  anatomy phantom -o out/phantom\n"
+    "  anatomy access -o out/access       a phantom with a long winding way in, to measure instruments "
+    "in\n"
+    "  anatomy heart -o out/heart         a beating heart: 24 frames in out/heart/beat\n"
+    "  anatomy heart -o out/lad --lesion LAD:75:14:22\n"
+    "  anatomy beat lumen.ply --left 14 507 23 --right 0 501 40 --apex 73 434 81 -o out/beat/lumen\n"
+    "  anatomy check out/heart/beat       a folder of 24 OBJ files, from here or elsewhere\n"
+    "  anatomy list            every stated diameter, its place and its source\n"
+    "  anatomy list phantom\n"
+    "  anatomy list my.toml    checks a file of your own vessels (docs/vessels.md)\n"
+    "  anatomy aorta --vessels my.toml -o out/mine\n"
+    "  anatomy aorta --seed 7 -o out/seven     another man's arteries, drawn from a seed\n"
+    "  anatomy heart --seed 7 -o out/heart7    other coronary arteries, drawn from a seed\n"
+    "  anatomy draw --seed 7 -o seven.toml     only the file of these arteries\n"
+    "  anatomy person --seed 7 -o out/seven    another person: sex, age, size, weight, bones, arteries\n"
+    "  anatomy person --seed 7 --sex f --age 81 --arch III --coronary -o out/old\n"
+    "  anatomy seeds --count 10000             checks that every seed gives a plausible person";
+
 int run(int argc, char **argv)
 {
     CLI::App app{"Makes the anatomy that ships with Cournand: closed meshes, centrelines and the scene text "
                  "for `bake`",
                  "anatomy"};
-    app.footer(
-        "Examples:\n"
-        "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.scene\n"
-        "  anatomy phantom -o out/phantom\n"
-        "  anatomy access -o out/access       a phantom with a long winding way in, to measure instruments "
-        "in\n"
-        "  anatomy heart -o out/heart         a beating heart: 24 frames in out/heart/beat\n"
-        "  anatomy heart -o out/lad --lesion LAD:75:14:22\n"
-        "  anatomy beat lumen.ply --left 14 507 23 --right 0 501 40 --apex 73 434 81 -o out/beat/lumen\n"
-        "  anatomy check out/heart/beat       a folder of 24 OBJ files, from here or elsewhere\n"
-        "  anatomy list            every stated diameter, its place and its source\n"
-        "  anatomy list phantom\n"
-        "  anatomy list my.toml    checks a file of your own vessels (docs/vessels.md)\n"
-        "  anatomy aorta --vessels my.toml -o out/mine\n"
-        "  anatomy aorta --seed 7 -o out/seven     another man's arteries, drawn from a seed\n"
-        "  anatomy heart --seed 7 -o out/heart7    other coronary arteries, drawn from a seed\n"
-        "  anatomy draw --seed 7 -o seven.toml     only the file of these arteries\n"
-        "  anatomy person --seed 7 -o out/seven    another person: sex, age, size, weight, bones, arteries\n"
-        "  anatomy person --seed 7 --sex f --age 81 --arch III --coronary -o out/old\n"
-        "  anatomy seeds --count 10000             checks that every seed gives a plausible person");
+    app.footer(EXAMPLES);
     app.require_subcommand(1);
     Options options;
     auto *aorta = app.add_subcommand(
@@ -321,7 +323,8 @@ int run(int argc, char **argv)
     auto *drawn =
         app.add_subcommand("draw", "A vessel file with the arteries of another man, drawn from a seed");
     add_draw_options(*drawn, draw_options);
-    PersonCommand person_command(app, [](CLI::App &command, Options &all) { add_making_options(command, all); });
+    PersonCommand person_command(app,
+                                 [](CLI::App &command, Options &all) { add_making_options(command, all); });
     BeatOptions beat_options; // their help states where the heart that ships has its landmarks
     const std::string_view first = argc > 1 ? argv[1] : "";
     if (first == "beat" || first == "--generate" || first == "--complete")

@@ -197,7 +197,8 @@ void make_heart_scene(const Options &options, const VesselTree &tree, std::vecto
         std::erase_if(bodies, [](const Body &body) { return !is_of_heart(body.name); });
     const HeartBeat beat(tree.vessels.front());
     HeartSequence sequence;
-    for (const Vessel &vessel : coronary_arteries(tree)) sequence.vessels.push_back(moving_vessel(vessel, beat));
+    for (const Vessel &vessel : coronary_arteries(tree))
+        sequence.vessels.push_back(moving_vessel(vessel, beat));
     const auto keep = [&](const std::string &name, const Mesh &mesh) {
         if (moves_with_heart(name)) sequence.bodies.push_back(moving_body(name, mesh, beat));
         if (name == "lumen") write_lumen_frames(options.folder / "lumen_beat", mesh, beat, options.scale);

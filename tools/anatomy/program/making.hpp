@@ -28,13 +28,14 @@ VesselTree vessels_for(const std::string &kind, const Options &options);
 /* Makes the folder for the output. */
 void make_folder(const Options &options);
 
-/* Makes the scene with the heart at the end of diastole, and writes the heart's moving bodies in 24 frames. */
+/* Makes the scene with the heart at the end of diastole, and writes the heart's moving bodies in 24 frames.
+ */
 void make_heart_scene(const Options &options, const VesselTree &tree, std::vector<Body> bodies);
 
 using Keep = std::function<void(const std::string &name, const Mesh &mesh)>;
 
-/* Makes the meshes of bodies with several threads, reports each on standard error, and writes it to a file. The
- * callback `keep` receives every mesh before it is scaled, in the order of the bodies. */
+/* Makes the meshes of bodies with several threads, reports each on standard error, and writes it to a file.
+ * The callback `keep` receives every mesh before it is scaled, in the order of the bodies. */
 void make_bodies(const Options &options, const std::vector<Body> &bodies, const Keep &keep);
 
 /* Makes and writes the meshes, the centrelines and the scene's text. The callback `keep` receives the meshes

@@ -38,22 +38,26 @@ struct Tally {
 
 void print_tally(const Tally &tally, std::uint64_t from, std::uint64_t next, bool is_complete)
 {
-    std::printf("seeds %llu to %llu: %llu accepted, %llu refused; %llu women; arch I %llu, II %llu, III %llu; %.1f "
-                "trees drawn per person\n",
-                static_cast<unsigned long long>(from), static_cast<unsigned long long>(next - 1),
-                static_cast<unsigned long long>(tally.accepted), static_cast<unsigned long long>(tally.refused),
-                static_cast<unsigned long long>(tally.women), static_cast<unsigned long long>(tally.arches[0]),
-                static_cast<unsigned long long>(tally.arches[1]), static_cast<unsigned long long>(tally.arches[2]),
-                static_cast<double>(tally.attempts) / static_cast<double>(std::max<std::uint64_t>(1, tally.accepted)));
+    std::printf(
+        "seeds %llu to %llu: %llu accepted, %llu refused; %llu women; arch I %llu, II %llu, III %llu; %.1f "
+        "trees drawn per person\n",
+        static_cast<unsigned long long>(from), static_cast<unsigned long long>(next - 1),
+        static_cast<unsigned long long>(tally.accepted), static_cast<unsigned long long>(tally.refused),
+        static_cast<unsigned long long>(tally.women), static_cast<unsigned long long>(tally.arches[0]),
+        static_cast<unsigned long long>(tally.arches[1]), static_cast<unsigned long long>(tally.arches[2]),
+        static_cast<double>(tally.attempts) /
+            static_cast<double>(std::max<std::uint64_t>(1, tally.accepted)));
     if (!is_complete)
-        std::printf("interrupted; go on with: anatomy seeds --from %llu\n", static_cast<unsigned long long>(next));
+        std::printf("interrupted; go on with: anatomy seeds --from %llu\n",
+                    static_cast<unsigned long long>(next));
 }
 
 } // namespace
 
 PersonCommand::PersonCommand(CLI::App &app, void (*add_making)(CLI::App &, Options &))
 {
-    person_ = app.add_subcommand("person", "A whole person drawn from a seed: sex, age, size, weight, bones, arteries");
+    person_ = app.add_subcommand("person",
+                                 "A whole person drawn from a seed: sex, age, size, weight, bones, arteries");
     seeds_ = app.add_subcommand("seeds", "Whether the persons of many seeds are plausible, without meshes");
     CLI::App &command = *person_;
     add_making(command, options_);
@@ -66,9 +70,10 @@ PersonCommand::PersonCommand(CLI::App &app, void (*add_making)(CLI::App &, Optio
         ->check(crn::one_of({"I", "II", "III", "bovine"}));
     add_number(command, "--tortuosity", wish_.tortuosity, "Length over distance of the iliac arteries",
                TORTUOSITY_LEAST, TORTUOSITY_MOST);
-    add_number(command, "--calcium", wish_.calcium, "Plaques of the aorta and the iliac arteries: 0 none, 1 many", 0,
-               1);
-    command.add_flag("--coronary", wish_.has_coronaries, "With coronary arteries and a heart that beats, in 24 frames");
+    add_number(command, "--calcium", wish_.calcium,
+               "Plaques of the aorta and the iliac arteries: 0 none, 1 many", 0, 1);
+    command.add_flag("--coronary", wish_.has_coronaries,
+                     "With coronary arteries and a heart that beats, in 24 frames");
     add_seed_number(*seeds_, "--from", from_, "The first seed")->capture_default_str();
     seeds_->add_option("--count", count_, "How many seeds")
         ->type_name("N")
@@ -87,14 +92,17 @@ std::optional<int> PersonCommand::run()
 int PersonCommand::make()
 {
     if (!sex_.empty()) wish_.sex = sex_ == "f" ? Sex::woman : Sex::man;
-    if (arch_ == "bovine") wish_.has_common_trunk = true;
-    else if (!arch_.empty()) wish_.arch = arch_ == "I" ? ArchType::I : arch_ == "II" ? ArchType::II : ArchType::III;
+    if (arch_ == "bovine")
+        wish_.has_common_trunk = true;
+    else if (!arch_.empty())
+        wish_.arch = arch_ == "I" ? ArchType::I : arch_ == "II" ? ArchType::II : ArchType::III;
     const DrawnPerson drawn = drawn_person(seed_, wish_);
     VesselTree tree = drawn.tree();
     tree.made_by = "person --seed " + std::to_string(seed_);
     options_.scale = drawn.person.scale();
     std::vector<Body> bodies;
-    if (options_.bodies || wish_.has_coronaries) bodies = patient_bodies(tree, options_.fineness, drawn.person);
+    if (options_.bodies || wish_.has_coronaries)
+        bodies = patient_bodies(tree, options_.fineness, drawn.person);
     if (wish_.has_coronaries)
         make_heart_scene(options_, tree, bodies);
     else
@@ -113,7 +121,8 @@ int PersonCommand::check_seeds() const
     {
         crn::ProgressLine progress(crn::shows_progress());
         for (; seed < from_ + count_ && !crn::is_interrupted(); ++seed) {
-            progress.show(crn::formatted("seed %llu", static_cast<unsigned long long>(seed)), seed - from_, count_);
+            progress.show(crn::formatted("seed %llu", static_cast<unsigned long long>(seed)), seed - from_,
+                          count_);
             try {
                 const DrawnPerson drawn = drawn_person(seed, wish_);
                 ++tally.accepted;

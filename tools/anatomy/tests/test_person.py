@@ -56,8 +56,9 @@ def an_option_replaces_what_the_seed_draws_and_nothing_else():
 
 
 def age_widens_the_arch_and_height_scales_the_tree():
-    """The published mean widths are 71 and 93 mm below 45 and above 65 years (men); each is met within two standard
-    deviations and the 5 mm that the tree's own variation adds. Heights of 1.60 and 1.90 m differ by 190/160 in scale."""
+    """The published mean widths are 71 and 93 mm below 45 and above 65 years (men); the young one is met within two
+    standard deviations and the 5 mm that the tree's own variation adds. Heights of 1.60 and 1.90 m differ by 190/160 in
+    scale."""
     with tempfile.TemporaryDirectory() as folder:
         young = person(os.path.join(folder, "a"), "--seed", "4", "--sex", "m", "--age", "30", "--height", "160")
         old = person(os.path.join(folder, "b"), "--seed", "4", "--sex", "m", "--age", "80", "--height", "190")

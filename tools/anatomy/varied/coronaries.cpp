@@ -95,7 +95,7 @@ class Drawing
   private:
     Chance chance_;
     DrawnCoronaries drawn_;
-    double calibre_; // multiplies all diameters
+    double calibre_;  // multiplies all diameters
     double size_ = 0; // of all arteries of this heart, in standard deviations
     Vec3 fork_mm_ = Vec3::Zero();
 

@@ -23,7 +23,8 @@ std::string options_text(const DrawnPerson &drawn, const PersonWish &wish)
     };
     std::string text = crn::formatted("--seed %llu", static_cast<unsigned long long>(drawn.seed));
     if (wish.sex) text += *wish.sex == Sex::woman ? " --sex f" : " --sex m";
-    text += number("--age", wish.age_years) + number("--height", wish.height_cm) + number("--weight", wish.weight_kg);
+    text += number("--age", wish.age_years) + number("--height", wish.height_cm) +
+            number("--weight", wish.weight_kg);
     if (wish.arch) text += std::string(" --arch ") + arch_type_name(*wish.arch);
     if (wish.has_common_trunk) text += " --arch bovine";
     text += number("--tortuosity", wish.tortuosity) + number("--calcium", wish.calcium);
@@ -37,7 +38,8 @@ std::vector<Station> thinned(const std::vector<Station> &stations)
     std::vector<Station> kept;
     for (size_t i = 0; i < stations.size(); ++i) {
         const bool is_last = i + 1 == stations.size();
-        if (is_last && kept.size() > 1 && (stations[i].position_mm - kept.back().position_mm).norm() < APART_MM)
+        if (is_last && kept.size() > 1 &&
+            (stations[i].position_mm - kept.back().position_mm).norm() < APART_MM)
             kept.pop_back();
         if (kept.empty() || is_last || !stations[i].name.empty() ||
             (stations[i].position_mm - kept.back().position_mm).norm() >= APART_MM)
@@ -69,7 +71,8 @@ std::string person_text(const DrawnPerson &drawn, const PersonWish &wish)
     text += line("belly_mm", soft.belly_mm, 1, "by which the wall of the belly lies farther out");
     text += line("osteophytes", person.osteophytes, 2, "0 none, 1 severe");
     text += line("cartilage_calcium", person.cartilage_calcium, 2, "share of the costal cartilages");
-    text += line("wall_calcium", person.wall_calcium, 2, "plaques of aorta and iliac arteries: 0 none, 1 many");
+    text +=
+        line("wall_calcium", person.wall_calcium, 2, "plaques of aorta and iliac arteries: 0 none, 1 many");
     text += std::string("arch = \"") + arch_type_name(drawn.aorta.arch.type) + "\"\n";
     text += std::string("common_trunk = ") + (drawn.aorta.arch.has_common_trunk ? "true" : "false") + "\n";
     text += line("arch_width_mm", drawn.arch_width_mm, 1, "between the ascending and the descending aorta");
@@ -77,19 +80,20 @@ std::string person_text(const DrawnPerson &drawn, const PersonWish &wish)
     text += line("tortuosity_right", drawn.aorta.right_tortuosity, 3, "iliac arteries: length over distance");
     text += line("tortuosity_left", drawn.aorta.left_tortuosity, 3, "");
     if (drawn.coronaries)
-        text += "coronary = \"" + std::string(dominance_name(drawn.coronaries->dominance)) + " dominant, LAD ends " +
-                end_of_lad(*drawn.coronaries) + "\"\n";
+        text += "coronary = \"" + std::string(dominance_name(drawn.coronaries->dominance)) +
+                " dominant, LAD ends " + end_of_lad(*drawn.coronaries) + "\"\n";
     return text;
 }
 
 std::string person_vessels_text(const DrawnPerson &drawn)
 {
     const VesselTree tree = drawn.tree();
-    std::string text = "# The vessels of a drawn person in the frame of the shipped man. In this folder, all meshes and\n"
-                       "# centrelines are scaled by " + crn::decimals_text(drawn.person.scale(), 4) +
-                       ". How they are drawn: docs/anatomy.md\nformat = 1\ntitle = " +
-                       quoted_text(tree.title) + "\nframe = \"patient\"\nfillet_mm = " +
-                       crn::trimmed_text(tree.fillet_mm, 2) + "\n";
+    std::string text =
+        "# The vessels of a drawn person in the frame of the shipped man. In this folder, all meshes and\n"
+        "# centrelines are scaled by " +
+        crn::decimals_text(drawn.person.scale(), 4) +
+        ". How they are drawn: docs/anatomy.md\nformat = 1\ntitle = " + quoted_text(tree.title) +
+        "\nframe = \"patient\"\nfillet_mm = " + crn::trimmed_text(tree.fillet_mm, 2) + "\n";
     if (tree.coronary_count > 0)
         text += "coronary_fillet_mm = " + crn::trimmed_text(tree.coronary_fillet_mm, 2) + "\n";
     text += "\n[entry]\nvessel = " + quoted_text(drawn.aorta.draft.entry->vessel) +
@@ -97,8 +101,8 @@ std::string person_vessels_text(const DrawnPerson &drawn)
     for (size_t i = 0; i < tree.vessels.size(); ++i) {
         const Vessel &vessel = tree.vessels[i];
         const bool is_coronary = i + tree.coronary_count >= tree.vessels.size();
-        text += std::string(is_coronary ? "\n[[coronary]]" : "\n[[vessel]]") + "\nname = " + quoted_text(vessel.name) +
-                "\n";
+        text += std::string(is_coronary ? "\n[[coronary]]" : "\n[[vessel]]") +
+                "\nname = " + quoted_text(vessel.name) + "\n";
         if (!vessel.parent.empty()) text += "parent = " + quoted_text(vessel.parent) + "\n";
         if (is_coronary && vessel.parent == tree.vessels.front().name)
             text += vessel.bed == Bed::right_coronary ? "side = \"right\"\n" : "side = \"left\"\n";
@@ -116,12 +120,14 @@ std::string person_line(const DrawnPerson &drawn)
 {
     const Person &person = drawn.person;
     std::string text = crn::formatted(
-        "%s, %.0f years, %.0f cm, %.0f kg, arch of type %s%s, %.0f mm wide, ascending aorta %.1f mm", sex_name(person.sex),
-        person.age_years, 100 * person.height_m, person.weight_kg, arch_type_name(drawn.aorta.arch.type),
+        "%s, %.0f years, %.0f cm, %.0f kg, arch of type %s%s, %.0f mm wide, ascending aorta %.1f mm",
+        sex_name(person.sex), person.age_years, 100 * person.height_m, person.weight_kg,
+        arch_type_name(drawn.aorta.arch.type),
         drawn.aorta.arch.has_common_trunk ? " with a common trunk" : "", drawn.arch_width_mm,
         person.scale() * drawn.aorta.aorta_scale * mean_calibre(person).ascending_mm);
     if (drawn.coronaries)
-        text += crn::formatted(", %s dominant coronary arteries", dominance_name(drawn.coronaries->dominance));
+        text +=
+            crn::formatted(", %s dominant coronary arteries", dominance_name(drawn.coronaries->dominance));
     return text;
 }
 

@@ -13,7 +13,17 @@ namespace
 {
 
 /* Each quantity has its own stream of chance, so that an option that replaces one changes no other. */
-enum class Stream : std::uint64_t { sex = 1000, age, height, weight, calcium, osteophytes, cartilage, gas, bowel };
+enum class Stream : std::uint64_t {
+    sex = 1000,
+    age,
+    height,
+    weight,
+    calcium,
+    osteophytes,
+    cartilage,
+    gas,
+    bowel
+};
 
 Chance chance_of(std::uint64_t seed, Stream stream)
 {
@@ -25,8 +35,8 @@ double to_unit(double value, double unit)
     return std::round(value / unit) * unit;
 }
 
-/* Interpolates four means by age: below 45, 45 to 54, 55 to 64, and 65 and above. Each mean belongs to the middle of
- * its age group. */
+/* Interpolates four means by age: below 45, 45 to 54, 55 to 64, and 65 and above. Each mean belongs to the
+ * middle of its age group. */
 double by_age(const double (&means)[4], double age_years)
 {
     constexpr double AGES[4] = {38, 50, 60, 72}; // the outer two are assumed
@@ -53,11 +63,13 @@ void refuse_size(const Person &person, const PersonWish &wish)
 {
     if (person.bmi() >= BMI_LEAST && person.bmi() <= BMI_MOST) return;
     const double square = person.height_m * person.height_m;
-    throw std::invalid_argument(crn::formatted(
-        "--height %.0f and --weight %.0f%s give a body mass index of %.1f; at this height, choose --weight %.0f to "
-        "%.0f",
-        100 * person.height_m, person.weight_kg, wish.height_cm && wish.weight_kg ? "" : " (one of them drawn)",
-        person.bmi(), std::ceil(BMI_LEAST * square), std::floor(BMI_MOST * square)));
+    throw std::invalid_argument(crn::formatted("--height %.0f and --weight %.0f%s give a body mass index of "
+                                               "%.1f; at this height, choose --weight %.0f to "
+                                               "%.0f",
+                                               100 * person.height_m, person.weight_kg,
+                                               wish.height_cm && wish.weight_kg ? "" : " (one of them drawn)",
+                                               person.bmi(), std::ceil(BMI_LEAST * square),
+                                               std::floor(BMI_MOST * square)));
 }
 
 } // namespace
@@ -67,7 +79,8 @@ Person drawn_body(std::uint64_t seed, const PersonWish &wish)
     constexpr double WOMEN = 0.4; // of patients in a catheter laboratory; assumed
     constexpr double HEIGHT_CM[2] = {176, 163}, HEIGHT_SD_CM[2] = {7, 6.5}, BMI_MEAN = 26.5, BMI_SD = 4.5;
     Person person;
-    person.sex = wish.sex.value_or(chance_of(seed, Stream::sex).uniform(0, 1) < WOMEN ? Sex::woman : Sex::man);
+    person.sex =
+        wish.sex.value_or(chance_of(seed, Stream::sex).uniform(0, 1) < WOMEN ? Sex::woman : Sex::man);
     const size_t sex = number(person.sex);
     person.age_years = wish.age_years.value_or(
         to_unit(std::clamp(chance_of(seed, Stream::age).normal(62, 15), AGE_LEAST, AGE_MOST), 1));
@@ -78,12 +91,13 @@ Person drawn_body(std::uint64_t seed, const PersonWish &wish)
     person.weight_kg = wish.weight_kg.value_or(to_unit(bmi * person.height_m * person.height_m, 1));
     refuse_size(person, wish);
     const double over = std::clamp((person.age_years - 40) / 45, 0.0, 1.0); // 0 at 40, 1 at 85 years
-    person.wall_calcium = wish.calcium.value_or(to_unit(
-        std::clamp(over * chance_of(seed, Stream::calcium).uniform(0.2, 1.3), 0.0, 1.0), 0.01));
+    person.wall_calcium = wish.calcium.value_or(
+        to_unit(std::clamp(over * chance_of(seed, Stream::calcium).uniform(0.2, 1.3), 0.0, 1.0), 0.01));
     person.osteophytes =
         to_unit(std::clamp(over * chance_of(seed, Stream::osteophytes).uniform(0.3, 1.3), 0.0, 1.0), 0.01);
     person.cartilage_calcium = to_unit(
-        std::clamp((person.age_years - 25) / 70 * chance_of(seed, Stream::cartilage).uniform(0.5, 1.4), 0.0, 1.0),
+        std::clamp((person.age_years - 25) / 70 * chance_of(seed, Stream::cartilage).uniform(0.5, 1.4), 0.0,
+                   1.0),
         0.01);
     person.gas = to_unit(chance_of(seed, Stream::gas).uniform(0.75, 1.1), 0.01);
     person.seed = 1 + static_cast<std::uint32_t>(chance_of(seed, Stream::bowel).uniform(0, 1e9));
@@ -138,9 +152,10 @@ DrawnPerson drawn_person(std::uint64_t seed, const PersonWish &wish)
     aorta.tortuosity = wish.tortuosity;
     aorta.calibre = mean_calibre(drawn.person);
     drawn.arch_width_wanted_mm =
-        Chance(seed, 2000).normal(mean_arch_width_mm(drawn.person), ARCH_WIDTH_SD_MM[number(drawn.person.sex)]);
-    aorta.arch_width = std::clamp(drawn.arch_width_wanted_mm / drawn.person.scale() / shipped_width_mm, WIDTH_LEAST,
-                                  WIDTH_MOST);
+        Chance(seed, 2000)
+            .normal(mean_arch_width_mm(drawn.person), ARCH_WIDTH_SD_MM[number(drawn.person.sex)]);
+    aorta.arch_width = std::clamp(drawn.arch_width_wanted_mm / drawn.person.scale() / shipped_width_mm,
+                                  WIDTH_LEAST, WIDTH_MOST);
     aorta.skeleton = skeleton_shape(drawn.person);
     drawn.aorta = drawn_aorta(seed, aorta);
     std::vector<Vessel> vessels;
@@ -148,17 +163,19 @@ DrawnPerson drawn_person(std::uint64_t seed, const PersonWish &wish)
     drawn.arch_width_mm = drawn.person.scale() * arch_width_mm(vessels);
     if (wish.has_coronaries)
         // A woman's coronary arteries are 9 % narrower (Dodge 1992); those of a small man are not.
-        drawn.coronaries = drawn_coronaries(seed, drawn.aorta.draft,
-                                            (drawn.person.sex == Sex::woman ? 0.91 : 1.0) / drawn.person.scale());
+        drawn.coronaries = drawn_coronaries(
+            seed, drawn.aorta.draft, (drawn.person.sex == Sex::woman ? 0.91 : 1.0) / drawn.person.scale());
     return drawn;
 }
 
 VesselTree DrawnPerson::tree() const
 {
-    VesselTree made = coronaries ? tree_of(coronaries->draft, "heart.toml") : tree_of(aorta.draft, "aorta.toml");
-    made.title = crn::formatted("Person %llu: %s, %.0f years, %.0f cm, %.0f kg", static_cast<unsigned long long>(seed),
-                                person.sex == Sex::woman ? "woman" : "man", person.age_years, 100 * person.height_m,
-                                person.weight_kg);
+    VesselTree made =
+        coronaries ? tree_of(coronaries->draft, "heart.toml") : tree_of(aorta.draft, "aorta.toml");
+    made.title =
+        crn::formatted("Person %llu: %s, %.0f years, %.0f cm, %.0f kg", static_cast<unsigned long long>(seed),
+                       person.sex == Sex::woman ? "woman" : "man", person.age_years, 100 * person.height_m,
+                       person.weight_kg);
     return made;
 }
 

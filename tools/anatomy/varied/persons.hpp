@@ -1,5 +1,5 @@
-/* Draws whole persons, each from one seed: sex, age, size and weight, the aorta with its branches, and on request the
- * coronary arteries (docs/anatomy.md, "One person per seed"). */
+/* Draws whole persons, each from one seed: sex, age, size and weight, the aorta with its branches, and on
+ * request the coronary arteries (docs/anatomy.md, "One person per seed"). */
 #pragma once
 #include "tools/anatomy/person.hpp"
 #include "tools/anatomy/varied/coronaries.hpp"
@@ -19,8 +19,9 @@ struct PersonWish {
     bool has_coronaries = false;
 };
 
-constexpr double AGE_LEAST = 18, AGE_MOST = 95, HEIGHT_LEAST_CM = 140, HEIGHT_MOST_CM = 205, WEIGHT_LEAST_KG = 32,
-                 WEIGHT_MOST_KG = 180, BMI_LEAST = 16, BMI_MOST = 42, TORTUOSITY_LEAST = 1.08, TORTUOSITY_MOST = 1.4;
+constexpr double AGE_LEAST = 18, AGE_MOST = 95, HEIGHT_LEAST_CM = 140, HEIGHT_MOST_CM = 205,
+                 WEIGHT_LEAST_KG = 32, WEIGHT_MOST_KG = 180, BMI_LEAST = 16, BMI_MOST = 42,
+                 TORTUOSITY_LEAST = 1.08, TORTUOSITY_MOST = 1.4;
 
 struct DrawnPerson {
     std::uint64_t seed = 0;

@@ -227,8 +227,9 @@ class Drift
     std::array<Wave, 4> waves_;
 };
 
-/* Moves the ascending and the descending aorta apart or together, with all vessels beside them. An arch unfolds with
- * age: it becomes wider, and its top rises. The aortic valve stays, and the aorta below the heart does. */
+/* Moves the ascending and the descending aorta apart or together, with all vessels beside them. An arch
+ * unfolds with age: it becomes wider, and its top rises. The aortic valve stays, and the aorta below the
+ * heart does. */
 void unfold(TreeDraft &draft, double width)
 {
     constexpr double RISE = 0.3; // of the top, in parts of the growth in width; assumed
@@ -245,8 +246,9 @@ void unfold(TreeDraft &draft, double width)
             const double share = off < 0 ? smooth_step(142, 196, p.y()) : smooth_step(40, 170, p.y());
             const double above_neck = 1.0 - smooth_step(235, 300, p.y());
             const double rise_mm = RISE * (width - 1) * width_mm * smooth_step(170, 225, p.y()) * above_neck;
-            p += (width - 1) * share * above_neck * std::clamp(off, -0.6 * width_mm, 0.6 * width_mm) * across +
-                 Vec3(0, rise_mm, 0);
+            p +=
+                (width - 1) * share * above_neck * std::clamp(off, -0.6 * width_mm, 0.6 * width_mm) * across +
+                Vec3(0, rise_mm, 0);
         }
 }
 
@@ -262,8 +264,8 @@ Vec3 away_from(const Solid &bones, const Vec3 &p)
     return away.norm() > 1e-6 ? away.normalized() : Vec3::Zero();
 }
 
-/* Moves a vessel that is too close to a bone away from the bone. Where its course between two stations (points of the
- * centreline) comes too close, both move. The groins stay. */
+/* Moves a vessel that is too close to a bone away from the bone. Where its course between two stations
+ * (points of the centreline) comes too close, both move. The groins stay. */
 void give_way_to_bones(Vessel &vessel, double wanted_mm, const Solid &bones)
 {
     constexpr double SPARE_MM = 0.4, STEP_MM = 4.0;
@@ -273,7 +275,8 @@ void give_way_to_bones(Vessel &vessel, double wanted_mm, const Solid &bones)
         size_t next = 1; // the station behind the point
         for (const CurvePoint &point : vessel_curve(vessel, STEP_MM)) {
             const Vec3 &p = point.position_mm;
-            while (next + 1 < vessel.stations.size() && (p - vessel.stations[next].position_mm).norm() < 1e-6) ++next;
+            while (next + 1 < vessel.stations.size() && (p - vessel.stations[next].position_mm).norm() < 1e-6)
+                ++next;
             if (p.y() < ENTRY_MM + 15) continue;
             const double lacking_mm = wanted_mm + SPARE_MM + point.radius_mm - bones.distance(p);
             if (lacking_mm <= 0) continue;
@@ -281,7 +284,8 @@ void give_way_to_bones(Vessel &vessel, double wanted_mm, const Solid &bones)
             for (const size_t i : {next - 1, next}) {
                 if (vessel.stations[i].position_mm.y() < ENTRY_MM + 15) continue;
                 const double off_mm = (vessel.stations[i].position_mm - p).norm();
-                const double span_mm = (vessel.stations[next].position_mm - vessel.stations[next - 1].position_mm).norm();
+                const double span_mm =
+                    (vessel.stations[next].position_mm - vessel.stations[next - 1].position_mm).norm();
                 const double share = std::clamp(1.0 - off_mm / span_mm, 0.0, 1.0);
                 if ((share * move).squaredNorm() > moves[i].squaredNorm()) moves[i] = share * move;
             }
@@ -312,8 +316,8 @@ double rounded(double value)
     return std::round(value * 100) / 100; // the file has two decimals
 }
 
-/* Gives the aorta the wished diameters, times the individual factor: the root, the ascending, the descending and the
- * infrarenal aorta have their own, and the diameters between follow in proportion. */
+/* Gives the aorta the wished diameters, times the individual factor: the root, the ascending, the descending
+ * and the infrarenal aorta have their own, and the diameters between follow in proportion. */
 void set_calibre(DrawnAorta &drawn, const AortaCalibre &calibre, Chance &chance)
 {
     const AortaCalibre shipped;
@@ -337,7 +341,8 @@ void set_calibre(DrawnAorta &drawn, const AortaCalibre &calibre, Chance &chance)
                                      : drawn.aorta_scale * std::lerp(infrarenal, descending, down);
             }
             station.diameter_mm = std::max(1.0, rounded(scale * station.diameter_mm));
-            if (!station.name.empty()) station.source = "drawn by sex, age and height about: " + station.source;
+            if (!station.name.empty())
+                station.source = "drawn by sex, age and height about: " + station.source;
         }
     }
 }
@@ -474,8 +479,7 @@ DrawnAorta drawn_aorta(std::uint64_t seed, const AortaWish &wish)
     const bool is_shipped_man = wish.skeleton == SkeletonShape{};
     const Solid own_bones = is_shipped_man ? Solid{} : trunk_bones(wish.skeleton);
     const Solid &bones = is_shipped_man ? shipped.bones : own_bones;
-    const TreeSpaces usual =
-        is_shipped_man ? shipped.spaces : spaces_of(vessels_of(shipped.draft), bones);
+    const TreeSpaces usual = is_shipped_man ? shipped.spaces : spaces_of(vessels_of(shipped.draft), bones);
     for (unsigned number = 0; number < ATTEMPTS_MAX; ++number) {
         AortaWish tried = wish;
         // A width that the first attempts do not reach is approached less and less.

@@ -41,18 +41,19 @@ struct AortaCalibre {
  * varied. */
 struct AortaWish {
     std::optional<ArchType> type;
-    bool has_common_trunk = false;      // true: asked for; false: drawn
-    std::optional<double> tortuosity;   // of both iliac arteries: length over distance
+    bool has_common_trunk = false;    // true: asked for; false: drawn
+    std::optional<double> tortuosity; // of both iliac arteries: length over distance
     std::optional<AortaCalibre> calibre;
-    double arch_width = 1.0;            // distance of ascending and descending aorta, in parts of the shipped one
+    double arch_width = 1.0; // distance of ascending and descending aorta, in parts of the shipped one
     SkeletonShape skeleton;
 };
 
-/* Makes the tree that belongs to a seed. Every seed has one without a wish. Throws crn::FileError if the shipped
- * files cannot be read, and std::runtime_error if no plausible tree has what is asked for. */
+/* Makes the tree that belongs to a seed. Every seed has one without a wish. Throws crn::FileError if the
+ * shipped files cannot be read, and std::runtime_error if no plausible tree has what is asked for. */
 DrawnAorta drawn_aorta(std::uint64_t seed, const AortaWish &wish = {});
 
-/* Returns the horizontal distance of the ascending and the descending aorta at the height of the pulmonary artery. */
+/* Returns the horizontal distance of the ascending and the descending aorta at the height of the pulmonary
+ * artery. */
 double arch_width_mm(const std::vector<Vessel> &vessels);
 
 /* Returns the tree as the text of a vessel file. */

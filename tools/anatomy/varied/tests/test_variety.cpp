@@ -107,7 +107,8 @@ void the_rules_refuse_vessels_in_bones_in_each_other_and_with_sharp_bends(void *
     for (Station &station : touching[index("left common carotid artery")].stations)
         if (station.position_mm.y() > 260)
             station.position_mm += Vec3(14, 0, -17); // into the left subclavian
-    assert_non_null(std::strstr(broken_rule(touching, usual, bones()).c_str(), "mm from left common carotid artery"));
+    assert_non_null(
+        std::strstr(broken_rule(touching, usual, bones()).c_str(), "mm from left common carotid artery"));
 
     std::vector<Vessel> bent = shipped;
     for (Station &station : bent[index("aorta")].stations)

@@ -1,6 +1,6 @@
-/* Makes the upper cervical vertebrae, the skull with jaw and teeth, and the bones of forearms and hands. The size of
- * the head is that of textbooks (183 x 141 mm over the vault, 131 mm over the cheekbones, a man; a woman's 5 % less);
- * all courses are assumed. */
+/* Makes the skull with jaw and teeth, and the bones of forearms and hands. The size of
+ * the head is that of textbooks (183 x 141 mm over the vault, 131 mm over the cheekbones, a man; a woman's 5
+ * % less); all courses are assumed. */
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
 
@@ -12,47 +12,6 @@ namespace
 
 /* The teeth are as dense as cortex: no marrow lies in a shape with a shell thicker than the shape. */
 constexpr double SOLID_MM = 40.0;
-
-/* C4 to C1, on the line from C5 (skeleton_spine.cpp) to the base of the skull. */
-Part cervical_part()
-{
-    struct Level {
-        double y, z, width, height, depth;
-    };
-    const Level levels[] = {{357, -37, 20, 12, 16}, {374, -37, 19.5, 12, 16}, {393, -38, 19, 16, 15}};
-    Part part(3.0);
-    for (const Level &level : levels) {
-        const Vec3 centre(0, level.y, level.z);
-        part.add<Drum>(centre, Eigen::Matrix3d::Identity(), level.width, level.height, level.depth).cortex_mm =
-            0.7;
-        const double back = level.z - 0.5 * level.depth;
-        for (double s : {-1.0, 1.0}) {
-            part.rod({side(s, 9, level.y + 1, back + 3), side(s, 14, level.y, back - 2)}, {3.2, 3.4}, 0.8);
-            part.rod({side(s, 20, level.y + 6, back - 3), side(s, 20, level.y - 6, back - 5)}, {5, 5}, 0.8);
-            part.rod({side(s, 9, level.y + 1, back + 6), side(s, 23, level.y - 2, back + 4)}, {2.5, 2.8}, 0.8);
-            part.plate(side(s, 18, level.y + 4, back - 5), side(s, 18, level.y - 5, back - 6),
-                       Vec3(0, level.y - 4, back - 20), 1.9, 0.7);
-            part.plate(side(s, 18, level.y + 4, back - 5), Vec3(0, level.y + 3, back - 18),
-                       Vec3(0, level.y - 4, back - 20), 1.9, 0.7);
-        }
-        part.rod({Vec3(0, level.y - 1, back - 19), Vec3(0, level.y - 5, back - 28)}, {3.2, 3.4}, 0.7);
-    }
-    part.rod({{0, 398, -38}, {0, 414, -38}}, {5.5, 4.5}, 0.8); // the dens of C2
-    return part;
-}
-
-/* C1 is a ring with two side masses under the skull. */
-Part atlas_part()
-{
-    Part part(2.5);
-    for (double s : {-1.0, 1.0}) {
-        part.add<Ellipsoid>(side(s, 22, 411, -42), Vec3(8, 7, 9)).cortex_mm = 0.8;
-        part.rod({side(s, 24, 411, -44), side(s, 38, 410, -46)}, {4, 3.5}, 0.8);
-        part.rod({side(s, 20, 411, -36), side(s, 10, 411, -29), {0, 411, -27.5}}, {3.2, 3, 3.5}, 0.8);
-        part.rod({side(s, 24, 411, -48), side(s, 17, 411, -65), {0, 411, -74}}, {3, 2.8, 3.4}, 0.8);
-    }
-    return part;
-}
 
 /* The vault is an ellipsoid with a hollow for the brain: 6.5 mm thick, of which each table has 1.8 mm. */
 const Vec3 VAULT(0, 489, -20), VAULT_HALF(70.5, 68, 91.5);
@@ -70,16 +29,17 @@ void add_base_and_face(Part &part)
                   side(s, 61, 432, -10)},
                  {9, 10, 5, 3.6, 4.5}, 1.2);
         part.rod({side(s, 46, 418, 50), side(s, 50, 440, 46), side(s, 46, 462, 52)}, {7, 5, 6}, 1.4);
-        part.rod({side(s, 46, 462, 52), side(s, 30, 470, 66), side(s, 10, 462, 72)}, {6, 5.5, 5}, 1.4); // brow
-        part.rod({side(s, 12, 458, 70), side(s, 13, 435, 68), side(s, 16, 408, 68)}, {5, 4, 6}, 1.0);   // nose
+        part.rod({side(s, 46, 462, 52), side(s, 30, 470, 66), side(s, 10, 462, 72)}, {6, 5.5, 5},
+                 1.4);                                                                                // brow
+        part.rod({side(s, 12, 458, 70), side(s, 13, 435, 68), side(s, 16, 408, 68)}, {5, 4, 6}, 1.0); // nose
         part.rod({side(s, 16, 424, 60), side(s, 40, 424, 50)}, {3.5, 4}, 1.0); // floor of the orbit
         part.plate(side(s, 46, 455, 40), side(s, 44, 425, 20), side(s, 34, 440, 2), 1.5, 0.6);
         part.plate(side(s, 18, 415, 8), side(s, 20, 440, 6), side(s, 20, 420, 26), 1.6, 0.7); // pterygoid
     }
-    part.rod({{0, 424, -24}, {0, 436, -6}, {0, 446, 8}}, {11, 10, 9}, 1.2);  // clivus and sphenoid
-    part.rod({{0, 462, 72}, {0, 446, 80}, {0, 434, 86}}, {6, 4, 2.5}, 1.0);  // nasal bones
-    part.plate({0, 452, 66}, {0, 405, 66}, {0, 445, 10}, 1.0, 0.5);          // septum
-    for (double s : {-1.0, 1.0}) // hard palate
+    part.rod({{0, 424, -24}, {0, 436, -6}, {0, 446, 8}}, {11, 10, 9}, 1.2); // clivus and sphenoid
+    part.rod({{0, 462, 72}, {0, 446, 80}, {0, 434, 86}}, {6, 4, 2.5}, 1.0); // nasal bones
+    part.plate({0, 452, 66}, {0, 405, 66}, {0, 445, 10}, 1.0, 0.5);         // septum
+    for (double s : {-1.0, 1.0})                                            // hard palate
         part.plate({0, 402, 70}, {0, 404, 26}, side(s, 22, 403, 30), 2.0, 0.8);
 }
 
@@ -123,7 +83,8 @@ Part teeth_part(double y, double width)
 Part upper_jaw_part()
 {
     Part part(3.0);
-    part.add<Tube>(sample_curve(arch_curve(401, 25, 74, 34), std::vector<double>(7, 7.5), 4.0)).cortex_mm = 1.1;
+    part.add<Tube>(sample_curve(arch_curve(401, 25, 74, 34), std::vector<double>(7, 7.5), 4.0)).cortex_mm =
+        1.1;
     return part;
 }
 
@@ -131,7 +92,13 @@ Part upper_jaw_part()
 Part lower_jaw_part()
 {
     Part part(4.0);
-    part.rod({{-48, 374, 6}, {-42, 366, 32}, {-26, 360, 62}, {0, 358, 74}, {26, 360, 62}, {42, 366, 32}, {48, 374, 6}},
+    part.rod({{-48, 374, 6},
+              {-42, 366, 32},
+              {-26, 360, 62},
+              {0, 358, 74},
+              {26, 360, 62},
+              {42, 366, 32},
+              {48, 374, 6}},
              {7, 8, 8.5, 9.5, 8.5, 8, 7}, 2.4);
     for (double s : {-1.0, 1.0}) {
         part.plate(side(s, 49, 374, 2), side(s, 46, 372, 32), side(s, 51, 418, 4), Vec3(4, 4, 3), 1.2);
@@ -147,8 +114,6 @@ Part lower_jaw_part()
 Solid head_bones(const SkeletonShape &shape)
 {
     Solid solid;
-    solid.add(cervical_part());
-    solid.add(atlas_part());
     solid.add(skull_part());
     solid.add(upper_jaw_part());
     solid.add(lower_jaw_part());
@@ -166,16 +131,18 @@ Solid forearm_bones(const SkeletonShape &shape)
         ulna.rod({side(s, 300, 553, 2), side(s, 296, 545, 8), side(s, 268, 588, 10), side(s, 218, 652, 16),
                   side(s, 168, 712, 24)},
                  {8, 10, 7, 6, 5.5}, 3.0);
-        radius.rod({side(s, 283, 548, 28), side(s, 262, 582, 32), side(s, 212, 650, 36), side(s, 172, 700, 38),
-                    side(s, 158, 718, 38)},
+        radius.rod({side(s, 283, 548, 28), side(s, 262, 582, 32), side(s, 212, 650, 36),
+                    side(s, 172, 700, 38), side(s, 158, 718, 38)},
                    {9, 6.5, 7, 8, 11}, 2.6);
         solid.add(ulna);
         solid.add(radius);
         Part wrist(0.5);
         for (int row = 0; row < 2; row++)
             for (int k = 0; k < 4; k++)
-                wrist.add<Ellipsoid>(side(s, 164 - 10.5 * row - 9.5 * k + 12, 728 + 11 * row - 5.5 * k + 8, 36),
-                                     Vec3(5.6, 5.6, 6.5))
+                wrist
+                    .add<Ellipsoid>(
+                        side(s, 164 - 10.5 * row - 9.5 * k + 12, 728 + 11 * row - 5.5 * k + 8, 36),
+                        Vec3(5.6, 5.6, 6.5))
                     .cortex_mm = 1.0;
         solid.add(wrist);
         for (int k = 0; k < 4; k++) { // metacarpals and fingers, close together

@@ -282,8 +282,8 @@ LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, con
     };
 }
 
-/* Adds the plaques in the wall of vessels inside the belly's fat, or those outside of it, where they are clear of
- * bones and organs. */
+/* Adds the plaques in the wall of vessels inside the belly's fat, or those outside of it, where they are
+ * clear of bones and organs. */
 void add_plaques(std::vector<Body> &bodies, const std::vector<Plaque> &plaques, const Solid &organs,
                  const LocalDistance &belly, bool is_in_belly, double scale)
 {
@@ -315,7 +315,8 @@ void add_plaques(std::vector<Body> &bodies, const std::vector<Plaque> &plaques, 
 
 } // namespace
 
-std::vector<Body> belly_bodies(const SoftShape &shape, const Solid &bones, const VesselTree &tree, double scale)
+std::vector<Body> belly_bodies(const SoftShape &shape, const Solid &bones, const VesselTree &tree,
+                               double scale)
 {
     const LocalDistance belly = belly_distance(shape, bones);
     std::vector<Body> bodies = {

@@ -47,8 +47,8 @@ double trunk_distance(const Vec3 &p)
     return (level - 1.0) / slope;
 }
 
-/* Where fat lies under the skin of the shipped man, at the chest 5 mm and at the belly and hips 14 mm; 2.5 mm at
- * neck, head and arms. A woman's hips and thighs have more. */
+/* Where fat lies under the skin of the shipped man, at the chest 5 mm and at the belly and hips 14 mm; 2.5 mm
+ * at neck, head and arms. A woman's hips and thighs have more. */
 double fat_under_skin_mm(const SoftShape &shape, const Vec3 &p)
 {
     constexpr double CHEST_FAT_MM = 5.0, BELLY_FAT_MM = 14.0, HEAD_FAT_MM = 2.5, HIPS_MM = 5.0;
@@ -58,7 +58,8 @@ double fat_under_skin_mm(const SoftShape &shape, const Vec3 &p)
     return fat;
 }
 
-/* Fat that a person has more or less than the shipped man lies in front and at the sides rather than at the back. */
+/* Fat that a person has more or less than the shipped man lies in front and at the sides rather than at the
+ * back. */
 double extra_fat_mm(const SoftShape &shape, const Vec3 &p)
 {
     if (shape.fat == 1.0) return 0.0;
@@ -76,7 +77,8 @@ Part breasts(double radius_mm)
     return part;
 }
 
-/* Neck, head, and raised arms that bend at the elbow over the head. They follow the bones (skeleton_head.cpp). */
+/* Neck, head, and raised arms that bend at the elbow over the head. They follow the bones
+ * (skeleton_head.cpp). */
 Part upper_parts()
 {
     Part part(22.0);
@@ -93,14 +95,15 @@ Part arms()
 {
     Part part(16.0);
     for (double s : {-1.0, 1.0}) {
-        part.rod({side(s, 172, 240, -52), side(s, 206, 300, -42), side(s, 240, 390, -22), side(s, 275, 470, -2),
-                  side(s, 300, 532, 12)},
+        part.rod({side(s, 172, 240, -52), side(s, 206, 300, -42), side(s, 240, 390, -22),
+                  side(s, 275, 470, -2), side(s, 300, 532, 12)},
                  {52, 48, 46, 41, 38});
         part.rod({side(s, 300, 535, 12), side(s, 262, 596, 18), side(s, 205, 668, 26), side(s, 158, 724, 34)},
                  {38, 42, 34, 27});
-        Tube &hand = part.add<Tube>(
-            sample_curve({side(s, 158, 724, 34), side(s, 130, 762, 38), side(s, 98, 800, 42)}, {30, 40, 30}, 6.0),
-            side(s, 0.75, 0.6, 0), 0.42);
+        Tube &hand =
+            part.add<Tube>(sample_curve({side(s, 158, 724, 34), side(s, 130, 762, 38), side(s, 98, 800, 42)},
+                                        {30, 40, 30}, 6.0),
+                           side(s, 0.75, 0.6, 0), 0.42);
         hand.bounds.include(side(s, 130, 762, 38), 45.0);
     }
     return part;

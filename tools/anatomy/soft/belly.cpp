@@ -160,7 +160,8 @@ Solid bowel_gas(const SoftShape &shape, double wall_mm)
     auto pouch = [&](const std::vector<Vec3> &course, double radius_mm, uint32_t seed) {
         Part part(3.5);
         // Another person's pouches have other sizes: each 0.6 to 1.2 of the shipped man's.
-        const std::uint32_t own = shape.bowel_seed == 0 ? seed : seed * 2654435761u ^ (shape.bowel_seed * 40503u + 1u);
+        const std::uint32_t own =
+            shape.bowel_seed == 0 ? seed : seed * 2654435761u ^ (shape.bowel_seed * 40503u + 1u);
         const double size = shape.bowel_seed == 0 ? 1.0 : 0.6 + 0.6 * (own >> 8 & 0xff) / 255.0;
         add_pouches(part, course, radius_mm * shape.gas * size, wall_mm, own | 1u);
         solid.add(part);
