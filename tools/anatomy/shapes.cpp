@@ -131,7 +131,9 @@ double Tube::distance(const Vec3 &point) const
     double best = FAR, best_t = 0.0;
     const Segment *nearest = nullptr;
     for (const Chunk &chunk : chunks_) {
-        if (chunk.bounds.is_beyond(point, best)) continue;
+        if (is_exact_inside && best <= 0.0 ? chunk.bounds.squared_distance(point) > 0.0
+                                           : chunk.bounds.is_beyond(point, best))
+            continue;
         for (size_t i = chunk.first; i < chunk.last; i++) {
             const Segment &segment = (*segments_)[i];
             const Vec3 offset = point - segment.start;
@@ -228,6 +230,7 @@ Formula::Formula(std::function<double(const Vec3 &)> function, const Box &where)
 Tube &Part::rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm)
 {
     Tube &tube = add<Tube>(sample_curve(points, radii_mm, 4.0));
+    tube.is_exact_inside = is_exact_inside;
     tube.cortex_mm = cortex_mm;
     return tube;
 }
@@ -252,7 +255,8 @@ double Part::evaluate(const Vec3 &point, double cortex_scale) const
     constexpr double CUT_ROUND_MM = 1.0;
     double total = 1e9;
     for (const auto &shape : added) {
-        const double reach = total + blend_mm + cortex_scale * shape->cortex_mm;
+        const double reach =
+            (is_exact_inside ? std::max(0.0, total) : total) + blend_mm + cortex_scale * shape->cortex_mm;
         if (reach < 0.0 || (reach < 1e8 && shape->bounds.is_beyond(point, reach))) continue;
         const bool own_marrow = cortex_scale > 0.0 && shape->marrow;
         const double distance = own_marrow ? shape->marrow->distance(point)
@@ -281,8 +285,8 @@ double Part::marrow_distance(const Vec3 &point) const
     // The shell is at least as thick as wanted where only one shape is near; only joints need the second
     // look.
     if (blend_mm <= 0.0 && removed.empty()) return inner;
-    constexpr double FAR_MM = 12.0; // beyond all blends, the least thickness does not matter
-    if (inner > FAR_MM) return inner;
+    constexpr double FAR_MM = 5.0; // so far from the surface of the marrow, only the sign matters
+    if (std::abs(inner) > FAR_MM) return inner;
     return std::max(inner, scale_ * evaluate(own, 0.0) + SHELL_LEAST_MM);
 }
 

@@ -62,6 +62,9 @@ class Tube : public Shape
     Tube(const Curve &curve, const std::vector<Section> &sections);
     double distance(const Vec3 &point) const override;
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
+    /* Inside a tube, distances are usually those of the first segment found, which is enough for its surface.
+     * Layers at a depth below the surface need the true ones. */
+    bool is_exact_inside = false;
 
   private:
     struct Segment { // start, vector to the end, 1 / |axis|^2, radius at the start, and change of the radius
@@ -170,6 +173,7 @@ class Part
     double blend_mm; // in the frame of the shapes
     Box bounds;      // in the patient frame, as the part is after it was enlarged
     std::vector<std::shared_ptr<Shape>> added, removed;
+    bool is_exact_inside = false; // for layers below the surface; rods added later have it too
 
   private:
     double evaluate(const Vec3 &point, double cortex_scale) const;

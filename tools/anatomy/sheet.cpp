@@ -6,7 +6,7 @@ namespace anatomy
 
 Sheet::Sheet(const std::vector<std::vector<SheetPoint>> &rows)
 {
-    constexpr size_t PATCH = 6; // quadrangles along each side
+    constexpr size_t PATCH = 3; // quadrangles along each side
     auto plates = std::make_shared<std::vector<Plate>>();
     const auto add = [&](const SheetPoint &a, const SheetPoint &b, const SheetPoint &c) {
         plates->emplace_back(a.position_mm, b.position_mm, c.position_mm,

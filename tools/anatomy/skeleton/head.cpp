@@ -68,14 +68,17 @@ std::vector<Vec3> arch_curve(double y, double width, double front, double back)
             {width, y, back}};
 }
 
-Part teeth_part(double y, double width)
+/* One row of teeth, with crowns that point down (-1) or up (+1) from the height y of their roots. */
+Part teeth_part(double y, double width, double towards)
 {
+    constexpr double LENGTH_MM = 12.5;
     Part part(0.4);
-    const Curve row = sample_curve(arch_curve(y, width, 78, 40), std::vector<double>(7, 1.0), 7.0);
+    const Curve row = sample_curve(arch_curve(y, width, 78, 40), std::vector<double>(7, 1.0), 7.6);
     for (const CurvePoint &point : row) {
         const double molar = smooth_step(0.55, 0.8, std::abs(point.position_mm.x()) / width);
-        part.add<Ellipsoid>(point.position_mm, Vec3(3.1 + 1.6 * molar, 9.0 - 1.0 * molar, 3.3 + 1.5 * molar))
-            .cortex_mm = SOLID_MM;
+        const double radius_mm = 3.2 + 1.2 * molar;
+        const Vec3 crown = point.position_mm + Vec3(0, towards * (LENGTH_MM - radius_mm + 3.2), 0);
+        part.rod({point.position_mm, crown}, {0.8 * radius_mm, radius_mm}, SOLID_MM);
     }
     return part;
 }
@@ -117,8 +120,8 @@ Solid head_bones(const SkeletonShape &shape)
     solid.add(skull_part());
     solid.add(upper_jaw_part());
     solid.add(lower_jaw_part());
-    solid.add(teeth_part(389, 26));
-    solid.add(teeth_part(371, 25));
+    solid.add(teeth_part(396, 26, -1));
+    solid.add(teeth_part(363.5, 25, 1));
     solid.enlarge(shape.scale);
     return solid;
 }

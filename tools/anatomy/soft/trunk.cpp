@@ -82,6 +82,7 @@ Part breasts(double radius_mm)
 Part upper_parts()
 {
     Part part(22.0);
+    part.is_exact_inside = true;
     part.rod({{0, 300, -30}, {0, 350, -28}, {0, 395, -24}, {0, 440, -24}}, {60, 58, 58, 60});
     part.add<Ellipsoid>(Vec3(0, 489, -20), Vec3(78, 78, 99));
     part.add<Ellipsoid>(Vec3(0, 428, 30), Vec3(71, 74, 62));
@@ -94,6 +95,7 @@ Part upper_parts()
 Part arms()
 {
     Part part(16.0);
+    part.is_exact_inside = true;
     for (double s : {-1.0, 1.0}) {
         part.rod({side(s, 172, 240, -52), side(s, 206, 300, -42), side(s, 240, 390, -22),
                   side(s, 275, 470, -2), side(s, 300, 532, 12)},
@@ -151,7 +153,7 @@ Solid skin(const SoftShape &shape)
             constexpr double NECK_MM = 330.0, NECK_RIM_MM = 20.0;
             double inside = smooth_max(trunk_distance(p), p.y() - NECK_MM, NECK_RIM_MM);
             if (const double limb = distance_near(limbs, p); limb < FAR_MM)
-                inside = smooth_min(inside, smooth_min(shoulders.distance(p), limb, 30.0), SHOULDER_BLEND_MM);
+                inside = smooth_min(inside, smooth_min(shoulders.distance(p), limb, 40.0), SHOULDER_BLEND_MM);
             inside = smooth_min(inside, distance_near(upper, p), NECK_BLEND_MM);
             inside -= extra_fat_mm(shape, p) + belly_growth_mm(shape, p);
             if (shape.breast_mm > 0.0) inside = smooth_min(inside, distance_near(breast, p), BREAST_BLEND_MM);
