@@ -17,7 +17,7 @@ constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
 /* The meshes of thin bones are simplified less than those of other bones. An X-ray picture along the iliac
  * wing, whose cortex is 2 mm thick, shows a patch of the surface as a streak if its direction is wrong by
  * 3 degrees. */
-constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
+constexpr double BONE_ERROR_MM = 0.18, THIN_BONE_ERROR_MM = 0.1;
 /* The inner surface of the cortex is uneven by GRAIN_MM, or by THIN_BONE_GRAIN_MM in thin bones, so that
  * bones look grainy in the X-ray picture. */
 constexpr double GRAIN_MM = 0.12, THIN_BONE_GRAIN_MM = 0.05;
@@ -81,6 +81,20 @@ void add_bone(std::vector<Body> &bodies, const BoneGroup &group, const Solid &be
          {where, marrow_distance(group.solid, group.grain_mm, before), voxel_mm, group.error_mm}});
 }
 
+/* Adds the calcium of the costal cartilages, if there is any. Cartilage itself attenuates X-rays like the
+ * muscle around it, so it is no body; the lungs and the heart leave its space free. */
+void add_cartilages(std::vector<Body> &bodies, Solid &bones, const SkeletonShape &shape, double scale)
+{
+    const Solid calcium = cartilage_calcium(shape);
+    if (!calcium.is_empty())
+        bodies.push_back(
+            {"cartilage_calcium",
+             "cortical_bone",
+             "flesh",
+             {grown(calcium.bounds, 2.0), bone_distance(calcium, bones), 1.4 * scale, BONE_ERROR_MM}});
+    bones.add(costal_cartilages(shape));
+}
+
 } // namespace
 
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
@@ -92,27 +106,33 @@ MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
     return {grown(lumen.bounds, 2.0), local_distance(lumen), voxel_mm, 0.03};
 }
 
-std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness)
+std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness, const Person &person)
 {
     // The vertices of each frame are rounded to a micrometre in the file. If the mesh had edges of about a
     // micrometre, rounding would turn some triangles over.
     constexpr double SHORTEST_MM = 0.02;
     const double scale = fineness.body_scale;
-    const BoneGroup groups[] = {{"spine", spine_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},
-                                {"ribs", rib_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},
-                                {"pelvis", pelvis_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-                                {"femurs", femur_bones(), 1.8, BONE_ERROR_MM, GRAIN_MM},
-                                {"shoulders", shoulder_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM}};
+    const SkeletonShape shape = skeleton_shape(person);
+    const SoftShape soft = soft_shape(person);
+    const BoneGroup groups[] = {
+        {"spine", spine_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
+        {"ribs", rib_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
+        {"pelvis", pelvis_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"femurs", femur_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM},
+        {"shoulders", shoulder_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"head", head_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"forearms", forearm_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM}};
     Solid bones;
     std::vector<Body> skeleton;
     for (const BoneGroup &group : groups) {
         add_bone(skeleton, group, bones, scale);
         bones.add(group.solid);
     }
-    std::vector<Body> bodies = layer_bodies(bones, scale);
+    add_cartilages(skeleton, bones, shape, scale);
+    std::vector<Body> bodies = layer_bodies(soft, bones, scale);
     bodies.insert(bodies.end(), skeleton.begin(), skeleton.end());
     for (const Body &body : chest_bodies(bones, tree, scale)) bodies.push_back(body);
-    for (const Body &body : belly_bodies(bones, scale)) bodies.push_back(body);
+    for (const Body &body : belly_bodies(soft, bones, tree, scale)) bodies.push_back(body);
     if (tree.coronary_count > 0)
         for (Body &body : bodies)
             if (moves_with_heart(body.name)) body.request.shortest_mm = SHORTEST_MM;

@@ -6,6 +6,7 @@
 #pragma once
 #include "tools/anatomy/spline.hpp"
 #include <Eigen/Geometry>
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -17,8 +18,15 @@ struct Box {
     Vec3 low = Vec3::Constant(1e9), high = Vec3::Constant(-1e9);
     void include(const Vec3 &point, double margin_mm);
     void include(const Box &other);
+    bool is_empty() const { return low.x() > high.x(); }
     double distance(const Vec3 &point) const; // 0 inside
-    double distance(const Box &other) const;  // 0 where they touch or overlap
+    double squared_distance(const Vec3 &point) const;
+    /* Returns whether the distance to the point is at least `limit_mm`; faster than distance(). */
+    bool is_beyond(const Vec3 &point, double limit_mm) const
+    {
+        return limit_mm <= 0.0 || squared_distance(point) >= limit_mm * limit_mm;
+    }
+    double distance(const Box &other) const; // 0 where they touch or overlap
 };
 
 using Distance = std::function<double(const Vec3 &)>; // signed distance at a point, millimetres
@@ -29,7 +37,8 @@ class Shape
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
     /* Returns a shape that has the same distances near the box but needs less computation than this shape;
-     * returns null when there is no such shape. */
+     * returns null when there is no such shape. The bounds of the returned shape are empty where nothing of
+     * this shape is near. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;
     double cortex_mm = 1.0;        // thickness of the shell around the marrow space
@@ -45,6 +54,12 @@ class Tube : public Shape
   public:
     explicit Tube(const Curve &curve);
     Tube(const Curve &curve, const Vec3 &flat, double thinness);
+    /* A twisted band: every sample of the curve has its own section. */
+    struct Section {
+        Vec3 flat;
+        double thinness;
+    };
+    Tube(const Curve &curve, const std::vector<Section> &sections);
     double distance(const Vec3 &point) const override;
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 
@@ -53,16 +68,16 @@ class Tube : public Shape
                      // to the end
         Vec3 start, axis;
         double inverse_squared, radius_mm, radius_change_mm;
+        Section section, section_change;
     };
     struct Chunk {
         size_t first, last;
         Box bounds;
     };
-    void build(const Curve &curve);
+    void build(const Curve &curve, const std::vector<Section> &sections);
     double section_distance(const Vec3 &point, const Segment &segment, double t) const;
     std::shared_ptr<const std::vector<Segment>> segments_;
-    Vec3 flat_ = Vec3::Zero();
-    double thinness_ = 1.0;
+    bool is_round_ = true;
     std::vector<Chunk> chunks_;
 };
 
@@ -89,22 +104,12 @@ class Plate : public Shape
     double distance(const Vec3 &point) const override;
 
   private:
-    Vec3 a_, b_, c_, half_thickness_mm_;
-};
-
-/* A vertebral body. The vertebral body is a drum with a waist, slightly hollow end plates and a flattened
- * back. The y axis of the drum's own frame points up. */
-class Drum : public Shape
-{
-  public:
-    Drum(const Vec3 &centre, const Eigen::Matrix3d &rotation, double width_mm, double height_mm,
-         double depth_mm);
-    double distance(const Vec3 &point) const override;
-
-  private:
-    Vec3 centre_;
-    Eigen::Matrix3d inverse_;
-    double half_width_, half_height_, half_depth_;
+    struct Edge {                // from corner i to corner i + 1
+        Vec3 start, along, foot; // foot: the share of the opposite corner grows along it
+        double inverse_squared, thickness, thickness_change;
+    };
+    std::array<Edge, 3> edges_;
+    Vec3 normal_, half_thickness_mm_; // normal of length one
 };
 
 /* Describes a shape that is defined by an arbitrary distance function and a bounding box. */
@@ -158,13 +163,17 @@ class Part
     /* Returns a copy of this part of a bone that takes less time to evaluate for points inside `box`. The
      * distance to the copy is correct wherever it is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
-
-    double blend_mm;
-    Box bounds;
+    /* Enlarges the part about the origin of the patient frame, by a factor above 0. */
+    void enlarge(double factor);
+    /* Returns how far outside `bounds` the part may lie, where smooth joints bulge. */
+    double margin_mm() const { return scale_ * blend_mm; }
+    double blend_mm; // in the frame of the shapes
+    Box bounds;      // in the patient frame, as the part is after it was enlarged
     std::vector<std::shared_ptr<Shape>> added, removed;
 
   private:
     double evaluate(const Vec3 &point, double cortex_scale) const;
+    double scale_ = 1.0; // from the frame of the shapes to the patient frame
 };
 
 class Solid
@@ -175,6 +184,7 @@ class Solid
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
     Solid near(const Box &box, double reach_mm) const;
+    void enlarge(double factor); // about the origin of the patient frame
     bool is_empty() const { return parts_.empty(); }
     Box bounds;
 

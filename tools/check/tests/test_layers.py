@@ -101,7 +101,8 @@ ALLOWED = {
     "host/cli": ["host/base"],  # the command lines of all programs
     "host/model": ["host/base", "shared"],
     "host/xray/paths": ["host/model", "host/base"],
-    "host/xray": ["host/xray/paths", "host/model", "host/base"],
+    "host/xray/volume": ["host/xray/paths", "host/model", "host/base"],
+    "host/xray": ["host/xray/paths", "host/xray/volume", "host/model", "host/base"],
     "host/xray/style": ["host/xray", "host/xray/paths", "host/model", "host/base"],
     "host/xray/gl": ["host/xray", "host/model", "host/base"],
     "host/dicom": ["host/xray", "host/model", "host/base"],  # the only folder that uses DCMTK
@@ -323,6 +324,26 @@ ALLOWED = {
         "host/base",
         "host/xray",
         "host/picture/canvas.hpp",
+    ],
+    "tools/lab/ct/program": COMMAND_LINE
+    + ["tools/lab/ct", "host/base/text.hpp", "tools/lab/reference_rod/truth_options.hpp"],
+    "tools/lab/ct/patient": [
+        "tools/lab/ct",
+        "tools/centreline",
+        "tools/bake",
+        "tools/mesh",
+        "host/model",
+        "host/base",
+        "host/xray",
+        "host/picture/picture.hpp",
+        "shared/wire/wire_frame.h",
+    ],
+    "tools/lab/ct/patient/tests": [
+        "tools/lab/ct",
+        "tools/centreline",
+        "tools/bake",
+        "tools/mesh",
+        "host/base/tests/folder.hpp",
     ],
     "tools/lab/ct/tests": ["tools/lab/ct", "tools/lab/case", "tools/bake", "tools/mesh", "host/base/tests/folder.hpp"],
     "tools/mesh": [
