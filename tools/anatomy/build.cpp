@@ -91,7 +91,8 @@ void add_cartilages(std::vector<Body> &bodies, Solid &bones, const SkeletonShape
             {"cartilage_calcium",
              "cortical_bone",
              "flesh",
-             {grown(calcium.bounds, 2.0), bone_distance(calcium, bones), 1.4 * scale, BONE_ERROR_MM}});
+             {grown(calcium.bounds, 2.0), bone_distance(calcium, bones), 1.4 * std::min(scale, 1.2),
+              BONE_ERROR_MM, 0.0, true}}); // a little calcium may be finer than the grid
     bones.add(costal_cartilages(shape));
 }
 

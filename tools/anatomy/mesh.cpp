@@ -147,6 +147,7 @@ Mesh mesh_of(const MeshRequest &request)
             };
         Mesh mesh = surface_of(level_set(nudged), nudged);
         crn::mesh::drop_small_pieces(mesh.vertices_mm, mesh.triangles, CRUMB_TRIANGLES, 0);
+        if (mesh.triangles.empty() && request.may_be_empty) return {};
         if (mesh.triangles.empty()) throw std::runtime_error("the surface is empty");
         fault = closed_mesh_fault(mesh);
         if (!fault.empty()) continue;

@@ -32,11 +32,12 @@ struct MeshRequest {
     double voxel_mm = 1.5;
     double error_mm = 0.15;
     double shortest_mm = 0;
+    bool may_be_empty = false; // an empty mesh is no failure
 };
 
 /* Returns the mesh of the surface on which the distance is 0. Connected parts of the mesh that have fewer
- * than 60 triangles are left out. Throws std::runtime_error when the surface is empty or extends beyond the
- * given bounds. */
+ * than 60 triangles are left out. Throws std::runtime_error when the surface is empty, unless it may be, or
+ * extends beyond the given bounds. */
 Mesh mesh_of(const MeshRequest &request);
 
 /* Returns an empty text if every edge of the mesh belongs to exactly two triangles, which traverse the edge

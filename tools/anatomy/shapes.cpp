@@ -282,9 +282,6 @@ double Part::marrow_distance(const Vec3 &point) const
     constexpr double SHELL_LEAST_MM = 0.7;
     const Vec3 own = point / scale_;
     const double inner = scale_ * evaluate(own, 1.0);
-    // The shell is at least as thick as wanted where only one shape is near; only joints need the second
-    // look.
-    if (blend_mm <= 0.0 && removed.empty()) return inner;
     constexpr double FAR_MM = 5.0; // so far from the surface of the marrow, only the sign matters
     if (std::abs(inner) > FAR_MM) return inner;
     return std::max(inner, scale_ * evaluate(own, 0.0) + SHELL_LEAST_MM);

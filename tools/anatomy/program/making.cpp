@@ -108,6 +108,7 @@ void make_bodies(const Options &options, const std::vector<Body> &bodies, const 
     }
     make_meshes(names, requests, options.threads, [&](size_t i, Mesh &&mesh, double seconds) {
         const std::string &name = bodies[i].name;
+        if (mesh.triangles.empty()) return; // one that may be empty
         keep(name, mesh);
         enlarge(mesh.vertices_mm, options.scale);
         write_ply(options.folder / (file_stem(name) + ".ply"), mesh,
@@ -126,15 +127,18 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
     all.insert(all.end(), bodies.begin(), bodies.end());
     make_folder(options);
     size_t lumen = 0, total = 0;
+    std::vector<Body> made; // without those that came out empty
     make_bodies(options, all, [&](const std::string &name, const Mesh &mesh) {
         (name == "lumen" ? lumen : total) += mesh.triangles.size();
+        for (const Body &body : bodies)
+            if (body.name == name) made.push_back(body);
         keep(name, mesh);
     });
     for (const Vessel &vessel : written.vessels)
         write_centreline(options.folder / (file_stem(vessel.name) + ".mrk.json"), vessel);
-    write_scene(options.folder / "scene.toml", written, bodies, lesions);
+    write_scene(options.folder / "scene.toml", written, made, lesions);
     std::printf("%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines\n",
-                (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total,
+                (options.folder / "scene.toml").string().c_str(), lumen, made.size(), total,
                 tree.vessels.size());
 }
 

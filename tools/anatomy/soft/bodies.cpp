@@ -310,7 +310,7 @@ void add_plaques(std::vector<Body> &bodies, const std::vector<Plaque> &plaques, 
     bodies.push_back({is_in_belly ? "calcium_belly" : "calcium_chest",
                       "cortical_bone",
                       is_in_belly ? "belly_fat" : "flesh",
-                      {grown(solid.bounds, 2.0), distance, 0.7 * std::min(scale, 1.3), 0.06}});
+                      {grown(solid.bounds, 2.0), distance, 0.7 * std::min(scale, 1.3), 0.06, 0.0, true}});
 }
 
 } // namespace
