@@ -16,7 +16,8 @@ constexpr double emptied_max = 0.95; // share of a layer that may leave its cell
 } // namespace
 
 ContrastFlow::ContrastFlow(const VesselTree &tree, const ContrastSettings &settings)
-    : settings_(settings), cells_(tree), network_(cells_, settings.viscosity_mPa_s)
+    : settings_(settings), cells_(tree), network_(cells_, settings.viscosity_mPa_s),
+      distal_(tree, cells_)
 {
     const std::size_t count = cells_.size();
     for (std::size_t i = 0; i < count; ++i) volume_ml_.push_back(cells_[i].volume_ml);
@@ -93,6 +94,11 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     }
     if (widening_steps_ > 0) end_widening();
     mix(step_s);
+    const std::vector<FlowRun> &runs = network_.runs();
+    for (std::size_t r = 0; r < runs.size(); ++r)
+        if (network_.outflow_ml_s(r) > 0.0)
+            distal_.pass(runs[r].end - 1, network_.outflow_ml_s(r) * step_s);
+    distal_.step();
 }
 
 // A cell (short segment of a vessel) that widens takes blood from its neighbours, and a cell that narrows
@@ -203,6 +209,7 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
         for (std::size_t i = begin; i < last; ++i) mg[i] += in[i] - in[i + 1];
         mg[last] += in[last] - out_mg_[r];
         budget_.out_mg += out_mg_[r];
+        if (out_mg_[r] != 0.0) distal_.take(runs[r].end - 1, out_mg_[r]);
         branch_out_mg_[static_cast<std::size_t>(cells_[last].branch)] += out_mg_[r];
         if (runs[r].upstream >= 0)
             mg[runs[static_cast<std::size_t>(runs[r].upstream)].end - 1] -= in[begin];
@@ -276,6 +283,7 @@ void ContrastFlow::archive(StateArchive &state)
     std::size_t cells = cells_.size();
     state.index(cells, SIZE_MAX);
     state.require(cells == cells_.size());
+    distal_.archive(state);
     for (double *sum : {&budget_.injected_mg, &budget_.out_mg, &budget_.reflux_mg}) state.real(*sum);
     for (std::vector<double> *sums : {&branch_injected_mg_, &branch_out_mg_}) state.reals(*sums);
     state.integer(widening_steps_, 0, 1000);

@@ -7,12 +7,13 @@
 //   contrast.step(flow_drive(phase), {4.0, 350.0});
 //   contrast.iodine_mg_per_ml(cell);
 //
-// Iodine is conserved: the injected amount equals the amount in the vessels plus the amount that has left
-// through the vascular beds or back out of the inlet. The result depends only on the inputs of the
+// Iodine is conserved: the injected amount equals the amount in the lumen plus the amount that has left it,
+// into small vessels and beds (distal()) or back out of the inlet. The result depends only on the inputs of the
 // simulation. The computation has a fixed order and uses no libm, so that every machine gives results that
 // are equal bit for bit.
 #pragma once
 #include "host/base/state_archive.hpp"
+#include "host/effects/distal_flow.hpp"
 #include "host/effects/flow_network.hpp"
 #include <cstdint>
 #include <span>
@@ -55,7 +56,7 @@ struct InjectedFluid {
 // Iodine since the beginning, mg.
 struct IodineBudget {
     double injected_mg = 0.0;
-    double out_mg = 0.0;    // into the beds behind the outlets
+    double out_mg = 0.0;    // into the small vessels and beds behind the outlets
     double reflux_mg = 0.0; // back through the inlet
 };
 
@@ -86,8 +87,9 @@ class ContrastFlow
     double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / volume_ml_[cell]; }
     double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / volume_ml_[cell]; }
     const FlowNetwork &network() const { return network_; }
+    const DistalFlow &distal() const { return distal_; } // small vessels, beds and veins
 
-    double held_mg() const; // in the vessels
+    double held_mg() const; // in the lumen
     const IodineBudget &budget() const { return budget_; }
     // Returns for each branch the amount of contrast medium that entered the branch and did not flow back.
     // Contrast medium may be injected into the branch, or come from the vessel upstream or from a branch
@@ -116,6 +118,7 @@ class ContrastFlow
     ContrastSettings settings_;
     FlowCells cells_;
     FlowNetwork network_;
+    DistalFlow distal_;
     std::vector<double> volume_ml_;  // present volumes of the cells
     int widening_steps_ = 0;         // steps until they equal those of cells_
     std::vector<double> per_volume_; // 1 / (volume of a layer), 1/ml

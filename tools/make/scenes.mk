@@ -126,6 +126,11 @@ coronary: packages-build+tools
 	$(again) $(CORONARY_OUT)
 	@echo "Written: $(CORONARY_OUT)"
 
+timi: ## frame counts of the shipped heart, and the orders of its arteries (docs/contrast.md)
+timi: packages-build+tools
+	$(call build,release,run$(comma)tools,timi)
+	@$(BUILD)/bin/timi
+
 coronary-real: ## the same in an artery of the Human Reference Atlas (needs ../shared/anatomy)
 coronary-real: packages-build+tools
 	@if [ ! -e $(REAL_ATLAS) ]; then echo "Skipped: $(REAL_ATLAS) is not there (docs/contrast.md)"; else \

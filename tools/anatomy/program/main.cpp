@@ -14,6 +14,7 @@
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/anatomy/small/small_tree.hpp"
 #include "tools/anatomy/varied/coronaries.hpp"
 #include "tools/anatomy/varied/variety.hpp"
 #include "tools/anatomy/vessel_file.hpp"
@@ -143,10 +144,13 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
         total += mesh.triangles.size();
         keep(body.name, mesh);
     }
-    write_scene(options.folder / "scene.toml", tree, bodies, lesions);
-    std::printf("%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines\n",
+    const std::vector<SmallVessel> small = small_vessels_of(tree);
+    const char *small_file = small.empty() ? "" : "small_vessels.csv";
+    if (!small.empty()) crn::write_whole_file((options.folder / small_file).string(), small_vessels_text(small));
+    write_scene(options.folder / "scene.toml", tree, bodies, lesions, small_file);
+    std::printf("%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines, %zu small vessels\n",
                 (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total,
-                tree.vessels.size());
+                tree.vessels.size(), small.size());
 }
 
 std::vector<Body> no_bodies(const VesselTree &, const Fineness &)
@@ -161,6 +165,7 @@ int make(const Options &options, const char *kind,
     if (options.seed) drawn = drawn_aorta(*options.seed);
     VesselTree tree = drawn ? tree_of(drawn->draft, "aorta.toml") : vessels_for(kind, options);
     if (drawn) tree.made_by = crn::formatted("%s --seed %s", kind, std::to_string(drawn->seed).c_str());
+    if (kind == std::string_view("aorta")) add_trunk_branches(tree);
     make_scene(options, tree, (options.bodies ? bodies_of : no_bodies)(tree, options.fineness),
                [](const std::string &, const Mesh &) {});
     if (drawn) crn::write_whole_file((options.folder / "vessels.toml").string(), vessel_file_text(*drawn));
@@ -236,6 +241,7 @@ int make_heart(const Options &options)
     if (options.seed) drawn = drawn_coronaries(*options.seed);
     VesselTree tree = drawn ? tree_of(drawn->draft, "heart.toml") : vessels_for("heart", options);
     if (drawn) tree.made_by = crn::formatted("heart --seed %s", std::to_string(drawn->seed).c_str());
+    add_trunk_branches(tree);
     std::vector<Body> bodies = patient_bodies(tree, options.fineness);
     const bool is_whole = options.bodies && !options.heart_only;
     if (!is_whole) // the figures need the chambers
@@ -348,8 +354,10 @@ int check(const std::filesystem::path &folder)
  * separate the values of a line, so that scripts can read the lines. */
 int list(const VesselTree &tree)
 {
+    std::vector<Vessel> vessels = tree.vessels;
+    vessels.insert(vessels.end(), tree.small.begin(), tree.small.end());
     std::printf("vessel\tstation\tdiameter_mm\tx_mm\ty_mm\tz_mm\ttangent_x\ttangent_y\ttangent_z\tsource\n");
-    for (const Vessel &vessel : tree.vessels) {
+    for (const Vessel &vessel : vessels) {
         const Curve curve = vessel_curve(vessel, 1.0);
         for (const Station &station : vessel.stations) {
             if (station.name.empty()) continue;
