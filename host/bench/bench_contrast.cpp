@@ -1,7 +1,7 @@
 // Measures the time for simulating one millisecond of contrast medium, and the time for drawing the medium
 // into a picture (docs/contrast.md). The first case is a vessel tree of 2,000 cells (short pieces of a
-// vessel), all filled with medium. The heart beats, and every step has an injection. The second case adds 3,000
-// small vessels. The third case is the shipped aorta with its renal arteries filled.
+// vessel), all filled with medium. The heart beats, and every step has an injection. The second case adds
+// 3,000 small vessels. The third case is the shipped aorta with its renal arteries filled.
 #include "firmware/bench/bench.h"
 #include "host/effects/contrast_flow.hpp"
 #include "host/patient/contrast.hpp"
@@ -43,8 +43,8 @@ VesselTree tree_of_cells()
     return tree;
 }
 
-// Adds trees of small vessels behind the ends of the branches: each small vessel has four pieces and divides into two
-// further ones, until there are `wanted`.
+// Adds trees of small vessels behind the ends of the branches: each small vessel has four pieces and divides
+// into two further ones, until there are `wanted`.
 VesselTree with_small_vessels(VesselTree tree, std::size_t wanted)
 {
     if (wanted == 0) return tree;

@@ -35,10 +35,14 @@ BedTransit bed_transit(VesselBed bed)
 {
     switch (bed) {
     case VesselBed::left_coronary:
-    case VesselBed::right_coronary: return {3.5, 3};
-    case VesselBed::kidney: return {4.0, 2};
-    case VesselBed::gut: return {8.0, 2};
-    case VesselBed::systemic: break;
+    case VesselBed::right_coronary:
+        return {4.5, 3};
+    case VesselBed::kidney:
+        return {4.0, 2};
+    case VesselBed::gut:
+        return {8.0, 2};
+    case VesselBed::systemic:
+        break;
     }
     return {10.0, 2};
 }
@@ -96,7 +100,8 @@ class DistalFlow::Builder
             int to = -1;
             if (is_small(vessel.parent)) {
                 const std::size_t parent = static_cast<std::size_t>(vessel.parent) - tree_.branches.size();
-                to = flow_.first_piece_[parent] + static_cast<int>(std::max<std::size_t>(vessel.parent_point, 1)) - 1;
+                to = flow_.first_piece_[parent] +
+                     static_cast<int>(std::max<std::size_t>(vessel.parent_point, 1)) - 1;
             }
             flow_.first_piece_[v] = static_cast<int>(flow_.veins_.size());
             for (std::size_t piece = 0; piece + 1 < vessel.points_m.size(); ++piece) {
@@ -126,8 +131,8 @@ class DistalFlow::Builder
         flow_.first_piece_[v] = static_cast<int>(flow_.volumes_.size());
         std::vector<double> through(pieces, 0.0);
         for (std::size_t piece = 0; piece < pieces; ++piece) {
-            from = static_cast<int>(
-                add_volume(from, from_ml_s, through_ml_s, piece_volume_ml(vessel, piece)));
+            from =
+                static_cast<int>(add_volume(from, from_ml_s, through_ml_s, piece_volume_ml(vessel, piece)));
             from_ml_s = through[piece] = through_ml_s;
             through_ml_s -= leaving_ml_s[piece];
         }
@@ -204,8 +209,8 @@ void DistalFlow::step()
     if (!veins_.empty()) advance_veins();
 }
 
-// If v ml flow through a volume V that is always well mixed, the implicit step leaves m / (1 + v/V) of the m mg
-// that were in it or came in.
+// If v ml flow through a volume V that is always well mixed, the implicit step leaves m / (1 + v/V) of the m
+// mg that were in it or came in.
 void DistalFlow::advance_arteries()
 {
     std::fill(vein_in_mg_.begin(), vein_in_mg_.end(), 0.0);

@@ -1,4 +1,5 @@
-// Carries contrast medium beyond the lumen: through small vessels, capillary beds and veins (docs/contrast.md).
+// Carries contrast medium beyond the lumen: through small vessels, capillary beds and veins
+// (docs/contrast.md).
 //
 //   DistalFlow distal(tree, cells);
 //   distal.take(cell, mg);            // medium that has left the lumen at this cell, in this millisecond
@@ -7,8 +8,9 @@
 //   distal.piece_mg_per_ml(vessel, piece);
 //
 // The resistance of small vessels counts as part of their bed's, so that the flow divides among them in fixed
-// proportions. Each piece of a small vessel is one well-mixed volume, and a bed is a few of them in series. All
-// volumes are advanced together every few milliseconds, by an implicit step that never makes iodine negative.
+// proportions. Each piece of a small vessel is one well-mixed volume, and a bed is a few of them in series.
+// All volumes are advanced together every few milliseconds, by an implicit step that never makes iodine
+// negative.
 #pragma once
 #include "host/base/state_archive.hpp"
 #include "host/effects/flow_cells.hpp"
@@ -19,8 +21,8 @@
 namespace crn
 {
 
-// Describes a kind of tissue: how long blood stays in its capillaries and small veins on average, and how many
-// well-mixed volumes in series represent them.
+// Describes a kind of tissue: how long blood stays in its capillaries and small veins on average, and how
+// many well-mixed volumes in series represent them.
 struct BedTransit {
     double mean_s;
     int volumes;
@@ -64,7 +66,7 @@ class DistalFlow
 
   private:
     struct Outlet {
-        double mean_ml_s = 0.0; // out of the lumen at this cell
+        double mean_ml_s = 0.0;         // out of the lumen at this cell
         std::size_t first = 0, end = 0; // volumes of the small arteries and beds behind it
     };
     // A well-mixed volume that is fed by another one, or by the outlet.
@@ -87,7 +89,7 @@ class DistalFlow
     std::vector<std::uint32_t> outlet_of_cell_;
     std::vector<Outlet> outlets_;
     std::vector<Volume> volumes_;
-    std::vector<double> passing_; // of each volume: its share of the outlet's flow
+    std::vector<double> passing_;  // of each volume: its share of the outlet's flow
     std::vector<double> piece_ml_; // volumes of the pieces of small arteries
     std::vector<Bed> beds_;
     std::vector<std::size_t> bed_first_, bed_end_;

@@ -139,9 +139,9 @@ std::size_t FlowCells::cell_at_point(std::size_t branch, std::size_t point) cons
     return cell;
 }
 
-// The small vessels that leave a cell take their flow from it, and the bed behind the branch's end gets what is
-// left of the branch's own flow. A remainder below a hundredth is rounding, and counts as nothing. So does the
-// flow of an end that a small vessel continues.
+// The small vessels that leave a cell take their flow from it, and the bed behind the branch's end gets what
+// is left of the branch's own flow. A remainder below a hundredth is rounding, and counts as nothing. So does
+// the flow of an end that a small vessel continues.
 void FlowCells::feed_small_vessels(const VesselTree &tree)
 {
     constexpr double rounding_share = 0.01;

@@ -6,8 +6,8 @@
 namespace crn
 {
 
-// Returns for each small vessel the mean flow into its beginning, in ml/s; for a vein, 0. An end from which no
-// other small vessel continues has the flow that is stated for it, or the flow by Murray's law.
+// Returns for each small vessel the mean flow into its beginning, in ml/s; for a vein, 0. An end from which
+// no other small vessel continues has the flow that is stated for it, or the flow by Murray's law.
 std::vector<double> small_vessel_flows_ml_s(const VesselTree &tree);
 
 // Returns for each small vessel whether another one continues from its last point.

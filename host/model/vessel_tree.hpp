@@ -11,9 +11,9 @@
 namespace crn
 {
 
-// Names the kind of tissue that a vessel supplies, which determines when in the heartbeat blood flows there, and
-// how long the blood stays in the tissue. Files contain these numbers; `kidney` and `gut` occur only in small
-// vessels.
+// Names the kind of tissue that a vessel supplies, which determines when in the heartbeat blood flows there,
+// and how long the blood stays in the tissue. Files contain these numbers; `kidney` and `gut` occur only in
+// small vessels.
 enum class VesselBed { systemic = 0, left_coronary = 1, right_coronary = 2, kidney = 3, gut = 4 };
 inline constexpr std::size_t vessel_bed_count = 5;
 
@@ -44,9 +44,9 @@ struct VesselLesion {
 struct VesselTree {
     std::vector<VesselBranch> branches; // branch 0 is the only root; empty: no vessels are known
     std::vector<VesselLesion> lesions = {};
-    // Vessels that are picture and flow only, and no part of the lumen. Their parents are numbered through: an
-    // index below branches.size() is that of a branch, and larger ones are those of earlier small vessels. A
-    // vein may have the parent -1; its blood leaves the simulation at its first point.
+    // Vessels that are picture and flow only, and no part of the lumen. Their parents are numbered through:
+    // an index below branches.size() is that of a branch, and larger ones are those of earlier small vessels.
+    // A vein may have the parent -1; its blood leaves the simulation at its first point.
     std::vector<VesselBranch> small = {};
 
     // Returns the point of the branch at which the lesion has narrowed the lumen most, relative to the

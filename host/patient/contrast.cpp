@@ -31,8 +31,8 @@ constexpr double stream_radii =
     1.5; // radii of the vessel over which the stream from the tip spreads to fill it
 constexpr double stream_fades = 0.01; // fading per ms, after the injection
 
-// An artery of the heart does not end where its centreline ends. If no small vessel continues it, its column becomes
-// narrower over the last radii.
+// An artery of the heart does not end where its centreline ends. If no small vessel continues it, its column
+// becomes narrower over the last radii.
 double taper_at(double radii_before_end)
 {
     constexpr double taper_radii = 8.0, narrowest = 0.35;
@@ -403,6 +403,7 @@ void PatientContrast::make_curves()
     const VesselTree &now = moved_.can_move() ? moved_.last() : vessels_;
     make_small_curves(now);
     make_blush(now);
+    make_sinuses();
 }
 
 // A column of medium begins at the upstream face of its first cell. Where a vessel divides, the first cells
@@ -419,6 +420,21 @@ Vector3d PatientContrast::column_begin_m(std::size_t cell) const
     return from + 1 == cells.branch_begin(parent + 1) ? cells.last_face_m(from) : cells.first_face_m(cell);
 }
 
+// In the wall of a much wider vessel, a column would begin with a flat face. It begins with a rounded one,
+// which lies in the wider vessel.
+void PatientContrast::add_mouth(SweptCurve &curve, const SweptPoint &first, std::size_t cell) const
+{
+    constexpr double wider = 2.0;
+    const FlowCells &cells = flow_.cells();
+    const int upstream = cells[cell].upstream;
+    if (upstream < 0 || cells[static_cast<std::size_t>(upstream)].radius_mm < wider * cells[cell].radius_mm)
+        return;
+    const Vector3d way = (cells.last_face_m(cell) - cells.first_face_m(cell)).normalized();
+    for (const auto &[back, width] : {std::pair{0.9, 0.3}, {0.7, 0.68}, {0.35, 0.92}})
+        curve.points.push_back(
+            {first.at_m - back * first.radius_m * way, width * first.radius_m, first.share});
+}
+
 void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
 {
     const FlowCells &cells = flow_.cells();
@@ -429,7 +445,8 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
     };
     double behind_tip_mm = 0.0;
     const std::size_t begin = cells.branch_begin(branch), end = cells.branch_begin(branch + 1);
-    const bool has_blunt_end = cells[end - 1].end_ml_s > 0.0 && vessels_.branches[branch].bed != VesselBed::systemic;
+    const bool has_blunt_end =
+        cells[end - 1].end_ml_s > 0.0 && vessels_.branches[branch].bed != VesselBed::systemic;
     double left_mm = 0.0; // from the cell's last face to the end
     for (std::size_t i = begin; i < end; ++i) left_mm += cells[i].length_mm;
     for (std::size_t i = begin; i < end; ++i) {
@@ -451,6 +468,7 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
         if (curve.points.empty()) {
             SweptPoint first = point;
             first.at_m += column_begin_m(i) - cells.middle_m(i);
+            if (i == begin) add_mouth(curve, first, i);
             curve.points.push_back(first);
         }
         go_to(curve, point);

@@ -119,9 +119,9 @@ crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index)
     return span;
 }
 
-/* A body file ends with its bodies, or with a vessel tree after the bodies. The small vessels of this tree and
- * its lesions may follow. After the bodies, the tree and its parts, one more section may follow, which names the scene to which the
- * body file belongs. */
+/* A body file ends with its bodies, or with a vessel tree after the bodies. The small vessels of this tree
+ * and its lesions may follow. After the bodies, the tree and its parts, one more section may follow, which
+ * names the scene to which the body file belongs. */
 static bool section_type_fits(const crn_scene_check *check, uint32_t index, uint32_t type)
 {
     static const uint32_t scene_types[5] = {CRN_SCENE_META, CRN_SCENE_ENTRY, CRN_SCENE_LUMEN,
@@ -136,7 +136,8 @@ static bool section_type_fits(const crn_scene_check *check, uint32_t index, uint
     const uint32_t before = crn_scene_section_span(check->bytes, index - 1).type;
     if (type == CRN_SCENE_LESIONS)
         return left == 0 && (before == CRN_SCENE_TREE || before == CRN_SCENE_SMALL);
-    const uint32_t after = left > 0 ? crn_scene_section_span(check->bytes, index + 1).type : CRN_SCENE_LESIONS;
+    const uint32_t after =
+        left > 0 ? crn_scene_section_span(check->bytes, index + 1).type : CRN_SCENE_LESIONS;
     if (type == CRN_SCENE_SMALL) return after == CRN_SCENE_LESIONS && before == CRN_SCENE_TREE;
     if (type == CRN_SCENE_TREE) return after == CRN_SCENE_LESIONS || after == CRN_SCENE_SMALL;
     return type == CRN_SCENE_BODY && index <= CRN_SCENE_BODY_MAX;

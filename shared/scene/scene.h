@@ -53,7 +53,7 @@ enum {
     CRN_SCENE_BRANCH_BYTES = 64,
     CRN_SCENE_BRANCH_MAX = 1024,
     CRN_SCENE_BRANCH_NAME_BYTES = 32,
-    CRN_SCENE_SMALL_MAX = 20000, /* vessels that are picture and flow only */
+    CRN_SCENE_SMALL_MAX = 20000,  /* vessels that are picture and flow only */
     CRN_SCENE_BRANCH_IS_VEIN = 1, /* flag of a small vessel: blood flows from its end to its beginning */
     CRN_SCENE_TREE_POINT_BYTES = 16,
     CRN_SCENE_TREE_POINT_MAX = 200000, /* of all branches */

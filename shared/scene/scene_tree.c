@@ -166,8 +166,7 @@ static crn_scene_status check_table(crn_scene_check *check, crn_scene_span span,
 
 crn_scene_status crn_scene_check_tree(crn_scene_check *check, crn_scene_span span, uint32_t *branch_count)
 {
-    branch_table table = {.bed_count = CRN_SCENE_BED_KIDNEY,
-                          .flow_max = CRN_SCENE_BRANCH_FLOW_MAX_mm3_per_s};
+    branch_table table = {.bed_count = CRN_SCENE_BED_KIDNEY, .flow_max = CRN_SCENE_BRANCH_FLOW_MAX_mm3_per_s};
     crn_scene_status status = check_table(check, span, &table, CRN_SCENE_BRANCH_MAX);
     if (status == CRN_SCENE_OK) *branch_count = table.count;
     return status;

@@ -25,9 +25,9 @@ constexpr size_t STATIONS_MAX = 200, FILES_MAX = 8, NAME_BYTES_MAX = 40, TITLE_B
                  TEXT_BYTES_MAX = 300;
 constexpr double POSITION_MAX_MM = 1000.0, APART_MIN_MM = 0.5, LENGTH_MAX_MM = 3000.0, TURN_MAX_DEG = 90.0;
 constexpr NumberRange Y_MM = {-POSITION_MAX_MM, POSITION_MAX_MM}, DIAMETER_MM = {1, 60},
-                      CORONARY_DIAMETER_MM = {1, 10}, SMALL_DIAMETER_MM = {0.1, 60}, FLOW_ML_MIN = {0.1, 10000}, FILLET_MM = {0, 10},
-                      CORONARY_FILLET_MM = {0, 3}, HEIGHT = {0, 1.2}, ANGLE_DEG = {-360, 360},
-                      FROM_END_MM = {0, LENGTH_MAX_MM};
+                      CORONARY_DIAMETER_MM = {1, 10}, SMALL_DIAMETER_MM = {0.1, 60},
+                      FLOW_ML_MIN = {0.1, 10000}, FILLET_MM = {0, 10}, CORONARY_FILLET_MM = {0, 3},
+                      HEIGHT = {0, 1.2}, ANGLE_DEG = {-360, 360}, FROM_END_MM = {0, LENGTH_MAX_MM};
 
 /* Holds the content of a vessel file, and states whether the file's positions are in the patient's frame. */
 struct File {
@@ -126,10 +126,9 @@ GivenStation read_station(const File &file, const TomlTable &table, bool is_coro
     else
         given.station.position_mm = position_of(file, table["position_mm"]);
     if (!given.is_on_heart || table.has("diameter_mm"))
-        given.station.diameter_mm =
-            table.number("diameter_mm", !is_lumen     ? SMALL_DIAMETER_MM
-                                        : is_coronary ? CORONARY_DIAMETER_MM
-                                                      : DIAMETER_MM);
+        given.station.diameter_mm = table.number("diameter_mm", !is_lumen     ? SMALL_DIAMETER_MM
+                                                                : is_coronary ? CORONARY_DIAMETER_MM
+                                                                              : DIAMETER_MM);
     if (!table.has("name")) {
         if (table.has("source"))
             table["source"].fail("'source' without 'name': name the station, so that it is listed");

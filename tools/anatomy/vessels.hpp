@@ -37,8 +37,9 @@ struct VesselTree {
     bool is_in_patient = true;   // its frame is the modelled patient's; otherwise it is a phantom's own
     std::vector<Vessel> vessels; // the aorta or another inlet first, the coronary arteries last
     size_t coronary_count = 0;
-    std::vector<Vessel> small; // picture and flow only; each comes after its parent, which may be a vessel above
-    double fillet_mm = 0;          // width over which vessels are blended at their junctions
+    std::vector<Vessel>
+        small;            // picture and flow only; each comes after its parent, which may be a vessel above
+    double fillet_mm = 0; // width over which vessels are blended at their junctions
     double coronary_fillet_mm = 0; // the same where coronary arteries meet each other
     Vec3 entry_position_mm = Vec3::Zero(), entry_direction = Vec3::Zero();
 };

@@ -16,7 +16,8 @@ namespace
 
 constexpr std::size_t columns = 8;
 constexpr std::string_view head = "vessel,parent,bed,flow_ul_s,x_mm,y_mm,z_mm,radius_mm";
-constexpr std::array<std::string_view, 5> beds = {"systemic", "left_coronary", "right_coronary", "kidney", "gut"};
+constexpr std::array<std::string_view, 5> beds = {"systemic", "left_coronary", "right_coronary", "kidney",
+                                                  "gut"};
 
 class Reader
 {
@@ -105,7 +106,8 @@ class Reader
                 vessel.bed = static_cast<VesselBed>(i);
                 return;
             }
-        fail("'" + std::string(text) + "' in column 'bed' is none of systemic, left_coronary, right_coronary, "
+        fail("'" + std::string(text) +
+             "' in column 'bed' is none of systemic, left_coronary, right_coronary, "
              "kidney and gut, with or without _vein");
     }
 
@@ -115,8 +117,8 @@ class Reader
         VesselBranch &vessel = tree_.small.back();
         Eigen::Vector3d at_m;
         for (int axis = 0; axis < 3; ++axis)
-            at_m[axis] = 1e-6 * std::round(1e3 * number(fields[static_cast<std::size_t>(4 + axis)], "x_mm, y_mm, z_mm",
-                                                        -1800.0, 1800.0));
+            at_m[axis] = 1e-6 * std::round(1e3 * number(fields[static_cast<std::size_t>(4 + axis)],
+                                                        "x_mm, y_mm, z_mm", -1800.0, 1800.0));
         if (!vessel.points_m.empty() && vessel.points_m.back() == at_m) return;
         vessel.points_m.push_back(at_m);
         vessel.radii_m.push_back(1e-6 * std::round(1e3 * number(fields[7], "radius_mm", 0.01, 100.0)));

@@ -8,8 +8,8 @@
 namespace crn::bake
 {
 
-// Adds the vessels of a table (docs/scene.md, `small`) to the tree, from a text or a file. Throws Fault, whose
-// message names the file, the line and the field.
+// Adds the vessels of a table (docs/scene.md, `small`) to the tree, from a text or a file. Throws Fault,
+// whose message names the file, the line and the field.
 void add_small_vessels(std::string_view text, const std::string &file, VesselTree &tree);
 void read_small_vessels(const std::filesystem::path &file, VesselTree &tree);
 

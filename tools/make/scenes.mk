@@ -113,7 +113,7 @@ $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake $(VESS
 	@$(BUILD)/bin/bake $(BUILD)/anatomy/access/scene.toml -o $(ACCESS) --surface $(ACCESS:.scene=.ply) $(ACCESS_CHECKS)
 
 ##@ For trainees: procedures on film (minutes)
-.PHONY: cases coronary coronary-real demo-pci
+.PHONY: cases coronary coronary-real demo-pci timi
 TOOLS = cournand bake anatomy centreline
 cases: ## build all programs that cases need, and list the cases (docs/cases.md)
 cases: packages-build+tools

@@ -212,7 +212,8 @@ void draw_curve(TubePainter &painter, FaintMedium &faint, const SweptCurve &curv
     if (curve.points.size() == 1 && !points.empty())
         faint.ball(points[0].at_mm, points[0].radius_mm, points[0].share);
     for (std::size_t i = 0; curve.is_fine && i + 1 < points.size(); ++i)
-        faint.line(points[i].at_mm, points[i + 1].at_mm, 0.5 * (points[i].radius_mm + points[i + 1].radius_mm),
+        faint.line(points[i].at_mm, points[i + 1].at_mm,
+                   0.5 * (points[i].radius_mm + points[i + 1].radius_mm),
                    0.5 * (points[i].share + points[i + 1].share));
     if (curve.is_fine) return;
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {

@@ -37,8 +37,8 @@ void FaintMedium::add_fine(double x, double y, float length_mm)
     pixel[size_ + 1] += length_mm * u * v;
 }
 
-// The line is a row of points half a pixel apart, and across its width at most one pixel apart. The volume of the
-// medium over the area of a pixel at that depth is the path length.
+// The line is a row of points half a pixel apart, and across its width at most one pixel apart. The volume of
+// the medium over the area of a pixel at that depth is the path length.
 void FaintMedium::line(const Vector3d &a_mm, const Vector3d &b_mm, double radius_mm, double share)
 {
     if (!(std::min(a_mm.z(), b_mm.z()) > 1.0) || !(share > 0.0)) return;
@@ -47,7 +47,8 @@ void FaintMedium::line(const Vector3d &a_mm, const Vector3d &b_mm, double radius
                  ay = half_ - focal_pixels_ * a_mm.y() / a_mm.z();
     const double bx = half_ + focal_pixels_ * b_mm.x() / b_mm.z(),
                  by = half_ - focal_pixels_ * b_mm.y() / b_mm.z();
-    const double length_pixels = std::hypot(bx - ax, by - ay), apart_mm = 0.5 * (a_mm.z() + b_mm.z()) / focal_pixels_;
+    const double length_pixels = std::hypot(bx - ax, by - ay),
+                 apart_mm = 0.5 * (a_mm.z() + b_mm.z()) / focal_pixels_;
     if (!(length_pixels < 4.0 * size_)) return;
     const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * length_pixels)));
     const double width_pixels = 2.0 * radius_mm / apart_mm;
@@ -57,7 +58,8 @@ void FaintMedium::line(const Vector3d &a_mm, const Vector3d &b_mm, double radius
     const double sx = length_pixels > 0.0 ? -(by - ay) / length_pixels : 0.0,
                  sy = length_pixels > 0.0 ? (bx - ax) / length_pixels : 0.0;
     for (int j = 0; j < across; ++j) {
-        const double beside = (j + 0.5) / across - 0.5, off = beside * width_pixels * (across > 1 ? 1.0 : 0.0);
+        const double beside = (j + 0.5) / across - 0.5,
+                     off = beside * width_pixels * (across > 1 ? 1.0 : 0.0);
         for (int i = 0; i < steps; ++i) {
             const double t = (i + 0.5) / steps;
             add_fine(ax + t * (bx - ax) + off * sx, ay + t * (by - ay) + off * sy, each_mm);
@@ -116,7 +118,8 @@ void FaintMedium::add_to(TubePainter &painter) const
         int x0 = 0, x1 = size_;
         while (x0 < x1 && row_mm[x0] < least_mm) ++x0;
         while (x1 > x0 && row_mm[x1 - 1] < least_mm) --x1;
-        if (x0 < x1) painter.add_medium_row(y, x0, {row_mm.data() + x0, static_cast<std::size_t>(x1 - x0)}, least_mm);
+        if (x0 < x1)
+            painter.add_medium_row(y, x0, {row_mm.data() + x0, static_cast<std::size_t>(x1 - x0)}, least_mm);
     }
 }
 

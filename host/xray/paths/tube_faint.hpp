@@ -1,5 +1,5 @@
-// Draws medium that is finer or softer than the exact cylinders of TubePainter: lines of small vessels, and soft
-// balls of medium in tissue. Lines go into a picture of their path lengths, balls into a coarse one.
+// Draws medium that is finer or softer than the exact cylinders of TubePainter: lines of small vessels, and
+// soft balls of medium in tissue. Lines go into a picture of their path lengths, balls into a coarse one.
 #pragma once
 #include "host/xray/paths/tube_painter.hpp"
 #include <vector>
@@ -7,9 +7,9 @@
 namespace crn
 {
 
-// A soft ball's concentration at the distance r from its middle is that of its middle times (1 - r^2/R^2)^(5/2), so
-// that a ray at the distance d crosses 5 pi/16 R (1 - d^2/R^2)^3 of it. The whole ball holds this many R^3 at
-// the concentration of its middle.
+// A soft ball's concentration at the distance r from its middle is that of its middle times (1 -
+// r^2/R^2)^(5/2), so that a ray at the distance d crosses 5 pi/16 R (1 - d^2/R^2)^3 of it. The whole ball
+// holds this many R^3 at the concentration of its middle.
 inline constexpr double soft_ball_cubes = 0.7710628; // 5 pi^2 / 64
 
 class FaintMedium
@@ -17,8 +17,8 @@ class FaintMedium
   public:
     explicit FaintMedium(const View &view);
 
-    // Positions are in camera axes, in mm. `share` is the share of the cross-section, or of the ball's middle, that
-    // is medium.
+    // Positions are in camera axes, in mm. `share` is the share of the cross-section, or of the ball's
+    // middle, that is medium.
     void line(const Eigen::Vector3d &a_mm, const Eigen::Vector3d &b_mm, double radius_mm, double share);
     void ball(const Eigen::Vector3d &at_mm, double radius_mm, double share);
     void add_to(TubePainter &painter) const;

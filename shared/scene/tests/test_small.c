@@ -1,5 +1,6 @@
-/* These tests check the section SMALL of a body file, which has the vessels that are picture and flow only: what is
- * read equals what was written, and wrong parents, flags, flows and positions in the file are refused. */
+/* These tests check the section SMALL of a body file, which has the vessels that are picture and flow only:
+ * what is read equals what was written, and wrong parents, flags, flows and positions in the file are
+ * refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +11,8 @@
 
 #include "shared/scene/tests/scene_sample.h"
 
-/* Two small vessels of two points each: an artery that leaves the renal artery's end, and a vein without a parent. */
+/* Two small vessels of two points each: an artery that leaves the renal artery's end, and a vein without a
+ * parent. */
 enum { SMALL_BYTES = 16 + 2 * 64 + 4 * 16, ARTERY_AT = 16, VEIN_AT = 80 };
 
 static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];

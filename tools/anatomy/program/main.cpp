@@ -146,11 +146,13 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
     }
     const std::vector<SmallVessel> small = small_vessels_of(tree);
     const char *small_file = small.empty() ? "" : "small_vessels.csv";
-    if (!small.empty()) crn::write_whole_file((options.folder / small_file).string(), small_vessels_text(small));
+    if (!small.empty())
+        crn::write_whole_file((options.folder / small_file).string(), small_vessels_text(small));
     write_scene(options.folder / "scene.toml", tree, bodies, lesions, small_file);
-    std::printf("%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines, %zu small vessels\n",
-                (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total,
-                tree.vessels.size(), small.size());
+    std::printf(
+        "%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines, %zu small vessels\n",
+        (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total, tree.vessels.size(),
+        small.size());
 }
 
 std::vector<Body> no_bodies(const VesselTree &, const Fineness &)

@@ -36,7 +36,7 @@ int Growth::add_segment(const Segment &segment)
 }
 
 void Growth::add_stem(const std::string &name, const std::vector<TissuePlace> &places,
-                      const std::vector<double> &radii_mm)
+                      const std::vector<double> &radii_mm, double closed_mm)
 {
     stems_.push_back(name);
     Segment segment;
@@ -45,6 +45,7 @@ void Growth::add_stem(const std::string &name, const std::vector<TissuePlace> &p
     for (size_t i = 0; i + 1 < places.size(); i++) {
         segment.from = places[i];
         segment.to = places[i + 1];
+        segment.is_closed = (places[i].at - places.back().at).norm() < closed_mm;
         segment.stem_radius_mm = 0.5 * (radii_mm[i] + radii_mm[i + 1]);
         add_segment(segment);
     }
@@ -87,7 +88,7 @@ std::vector<int> Growth::nearest(const TissuePlace &end) const
     std::vector<std::pair<double, int>> found;
     for (size_t i = 0; i < segments_.size(); i++) {
         const Segment &s = segments_[i];
-        if (s.to.layer != end.layer) continue;
+        if (s.to.layer != end.layer || s.is_closed) continue;
         const double share = foot_share(s.from.at, s.to.at, end.at);
         const double square = (s.from.at + share * (s.to.at - s.from.at) - end.at).squaredNorm();
         if (square < rules_.reach_mm * rules_.reach_mm) found.emplace_back(square, static_cast<int>(i));
@@ -161,44 +162,62 @@ bool Growth::grow_to(const TissuePlace &end)
 }
 
 /* From one end of a segment to the other, the radius changes linearly. */
-void Growth::add_points(const Segment &s, double to_radius_mm, Twig &twig) const
+void Growth::add_points(const Segment &s, double to_radius_mm, std::vector<CurvePoint> &points) const
 {
-    const double from_radius_mm = twig.points.back().radius_mm;
-    const int pieces = std::max(1, static_cast<int>(std::lround((s.to.at - s.from.at).norm() / rules_.step_mm)));
+    const double from_radius_mm = points.back().radius_mm;
+    const int pieces =
+        std::max(1, static_cast<int>(std::lround((s.to.at - s.from.at).norm() / rules_.step_mm)));
     const bool is_in_layer = s.from.layer == s.to.layer;
     for (int k = 1; k <= pieces; k++) {
         const double share = static_cast<double>(k) / pieces;
         TissuePlace place = between(s.from, s.to, share);
         if (k < pieces && is_in_layer) place = onto_(place);
-        twig.points.push_back({place.at, from_radius_mm + share * (to_radius_mm - from_radius_mm), 0.0});
+        points.push_back({place.at, from_radius_mm + share * (to_radius_mm - from_radius_mm), 0.0});
     }
 }
 
-void Growth::trace(int first, const std::string &stem, size_t parent, std::vector<Twig> &twigs) const
+/* Rounds the corners of a course; its ends stay. */
+void Growth::smooth(std::vector<CurvePoint> &points) const
+{
+    constexpr int PASSES = 3;
+    for (int pass = 0; pass < PASSES; pass++) {
+        Vec3 before = points.front().position_mm;
+        for (size_t i = 1; i + 1 < points.size(); i++) {
+            const Vec3 here = points[i].position_mm;
+            points[i].position_mm = 0.25 * before + 0.5 * here + 0.25 * points[i + 1].position_mm;
+            before = here;
+        }
+    }
+}
+
+void Growth::trace(int first, const Start &start, std::vector<Twig> &twigs) const
 {
     const size_t own = twigs.size();
-    twigs.push_back({stem, parent, {}});
-    std::vector<int> others;
+    twigs.push_back({start.stem, start.parent, {}});
+    std::vector<std::pair<int, size_t>> others; // each with the point at which it leaves
     const Segment *s = &segments_[static_cast<size_t>(first)];
     double radius = radius_mm(s->ends);
-    if (!stem.empty())
-        radius = std::min(
-            radius, rules_.widest_share * segments_[static_cast<size_t>(s->parent)].stem_radius_mm);
-    twigs[own].points.push_back({s->from.at, radius, 0.0});
+    if (!start.stem.empty())
+        radius =
+            std::min(radius, rules_.widest_share * segments_[static_cast<size_t>(s->parent)].stem_radius_mm);
+    std::vector<CurvePoint> &points = twigs[own].points;
+    points.push_back({start.at, radius, 0.0});
     while (true) {
         int widest = -1;
         for (int child : s->children)
             if (widest < 0 ||
                 segments_[static_cast<size_t>(child)].ends > segments_[static_cast<size_t>(widest)].ends)
                 widest = child;
-        for (int child : s->children)
-            if (child != widest) others.push_back(child);
         const int ends = widest < 0 ? 1 : segments_[static_cast<size_t>(widest)].ends;
-        add_points(*s, std::min(radius_mm(ends), twigs[own].points.back().radius_mm), twigs[own]);
+        add_points(*s, std::min(radius_mm(ends), points.back().radius_mm), points);
+        for (int child : s->children)
+            if (child != widest) others.emplace_back(child, points.size() - 1);
         if (widest < 0) break;
         s = &segments_[static_cast<size_t>(widest)];
     }
-    for (int child : others) trace(child, "", own, twigs);
+    smooth(points);
+    const std::vector<CurvePoint> course = points; // `twigs` moves its contents
+    for (const auto &[child, point] : others) trace(child, {"", own, course[point].position_mm}, twigs);
 }
 
 std::vector<Twig> Growth::twigs() const
@@ -206,7 +225,8 @@ std::vector<Twig> Growth::twigs() const
     std::vector<Twig> twigs;
     for (const Segment &s : segments_)
         if (s.is_stem)
-            for (int child : s.children) trace(child, stem_name(s.stem), 0, twigs);
+            for (int child : s.children)
+                trace(child, {stem_name(s.stem), 0, segments_[static_cast<size_t>(child)].from.at}, twigs);
     return twigs;
 }
 

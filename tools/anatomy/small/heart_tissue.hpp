@@ -1,5 +1,5 @@
-/* The muscle of the shipped heart as tissue for small arteries: the walls under the heart's surface (layer 0, depth
- * from the surface) and the septum (layer 1, depth from the cavity of the left ventricle). */
+/* The muscle of the shipped heart as tissue for small arteries: the walls under the heart's surface (layer 0,
+ * depth from the surface) and the septum (layer 1, depth from the cavity of the left ventricle). */
 #pragma once
 #include "tools/anatomy/small/grow.hpp"
 

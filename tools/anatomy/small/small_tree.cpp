@@ -50,10 +50,11 @@ void add_twigs(const Growth &growth, const std::vector<Vessel> &stems, Bed bed_o
         const Vessel &stem = *named(stems, stem_of[i]);
         SmallVessel vessel;
         vessel.name = std::to_string(first + i);
-        vessel.parent = twigs[i].stem.empty() ? std::to_string(first + twigs[i].parent) : file_stem(stem.name);
+        vessel.parent =
+            twigs[i].stem.empty() ? std::to_string(first + twigs[i].parent) : file_stem(stem.name);
         vessel.bed = bed_of_all == Bed::body ? stem.bed : bed_of_all;
-        vessel.flow_ul_s = stem.flow_ml_min > 0 ? stem.flow_ml_min / ends[stem.name] * 1e3 / 60.0
-                                                : 0.5 * usual_ul_s;
+        vessel.flow_ul_s =
+            stem.flow_ml_min > 0 ? stem.flow_ml_min / ends[stem.name] * 1e3 / 60.0 : 0.5 * usual_ul_s;
         vessel.points = twigs[i].points;
         vessels.push_back(std::move(vessel));
     }
@@ -81,22 +82,27 @@ Stem stem_on_heart(const Vessel &artery, const HeartTissue &heart)
 /* Beyond the end of an artery, a small one goes on in the same direction. */
 std::vector<TissuePlace> tail_of(const Stem &stem, const HeartTissue &heart)
 {
-    constexpr double STEP_MM = 5.0;
+    constexpr double STEP_MM = 5.0, APEX_HEIGHT = 0.08;
     constexpr int STEPS = 4;
     std::vector<TissuePlace> places = {stem.places.back()};
+    const double height = heart.height(places[0].at), angle = heart.angle_deg(places[0].at);
+    if (height < APEX_HEIGHT) { // round the apex to the lower side
+        for (const double on : {0.02, 0.06, 0.12})
+            places.push_back(heart.place(height + on, angle - 600.0 * on, 0.8, OUTER_LAYER));
+        return places;
+    }
     const size_t before = stem.places.size() - std::min<size_t>(stem.places.size(), 4);
     const Vec3 way = (places[0].at - stem.places[before].at).normalized();
     for (int i = 0; i < STEPS; i++) {
-        const TissuePlace next =
-            heart.onto({places.back().at + STEP_MM * way, 0.5 + 0.5 * i, OUTER_LAYER});
-        if (heart.height(next.at) < 0.04 || (next.at - places.back().at).norm() < 0.5 * STEP_MM) break;
+        const TissuePlace next = heart.onto({places.back().at + STEP_MM * way, 0.5 + 0.5 * i, OUTER_LAYER});
+        if (heart.height(next.at) < 0.03 || (next.at - places.back().at).norm() < 0.5 * STEP_MM) break;
         places.push_back(next);
     }
     return places;
 }
 
-/* Septal arteries leave the LAD at right angles and run in the middle of the septum. The first one leaves 10 to
- * 25 mm behind the left main artery; 8 to 13 are usual. */
+/* Septal arteries leave the LAD at right angles and run in the middle of the septum. The first one leaves 10
+ * to 25 mm behind the left main artery; 8 to 13 are usual. */
 void add_septals(Growth &growth, const Stem &lad, const HeartTissue &heart)
 {
     constexpr double FIRST_MM = 14.0, APART_MM = 8.5, DEPTH_MM = 5.0;
@@ -128,7 +134,7 @@ bool feeds_muscle(const Vessel &artery)
 
 std::vector<SmallVessel> grown_heart_arteries(const VesselTree &tree)
 {
-    constexpr double APART_MM = 4.0;
+    constexpr double APART_MM = 4.0, CLOSED_MM = 18.0;
     constexpr unsigned TRIES = 14000;
     const HeartTissue heart;
     Growth growth([&](const TissuePlace &place) { return heart.onto(place); }, {});
@@ -137,12 +143,12 @@ std::vector<SmallVessel> grown_heart_arteries(const VesselTree &tree)
     for (const Vessel &artery : stems) {
         const Stem stem = stem_on_heart(artery, heart);
         if (stem.places.size() < 2) continue;
-        growth.add_stem(artery.name, stem.places, stem.radii_mm);
-        if (artery.name == "LAD") add_septals(growth, stem, heart);
         const bool ends_here = std::none_of(stems.begin(), stems.end(), [&](const Vessel &other) {
             return other.parent == artery.name &&
                    (other.stations.front().position_mm - artery.stations.back().position_mm).norm() < 1.0;
         });
+        growth.add_stem(artery.name, stem.places, stem.radii_mm, ends_here ? CLOSED_MM : 0.0);
+        if (artery.name == "LAD") add_septals(growth, stem, heart);
         if (ends_here) growth.add_trunk(tail_of(stem, heart));
     }
     for (const TissuePlace &end : heart.scattered(APART_MM, TRIES, SEED)) growth.grow_to(end);
@@ -154,7 +160,8 @@ std::vector<SmallVessel> grown_heart_arteries(const VesselTree &tree)
 namespace
 {
 
-/* Grows interlobar and arcuate arteries from the end of a renal artery to the border of cortex and medulla. */
+/* Grows interlobar and arcuate arteries from the end of a renal artery to the border of cortex and medulla.
+ */
 void grow_kidney(const Vessel &artery, std::uint64_t seed, std::vector<SmallVessel> &vessels)
 {
     constexpr double STEM_MM = 5.0, APART_MM = 7.5, ARCUATE_MM = 5.0, OUTSIDE_MM = 9.0, CLOSE_MM = 95.0;
@@ -203,7 +210,9 @@ std::vector<SmallVessel> given_vessels(const VesselTree &tree)
 /* Grown vessels are named by numbers, which begin again at 0 in each part. */
 void append(std::vector<SmallVessel> part, std::vector<SmallVessel> &vessels)
 {
-    const auto is_number = [](const std::string &name) { return !name.empty() && name[0] >= '0' && name[0] <= '9'; };
+    const auto is_number = [](const std::string &name) {
+        return !name.empty() && name[0] >= '0' && name[0] <= '9';
+    };
     const size_t first = vessels.size();
     for (SmallVessel &vessel : part) {
         for (std::string *name : {&vessel.name, &vessel.parent})
@@ -215,11 +224,16 @@ void append(std::vector<SmallVessel> part, std::vector<SmallVessel> &vessels)
 const char *bed_name(Bed bed)
 {
     switch (bed) {
-    case Bed::left_coronary: return "left_coronary";
-    case Bed::right_coronary: return "right_coronary";
-    case Bed::kidney: return "kidney";
-    case Bed::gut: return "gut";
-    case Bed::body: break;
+    case Bed::left_coronary:
+        return "left_coronary";
+    case Bed::right_coronary:
+        return "right_coronary";
+    case Bed::kidney:
+        return "kidney";
+    case Bed::gut:
+        return "gut";
+    case Bed::body:
+        break;
     }
     return "systemic";
 }

@@ -1,5 +1,5 @@
-/* Makes all vessels of an anatomy that are picture and flow only: those that files state, the arteries grown into
- * heart and kidneys, and the veins of both, and the table of them that `bake` reads (docs/scene.md). */
+/* Makes all vessels of an anatomy that are picture and flow only: those that files state, the arteries grown
+ * into heart and kidneys, and the veins of both, and the table of them that `bake` reads (docs/scene.md). */
 #pragma once
 #include "tools/anatomy/vessels.hpp"
 
@@ -15,8 +15,8 @@ struct SmallVessel {
     Curve points;
 };
 
-/* Adds the shipped arteries of gut, trunk and pelvis (trunk_branches.toml) to a tree in the patient's frame. Each one
- * is moved to its parent's centreline; where the tree lacks the parent, it is left out. */
+/* Adds the shipped arteries of gut, trunk and pelvis (trunk_branches.toml) to a tree in the patient's frame.
+ * Each one is moved to its parent's centreline; where the tree lacks the parent, it is left out. */
 void add_trunk_branches(VesselTree &tree);
 
 /* Returns the small vessels in an order in which each one comes after its parent. */

@@ -34,22 +34,31 @@ std::vector<SmallVessel> coronary_veins()
 {
     const HeartTissue heart;
     return {heart_vein(heart, "coronary_sinus", "", Bed::left_coronary,
-                       {{0.9, 236, 10}, {0.9, 222, 9.5}, {0.88, 205, 8.5}, {0.86, 188, 7.5}, {0.85, 172, 6.5}}),
+                       {{0.9, 236, 9}, {0.9, 222, 8}, {0.88, 205, 7}, {0.86, 188, 6}, {0.85, 172, 5.5}}),
             heart_vein(heart, "great_cardiac_vein", "coronary_sinus", Bed::left_coronary,
-                       {{0.85, 172, 6}, {0.82, 150, 5}, {0.78, 128, 4.5}, {0.78, 104, 4.2}, {0.79, 84, 4},
-                        {0.76, 66, 3.8}, {0.62, 48, 3.2}, {0.5, 28, 2.8}, {0.4, 12, 2.4}, {0.3, 1, 2},
-                        {0.2, -6, 1.4}}),
+                       {{0.85, 172, 5},
+                        {0.82, 150, 4.2},
+                        {0.78, 128, 3.8},
+                        {0.78, 104, 3.5},
+                        {0.79, 84, 3.3},
+                        {0.76, 66, 3},
+                        {0.62, 48, 2.6},
+                        {0.5, 28, 2.3},
+                        {0.4, 12, 2},
+                        {0.3, 1, 1.6},
+                        {0.2, -6, 1.1}}),
             heart_vein(heart, "left_marginal_vein", "great_cardiac_vein", Bed::left_coronary,
-                       {{0.78, 128, 3}, {0.6, 124, 2.6}, {0.45, 124, 2.2}, {0.3, 126, 1.5}}),
+                       {{0.78, 128, 2.4}, {0.6, 124, 2}, {0.45, 124, 1.6}, {0.3, 126, 1}}),
             heart_vein(heart, "posterior_vein", "coronary_sinus", Bed::left_coronary,
-                       {{0.86, 188, 3.5}, {0.72, 178, 3}, {0.55, 172, 2.5}, {0.38, 168, 1.6}}),
+                       {{0.86, 188, 2.8}, {0.72, 178, 2.4}, {0.55, 172, 1.9}, {0.38, 168, 1.1}}),
             heart_vein(heart, "middle_cardiac_vein", "coronary_sinus", Bed::right_coronary,
-                       {{0.9, 232, 4}, {0.76, 234, 3.5}, {0.6, 234, 3}, {0.45, 234, 2.5}, {0.25, 233, 1.6}})};
+                       {{0.9, 232, 3.5}, {0.76, 234, 3}, {0.6, 234, 2.6}, {0.45, 234, 2}, {0.25, 233, 1.2}})};
 }
 
 std::vector<SmallVessel> renal_veins()
 {
-    const auto vein = [](const char *name, const std::vector<Vec3> &points, const std::vector<double> &radii_mm) {
+    const auto vein = [](const char *name, const std::vector<Vec3> &points,
+                         const std::vector<double> &radii_mm) {
         return SmallVessel{name, "", Bed::kidney, true, 0.0, sample_curve(points, radii_mm, 5.0)};
     };
     return {vein("right_renal_vein", {{-20, -38, -2}, {-34, -46, -14}, {-50, -51, -30}, {-62, -52, -42}},

@@ -15,6 +15,7 @@ struct StrahlerOrder {
 };
 
 // The tree is a branch with everything that leaves it. An end has the order `lowest`.
-std::vector<StrahlerOrder> strahler_orders(const crn::VesselTree &tree, const std::string &branch, int lowest);
+std::vector<StrahlerOrder> strahler_orders(const crn::VesselTree &tree, const std::string &branch,
+                                           int lowest);
 
 } // namespace anatomy

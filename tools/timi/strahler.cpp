@@ -1,4 +1,4 @@
-#include "tools/anatomy/flow/strahler.hpp"
+#include "tools/timi/strahler.hpp"
 #include <algorithm>
 #include <stdexcept>
 
@@ -85,13 +85,15 @@ std::vector<StrahlerOrder> strahler_orders(const crn::VesselTree &tree, const st
     std::vector<bool> is_in(count, false);
     is_in[root] = true;
     for (size_t i = root + 1; i < count; i++)
-        is_in[i] = !vessel(i).is_vein && vessel(i).parent >= 0 && is_in[static_cast<size_t>(vessel(i).parent)];
+        is_in[i] =
+            !vessel(i).is_vein && vessel(i).parent >= 0 && is_in[static_cast<size_t>(vessel(i).parent)];
     std::vector<std::vector<Fork>> forks(count);
     Orders orders(lowest);
     for (size_t i = count; i-- > root;) {
         if (!is_in[i]) continue;
         const int order = orders.of_vessel(vessel(i), forks[i]);
-        if (i != root) forks[static_cast<size_t>(vessel(i).parent)].push_back({vessel(i).parent_point, order});
+        if (i != root)
+            forks[static_cast<size_t>(vessel(i).parent)].push_back({vessel(i).parent_point, order});
     }
     return orders.means();
 }

@@ -1,4 +1,5 @@
-// Makes the tree of blood flow of an anatomy without baking a scene, as `bake` makes it from the anatomy's files.
+// Makes the tree of blood flow of an anatomy without baking a scene, as `bake` makes it from the anatomy's
+// files.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/anatomy/vessels.hpp"

@@ -1,4 +1,4 @@
-#include "tools/anatomy/flow/flow_tree.hpp"
+#include "tools/timi/flow_tree.hpp"
 #include "tools/anatomy/output.hpp"
 #include "tools/anatomy/small/small_tree.hpp"
 #include "tools/bake/branches.hpp"
