@@ -117,7 +117,13 @@ void Link::file_frame()
         crn_wire_hash64 hash;
         if (!crn_wire_decode_hash64(payload, length, &hash)) broken("hash64");
         received_hash64_ = {hash.tick, hash.hash};
-        if (hash.tick % hash64_every_ticks == 0) hash64_ = received_hash64_;
+        if (hash.tick % hash64_every_ticks == 0)
+            hash64_ = received_hash64_;
+        else if (waits_for_ != CRN_WIRE_TYPE_hash64)
+            throw LinkError(transport_.name() +
+                            formatted(" sent the hash of tick %u without a request; devices do so every %u "
+                                      "ticks only. Remedy: install this release's firmware",
+                                      unsigned{hash.tick}, unsigned{hash64_every_ticks}));
         break;
     }
     case CRN_WIRE_TYPE_reject: {

@@ -7,12 +7,15 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace crn
 {
+
+struct CtVolume;
 
 struct Body {
     std::string name;
@@ -34,10 +37,14 @@ struct Bodies {
     std::vector<Body> bodies;
     VesselTree vessels = {}; // empty: the file has none
     std::optional<SceneName> baked_with = {};
+    // The patient's CT (ct_volume.hpp), through which X-rays are cast; null if the patient consists of meshes
+    // alone.
+    std::shared_ptr<const CtVolume> ct = {};
 };
 
 // Reads a body file. On failure the function returns false, `error` names the file, the section and the
-// remedy, and `bodies` does not change.
+// remedy, and `bodies` does not change. A file with the same name and the ending .ct beside the body file is
+// the patient's CT, and is read with the bodies.
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error);
 
 // Reads bodies that are shown together with a scene; the bodies must have been baked (computed) together with

@@ -3,6 +3,7 @@
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
 #include "host/model/bodies.hpp"
+#include "host/model/ct_volume.hpp"
 #include "shared/scene/scene.h"
 #include "shared/wire/wire_frame.h"
 
@@ -113,6 +114,12 @@ bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
         read.vessels.small.push_back(read_branch(crn_scene_small(&scene, i), 1e-6));
     for (std::uint32_t i = 0; i < scene.lesion_count; ++i)
         read.vessels.lesions.push_back(read_lesion(crn_scene_lesion(&scene, i)));
+    const std::string ct = ct_beside(path);
+    if (!ct.empty()) {
+        auto volume = std::make_shared<CtVolume>();
+        if (!read_ct_volume(ct, *volume, error)) return false;
+        read.ct = std::move(volume);
+    }
     if (scene.has_partner) read.baked_with = SceneName{scene.partner_bytes, scene.partner_crc32};
     bodies = std::move(read);
     return true;

@@ -9,6 +9,7 @@
 #include "host/xray/detector.hpp"
 #include "host/xray/paths/path_keeper.hpp"
 #include "host/xray/sparse_blur.hpp"
+#include "host/xray/volume/volume_paths.hpp"
 #include "host/xray/xray.hpp"
 
 namespace crn
@@ -16,6 +17,7 @@ namespace crn
 
 struct XrayScene::Meshes {
     BodyMeshes bodies;
+    std::shared_ptr<const RayCaster> ct; // null: the patient consists of meshes alone
 };
 
 // Holds the inputs, except the path lengths, with which the signal behind the bodies was last computed.

@@ -1,6 +1,7 @@
 // Makes one picture. Keeps the signal behind the patient from earlier pictures, and adds tools, photons and
 // grey values for each new picture.
 #include "host/xray/xray.hpp"
+#include "host/xray/attenuation.hpp"
 #include "host/xray/chain.hpp"
 #include "host/xray/paths/parallel.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -46,6 +47,25 @@ void count_all(const XrayChain &chain, const XraySettings &settings, std::uint64
             std::fill(photons + chain.open[row].end, photons + size, 0u);
         }
     });
+}
+
+// Returns the attenuation at the effective energy of a CT of 120 kV, relative to that of water.
+double of_water(Material material)
+{
+    constexpr double water_per_cm = 0.19288; // at 70 keV, xraylib
+    constexpr int below = 54;                // the table's steps of 69.5 and 70.5 keV
+    static_assert(energy_keV(below) < 70.0 && energy_keV(below + 1) > 70.0);
+    const float *per_cm = attenuation_per_cm[static_cast<int>(material)];
+    return 0.5 * (static_cast<double>(per_cm[below]) + static_cast<double>(per_cm[below + 1])) / water_per_cm;
+}
+
+CtMixture ct_mixture()
+{
+    CtMixture mixture;
+    mixture.soft_tissue = of_water(Material::soft_tissue);
+    mixture.fat = of_water(Material::adipose);
+    mixture.bone = of_water(Material::bone_cortical);
+    return mixture;
 }
 
 double square(double value)
@@ -122,6 +142,15 @@ bool XrayScene::set_bodies(const Bodies &bodies, std::string &error)
         const int parent = body.parent >= 0 ? materials[body.parent] : -1;
         append_body(meshes.bodies, body, materials[i], parent);
     }
+    if (bodies.ct) {
+        std::string fault;
+        if (!check_ct_volume(*bodies.ct, fault)) {
+            error = "the CT: " + fault;
+            return false;
+        }
+        append_ct(meshes.bodies);
+        meshes.ct = std::make_shared<RayCaster>(bodies.ct, ct_mixture().knots_permille());
+    }
     *meshes_ = std::move(meshes);
     return true;
 }
@@ -138,7 +167,9 @@ Xray::Xray(const XrayScene &scene, int threads, const BodyPathsMaker &make_paths
     const BodyMeshes &meshes = scene.meshes().bodies;
     const int held = std::min(count, 16);
     std::unique_ptr<BodyPaths> paths;
-    if (make_paths)
+    if (scene.meshes().ct)
+        paths = std::make_unique<VolumePaths>(scene.meshes().ct, ct_mixture(), meshes, held);
+    else if (make_paths)
         paths = make_paths(meshes, held);
     else
         paths = std::make_unique<RasterPaths>(meshes, held);

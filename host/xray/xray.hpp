@@ -118,7 +118,8 @@ class XrayScene
     XrayScene(const XrayScene &) = delete;
     XrayScene &operator=(const XrayScene &) = delete;
     // Returns false if a material or parent is unknown; in that case `error` gives the body's name and the
-    // cause, and the scene is empty.
+    // cause, and the scene is empty. If `bodies` have a CT, the scene keeps it, and two more copies of its
+    // voxels.
     bool set_bodies(const Bodies &bodies, std::string &error);
     std::size_t triangle_count() const;
     struct Meshes;
@@ -132,7 +133,7 @@ class Xray
 {
   public:
     // If `threads` is 0, Xray uses one thread per processor, and at most 4. If `make_paths` is empty,
-    // RasterPaths draws the bodies.
+    // RasterPaths draws the bodies. A scene with a CT is always drawn by VolumePaths.
     explicit Xray(const XrayScene &scene, int threads = 0, const BodyPathsMaker &make_paths = {});
     ~Xray();
     Xray(const Xray &) = delete;

@@ -252,7 +252,7 @@ double Part::evaluate(const Vec3 &point, double cortex_scale) const
 
 double Part::distance(const Vec3 &point) const
 {
-    return evaluate(point, 0.0);
+    return scale_ * evaluate(point / scale_, 0.0);
 }
 
 double Part::marrow_distance(const Vec3 &point) const
@@ -260,21 +260,32 @@ double Part::marrow_distance(const Vec3 &point) const
     // Where two shapes of a bone are joined smoothly, the bone's shell may become thinner. The shell never
     // becomes thinner than SHELL_LEAST_MM, so that the marrow stays inside the bone.
     constexpr double SHELL_LEAST_MM = 0.7;
-    return std::max(evaluate(point, 1.0), evaluate(point, 0.0) + SHELL_LEAST_MM);
+    const Vec3 own = point / scale_;
+    return std::max(scale_ * evaluate(own, 1.0), scale_ * evaluate(own, 0.0) + SHELL_LEAST_MM);
+}
+
+void Part::enlarge(double factor)
+{
+    scale_ *= factor;
+    bounds.low *= factor;
+    bounds.high *= factor;
 }
 
 Part Part::near(const Box &box, double reach_mm) const
 {
     Part part(blend_mm);
     part.bounds = bounds;
+    part.scale_ = scale_;
+    const Box own_box{box.low / scale_, box.high / scale_}; // in the frame of the shapes
+    const double own_reach_mm = reach_mm / scale_;
     for (const auto &shape : added) {
-        const double reach = reach_mm + blend_mm + shape->cortex_mm;
-        if (shape->bounds.distance(box) > reach) continue;
-        const auto trimmed = shape->near(box, reach);
+        const double reach = own_reach_mm + blend_mm + shape->cortex_mm;
+        if (shape->bounds.distance(own_box) > reach) continue;
+        const auto trimmed = shape->near(own_box, reach);
         part.added.push_back(trimmed ? trimmed : shape);
     }
     for (const auto &shape : removed)
-        if (shape->bounds.distance(box) <= reach_mm) part.removed.push_back(shape);
+        if (shape->bounds.distance(own_box) <= own_reach_mm) part.removed.push_back(shape);
     return part;
 }
 
@@ -293,7 +304,8 @@ double Solid::distance(const Vec3 &point) const
 {
     double best = 1e9;
     for (const Part &part : parts_)
-        if (part.bounds.distance(point) - part.blend_mm < best) best = std::min(best, part.distance(point));
+        if (part.bounds.distance(point) - part.margin_mm() < best)
+            best = std::min(best, part.distance(point));
     return best;
 }
 
@@ -301,9 +313,18 @@ double Solid::marrow_distance(const Vec3 &point) const
 {
     double best = 1e9;
     for (const Part &part : parts_)
-        if (part.bounds.distance(point) - part.blend_mm < best)
+        if (part.bounds.distance(point) - part.margin_mm() < best)
             best = std::min(best, part.marrow_distance(point));
     return best;
+}
+
+void Solid::enlarge(double factor)
+{
+    bounds = {};
+    for (Part &part : parts_) {
+        part.enlarge(factor);
+        bounds.include(part.bounds);
+    }
 }
 
 Solid Solid::near(const Box &box, double reach_mm) const
@@ -311,7 +332,7 @@ Solid Solid::near(const Box &box, double reach_mm) const
     Solid solid;
     solid.bounds = bounds;
     for (const Part &part : parts_)
-        if (part.bounds.distance(box) <= reach_mm + part.blend_mm)
+        if (part.bounds.distance(box) <= reach_mm + part.margin_mm())
             solid.parts_.push_back(part.near(box, reach_mm));
     return solid;
 }

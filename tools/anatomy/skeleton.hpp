@@ -8,6 +8,19 @@
 namespace anatomy
 {
 
+enum class Sex { man, woman };
+
+/* States what distinguishes the bones of one person from those of another. Without changes, it states the
+ * shipped man. All bones are first made for a man 1.78 m tall in the shipped patient's frame, and are then
+ * scaled about the origin of the frame. */
+struct SkeletonShape {
+    Sex sex = Sex::man;
+    double age_years = 60.0;
+    double scale = 1.0;             // multiplies all lengths; a person's height over 1.78 m
+    double osteophytes = 0.3;       // spurs at the edges of the vertebrae: 0 none, 1 severe
+    double cartilage_calcium = 0.3; // share of the costal cartilages' length that calcium covers, 0 to 1
+};
+
 /* Holds the position and the size of one vertebra. `up` is the direction of the spine at the centre of the
  * vertebra. */
 struct Vertebra {
@@ -16,14 +29,14 @@ struct Vertebra {
     Vec3 centre_mm, up, front;
 };
 
-/* Returns the vertebrae from C5 to L5, from the top down. */
-std::vector<Vertebra> vertebrae();
+/* Returns the vertebrae from the top down, before they are scaled. */
+std::vector<Vertebra> vertebrae(const SkeletonShape &shape = {});
 
-Solid spine_bones();    // C5-L5, sacrum, coccyx
-Solid rib_bones();      // twelve pairs, sternum
-Solid pelvis_bones();   // both hip bones
-Solid femur_bones();    // upper thirds
-Solid shoulder_bones(); // clavicles, shoulder blades, heads of the humerus; the arms are raised, as for a
-                        // lateral view
+Solid spine_bones(const SkeletonShape &shape = {});  // C5-L5, sacrum, coccyx
+Solid rib_bones(const SkeletonShape &shape = {});    // twelve pairs, sternum
+Solid pelvis_bones(const SkeletonShape &shape = {}); // both hip bones
+Solid femur_bones(const SkeletonShape &shape = {});  // upper thirds
+/* Clavicles, shoulder blades, heads of the humerus. The arms are raised, as for a lateral view. */
+Solid shoulder_bones(const SkeletonShape &shape = {});
 
 } // namespace anatomy

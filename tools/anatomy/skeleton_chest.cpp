@@ -141,19 +141,20 @@ Part clavicle_part(double s)
 
 } // namespace
 
-Solid rib_bones()
+Solid rib_bones(const SkeletonShape &shape)
 {
     constexpr size_t T1 = 3;
-    const auto spine = vertebrae();
+    const auto spine = vertebrae(shape);
     Solid solid;
     for (size_t i = 0; i < 12; i++)
         for (double s : {-1.0, 1.0})
             solid.add(rib_part(RIBS[i], spine[T1 + i], spine[T1 + i - (i < 10 ? 1 : 0)], s));
     solid.add(sternum_part());
+    solid.enlarge(shape.scale);
     return solid;
 }
 
-Solid shoulder_bones()
+Solid shoulder_bones(const SkeletonShape &shape)
 {
     Solid solid;
     for (double s : {-1.0, 1.0}) {
@@ -161,6 +162,7 @@ Solid shoulder_bones()
         solid.add(humerus_part(s));
         solid.add(clavicle_part(s));
     }
+    solid.enlarge(shape.scale);
     return solid;
 }
 

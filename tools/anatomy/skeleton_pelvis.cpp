@@ -112,17 +112,19 @@ Part femur_part(double s)
 
 } // namespace
 
-Solid pelvis_bones()
+Solid pelvis_bones(const SkeletonShape &shape)
 {
     Solid solid;
     for (double s : {-1.0, 1.0}) solid.add(hip_bone(s));
+    solid.enlarge(shape.scale);
     return solid;
 }
 
-Solid femur_bones()
+Solid femur_bones(const SkeletonShape &shape)
 {
     Solid solid;
     for (double s : {-1.0, 1.0}) solid.add(femur_part(s));
+    solid.enlarge(shape.scale);
     return solid;
 }
 

@@ -156,15 +156,24 @@ Part sacrum_part()
 
 } // namespace
 
-std::vector<Vertebra> vertebrae()
+std::vector<Vertebra> vertebrae(const SkeletonShape &shape)
 {
+    // Panjabi's tables: a woman's end plates are 0.87 times as wide as a man's, and she is 0.93 times as
+    // tall.
+    const double girth = shape.sex == Sex::woman ? 0.95 : 1.0;
     // The vertebrae are stacked along the curve of the spine, up and down from the disc between T12 and L1 at
     // y = 0.
     constexpr size_t FIRST_LUMBAR = 15;
     std::vector<Vertebra> all;
     for (const Size &size : SIZES)
-        all.push_back(
-            {size.name, size.height_mm, size.width_mm, size.depth_mm, size.disc_below_mm, {}, {}, {}});
+        all.push_back({size.name,
+                       size.height_mm,
+                       girth * size.width_mm,
+                       girth * size.depth_mm,
+                       size.disc_below_mm,
+                       {},
+                       {},
+                       {}});
     auto place = [&](Vertebra &v, double y_mm) {
         const double slope = (course_z_mm(y_mm + 8.0) - course_z_mm(y_mm - 8.0)) / 16.0;
         v.centre_mm = Vec3(0, y_mm, course_z_mm(y_mm));
@@ -185,12 +194,13 @@ std::vector<Vertebra> vertebrae()
     return all;
 }
 
-Solid spine_bones()
+Solid spine_bones(const SkeletonShape &shape)
 {
     Solid solid;
-    const auto all = vertebrae();
+    const auto all = vertebrae(shape);
     for (size_t i = 0; i < all.size(); i++) solid.add(vertebra_part(all[i], i));
     solid.add(sacrum_part());
+    solid.enlarge(shape.scale);
     return solid;
 }
 

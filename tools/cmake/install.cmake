@@ -18,8 +18,8 @@ set(include_folder ${CMAKE_INSTALL_INCLUDEDIR}/cournand)
 # The core is freestanding, for a rig's firmware or another host program. The host contains all parts of `cournand`.
 set(CRN_CORE_ROOMS firmware/core)
 set(CRN_HOST_ROOMS shared/wire shared/scene firmware/app/safety firmware/app/haptics firmware/app firmware/port/sim
-    host/base host/model host/link host/effects host/stent host/xray/paths host/xray
-    host/xray/style host/xray/gl host/room host/dicom host/patient host/rig host/script host/session
+    host/base host/model host/link host/effects host/stent host/xray/paths host/xray/volume
+    host/xray host/xray/style host/xray/gl host/room host/dicom host/patient host/rig host/script host/session
     host/report/figures host/cases host/picture host/report host/assess)
 
 # Archives are in link order: each comes before those that it uses.

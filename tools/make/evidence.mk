@@ -99,9 +99,10 @@ bench-peers: packages-build+tools+lab+peers
 	@tools/lab/peers/run_moving.py --environment $(BUILD)/peers --ours $(BUILD)/bench/peer_moving
 	@tools/lab/peers/run_peers.py --environment $(BUILD)/peers --ours $(BUILD)/bench/peer_rod
 
-bench-xray-peers: ## compare our transmission pictures with gVirtualXray's: out/bench_xray_peers.tsv
-bench-xray-peers: packages-build+tools+lab+xraypeers
-	$(call build,release,$(LAB),peer_xray)
+bench-xray-peers: ## compare our transmission pictures with gVirtualXray's and DiffDRR's: out/bench_*_peers.tsv
+bench-xray-peers: packages-build+tools+lab+xraypeers+ctpeers
+	$(call build,release,$(LAB),peer_xray peer_ct)
+	@tools/lab/peers/run_ct_peers.py --environment $(BUILD)/ct_peers --ours $(BUILD)/bench/peer_ct
 	$(again) $(SCENE:.scene=.bodies)
 	@tools/lab/peers/run_xray_peers.py --environment $(BUILD)/xray_peers --ours $(BUILD)/bench/peer_xray \
 	    --bodies $(SCENE:.scene=.bodies)

@@ -9,6 +9,7 @@
 #include <cstdarg>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <deque>
 #include <functional>
 #include <string>
@@ -270,6 +271,31 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
     assert_int_equal(link.free_run(0).size(), 0);
 }
 
+// A device sends the hash of every hundredth tick without a request. Another hash without a request would hide
+// the one that a recording needs.
+void a_hash_of_another_tick_needs_a_request(void **)
+{
+    TalkingDevice device;
+    device.on_frame = [&] { device.greet(); };
+    crn::Link link(device);
+    device.on_frame = [&] {
+        device.say(CRN_WIRE_TYPE_hash64, 0, crn_wire_hash64{100, 7}, crn_wire_put_hash64);
+        device.say(CRN_WIRE_TYPE_hash64, device.asked, crn_wire_hash64{150, 8}, crn_wire_put_hash64);
+    };
+    assert_int_equal(link.read_hash64().tick, 150);
+    assert_int_equal(link.last_hash64()->tick, 100);
+    device.on_frame = [&] {
+        device.say(CRN_WIRE_TYPE_hash64, 0, crn_wire_hash64{50, 7}, crn_wire_put_hash64);
+        device.status(device.asked, 200);
+    };
+    try {
+        link.read_status();
+        fail_msg("the hash of tick 50 was accepted");
+    } catch (const crn::LinkError &error) {
+        assert_non_null(std::strstr(error.what(), "tick 50 without a request"));
+    }
+}
+
 // While the host makes a picture, it can be silent for longer than the 30 ms after which a device reduces its
 // forces to zero. While the host makes a picture, an object of class Presence sends heartbeats, but only for
 // a limited time. The test counts frames instead of measuring time: three frames arrive while the Presence
@@ -312,6 +338,7 @@ int main()
         cmocka_unit_test(a_device_that_never_frames_is_left_with_an_error),
         cmocka_unit_test(a_device_that_keeps_its_host_waiting_is_left_with_an_error),
         cmocka_unit_test(a_snapshot_beyond_its_size_is_refused),
+        cmocka_unit_test(a_hash_of_another_tick_needs_a_request),
         cmocka_unit_test(a_busy_host_is_present_for_half_a_second),
         cmocka_unit_test(ticks_that_come_behind_the_answer_to_stop_are_recorded),
     };

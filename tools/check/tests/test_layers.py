@@ -101,7 +101,8 @@ ALLOWED = {
     "host/cli": ["host/base"],  # the command lines of all programs
     "host/model": ["host/base", "shared"],
     "host/xray/paths": ["host/model", "host/base"],
-    "host/xray": ["host/xray/paths", "host/model", "host/base"],
+    "host/xray/volume": ["host/xray/paths", "host/model", "host/base"],
+    "host/xray": ["host/xray/paths", "host/xray/volume", "host/model", "host/base"],
     "host/xray/style": ["host/xray", "host/xray/paths", "host/model", "host/base"],
     "host/xray/gl": ["host/xray", "host/model", "host/base"],
     "host/dicom": ["host/xray", "host/model", "host/base"],  # the only folder that uses DCMTK
