@@ -9,7 +9,7 @@ namespace crn
 namespace
 {
 
-constexpr double fine_radius_m = 0.3e-3;     // narrower vessels are drawn as lines
+constexpr double fine_radius_m = 1.5e-3;     // narrower vessels are drawn as lines
 constexpr double invisible_mg_per_cm2 = 0.1; // concentration times diameter: 0.003 mm of undiluted medium
 constexpr double invisible_ball_mm = 0.0002; // the same of one ball of a blush; many of them overlap
 constexpr double end_ball_m = 14e-3,
@@ -94,7 +94,7 @@ void PatientContrast::make_blush(const VesselTree &now)
 // Refluxed medium is a soft ball before the ostium, in the aorta.
 void PatientContrast::make_sinuses()
 {
-    constexpr double ball_mm = 9.0;
+    constexpr double ball_mm = 11.0;
     const FlowCells &cells = flow_.cells();
     for (std::size_t branch = 0; branch < cells.branch_count(); ++branch) {
         const double medium_mm3 = flow_.sinus_mg(branch) / iodine_default_mg_per_ml * mm3_per_ml;

@@ -258,7 +258,7 @@ void end_sums(TubeLabels &labels, const LabelledCurves &run)
     labels.summed.clear();
 }
 
-void draw_curves(TubePainter &painter, const XrayFrame &frame, const View &view)
+void draw_curves(TubePainter &painter, const XrayFrame &frame, const View &view, std::vector<float> &haze_mm)
 {
     FaintMedium faint(view);
     std::span<const SweptCurve> rest = frame.curves;
@@ -273,7 +273,7 @@ void draw_curves(TubePainter &painter, const XrayFrame &frame, const View &view)
         }
     painter.label(nullptr, 0, false);
     for (const SweptCurve &curve : rest) draw_curve(painter, faint, curve, view);
-    faint.add_to(painter);
+    faint.finish(haze_mm);
 }
 
 } // namespace
@@ -287,7 +287,7 @@ void draw_tubes(const XrayFrame &frame, const View &view, Material displaced, To
     if (frame.labels != nullptr) begin_labels(*frame.labels, view.size);
     TubePainter painter(view, materials, displaced, paths);
     draw_line(painter, frame, view);
-    draw_curves(painter, frame, view);
+    draw_curves(painter, frame, view, paths.haze_mm);
     painter.finish();
 }
 

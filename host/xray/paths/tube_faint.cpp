@@ -12,7 +12,6 @@ using std::numbers::pi;
 namespace
 {
 
-constexpr float least_mm = 4.0f / 1024.0f; // of undiluted medium; a shorter path is invisible: 0.1 %
 constexpr double ball_chord = 5.0 * pi / 16.0;
 
 } // namespace
@@ -54,12 +53,19 @@ void FaintMedium::line(const Vector3d &a_mm, const Vector3d &b_mm, double radius
     const double width_pixels = 2.0 * radius_mm / apart_mm;
     const int across = std::max(1, static_cast<int>(std::lround(width_pixels)));
     const double volume_mm3 = pi * radius_mm * radius_mm * (b_mm - a_mm).norm() * share;
-    const auto each_mm = static_cast<float>(volume_mm3 / (apart_mm * apart_mm) / (steps * across));
     const double sx = length_pixels > 0.0 ? -(by - ay) / length_pixels : 0.0,
                  sy = length_pixels > 0.0 ? (bx - ax) / length_pixels : 0.0;
+    // Across the line, path lengths are those of a round vessel.
+    const auto chord = [&](int j) {
+        const double beside = 2.0 * (j + 0.5) / across - 1.0;
+        return std::sqrt(1.0 - beside * beside);
+    };
+    double chords = 0.0;
+    for (int j = 0; j < across; ++j) chords += chord(j);
     for (int j = 0; j < across; ++j) {
-        const double beside = (j + 0.5) / across - 0.5,
-                     off = beside * width_pixels * (across > 1 ? 1.0 : 0.0);
+        const double off = across > 1 ? ((j + 0.5) / across - 0.5) * width_pixels : 0.0;
+        const auto each_mm =
+            static_cast<float>(volume_mm3 / (apart_mm * apart_mm) / steps * chord(j) / chords);
         for (int i = 0; i < steps; ++i) {
             const double t = (i + 0.5) / steps;
             add_fine(ax + t * (bx - ax) + off * sx, ay + t * (by - ay) + off * sy, each_mm);
@@ -92,35 +98,24 @@ void FaintMedium::ball(const Vector3d &at_mm, double radius_mm, double share)
 
 // Between the points of the coarse picture, path lengths are interpolated bilinearly; its point k lies at the
 // pixel edge k * coarse_pixels.
-void FaintMedium::add_to(TubePainter &painter) const
+void FaintMedium::finish(std::vector<float> &haze_mm)
 {
-    if (fine_mm_.empty() && coarse_mm_.empty()) return;
-    std::vector<float> row_mm(static_cast<std::size_t>(size_));
-    for (int y = 0; y < size_; ++y) {
-        std::fill(row_mm.begin(), row_mm.end(), 0.0f);
-        if (!coarse_mm_.empty()) {
-            const int above = y / coarse_pixels;
-            const float v = (static_cast<float>(y % coarse_pixels) + 0.5f) / coarse_pixels;
-            const float *low = coarse_mm_.data() + static_cast<std::size_t>(above) * coarse_size_,
-                        *high = low + coarse_size_;
-            for (int x = 0; x < size_; ++x) {
-                const int left = x / coarse_pixels;
-                const float u = (static_cast<float>(x % coarse_pixels) + 0.5f) / coarse_pixels;
-                const float a = low[left] + v * (high[left] - low[left]);
-                const float b = low[left + 1] + v * (high[left + 1] - low[left + 1]);
-                row_mm[x] = a + u * (b - a);
-            }
-        }
-        if (!fine_mm_.empty()) {
-            const float *fine = fine_mm_.data() + static_cast<std::size_t>(y) * size_;
-            for (int x = 0; x < size_; ++x) row_mm[x] += fine[x];
-        }
-        int x0 = 0, x1 = size_;
-        while (x0 < x1 && row_mm[x0] < least_mm) ++x0;
-        while (x1 > x0 && row_mm[x1 - 1] < least_mm) --x1;
-        if (x0 < x1)
-            painter.add_medium_row(y, x0, {row_mm.data() + x0, static_cast<std::size_t>(x1 - x0)}, least_mm);
+    haze_mm.clear();
+    if (!coarse_mm_.empty() && fine_mm_.empty())
+        fine_mm_.assign(static_cast<std::size_t>(size_) * size_, 0.0f);
+    std::vector<float> between(static_cast<std::size_t>(coarse_size_));
+    for (int y = 0; y < size_ && !coarse_mm_.empty(); ++y) {
+        const float v = (static_cast<float>(y % coarse_pixels) + 0.5f) / coarse_pixels;
+        const float *low = coarse_mm_.data() + static_cast<std::size_t>(y / coarse_pixels) * coarse_size_,
+                    *high = low + coarse_size_;
+        for (int i = 0; i < coarse_size_; ++i) between[i] = low[i] + v * (high[i] - low[i]);
+        float *fine = fine_mm_.data() + static_cast<std::size_t>(y) * size_;
+        for (int i = 0; i * coarse_pixels < size_; ++i)
+            for (int k = 0; k < coarse_pixels && i * coarse_pixels + k < size_; ++k)
+                fine[i * coarse_pixels + k] += between[i] + (static_cast<float>(k) + 0.5f) / coarse_pixels *
+                                                                (between[i + 1] - between[i]);
     }
+    haze_mm.swap(fine_mm_);
 }
 
 } // namespace crn

@@ -1,7 +1,7 @@
 // Draws medium that is finer or softer than the exact cylinders of TubePainter: lines of small vessels, and
 // soft balls of medium in tissue. Lines go into a picture of their path lengths, balls into a coarse one.
 #pragma once
-#include "host/xray/paths/tube_painter.hpp"
+#include "host/xray/paths/paths.hpp"
 #include <vector>
 
 namespace crn
@@ -21,7 +21,8 @@ class FaintMedium
     // middle, that is medium.
     void line(const Eigen::Vector3d &a_mm, const Eigen::Vector3d &b_mm, double radius_mm, double share);
     void ball(const Eigen::Vector3d &at_mm, double radius_mm, double share);
-    void add_to(TubePainter &painter) const;
+    // Moves the path lengths of all lines and balls into `haze_mm`, which becomes empty if nothing was drawn.
+    void finish(std::vector<float> &haze_mm);
 
   private:
     static constexpr int coarse_pixels = 4; // the distance of points of the coarse picture, in pixels

@@ -292,17 +292,6 @@ void TubePainter::paint(const TubePiece &piece)
     }
 }
 
-void TubePainter::add_medium_row(int y, int x0, std::span<const float> length_mm, float least_mm)
-{
-    ToolPaths::Columns &touched = paths_.touched[y];
-    touched = {std::min(touched.begin, x0), std::max(touched.end, x0 + static_cast<int>(length_mm.size()))};
-    for (std::size_t i = 0; i < length_mm.size(); ++i) {
-        if (length_mm[i] < least_mm) continue;
-        const std::size_t at = entry(y * size_ + x0 + static_cast<int>(i)) * paths_.materials.size();
-        paths_.wide_q10mm[at + contrast_] += static_cast<std::int32_t>(length_mm[i] * 1024.0f + 0.5f);
-    }
-}
-
 void TubePainter::finish()
 {
     paths_.pixels.reserve(paths_.narrow_entry.size());

@@ -28,9 +28,6 @@ class TubePainter
     // sets the bits later.
     void label(TubeLabels *labels, std::uint8_t bit, bool is_summed);
     void paint(const TubePiece &piece);
-    // Adds path lengths of undiluted contrast medium, in mm, to the pixels of a row from column x0 on;
-    // lengths below `least_mm` are left out. Nothing is displaced, and no label is set.
-    void add_medium_row(int y, int x0, std::span<const float> length_mm, float least_mm);
     void finish(); // lists the touched pixels after the last piece
 
   private:
