@@ -81,6 +81,20 @@ void add_bone(std::vector<Body> &bodies, const BoneGroup &group, const Solid &be
          {where, marrow_distance(group.solid, group.grain_mm, before), voxel_mm, group.error_mm}});
 }
 
+/* Adds the calcium of the costal cartilages, if there is any. Cartilage itself attenuates X-rays like the
+ * muscle around it, so it is no body; the lungs and the heart leave its space free. */
+void add_cartilages(std::vector<Body> &bodies, Solid &bones, const SkeletonShape &shape, double scale)
+{
+    const Solid calcium = cartilage_calcium(shape);
+    if (!calcium.is_empty())
+        bodies.push_back(
+            {"cartilage_calcium",
+             "trabecular_bone",
+             "flesh",
+             {grown(calcium.bounds, 2.0), bone_distance(calcium, bones), 1.4 * scale, BONE_ERROR_MM}});
+    bones.add(costal_cartilages(shape));
+}
+
 } // namespace
 
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
@@ -98,17 +112,20 @@ std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &finenes
     // micrometre, rounding would turn some triangles over.
     constexpr double SHORTEST_MM = 0.02;
     const double scale = fineness.body_scale;
-    const BoneGroup groups[] = {{"spine", spine_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},
-                                {"ribs", rib_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},
-                                {"pelvis", pelvis_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-                                {"femurs", femur_bones(), 1.8, BONE_ERROR_MM, GRAIN_MM},
-                                {"shoulders", shoulder_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM}};
+    const SkeletonShape shape;
+    const BoneGroup groups[] = {
+        {"spine", spine_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
+        {"ribs", rib_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
+        {"pelvis", pelvis_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"femurs", femur_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM},
+        {"shoulders", shoulder_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM}};
     Solid bones;
     std::vector<Body> skeleton;
     for (const BoneGroup &group : groups) {
         add_bone(skeleton, group, bones, scale);
         bones.add(group.solid);
     }
+    add_cartilages(skeleton, bones, shape, scale);
     std::vector<Body> bodies = layer_bodies(bones, scale);
     bodies.insert(bodies.end(), skeleton.begin(), skeleton.end());
     for (const Body &body : chest_bodies(bones, tree, scale)) bodies.push_back(body);

@@ -50,29 +50,40 @@ double smooth_step(double low, double high, double value)
 
 Tube::Tube(const Curve &curve)
 {
-    build(curve);
+    build(curve, std::vector<Section>(curve.size(), {Vec3::Zero(), 1.0}));
 }
 
 Tube::Tube(const Curve &curve, const Vec3 &flat, double thinness)
-    : flat_(flat.normalized()), thinness_(thinness)
+    : Tube(curve, std::vector<Section>(curve.size(), {flat.normalized(), thinness}))
 {
-    build(curve);
 }
 
-void Tube::build(const Curve &curve)
+Tube::Tube(const Curve &curve, const std::vector<Section> &sections) : is_round_(false)
+{
+    build(curve, sections);
+}
+
+void Tube::build(const Curve &curve, const std::vector<Section> &sections)
 {
     constexpr size_t SEGMENTS_PER_CHUNK = 6;
     std::vector<Segment> segments;
     for (size_t i = 0; i + 1 < curve.size(); i++) {
         const Vec3 axis = curve[i + 1].position_mm - curve[i].position_mm;
-        segments.push_back({curve[i].position_mm, axis, 1.0 / axis.squaredNorm(), curve[i].radius_mm,
-                            curve[i + 1].radius_mm - curve[i].radius_mm});
+        const Section &from = sections[i], &to = sections[i + 1];
+        segments.push_back({curve[i].position_mm,
+                            axis,
+                            1.0 / axis.squaredNorm(),
+                            curve[i].radius_mm,
+                            curve[i + 1].radius_mm - curve[i].radius_mm,
+                            from,
+                            {to.flat - from.flat, to.thinness - from.thinness}});
     }
     segments_ = std::make_shared<const std::vector<Segment>>(std::move(segments));
     for (size_t first = 0; first + 1 < curve.size(); first += SEGMENTS_PER_CHUNK) {
         Chunk chunk{first, std::min(first + SEGMENTS_PER_CHUNK, curve.size() - 1), {}};
         for (size_t i = chunk.first; i <= chunk.last; i++)
-            chunk.bounds.include(curve[i].position_mm, curve[i].radius_mm * std::max(1.0, thinness_));
+            chunk.bounds.include(curve[i].position_mm,
+                                 curve[i].radius_mm * std::max(1.0, sections[i].thinness));
         bounds.include(chunk.bounds);
         chunks_.push_back(chunk);
     }
@@ -89,10 +100,12 @@ std::shared_ptr<Shape> Tube::near(const Box &box, double reach_mm) const
 
 double Tube::section_distance(const Vec3 &point, const Segment &segment, double t) const
 {
-    const double radius = segment.radius_mm + t * segment.radius_change_mm, thin = radius * thinness_;
+    const double radius = segment.radius_mm + t * segment.radius_change_mm;
+    const double thin = radius * (segment.section.thinness + t * segment.section_change.thinness);
+    const Vec3 flat = segment.section.flat + t * segment.section_change.flat;
     const Vec3 offset = point - segment.start - t * segment.axis;
     const Vec3 along = segment.axis * std::sqrt(segment.inverse_squared);
-    const Vec3 height = (flat_ - along * flat_.dot(along)).normalized(), across = along.cross(height);
+    const Vec3 height = (flat - along * flat.dot(along)).normalized(), across = along.cross(height);
     return ellipsoid_distance({offset.dot(height), offset.dot(across), offset.dot(along)},
                               {radius, thin, thin});
 }
@@ -105,7 +118,6 @@ double Tube::distance(const Vec3 &point) const
     constexpr double FAR = 1e9;
     double best = FAR, best_t = 0.0;
     const Segment *nearest = nullptr;
-    const bool round = flat_.isZero();
     for (const Chunk &chunk : chunks_) {
         if (chunk.bounds.distance(point) > best) continue;
         for (size_t i = chunk.first; i < chunk.last; i++) {
@@ -114,14 +126,14 @@ double Tube::distance(const Vec3 &point) const
             const double t = std::clamp(offset.dot(segment.axis) * segment.inverse_squared, 0.0, 1.0);
             const double from_axis = (offset - t * segment.axis).norm();
             const double value =
-                round ? from_axis - segment.radius_mm - t * segment.radius_change_mm : from_axis;
+                is_round_ ? from_axis - segment.radius_mm - t * segment.radius_change_mm : from_axis;
             if (value >= best) continue;
             best = value;
             best_t = t;
             nearest = &segment;
         }
     }
-    return round || !nearest ? best : section_distance(point, *nearest, best_t);
+    return is_round_ || !nearest ? best : section_distance(point, *nearest, best_t);
 }
 
 // --- other shapes ---
@@ -177,29 +189,6 @@ double Plate::distance(const Vec3 &point) const
     }
     if (share.minCoeff() < 0.0) return std::sqrt(edge_squared) - thickness;
     return std::abs(normal.dot(point - a_)) / normal.norm() - share.dot(half_thickness_mm_);
-}
-
-Drum::Drum(const Vec3 &centre, const Eigen::Matrix3d &rotation, double width_mm, double height_mm,
-           double depth_mm)
-    : centre_(centre), inverse_(rotation.transpose()), half_width_(0.5 * width_mm),
-      half_height_(0.5 * height_mm), half_depth_(0.5 * depth_mm)
-{
-    bounds.include(centre, Vec3(half_width_, half_height_, half_depth_).norm());
-}
-
-double Drum::distance(const Vec3 &point) const
-{
-    constexpr double WAIST = 0.09, RIM_ROUND_MM = 3.0, PLATE_HOLLOW_MM = 1.0;
-    const Vec3 local = inverse_ * (point - centre_);
-    const double level = std::clamp(local.y() / half_height_, -1.0, 1.0);
-    const double girth = 1.0 - WAIST * (1.0 - level * level);
-    // Seen from above, the back of the vertebral body is flatter than its front.
-    const double depth = half_depth_ * girth, width = half_width_ * girth;
-    const double back = local.z() < 0.0 ? 0.88 : 1.0;
-    const double from_side = ellipsoid_distance({local.x(), local.z() / back, 0.0}, {width, depth, width});
-    const double radial = std::min(1.0, std::hypot(local.x() / width, local.z() / depth));
-    const double from_plate = std::abs(local.y()) - half_height_ + PLATE_HOLLOW_MM * (1.0 - radial * radial);
-    return smooth_max(from_side, from_plate, RIM_ROUND_MM);
 }
 
 Formula::Formula(std::function<double(const Vec3 &)> function, const Box &where)

@@ -45,6 +45,12 @@ class Tube : public Shape
   public:
     explicit Tube(const Curve &curve);
     Tube(const Curve &curve, const Vec3 &flat, double thinness);
+    /* A twisted band: every sample of the curve has its own section. */
+    struct Section {
+        Vec3 flat;
+        double thinness;
+    };
+    Tube(const Curve &curve, const std::vector<Section> &sections);
     double distance(const Vec3 &point) const override;
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 
@@ -53,16 +59,16 @@ class Tube : public Shape
                      // to the end
         Vec3 start, axis;
         double inverse_squared, radius_mm, radius_change_mm;
+        Section section, section_change;
     };
     struct Chunk {
         size_t first, last;
         Box bounds;
     };
-    void build(const Curve &curve);
+    void build(const Curve &curve, const std::vector<Section> &sections);
     double section_distance(const Vec3 &point, const Segment &segment, double t) const;
     std::shared_ptr<const std::vector<Segment>> segments_;
-    Vec3 flat_ = Vec3::Zero();
-    double thinness_ = 1.0;
+    bool is_round_ = true;
     std::vector<Chunk> chunks_;
 };
 
@@ -90,21 +96,6 @@ class Plate : public Shape
 
   private:
     Vec3 a_, b_, c_, half_thickness_mm_;
-};
-
-/* A vertebral body. The vertebral body is a drum with a waist, slightly hollow end plates and a flattened
- * back. The y axis of the drum's own frame points up. */
-class Drum : public Shape
-{
-  public:
-    Drum(const Vec3 &centre, const Eigen::Matrix3d &rotation, double width_mm, double height_mm,
-         double depth_mm);
-    double distance(const Vec3 &point) const override;
-
-  private:
-    Vec3 centre_;
-    Eigen::Matrix3d inverse_;
-    double half_width_, half_height_, half_depth_;
 };
 
 /* Describes a shape that is defined by an arbitrary distance function and a bounding box. */

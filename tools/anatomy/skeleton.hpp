@@ -18,8 +18,11 @@ struct SkeletonShape {
     double age_years = 60.0;
     double scale = 1.0;             // multiplies all lengths; a person's height over 1.78 m
     double osteophytes = 0.3;       // spurs at the edges of the vertebrae: 0 none, 1 severe
-    double cartilage_calcium = 0.3; // share of the costal cartilages' length that calcium covers, 0 to 1
+    double cartilage_calcium = 0.2; // share of the costal cartilages' length that calcium covers, 0 to 1
 };
+
+/* Returns the shape of a person in whom osteophytes and calcium of the cartilages are usual for the age. */
+SkeletonShape usual_skeleton(Sex sex, double age_years, double scale);
 
 /* Holds the position and the size of one vertebra. `up` is the direction of the spine at the centre of the
  * vertebra. */
@@ -32,10 +35,12 @@ struct Vertebra {
 /* Returns the vertebrae from the top down, before they are scaled. */
 std::vector<Vertebra> vertebrae(const SkeletonShape &shape = {});
 
-Solid spine_bones(const SkeletonShape &shape = {});  // C5-L5, sacrum, coccyx
-Solid rib_bones(const SkeletonShape &shape = {});    // twelve pairs, sternum
-Solid pelvis_bones(const SkeletonShape &shape = {}); // both hip bones
-Solid femur_bones(const SkeletonShape &shape = {});  // upper thirds
+Solid spine_bones(const SkeletonShape &shape = {});       // C1-L5, sacrum, coccyx
+Solid rib_bones(const SkeletonShape &shape = {});         // twelve pairs, sternum
+Solid costal_cartilages(const SkeletonShape &shape = {}); // of the first ten pairs
+Solid cartilage_calcium(const SkeletonShape &shape = {}); // inside the cartilages; may be empty
+Solid pelvis_bones(const SkeletonShape &shape = {});      // both hip bones
+Solid femur_bones(const SkeletonShape &shape = {});       // upper thirds
 /* Clavicles, shoulder blades, heads of the humerus. The arms are raised, as for a lateral view. */
 Solid shoulder_bones(const SkeletonShape &shape = {});
 

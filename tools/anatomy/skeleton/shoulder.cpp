@@ -1,0 +1,106 @@
+/* Makes the shapes of the clavicles, shoulder blades and heads of the humerus. Their dimensions are assumed.
+ */
+#include "tools/anatomy/sheet.hpp"
+#include "tools/anatomy/skeleton.hpp"
+#include <cmath>
+
+namespace anatomy
+{
+
+namespace
+{
+
+/* Returns the shape of the shoulder blade from its medial border to its neck and lateral border, and from its
+ * superior angle down to its inferior angle. */
+Sheet blade(double s)
+{
+    constexpr size_t DOWN = 55, ACROSS = 25;
+    const auto medial = evenly_along(
+        {{84, 268, -104}, {82, 238, -113}, {85, 205, -118}, {99, 162, -120}, {115, 129, -118}}, DOWN);
+    const auto lateral = evenly_along(
+        {{134, 257, -70}, {143, 236, -66}, {141, 210, -82}, {138, 188, -97}, {122, 133, -117}}, DOWN);
+    std::vector<std::vector<SheetPoint>> rows(DOWN);
+    for (size_t row = 0; row < DOWN; row++)
+        for (size_t i = 0; i < ACROSS; i++) {
+            const double share = static_cast<double>(i) / (ACROSS - 1), middle = 4.0 * share * (1.0 - share);
+            const double width_mm = (lateral[row] - medial[row]).norm();
+            // The shoulder blade is concave on the side of the ribs and thin in the middle.
+            const Vec3 point =
+                medial[row] + share * (lateral[row] - medial[row]) - 0.1 * middle * width_mm * Vec3::UnitZ();
+            rows[row].push_back({side(s, point.x(), point.y(), point.z()), 2.4 - 0.35 * middle});
+        }
+    return Sheet(rows);
+}
+
+/* Adds one shoulder. The arms are raised, so the shoulder blade is turned outwards and the humerus points
+ * up. */
+Part scapula_part(double s)
+{
+    Part part(4.0);
+    const Vec3 glenoid = side(s, 146, 238, -62);
+    part.add<Sheet>(blade(s)).cortex_mm = 0.9;
+    part.rod({side(s, 84, 268, -104), side(s, 82, 238, -113), side(s, 85, 205, -118), side(s, 99, 162, -120),
+              side(s, 116, 129, -118)},
+             {2.4, 2.6, 2.4, 3.0, 4.2}, 1.0);
+    part.rod(
+        {side(s, 117, 129, -118), side(s, 138, 188, -97), side(s, 141, 210, -82), side(s, 143, 230, -68)},
+        {4.2, 4.0, 4.6, 6.0}, 1.2);
+    part.add<Ellipsoid>(glenoid, Vec3(6, 18, 12)).cortex_mm = 1.1;
+    part.rod({side(s, 143, 239, -64), side(s, 130, 240, -78)}, {9, 5}, 1.0); // neck
+    // The spine of the shoulder blade stands up and back from it, and ends as the flat acromion.
+    part.plate(side(s, 88, 240, -113), side(s, 140, 250, -80), side(s, 126, 264, -108), Vec3(1.4, 2.4, 1.8),
+               0.9);
+    part.rod({side(s, 90, 241, -117), side(s, 110, 256, -114), side(s, 128, 266, -109)}, {2.2, 3.2, 4.2},
+             1.0);
+    part.add<Tube>(sample_curve({side(s, 126, 265, -109), side(s, 146, 275, -98), side(s, 163, 281, -78),
+                                 side(s, 167, 282, -57)},
+                                {4.6, 8.0, 11.5, 9.0}, 4.0),
+                   side(s, 0.8, 0.1, -0.6), 0.42)
+        .cortex_mm = 1.0;
+    part.rod({side(s, 137, 250, -66), side(s, 136, 264, -50), side(s, 143, 263, -34), side(s, 150, 257, -26)},
+             {8, 6.5, 6, 5}, 1.1); // coracoid
+    return part;
+}
+
+Part humerus_part(double s)
+{
+    Part part(6.0);
+    part.add<Ellipsoid>(side(s, 173, 246, -52), Vec3(22.5, 22.5, 22.5)).cortex_mm = 1.3;
+    part.rod({side(s, 176, 250, -51), side(s, 196, 270, -46)}, {20, 17}, 1.8);
+    part.rod({side(s, 184, 256, -49), side(s, 206, 300, -40), side(s, 218, 336, -32), side(s, 226, 366, -26)},
+             {18, 12.5, 11.5, 11}, 4.2);
+    return part;
+}
+
+/* The clavicle is thick and round at the sternum and flat at its outer end. */
+Part clavicle_part(double s)
+{
+    const Curve curve =
+        sample_curve({side(s, 19, 247, 42), side(s, 28, 250, 43), side(s, 48, 255, 39), side(s, 80, 263, 20),
+                      side(s, 115, 271, -15), side(s, 140, 277, -38), side(s, 157, 279, -47)},
+                     {11, 10, 7.0, 6.0, 6.2, 8.0, 8.5}, 4.0);
+    std::vector<Tube::Section> sections;
+    for (const CurvePoint &point : curve) {
+        const double outer = smooth_step(0.5, 1.0, point.arc_mm / curve.back().arc_mm);
+        sections.push_back({Vec3(0.3 * s, 0.0, 1.0).normalized(), 0.95 - 0.4 * outer});
+    }
+    Part part(2.0);
+    part.add<Tube>(curve, sections).cortex_mm = 1.6;
+    return part;
+}
+
+} // namespace
+
+Solid shoulder_bones(const SkeletonShape &shape)
+{
+    Solid solid;
+    for (double s : {-1.0, 1.0}) {
+        solid.add(scapula_part(s));
+        solid.add(humerus_part(s));
+        solid.add(clavicle_part(s));
+    }
+    solid.enlarge(shape.scale);
+    return solid;
+}
+
+} // namespace anatomy
