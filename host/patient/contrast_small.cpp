@@ -12,8 +12,8 @@ namespace
 constexpr double fine_radius_m = 1.5e-3;     // narrower vessels are drawn as lines
 constexpr double invisible_mg_per_cm2 = 0.1; // concentration times diameter: 0.003 mm of undiluted medium
 constexpr double invisible_ball_mm = 0.0002; // the same of one ball of a blush; many of them overlap
-constexpr double end_ball_m = 14e-3,
-                 ball_m = 7e-3; // radius of the tissue behind a coronary artery, a small vessel
+// Radius of the tissue behind a coronary artery, behind a small vessel of the heart, and of another organ.
+constexpr double end_ball_m = 14e-3, heart_ball_m = 7e-3, organ_ball_m = 9e-3;
 constexpr double mm3_per_ml = 1e3;
 
 // Returns the radius of the tissue around the end of a vessel in which its blush is drawn; 0: it is not
@@ -25,12 +25,12 @@ double blush_radius_m(VesselBed kind, bool is_small)
         return 0.0;
     case VesselBed::left_coronary:
     case VesselBed::right_coronary:
-        return is_small ? ball_m : end_ball_m;
+        return is_small ? heart_ball_m : end_ball_m;
     case VesselBed::kidney:
     case VesselBed::gut:
         break;
     }
-    return ball_m;
+    return organ_ball_m;
 }
 
 } // namespace

@@ -75,7 +75,7 @@ void FaintMedium::line(const Vector3d &a_mm, const Vector3d &b_mm, double radius
 
 void FaintMedium::ball(const Vector3d &at_mm, double radius_mm, double share)
 {
-    if (!(at_mm.z() > 1.0 + radius_mm) || !(share > 0.0)) return;
+    if (!(at_mm.z() > 1.0 + radius_mm) || !(share > 0.0) || !(radius_mm > 0.0)) return;
     if (coarse_mm_.empty()) coarse_mm_.assign(static_cast<std::size_t>(coarse_size_) * coarse_size_, 0.0f);
     const double x = (half_ + focal_pixels_ * at_mm.x() / at_mm.z()) / coarse_pixels,
                  y = (half_ - focal_pixels_ * at_mm.y() / at_mm.z()) / coarse_pixels;

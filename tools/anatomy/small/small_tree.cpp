@@ -164,11 +164,11 @@ namespace
  */
 void grow_kidney(const Vessel &artery, std::uint64_t seed, std::vector<SmallVessel> &vessels)
 {
-    constexpr double STEM_MM = 5.0, APART_MM = 7.5, ARCUATE_MM = 5.0, OUTSIDE_MM = 9.0, CLOSE_MM = 95.0;
+    constexpr double STEM_MM = 5.0, APART_MM = 5.5, ARCUATE_MM = 4.5, OUTSIDE_MM = 9.0, CLOSE_MM = 95.0;
     constexpr int TRIES = 30000;
     static const Solid organ = kidneys();
     Growth growth([](const TissuePlace &place) { return place; },
-                  {.exponent = 3.0, .end_radius_mm = 0.22, .step_mm = 4.0, .reach_mm = CLOSE_MM});
+                  {.exponent = 3.0, .end_radius_mm = 0.18, .step_mm = 4.0, .reach_mm = CLOSE_MM});
     const Curve curve = vessel_curve(artery, 2.0);
     std::vector<TissuePlace> places;
     std::vector<double> radii_mm;
