@@ -106,19 +106,22 @@ MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
     return {grown(lumen.bounds, 2.0), local_distance(lumen), voxel_mm, 0.03};
 }
 
-std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness)
+std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness, const Person &person)
 {
     // The vertices of each frame are rounded to a micrometre in the file. If the mesh had edges of about a
     // micrometre, rounding would turn some triangles over.
     constexpr double SHORTEST_MM = 0.02;
     const double scale = fineness.body_scale;
-    const SkeletonShape shape;
+    const SkeletonShape shape = skeleton_shape(person);
+    const SoftShape soft = soft_shape(person);
     const BoneGroup groups[] = {
         {"spine", spine_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
         {"ribs", rib_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
         {"pelvis", pelvis_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
         {"femurs", femur_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM},
-        {"shoulders", shoulder_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM}};
+        {"shoulders", shoulder_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"head", head_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"forearms", forearm_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM}};
     Solid bones;
     std::vector<Body> skeleton;
     for (const BoneGroup &group : groups) {
@@ -126,10 +129,10 @@ std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &finenes
         bones.add(group.solid);
     }
     add_cartilages(skeleton, bones, shape, scale);
-    std::vector<Body> bodies = layer_bodies(bones, scale);
+    std::vector<Body> bodies = layer_bodies(soft, bones, scale);
     bodies.insert(bodies.end(), skeleton.begin(), skeleton.end());
     for (const Body &body : chest_bodies(bones, tree, scale)) bodies.push_back(body);
-    for (const Body &body : belly_bodies(bones, scale)) bodies.push_back(body);
+    for (const Body &body : belly_bodies(soft, bones, tree, scale)) bodies.push_back(body);
     if (tree.coronary_count > 0)
         for (Body &body : bodies)
             if (moves_with_heart(body.name)) body.request.shortest_mm = SHORTEST_MM;

@@ -2,6 +2,7 @@
  * bodies are closed triangle meshes. */
 #pragma once
 #include "tools/anatomy/mesh.hpp"
+#include "tools/anatomy/person.hpp"
 #include "tools/anatomy/vessels.hpp"
 #include <functional>
 #include <string>
@@ -24,10 +25,10 @@ struct Fineness {
 
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
 
-/* Returns the bodies of a patient around the vessels in `tree`, whose coordinates must be in the patient's
- * frame. If the tree has coronary arteries, the patient's bodies include the root of the aorta and the
- * coronary arteries. */
-std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness);
+/* Returns the bodies of a person around the vessels in `tree`, whose coordinates must be in the patient's
+ * frame. The bodies are not scaled by the person's size. If the tree has coronary arteries, the patient's
+ * bodies include the root of the aorta and the coronary arteries. */
+std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness, const Person &person = {});
 
 /* Returns the bodies of a phantom, which is a tank of water with a silicone wall around the vessels. In a
  * phantom a blood-like fluid fills the vessels. */

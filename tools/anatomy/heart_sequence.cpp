@@ -85,14 +85,18 @@ MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat)
     return moving;
 }
 
-void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat)
+void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat,
+                        double scale)
 {
     std::filesystem::create_directories(folder);
-    const MovingBody moving = moving_body("lumen", rest, beat);
+    MovingBody moving = moving_body("lumen", rest, beat);
+    moving.frames_mm.push_back(moving.inhaled_mm);
+    for (std::vector<Vec3> &frame : moving.frames_mm)
+        for (Vec3 &point : frame) point *= scale;
     for (int frame = 0; frame < BEAT_FRAMES; frame++)
         write_ply(folder / numbered("lumen", frame, ".ply"),
                   {moving.frames_mm[static_cast<size_t>(frame)], rest.triangles}, "lumen");
-    write_ply(folder.string() + "_inhaled.ply", {moving.inhaled_mm, rest.triangles}, "lumen");
+    write_ply(folder.string() + "_inhaled.ply", {moving.frames_mm.back(), rest.triangles}, "lumen");
 }
 
 void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence)

@@ -62,8 +62,9 @@ HeartFigures heart_figures(const HeartSequence &sequence);
 
 /* Writes the moved mesh of every frame as FOLDER/lumen_00.ply ... lumen_23.ply. The program writes the mesh
  * at the end of inspiration to FOLDER_inhaled.ply beside the folder. The program `bake` fits a lattice of
- * displacements to the mesh files of the frames. */
-void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat);
+ * displacements to the mesh files of the frames. All positions are multiplied by `scale` after they moved. */
+void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat,
+                        double scale = 1.0);
 
 /* Writes FOLDER/frame_00.obj ... frame_23.obj with one object per body. The program writes the centrelines to
  * FOLDER/centrelines_00.mrk.json ..., and the bodies at the end of inspiration to FOLDER_inhaled.obj beside

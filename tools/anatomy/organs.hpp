@@ -2,17 +2,22 @@
  * All shapes are assumed. The shapes of the organs are adjusted by eye to resemble a chest and abdomen under
  * X-ray; none of their dimensions is measured. */
 #pragma once
-#include "tools/anatomy/shapes.hpp"
+#include "tools/anatomy/person.hpp"
 
 namespace anatomy
 {
 
-/* Returns the shape of the trunk from mid-thigh to the neck, with the stumps of the raised arms. The returned
-   distances from organs are estimates, but their sign (inside or outside) is right. */
-Solid skin();
+/* Returns the shape of the body from mid-thigh to the vertex, with raised arms. The returned distances are
+   estimates, but their sign (inside or outside) is right. */
+Solid skin(const SoftShape &shape = {});
 
 /* Returns the combined thickness of the skin and of the fat under the skin at a point. */
-double flesh_depth_mm(const Vec3 &p);
+double flesh_depth_mm(const SoftShape &shape, const Vec3 &p);
+
+/* Returns how much farther out than the shipped man's the wall of the belly lies at a point. */
+double belly_growth_mm(const SoftShape &shape, const Vec3 &p);
+
+Solid breast_glands(const SoftShape &shape); // empty for a man
 
 /* Returns the shape of the chest cavity on one side of the body (sign -1 for right, +1 for left), down to the
  * diaphragm. The returned chest cavity still includes the space of other bodies, such as the heart, which
@@ -39,15 +44,16 @@ Solid airway();                        // trachea and main bronchi (air)
 /* Returns the distance to the belly's cavity, which reaches from the diaphragm to the pelvic floor. The
  * belly's cavity still includes the space of the chest, bones and psoas muscles, which must be cut out later.
  */
-double belly_outline(const Vec3 &p);
-Box belly_bounds();
+double belly_outline(const SoftShape &shape, const Vec3 &p);
+Box belly_bounds(const SoftShape &shape);
 Solid kidney_nests(); // space for the kidneys and the fat around them, beside the spine
 Solid psoas();        // both muscles, from T12 to the groin, beside the belly's fat
 Solid kidneys();
 Solid liver();
 Solid spleen();
-Solid bowel_gas(double wall_mm); // gas of stomach bubble, colon and rectum, expanded by the wall
-Solid bowel(double wall_mm);     // stomach, colon, small bowel, and that wall around the gas
+/* Gas of stomach bubble, colon and rectum, expanded by the wall. */
+Solid bowel_gas(const SoftShape &shape, double wall_mm);
+Solid bowel(const SoftShape &shape, double wall_mm); // stomach, colon, small bowel, that wall around the gas
 
 /* Returns the branching vessels inside one lung. The parameter `lung` is the distance function of the lung in
  * which the vessels lie. */

@@ -18,9 +18,19 @@ void Box::include(const Box &other)
     high = high.cwiseMax(other.high);
 }
 
+double Box::squared_distance(const Vec3 &point) const
+{
+    double sum = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+        const double off = std::max({low[axis] - point[axis], point[axis] - high[axis], 0.0});
+        sum += off * off;
+    }
+    return sum;
+}
+
 double Box::distance(const Vec3 &point) const
 {
-    return (low - point).cwiseMax(point - high).cwiseMax(0.0).norm();
+    return std::sqrt(squared_distance(point));
 }
 
 double Box::distance(const Box &other) const
@@ -95,7 +105,9 @@ std::shared_ptr<Shape> Tube::near(const Box &box, double reach_mm) const
     std::erase_if(trimmed->chunks_,
                   [&](const Chunk &chunk) { return chunk.bounds.distance(box) > reach_mm; });
     if (marrow) trimmed->marrow = marrow->near(box, reach_mm);
-    return trimmed->chunks_.empty() ? nullptr : trimmed;
+    trimmed->bounds = {};
+    for (const Chunk &chunk : trimmed->chunks_) trimmed->bounds.include(chunk.bounds);
+    return trimmed;
 }
 
 double Tube::section_distance(const Vec3 &point, const Segment &segment, double t) const
@@ -119,16 +131,16 @@ double Tube::distance(const Vec3 &point) const
     double best = FAR, best_t = 0.0;
     const Segment *nearest = nullptr;
     for (const Chunk &chunk : chunks_) {
-        if (chunk.bounds.distance(point) > best) continue;
+        if (chunk.bounds.is_beyond(point, best)) continue;
         for (size_t i = chunk.first; i < chunk.last; i++) {
             const Segment &segment = (*segments_)[i];
             const Vec3 offset = point - segment.start;
             const double t = std::clamp(offset.dot(segment.axis) * segment.inverse_squared, 0.0, 1.0);
-            const double from_axis = (offset - t * segment.axis).norm();
-            const double value =
-                is_round_ ? from_axis - segment.radius_mm - t * segment.radius_change_mm : from_axis;
-            if (value >= best) continue;
-            best = value;
+            const double squared = (offset - t * segment.axis).squaredNorm();
+            const double radius = is_round_ ? segment.radius_mm + t * segment.radius_change_mm : 0.0;
+            const double limit = best + radius; // the root is taken only for nearer segments
+            if (limit <= 0.0 || squared >= limit * limit) continue;
+            best = std::sqrt(squared) - radius;
             best_t = t;
             nearest = &segment;
         }
@@ -165,30 +177,44 @@ Plate::Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_
 }
 
 Plate::Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &half_thickness_mm)
-    : a_(a), b_(b), c_(c), half_thickness_mm_(half_thickness_mm)
+    : half_thickness_mm_(half_thickness_mm)
 {
-    for (const Vec3 &corner : {a, b, c}) bounds.include(corner, half_thickness_mm.maxCoeff());
+    const Vec3 corners[3] = {a, b, c}, normal = (b - a).cross(c - a);
+    normal_ = normal.normalized();
+    for (int i = 0; i < 3; i++) {
+        const int next = (i + 1) % 3;
+        const Vec3 along = corners[next] - corners[i];
+        edges_[static_cast<size_t>(i)] = {corners[i],
+                                          along,
+                                          normal.cross(along) / normal.squaredNorm(),
+                                          1.0 / along.squaredNorm(),
+                                          half_thickness_mm[i],
+                                          half_thickness_mm[next] - half_thickness_mm[i]};
+        bounds.include(corners[i], half_thickness_mm.maxCoeff());
+    }
 }
 
 double Plate::distance(const Vec3 &point) const
 {
-    const Vec3 normal = (b_ - a_).cross(c_ - a_);
-    const Vec3 corners[3] = {a_, b_, c_};
     Vec3 share; // barycentric shares: for each edge, that of the opposite corner, where the point's foot lies
                 // over the face
+    Vec3 offsets[3];
+    for (int i = 0; i < 3; i++) {
+        const Edge &edge = edges_[static_cast<size_t>(i)];
+        offsets[i] = point - edge.start;
+        share[(i + 2) % 3] = offsets[i].dot(edge.foot);
+    }
+    if (share.minCoeff() >= 0.0) return std::abs(normal_.dot(offsets[0])) - share.dot(half_thickness_mm_);
     double edge_squared = std::numeric_limits<double>::max(), thickness = 0.0;
     for (int i = 0; i < 3; i++) {
-        const int next = (i + 1) % 3, opposite = (i + 2) % 3;
-        const Vec3 edge = corners[next] - corners[i], offset = point - corners[i];
-        share[opposite] = edge.cross(offset).dot(normal) / normal.squaredNorm();
-        const double t = std::clamp(offset.dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-        const double squared = (offset - t * edge).squaredNorm();
+        const Edge &edge = edges_[static_cast<size_t>(i)];
+        const double t = std::clamp(offsets[i].dot(edge.along) * edge.inverse_squared, 0.0, 1.0);
+        const double squared = (offsets[i] - t * edge.along).squaredNorm();
         if (squared >= edge_squared) continue;
         edge_squared = squared;
-        thickness = (1.0 - t) * half_thickness_mm_[i] + t * half_thickness_mm_[next];
+        thickness = edge.thickness + t * edge.thickness_change;
     }
-    if (share.minCoeff() < 0.0) return std::sqrt(edge_squared) - thickness;
-    return std::abs(normal.dot(point - a_)) / normal.norm() - share.dot(half_thickness_mm_);
+    return std::sqrt(edge_squared) - thickness;
 }
 
 Formula::Formula(std::function<double(const Vec3 &)> function, const Box &where)
@@ -226,14 +252,15 @@ double Part::evaluate(const Vec3 &point, double cortex_scale) const
     constexpr double CUT_ROUND_MM = 1.0;
     double total = 1e9;
     for (const auto &shape : added) {
-        if (shape->bounds.distance(point) > total + blend_mm + cortex_scale * shape->cortex_mm) continue;
+        const double reach = total + blend_mm + cortex_scale * shape->cortex_mm;
+        if (reach < 0.0 || (reach < 1e8 && shape->bounds.is_beyond(point, reach))) continue;
         const bool own_marrow = cortex_scale > 0.0 && shape->marrow;
         const double distance = own_marrow ? shape->marrow->distance(point)
                                            : shape->distance(point) + cortex_scale * shape->cortex_mm;
         total = smooth_min(total, distance, blend_mm);
     }
     for (const auto &shape : removed) {
-        if (shape->bounds.distance(point) > CUT_ROUND_MM + cortex_scale + std::max(0.0, -total)) continue;
+        if (shape->bounds.is_beyond(point, CUT_ROUND_MM + cortex_scale + std::max(0.0, -total))) continue;
         total = smooth_max(total, cortex_scale * shape->cortex_mm - shape->distance(point), CUT_ROUND_MM);
     }
     return total;
@@ -250,7 +277,13 @@ double Part::marrow_distance(const Vec3 &point) const
     // becomes thinner than SHELL_LEAST_MM, so that the marrow stays inside the bone.
     constexpr double SHELL_LEAST_MM = 0.7;
     const Vec3 own = point / scale_;
-    return std::max(scale_ * evaluate(own, 1.0), scale_ * evaluate(own, 0.0) + SHELL_LEAST_MM);
+    const double inner = scale_ * evaluate(own, 1.0);
+    // The shell is at least as thick as wanted where only one shape is near; only joints need the second
+    // look.
+    if (blend_mm <= 0.0 && removed.empty()) return inner;
+    constexpr double FAR_MM = 12.0; // beyond all blends, the least thickness does not matter
+    if (inner > FAR_MM) return inner;
+    return std::max(inner, scale_ * evaluate(own, 0.0) + SHELL_LEAST_MM);
 }
 
 void Part::enlarge(double factor)
@@ -263,7 +296,6 @@ void Part::enlarge(double factor)
 Part Part::near(const Box &box, double reach_mm) const
 {
     Part part(blend_mm);
-    part.bounds = bounds;
     part.scale_ = scale_;
     const Box own_box{box.low / scale_, box.high / scale_}; // in the frame of the shapes
     const double own_reach_mm = reach_mm / scale_;
@@ -271,8 +303,12 @@ Part Part::near(const Box &box, double reach_mm) const
         const double reach = own_reach_mm + blend_mm + shape->cortex_mm;
         if (shape->bounds.distance(own_box) > reach) continue;
         const auto trimmed = shape->near(own_box, reach);
+        if (trimmed && trimmed->bounds.is_empty()) continue;
         part.added.push_back(trimmed ? trimmed : shape);
+        part.bounds.include(part.added.back()->bounds);
     }
+    part.bounds.low *= scale_;
+    part.bounds.high *= scale_;
     for (const auto &shape : removed)
         if (shape->bounds.distance(own_box) <= own_reach_mm) part.removed.push_back(shape);
     return part;
@@ -293,7 +329,7 @@ double Solid::distance(const Vec3 &point) const
 {
     double best = 1e9;
     for (const Part &part : parts_)
-        if (part.bounds.distance(point) - part.margin_mm() < best)
+        if (!part.bounds.is_beyond(point, best + part.margin_mm()))
             best = std::min(best, part.distance(point));
     return best;
 }
@@ -302,7 +338,7 @@ double Solid::marrow_distance(const Vec3 &point) const
 {
     double best = 1e9;
     for (const Part &part : parts_)
-        if (part.bounds.distance(point) - part.margin_mm() < best)
+        if (!part.bounds.is_beyond(point, best + part.margin_mm()))
             best = std::min(best, part.marrow_distance(point));
     return best;
 }
@@ -320,9 +356,17 @@ Solid Solid::near(const Box &box, double reach_mm) const
 {
     Solid solid;
     solid.bounds = bounds;
-    for (const Part &part : parts_)
-        if (part.bounds.distance(box) <= reach_mm + part.margin_mm())
-            solid.parts_.push_back(part.near(box, reach_mm));
+    for (const Part &part : parts_) {
+        if (part.bounds.distance(box) > reach_mm + part.margin_mm()) continue;
+        Part trimmed = part.near(box, reach_mm);
+        if (!trimmed.added.empty()) solid.parts_.push_back(std::move(trimmed));
+    }
+    // The least distance does not depend on the order; if the nearest part comes first, most others are
+    // skipped.
+    const Vec3 middle = 0.5 * (box.low + box.high);
+    std::stable_sort(solid.parts_.begin(), solid.parts_.end(), [&](const Part &a, const Part &b) {
+        return a.bounds.squared_distance(middle) < b.bounds.squared_distance(middle);
+    });
     return solid;
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 #include "tools/anatomy/spline.hpp"
 #include <Eigen/Geometry>
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -17,8 +18,15 @@ struct Box {
     Vec3 low = Vec3::Constant(1e9), high = Vec3::Constant(-1e9);
     void include(const Vec3 &point, double margin_mm);
     void include(const Box &other);
+    bool is_empty() const { return low.x() > high.x(); }
     double distance(const Vec3 &point) const; // 0 inside
-    double distance(const Box &other) const;  // 0 where they touch or overlap
+    double squared_distance(const Vec3 &point) const;
+    /* Returns whether the distance to the point is at least `limit_mm`; faster than distance(). */
+    bool is_beyond(const Vec3 &point, double limit_mm) const
+    {
+        return limit_mm <= 0.0 || squared_distance(point) >= limit_mm * limit_mm;
+    }
+    double distance(const Box &other) const; // 0 where they touch or overlap
 };
 
 using Distance = std::function<double(const Vec3 &)>; // signed distance at a point, millimetres
@@ -29,7 +37,8 @@ class Shape
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
     /* Returns a shape that has the same distances near the box but needs less computation than this shape;
-     * returns null when there is no such shape. */
+     * returns null when there is no such shape. The bounds of the returned shape are empty where nothing of
+     * this shape is near. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;
     double cortex_mm = 1.0;        // thickness of the shell around the marrow space
@@ -95,7 +104,12 @@ class Plate : public Shape
     double distance(const Vec3 &point) const override;
 
   private:
-    Vec3 a_, b_, c_, half_thickness_mm_;
+    struct Edge {                // from corner i to corner i + 1
+        Vec3 start, along, foot; // foot: the share of the opposite corner grows along it
+        double inverse_squared, thickness, thickness_change;
+    };
+    std::array<Edge, 3> edges_;
+    Vec3 normal_, half_thickness_mm_; // normal of length one
 };
 
 /* Describes a shape that is defined by an arbitrary distance function and a bounding box. */

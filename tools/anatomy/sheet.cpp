@@ -31,7 +31,7 @@ double Sheet::nearest_in(const Patch &patch, const Vec3 &point, double best) con
 {
     for (size_t i = patch.first; i < patch.last; i++) {
         const Plate &plate = (*plates_)[i];
-        if (plate.bounds.distance(point) < best) best = std::min(best, plate.distance(point));
+        if (!plate.bounds.is_beyond(point, best)) best = std::min(best, plate.distance(point));
     }
     return best;
 }
@@ -41,9 +41,9 @@ double Sheet::distance(const Vec3 &point) const
     // The code evaluates the nearest patch of the bone's surface first, so that it can skip most of the other
     // patches.
     const Patch *nearest = nullptr;
-    double least = 1e9;
+    double least = 1e18;
     for (const Patch &patch : patches_) {
-        const double far = patch.bounds.distance(point);
+        const double far = patch.bounds.squared_distance(point);
         if (far >= least) continue;
         least = far;
         nearest = &patch;
@@ -51,7 +51,7 @@ double Sheet::distance(const Vec3 &point) const
     if (!nearest) return 1e9;
     double best = nearest_in(*nearest, point, 1e9);
     for (const Patch &patch : patches_)
-        if (&patch != nearest && patch.bounds.distance(point) < best) best = nearest_in(patch, point, best);
+        if (&patch != nearest && !patch.bounds.is_beyond(point, best)) best = nearest_in(patch, point, best);
     return best;
 }
 
@@ -60,6 +60,8 @@ std::shared_ptr<Shape> Sheet::near(const Box &box, double reach_mm) const
     const auto trimmed = std::make_shared<Sheet>(*this);
     std::erase_if(trimmed->patches_,
                   [&](const Patch &patch) { return patch.bounds.distance(box) > reach_mm; });
+    trimmed->bounds = {};
+    for (const Patch &patch : trimmed->patches_) trimmed->bounds.include(patch.bounds);
     return trimmed;
 }
 

@@ -19,6 +19,7 @@ struct SkeletonShape {
     double scale = 1.0;             // multiplies all lengths; a person's height over 1.78 m
     double osteophytes = 0.3;       // spurs at the edges of the vertebrae: 0 none, 1 severe
     double cartilage_calcium = 0.2; // share of the costal cartilages' length that calcium covers, 0 to 1
+    bool operator==(const SkeletonShape &) const = default;
 };
 
 /* Returns the shape of a person in whom osteophytes and calcium of the cartilages are usual for the age. */
@@ -43,5 +44,7 @@ Solid pelvis_bones(const SkeletonShape &shape = {});      // both hip bones
 Solid femur_bones(const SkeletonShape &shape = {});       // upper thirds
 /* Clavicles, shoulder blades, heads of the humerus. The arms are raised, as for a lateral view. */
 Solid shoulder_bones(const SkeletonShape &shape = {});
+Solid head_bones(const SkeletonShape &shape = {});    // skull, jaw, teeth
+Solid forearm_bones(const SkeletonShape &shape = {}); // ulna, radius, hand
 
 } // namespace anatomy

@@ -8,13 +8,13 @@
 namespace anatomy
 {
 
-/* The bones end at the heights BONE_BOTTOM_MM and BONE_TOP_MM, slightly inside the cuts where the skin ends.
- * The function beyond_cuts() is positive above BONE_TOP_MM and below BONE_BOTTOM_MM. */
-constexpr double BONE_BOTTOM_MM = -422.0, BONE_TOP_MM = 344.0;
+/* The femurs end at the height BONE_BOTTOM_MM, slightly inside the cut where the skin ends. The function
+ * beyond_cuts() is positive below. */
+constexpr double BONE_BOTTOM_MM = -422.0;
 
 inline double beyond_cuts(const Vec3 &p)
 {
-    return std::max(BONE_BOTTOM_MM - p.y(), p.y() - BONE_TOP_MM);
+    return BONE_BOTTOM_MM - p.y();
 }
 
 inline Box grown(Box box, double margin_mm)
@@ -24,12 +24,15 @@ inline Box grown(Box box, double margin_mm)
     return box;
 }
 
-std::vector<Body> layer_bodies(const Solid &bones, double scale); // skin, fat under it, flesh
+/* Skin, fat under it, the glands of breasts in it, and flesh. */
+std::vector<Body> layer_bodies(const SoftShape &shape, const Solid &bones, double scale);
 
 /* Returns the lungs with their vessels, the heart with its chambers, the airway, and the tree's coronary
  * arteries with the root of the aorta. The lungs leave space for the vessel tree, and the heart leaves space
  * for its coronary arteries. */
 std::vector<Body> chest_bodies(const Solid &bones, const VesselTree &tree, double scale);
-std::vector<Body> belly_bodies(const Solid &bones, double scale); // fat, organs, bowel with gas
+/* Fat, organs, bowel with gas, and the calcium in the wall of the vessels of chest and belly. */
+std::vector<Body> belly_bodies(const SoftShape &shape, const Solid &bones, const VesselTree &tree,
+                               double scale);
 
 } // namespace anatomy

@@ -17,12 +17,14 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 
 import budget
 
 TABLE = os.path.join("out", "bench.tsv")
 TIME_LIMIT_S = 900
 SESSION = "session.realtime_factor"
+PERSON = "patient.generate_s"
 CALIBRATED = "shared/examples/instruments/amplatz_super_stiff.toml"
 
 
@@ -151,6 +153,20 @@ def session_cases(options):
         yield SESSION, "1", context, lambda arguments=arguments: realtime_factor(options, arguments)
 
 
+def person_cases(options):
+    """The wall time in which `anatomy person` makes all meshes of one person, without the heart's frames."""
+    threads = 2
+
+    def seconds():
+        with tempfile.TemporaryDirectory() as folder:
+            command = [os.path.join(options.build, "bin", "anatomy"), "person", "--seed", "1", "--quiet"]
+            start = time.monotonic()
+            run(command + ["--threads", str(threads), "-o", folder])
+            return time.monotonic() - start
+
+    yield PERSON, "s", "threads=%d" % threads, seconds
+
+
 def bytes_per_tick(options):
     """Returns the number of bytes per tick in the recording of the demo session."""
     with tempfile.TemporaryDirectory() as folder:
@@ -273,7 +289,7 @@ def print_table(rows):
 
 
 # Each of these cases takes minutes, under callgrind or by simulated minutes; --quick leaves them out.
-SLOW = ("hands.", "wire.", "rod.coronary_penetration_mm", "xray.", "stent.", "contrast.", "calibrate.", SESSION)
+SLOW = ("hands.", "wire.", "rod.coronary_penetration_mm", "xray.", "stent.", "contrast.", "calibrate.", SESSION, PERSON)
 
 
 def is_slow(name, context):
@@ -330,6 +346,7 @@ def main():
     if not options.only_programs:
         cases += wire_cases(options)
         cases += session_cases(options)
+        cases += person_cases(options)
         cases += calibration_cases(options)
     cases.sort(key=lambda case: is_slow(case[0], case[2]))
     if options.quick:

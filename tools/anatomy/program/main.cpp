@@ -12,9 +12,9 @@
 #include "host/cli/parse.hpp"
 #include "tools/anatomy/borrowed_beat.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
-#include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
-#include "tools/anatomy/small/small_tree.hpp"
+#include "tools/anatomy/program/making.hpp"
+#include "tools/anatomy/program/person.hpp"
 #include "tools/anatomy/varied/coronaries.hpp"
 #include "tools/anatomy/varied/variety.hpp"
 #include "tools/anatomy/vessel_file.hpp"
@@ -32,132 +32,9 @@ namespace
 
 using namespace anatomy;
 
-struct Options {
-    std::filesystem::path folder;
-    Fineness fineness;
-    bool bodies = true, quiet = false, heart_only = false;
-    std::string vessels;               // the user's file; "": the one that ships
-    std::optional<std::uint64_t> seed; // draws other arteries (docs/vessels.md)
-    std::vector<std::string> lesions;  // as given on the command line
-};
-
-/* Reads the vessels for the command `anatomy KIND`. Throws std::invalid_argument when the user's file lacks
- * vessels that the command needs. */
-VesselTree vessels_for(const std::string &kind, const Options &options)
+std::vector<Body> shipped_man(const VesselTree &tree, const Fineness &fineness)
 {
-    if (options.vessels.empty()) return shipped_vessels(kind);
-    VesselTree tree = read_vessels(options.vessels);
-    const auto refuse = [&](const std::string &what) {
-        throw std::invalid_argument(options.vessels + ": " + what);
-    };
-    if ((kind == "aorta" || kind == "heart") && !tree.is_in_patient)
-        refuse("is in the frame of a phantom: use `anatomy phantom` or `anatomy access`, or give it frame = "
-               "\"patient\"");
-    if (kind != "heart" && tree.coronary_count > 0)
-        refuse("has coronary arteries, which beat: use `anatomy heart`");
-    if (kind == "heart")
-        for (const Bed bed : {Bed::left_coronary, Bed::right_coronary})
-            if (std::none_of(tree.vessels.begin(), tree.vessels.end(),
-                             [bed](const Vessel &vessel) { return vessel.bed == bed; }))
-                refuse(bed == Bed::left_coronary
-                           ? "has no [[coronary]] of the left side, which `anatomy heart` needs"
-                           : "has no [[coronary]] of the right side, which `anatomy heart` needs");
-    tree.made_by = kind + " --vessels " + crn::printable(options.vessels);
-    return tree;
-}
-
-void make_folder(const Options &options)
-{
-    crn::check_output_folder({"--output", options.folder.string()});
-    std::error_code failure;
-    std::filesystem::create_directories(options.folder, failure);
-    if (failure)
-        throw std::runtime_error(options.folder.string() +
-                                 ": the folder cannot be made: " + failure.message());
-}
-
-/* Makes one mesh, reports the mesh on standard error, and writes it to a file. */
-Mesh make_mesh(const Options &options, const std::string &name, const MeshRequest &request)
-{
-    const auto start = std::chrono::steady_clock::now();
-    Mesh mesh;
-    try {
-        mesh = mesh_of(request);
-    } catch (const std::exception &error) {
-        throw std::runtime_error(name + ": " + error.what() + "; try a finer --bodies-mm or --lumen-mm");
-    }
-    write_ply(options.folder / (file_stem(name) + ".ply"), mesh,
-              "Cournand anatomy, " + name + ", millimetres");
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-    if (!options.quiet && crn::shows_progress())
-        std::fprintf(stderr, "  %-20s %7zu triangles  %8.1f cm3  %5.1f s\n", name.c_str(),
-                     mesh.triangles.size(), mesh_volume_mm3(mesh) * 1e-3, passed.count());
-    return mesh;
-}
-
-/* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes the
- * text of the lesions before the meshes, so that a mistake on the command line is reported at once and not
- * after minutes. The calcium of a lesion is a part of the body that contains the vessels. */
-std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
-{
-    std::vector<Lesion> lesions;
-    for (const std::string &wish : options.lesions) lesions.push_back(lesion_from(wish));
-    std::string inside;
-    for (const Body &body : bodies)
-        if (body.name == "flesh" || body.name == "wall") inside = body.name;
-    return lesions_text(lesions, tree, inside);
-}
-
-/* If a sphere of the lumen is narrower than the diagonal of a grid cell, it may contain no grid point. The
- * mesh of the lumen would have a gap at a sphere without grid points. */
-void check_grid(const VesselTree &tree, double voxel_mm)
-{
-    const double narrowest_mm = std::sqrt(3.0) * voxel_mm;
-    for (const Vessel &vessel : tree.vessels)
-        for (const Station &station : vessel.stations) {
-            if (station.diameter_mm >= narrowest_mm) continue;
-            const double grid_mm = std::floor(100.0 * station.diameter_mm / std::sqrt(3.0)) / 100.0;
-            throw std::invalid_argument(
-                "'" + vessel.name + "' is " + crn::number_text(station.diameter_mm, 3) +
-                " mm wide, too narrow for a grid of " + crn::number_text(voxel_mm, 3) +
-                " mm: give --lumen-mm " + crn::decimals_text(grid_mm, 2));
-        }
-}
-
-/* Makes and writes the meshes, the centrelines and the scene's text. The callback `keep` receives the meshes
- * of the lumen and of every body. */
-void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
-                const std::function<void(const std::string &, const Mesh &)> &keep)
-{
-    const std::string lesions = lesions_of(options, tree, bodies);
-    const MeshRequest lumen_wanted = lumen_request(tree, options.fineness);
-    check_grid(tree, lumen_wanted.voxel_mm);
-    make_folder(options);
-    const Mesh blood = make_mesh(options, "lumen", lumen_wanted);
-    const size_t lumen = blood.triangles.size();
-    keep("lumen", blood);
-    for (const Vessel &vessel : tree.vessels)
-        write_centreline(options.folder / (file_stem(vessel.name) + ".mrk.json"), vessel);
-    size_t total = 0;
-    for (const Body &body : bodies) {
-        const Mesh mesh = make_mesh(options, body.name, body.request);
-        total += mesh.triangles.size();
-        keep(body.name, mesh);
-    }
-    const std::vector<SmallVessel> small = small_vessels_of(tree);
-    const char *small_file = small.empty() ? "" : "small_vessels.csv";
-    if (!small.empty())
-        crn::write_whole_file((options.folder / small_file).string(), small_vessels_text(small));
-    write_scene(options.folder / "scene.toml", tree, bodies, lesions, small_file);
-    std::printf(
-        "%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines, %zu small vessels\n",
-        (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total, tree.vessels.size(),
-        small.size());
-}
-
-std::vector<Body> no_bodies(const VesselTree &, const Fineness &)
-{
-    return {};
+    return patient_bodies(tree, fineness);
 }
 
 int make(const Options &options, const char *kind,
@@ -167,7 +44,6 @@ int make(const Options &options, const char *kind,
     if (options.seed) drawn = drawn_aorta(*options.seed);
     VesselTree tree = drawn ? tree_of(drawn->draft, "aorta.toml") : vessels_for(kind, options);
     if (drawn) tree.made_by = crn::formatted("%s --seed %s", kind, std::to_string(drawn->seed).c_str());
-    if (kind == std::string_view("aorta")) add_trunk_branches(tree);
     make_scene(options, tree, (options.bodies ? bodies_of : no_bodies)(tree, options.fineness),
                [](const std::string &, const Mesh &) {});
     if (drawn) crn::write_whole_file((options.folder / "vessels.toml").string(), vessel_file_text(*drawn));
@@ -209,72 +85,18 @@ int draw(const DrawOptions &options)
     return 0;
 }
 
-void print_figures(const HeartFigures &f)
-{
-    const auto ml = [&](const std::vector<double> &volumes) {
-        const auto [least, most] = std::minmax_element(volumes.begin(), volumes.end());
-        return std::pair(*most, *least);
-    };
-    const auto [left_most, left_least] = ml(f.left_ml);
-    const auto [right_most, right_least] = ml(f.right_ml);
-    std::printf("left ventricle   %5.1f ml to %5.1f ml in frame %d: ejection fraction %.1f %%\n", left_most,
-                left_least, f.systole_frame, 100.0 * f.left_ejection);
-    std::printf("right ventricle  %5.1f ml to %5.1f ml: ejection fraction %.1f %%\n", right_most, right_least,
-                100.0 * f.right_ejection);
-    std::printf("base             descends %.1f mm, turns %+.1f deg as seen from the apex\n",
-                f.base_descent_mm, f.base_turn_deg);
-    std::printf("apex             turns %+.1f deg: twist %.1f deg\n", f.apex_turn_deg, f.twist_deg);
-    std::printf("inner wall       %.0f %% of its motion is towards one centre, which wanders %.0f mm\n",
-                100.0 * f.radial_share, f.centre_path_mm);
-    std::printf("map              shrinks a volume to %.2f at most: nothing folds over\n",
-                f.least_volume_factor);
-    for (const VesselFigures &vessel : f.vessels)
-        std::printf(
-            "%-16s %5.1f mm long, moves %4.1f mm, rests %3.0f ms after systole and %3.0f ms in diastole\n",
-            vessel.name.c_str(), vessel.length_mm, vessel.excursion_mm, vessel.systole_rest_ms,
-            vessel.diastole_rest_ms);
-}
-
-/* Makes the scene with the heart at the end of diastole, and writes the heart's moving bodies in 24
- * frames. */
 int make_heart(const Options &options)
 {
     std::optional<DrawnCoronaries> drawn;
     if (options.seed) drawn = drawn_coronaries(*options.seed);
     VesselTree tree = drawn ? tree_of(drawn->draft, "heart.toml") : vessels_for("heart", options);
     if (drawn) tree.made_by = crn::formatted("heart --seed %s", std::to_string(drawn->seed).c_str());
-    add_trunk_branches(tree);
-    std::vector<Body> bodies = patient_bodies(tree, options.fineness);
-    const bool is_whole = options.bodies && !options.heart_only;
-    if (!is_whole) // the figures need the chambers
-        std::erase_if(bodies, [](const Body &body) { return !is_of_heart(body.name); });
-    const HeartBeat beat(tree.vessels.front());
-    HeartSequence sequence;
-    for (const Vessel &vessel : coronary_arteries(tree))
-        sequence.vessels.push_back(moving_vessel(vessel, beat));
-    const auto keep = [&](const std::string &name, const Mesh &mesh) {
-        if (moves_with_heart(name)) sequence.bodies.push_back(moving_body(name, mesh, beat));
-        if (name == "lumen") write_lumen_frames(options.folder / "lumen_beat", mesh, beat);
-    };
-    if (options.heart_only)
-        make_folder(options);
-    else
-        make_scene(options, tree, is_whole ? bodies : std::vector<Body>{}, keep);
-    if (!is_whole)
-        for (const Body &body : bodies) keep(body.name, make_mesh(options, body.name, body.request));
-    write_sequence(options.folder / "beat", sequence);
-    HeartFigures figures = heart_figures(sequence);
-    figures.least_volume_factor = beat.least_volume_factor();
-    crn::write_whole_file((options.folder / "heart.json").string(), figures_json(figures));
-    print_figures(figures);
+    make_heart_scene(options, tree, patient_bodies(tree, options.fineness));
     if (drawn) {
         const std::string file = (options.folder / "vessels.toml").string();
         crn::write_whole_file(file, coronary_file_text(*drawn));
         print_drawn(file, *drawn);
     }
-    std::printf("%s: %zu bodies and %zu centrelines in %d frames\n",
-                (options.folder / "beat").string().c_str(), sequence.bodies.size(), sequence.vessels.size(),
-                BEAT_FRAMES);
     return 0;
 }
 
@@ -398,10 +220,6 @@ void add_making_options(CLI::App &command, Options &options)
         ->type_name("FOLDER")
         ->group("Outputs")
         ->required();
-    command
-        .add_option("--vessels", options.vessels,
-                    "A file of your own vessels in place of those that ship (docs/vessels.md)")
-        ->type_name("FILE");
     command.add_option("--lumen-mm", options.fineness.lumen_voxel_mm, "Grid spacing of the lumen")
         ->check(CLI::Range(0.3, 3.0))
         ->capture_default_str();
@@ -417,7 +235,20 @@ void add_making_options(CLI::App &command, Options &options)
             "A stenosis, BRANCH:PERCENT:LENGTH_MM:AT_MM[:ECCENTRICITY[:PLAQUE_DEG[:CALCIFIED_DEG]]], by "
             "diameter, its middle AT_MM behind the ostium; may be given often")
         ->take_all();
+    command
+        .add_option("--threads", options.threads,
+                    "Bodies that are meshed at the same time; the files do not depend on it")
+        ->check(CLI::Range(1u, 64u))
+        ->capture_default_str();
     command.add_flag("--quiet", options.quiet, "No progress lines on the terminal");
+}
+
+void add_vessels_option(CLI::App &command, Options &options)
+{
+    command
+        .add_option("--vessels", options.vessels,
+                    "A file of your own vessels in place of those that ship (docs/vessels.md)")
+        ->type_name("FILE");
 }
 
 template <typename Seed> CLI::Option *add_seed(CLI::App &command, Seed &seed)
@@ -439,28 +270,33 @@ void add_draw_options(CLI::App &command, DrawOptions &options)
         ->required();
 }
 
+constexpr const char *EXAMPLES =
+    "Examples:\n"
+    "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.scene\n"
+    "  anatomy phantom -o out/phantom\n"
+    "  anatomy access -o out/access       a phantom with a long winding way in, to measure instruments "
+    "in\n"
+    "  anatomy heart -o out/heart         a beating heart: 24 frames in out/heart/beat\n"
+    "  anatomy heart -o out/lad --lesion LAD:75:14:22\n"
+    "  anatomy beat lumen.ply --left 14 507 23 --right 0 501 40 --apex 73 434 81 -o out/beat/lumen\n"
+    "  anatomy check out/heart/beat       a folder of 24 OBJ files, from here or elsewhere\n"
+    "  anatomy list            every stated diameter, its place and its source\n"
+    "  anatomy list phantom\n"
+    "  anatomy list my.toml    checks a file of your own vessels (docs/vessels.md)\n"
+    "  anatomy aorta --vessels my.toml -o out/mine\n"
+    "  anatomy aorta --seed 7 -o out/seven     another man's arteries, drawn from a seed\n"
+    "  anatomy heart --seed 7 -o out/heart7    other coronary arteries, drawn from a seed\n"
+    "  anatomy draw --seed 7 -o seven.toml     only the file of these arteries\n"
+    "  anatomy person --seed 7 -o out/seven    another person: sex, age, size, weight, bones, arteries\n"
+    "  anatomy person --seed 7 --sex f --age 81 --arch III --coronary -o out/old\n"
+    "  anatomy seeds --count 10000             checks that every seed gives a plausible person";
+
 int run(int argc, char **argv)
 {
     CLI::App app{"Makes the anatomy that ships with Cournand: closed meshes, centrelines and the scene text "
                  "for `bake`",
                  "anatomy"};
-    app.footer(
-        "Examples:\n"
-        "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.scene\n"
-        "  anatomy phantom -o out/phantom\n"
-        "  anatomy access -o out/access       a phantom with a long winding way in, to measure instruments "
-        "in\n"
-        "  anatomy heart -o out/heart         a beating heart: 24 frames in out/heart/beat\n"
-        "  anatomy heart -o out/lad --lesion LAD:75:14:22\n"
-        "  anatomy beat lumen.ply --left 14 507 23 --right 0 501 40 --apex 73 434 81 -o out/beat/lumen\n"
-        "  anatomy check out/heart/beat       a folder of 24 OBJ files, from here or elsewhere\n"
-        "  anatomy list            every stated diameter, its place and its source\n"
-        "  anatomy list phantom\n"
-        "  anatomy list my.toml    checks a file of your own vessels (docs/vessels.md)\n"
-        "  anatomy aorta --vessels my.toml -o out/mine\n"
-        "  anatomy aorta --seed 7 -o out/seven     another man's arteries, drawn from a seed\n"
-        "  anatomy heart --seed 7 -o out/heart7    other coronary arteries, drawn from a seed\n"
-        "  anatomy draw --seed 7 -o seven.toml     only the file of these arteries");
+    app.footer(EXAMPLES);
     app.require_subcommand(1);
     Options options;
     auto *aorta = app.add_subcommand(
@@ -475,10 +311,10 @@ int run(int argc, char **argv)
     auto *checked = app.add_subcommand(
         "check", "Whether a folder of 24 OBJ files is a beat: topology, inverted faces, jump at the wrap");
     auto *table = app.add_subcommand("list", "Stated diameters with position and source, tab separated");
-    add_making_options(*aorta, options);
-    add_making_options(*phantom, options);
-    add_making_options(*access, options);
-    add_making_options(*heart, options);
+    for (CLI::App *command : {aorta, phantom, access, heart}) {
+        add_making_options(*command, options);
+        add_vessels_option(*command, options);
+    }
     heart
         ->add_flag("--heart-only", options.heart_only,
                    "Only the heart and its vessels, without scene and lumen")
@@ -489,6 +325,8 @@ int run(int argc, char **argv)
     auto *drawn =
         app.add_subcommand("draw", "A vessel file with the arteries of another man, drawn from a seed");
     add_draw_options(*drawn, draw_options);
+    PersonCommand person_command(app,
+                                 [](CLI::App &command, Options &all) { add_making_options(command, all); });
     BeatOptions beat_options; // their help states where the heart that ships has its landmarks
     const std::string_view first = argc > 1 ? argv[1] : "";
     if (first == "beat" || first == "--generate" || first == "--complete")
@@ -504,8 +342,9 @@ int run(int argc, char **argv)
     if (*checked) return check(folder);
     if (*drawn) return draw(draw_options);
     if (*beat) return make_beat(beat_options);
+    if (const std::optional<int> code = person_command.run()) return *code;
     if (*heart) return make_heart(options);
-    if (*aorta) return make(options, "aorta", patient_bodies);
+    if (*aorta) return make(options, "aorta", shipped_man);
     if (*access) return make(options, "access", no_bodies);
     return make(options, "phantom", phantom_bodies);
 }

@@ -1,4 +1,4 @@
-/* Makes the shapes of the clavicles, shoulder blades and heads of the humerus. Their dimensions are assumed.
+/* Makes the shapes of the clavicles, shoulder blades and upper arms. Their dimensions are assumed.
  */
 #include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
@@ -67,8 +67,10 @@ Part humerus_part(double s)
     Part part(6.0);
     part.add<Ellipsoid>(side(s, 173, 246, -52), Vec3(22.5, 22.5, 22.5)).cortex_mm = 1.3;
     part.rod({side(s, 176, 250, -51), side(s, 196, 270, -46)}, {20, 17}, 1.8);
-    part.rod({side(s, 184, 256, -49), side(s, 206, 300, -40), side(s, 218, 336, -32), side(s, 226, 366, -26)},
-             {18, 12.5, 11.5, 11}, 4.2);
+    part.rod({side(s, 184, 256, -49), side(s, 206, 300, -40), side(s, 240, 388, -22), side(s, 276, 474, -3),
+              side(s, 296, 524, 8)},
+             {18, 12.5, 11, 11, 12}, 4.2);
+    part.rod({side(s, 282, 540, 20), side(s, 308, 528, 2)}, {11, 12}, 1.4); // trochlea and capitulum
     return part;
 }
 

@@ -1,5 +1,6 @@
 #include "tools/anatomy/varied/coronaries.hpp"
 #include "host/base/format.hpp"
+#include "host/base/text.hpp"
 #include "tools/anatomy/heart_beat.hpp"
 #include "tools/anatomy/varied/chance.hpp"
 #include "tools/anatomy/varied/plausible.hpp"
@@ -51,8 +52,10 @@ constexpr Calibre LCX_PROXIMAL[] = {{3.4, 0.5}, {4.2, 0.6}, {3.8, 0.5}},
 class Drawing
 {
   public:
-    Drawing(std::uint64_t seed, unsigned number) : chance_(seed, number + 1)
+    Drawing(std::uint64_t seed, unsigned number, const TreeDraft &aorta, double calibre)
+        : chance_(seed, number + 1), calibre_(calibre)
     {
+        drawn_.draft = aorta;
         Chance first(seed, 0); // what is counted depends on the seed alone, and not on the attempt
         drawn_.seed = seed;
         drawn_.refused = number;
@@ -69,8 +72,6 @@ class Drawing
 
     DrawnCoronaries make()
     {
-        static const TreeDraft aorta = read_vessel_draft(shipped_vessel_file("aorta.toml"));
-        drawn_.draft = aorta;
         drawn_.draft.coronary_fillet_mm = CORONARY_FILLET_MM;
         left_main();
         anterior_descending();
@@ -94,6 +95,7 @@ class Drawing
   private:
     Chance chance_;
     DrawnCoronaries drawn_;
+    double calibre_;  // multiplies all diameters
     double size_ = 0; // of all arteries of this heart, in standard deviations
     Vec3 fork_mm_ = Vec3::Zero();
 
@@ -128,7 +130,7 @@ class Drawing
     double diameter_mm(const Calibre &calibre)
     {
         const double z = std::clamp(0.6 * size_ + 0.8 * chance_.normal(0, 1), -2.0, 2.0);
-        return std::max(LEAST_MM, calibre.mean_mm + calibre.deviation_mm * z);
+        return std::max(LEAST_MM, calibre_ * (calibre.mean_mm + calibre.deviation_mm * z));
     }
 
     void add(CoronaryArtery one)
@@ -438,11 +440,18 @@ std::string end_of_lad(const DrawnCoronaries &drawn)
 
 DrawnCoronaries drawn_coronaries(std::uint64_t seed)
 {
+    static const TreeDraft aorta = read_vessel_draft(shipped_vessel_file("aorta.toml"));
+    return drawn_coronaries(seed, aorta, 1.0);
+}
+
+DrawnCoronaries drawn_coronaries(std::uint64_t seed, const TreeDraft &aorta, double calibre)
+{
     for (unsigned number = 0; number < CORONARY_ATTEMPTS_MAX; ++number) {
         try {
-            DrawnCoronaries drawn = Drawing(seed, number).make();
+            DrawnCoronaries drawn = Drawing(seed, number, aorta, calibre).make();
             if (broken_coronary_rule(tree_of(drawn.draft, "heart.toml").vessels).empty()) return drawn;
         } catch (const std::domain_error &) { // a course left the heart
+        } catch (const crn::FileError &) {    // an artery begins outside the aorta
         }
     }
     throw std::runtime_error(crn::formatted(

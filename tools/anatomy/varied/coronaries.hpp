@@ -36,9 +36,13 @@ struct DrawnCoronaries {
     unsigned refused = 0;                 // earlier attempts with this seed that broke a rule
 };
 
-/* Makes the arteries that belong to a seed. Every seed has some. Throws crn::FileError if the shipped files
- * cannot be read. */
+/* Makes the arteries that belong to a seed, on the shipped aorta. Every seed has some. Throws crn::FileError
+ * if the shipped files cannot be read. */
 DrawnCoronaries drawn_coronaries(std::uint64_t seed);
+
+/* Makes the arteries that belong to a seed, on a drawn aorta, with diameters of `calibre` times the usual
+ * ones. Throws std::runtime_error if no plausible arteries are found. */
+DrawnCoronaries drawn_coronaries(std::uint64_t seed, const TreeDraft &aorta, double calibre);
 
 /* Returns the arteries as the text of a vessel file, which extends the shipped aorta.toml. */
 std::string coronary_file_text(const DrawnCoronaries &drawn);

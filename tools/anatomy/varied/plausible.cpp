@@ -1,6 +1,5 @@
 #include "tools/anatomy/varied/plausible.hpp"
 #include "host/base/format.hpp"
-#include "tools/anatomy/skeleton.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -15,22 +14,11 @@ constexpr double NEAR_ORIGIN_MM = 25.0;            // two vessels may be close t
 constexpr double APART_MM = 1.0, BEND_RADII = 1.5; // what a rule asks for
 constexpr double ROUNDING = 0.01;
 
-const Solid &bones()
-{
-    static const Solid all = [] {
-        Solid solid;
-        for (const Solid &one : {spine_bones(), rib_bones(), pelvis_bones(), femur_bones(), shoulder_bones()})
-            solid.add(one);
-        return solid;
-    }();
-    return all;
-}
-
-double to_bone_mm(const Curve &curve)
+double to_bone_mm(const Curve &curve, const Solid &bones)
 {
     double least_mm = 1e9;
     for (const CurvePoint &point : curve)
-        least_mm = std::min(least_mm, bone_distance_mm(point.position_mm) - point.radius_mm);
+        least_mm = std::min(least_mm, bones.distance(point.position_mm) - point.radius_mm);
     return least_mm;
 }
 
@@ -72,18 +60,22 @@ double apart_mm(const Vessel &one, const Curve &curve, const Vessel &other, cons
 
 } // namespace
 
-double bone_distance_mm(const Vec3 &point)
+Solid trunk_bones(const SkeletonShape &shape)
 {
-    return bones().distance(point);
+    Solid solid;
+    for (const Solid &one : {spine_bones(shape), rib_bones(shape), pelvis_bones(shape), femur_bones(shape),
+                             shoulder_bones(shape)})
+        solid.add(one);
+    return solid;
 }
 
-TreeSpaces spaces_of(const std::vector<Vessel> &vessels)
+TreeSpaces spaces_of(const std::vector<Vessel> &vessels, const Solid &bones)
 {
     TreeSpaces spaces;
     std::vector<Curve> curves;
     for (const Vessel &vessel : vessels) {
         curves.push_back(vessel_curve(vessel, POINTS_APART_MM));
-        spaces.to_bone_mm.push_back(to_bone_mm(curves.back()));
+        spaces.to_bone_mm.push_back(to_bone_mm(curves.back(), bones));
         spaces.bend_radii.push_back(bend_radii(curves.back()));
         std::vector<double> &row = spaces.apart_mm.emplace_back();
         const size_t i = curves.size() - 1;
@@ -112,9 +104,9 @@ std::string broken_coronary_rule(const std::vector<Vessel> &vessels)
     return "";
 }
 
-std::string broken_rule(const std::vector<Vessel> &vessels, const TreeSpaces &usual)
+std::string broken_rule(const std::vector<Vessel> &vessels, const TreeSpaces &usual, const Solid &bones)
 {
-    const TreeSpaces spaces = spaces_of(vessels);
+    const TreeSpaces spaces = spaces_of(vessels, bones);
     const auto is_short = [](double value, double shipped, double wanted) {
         return value < std::min(shipped, wanted) - ROUNDING;
     };

@@ -1,6 +1,7 @@
 /* Contains the rules that a drawn tree of arteries must keep. A distance that is too short in the shipped
    tree may be as short in the drawn tree. */
 #pragma once
+#include "tools/anatomy/skeleton.hpp"
 #include "tools/anatomy/vessels.hpp"
 #include <string>
 #include <vector>
@@ -11,9 +12,8 @@ namespace anatomy
 constexpr double TO_BONE_MM =
     1.0; // the least distance that a lumen keeps from bones, unless the shipped one is closer
 
-/* Returns the distance from a point to the nearest bone of the shipped skeleton; it is negative inside the
- * bone. */
-double bone_distance_mm(const Vec3 &point);
+/* Returns all bones of the trunk of a person; without changes those of the shipped man. */
+Solid trunk_bones(const SkeletonShape &shape = {});
 
 /* Holds the measured distances and bends of one tree, in the order of its vessels. */
 struct TreeSpaces {
@@ -22,11 +22,11 @@ struct TreeSpaces {
     std::vector<std::vector<double>> apart_mm; // between two lumens away from their origins; [i][j], j < i
 };
 
-TreeSpaces spaces_of(const std::vector<Vessel> &vessels);
+TreeSpaces spaces_of(const std::vector<Vessel> &vessels, const Solid &bones);
 
 /* Returns a text about the first rule that the tree breaks, or "" if it keeps all rules. `usual` holds the
-   measured values of the shipped tree, whose vessels have the same order. */
-std::string broken_rule(const std::vector<Vessel> &vessels, const TreeSpaces &usual);
+   measured values of the shipped tree among these bones, whose vessels have the same order. */
+std::string broken_rule(const std::vector<Vessel> &vessels, const TreeSpaces &usual, const Solid &bones);
 
 /* Returns a text about the first rule that the coronary arteries of a tree break, or "" if they keep all
  * rules. Their lumens are at least APART_MM apart, except near their origins, and do not bend more sharply

@@ -1,5 +1,6 @@
 #include "tools/anatomy/varied/variety.hpp"
 #include "host/base/format.hpp"
+#include "host/base/text.hpp"
 #include "tools/anatomy/varied/chance.hpp"
 #include "tools/anatomy/varied/plausible.hpp"
 #include <algorithm>
@@ -43,10 +44,33 @@ std::vector<Vessel> vessels_of(const TreeDraft &draft)
     return vessels;
 }
 
+/* The two limbs of the arch at the height of the pulmonary artery. */
+struct ArchEnds {
+    Vec3 ascending, descending;
+};
+
+ArchEnds arch_ends(const std::vector<Vessel> &vessels)
+{
+    constexpr double HEIGHT_MM = 172;
+    const Vessel *aorta = found(vessels, AORTA);
+    if (!aorta) throw std::invalid_argument("the tree has no vessel 'aorta'");
+    ArchEnds ends{Vec3::Zero(), Vec3::Zero()};
+    bool is_ascending = true;
+    const Curve curve = vessel_curve(*aorta, CURVE_STEP_MM);
+    for (size_t i = 1; i < curve.size(); ++i) {
+        const double before = curve[i - 1].position_mm.y(), now = curve[i].position_mm.y();
+        if ((before - HEIGHT_MM) * (now - HEIGHT_MM) > 0) continue;
+        (is_ascending ? ends.ascending : ends.descending) = curve[i].position_mm;
+        is_ascending = false;
+    }
+    return ends;
+}
+
 /* Holds the basis of every drawn tree: the shipped tree, its measured values, and the courses of the
    brachiocephalic artery for the three arch types, with the height at which each begins. */
 struct Shipped {
     TreeDraft draft;
+    Solid bones;
     TreeSpaces spaces;
     std::array<std::vector<Station>, 3> trunks;
     std::array<double, 3> drop_widths;
@@ -62,21 +86,22 @@ Shipped read_shipped()
         shipped.drop_widths[i] = arch_figures(vessels_of(draft)).drop_widths;
         if (i == 0) shipped.draft = std::move(draft);
     }
-    shipped.spaces = spaces_of(vessels_of(shipped.draft));
+    shipped.bones = trunk_bones();
+    shipped.spaces = spaces_of(vessels_of(shipped.draft), shipped.bones);
     return shipped;
 }
 
 /* The shares of the arch types and of the common trunk are rounded values of published CT series
  * (docs/vessels.md). */
-ArchFigures drawn_arch(Chance &chance)
+ArchFigures drawn_arch(Chance &chance, const AortaWish &wish)
 {
     ArchFigures arch;
     const double part = chance.uniform(0, 1);
-    arch.type = part < 0.55 ? ArchType::I : part < 0.85 ? ArchType::II : ArchType::III;
+    arch.type = wish.type.value_or(part < 0.55 ? ArchType::I : part < 0.85 ? ArchType::II : ArchType::III);
     const double low[] = {0.3, 1.1, 2.05}, high[] = {0.9, 1.9, 2.5};
     const auto type = static_cast<size_t>(arch.type);
     arch.drop_widths = chance.uniform(low[type], high[type]);
-    arch.has_common_trunk = chance.uniform(0, 1) < 0.155;
+    arch.has_common_trunk = chance.uniform(0, 1) < 0.155 || wish.has_common_trunk;
     return arch;
 }
 
@@ -202,23 +227,75 @@ class Drift
     std::array<Wave, 4> waves_;
 };
 
-/* Moves stations (points of the centreline) that are too close to a bone away from the bone. The groins
- * stay. */
-void give_way_to_bones(Vessel &vessel, double wanted_mm)
+/* Moves the ascending and the descending aorta apart or together, with all vessels beside them. An arch
+ * unfolds with age: it becomes wider, and its top rises. The aortic valve stays, and the aorta below the
+ * heart does. */
+void unfold(TreeDraft &draft, double width)
 {
-    constexpr double SPARE_MM = 0.4,
-                     PROBE_MM = 0.5; // the course between two stations may come a little closer
-    for (Station &station : vessel.stations) {
-        Vec3 &p = station.position_mm;
-        if (p.y() < ENTRY_MM + 15) continue;
-        const double lacking_mm = wanted_mm + SPARE_MM + station.diameter_mm / 2 - bone_distance_mm(p);
-        if (lacking_mm <= 0) continue;
-        Vec3 away;
-        for (int axis = 0; axis < 3; ++axis) {
-            const Vec3 step = PROBE_MM * Vec3::Unit(axis);
-            away[axis] = bone_distance_mm(p + step) - bone_distance_mm(p - step);
+    constexpr double RISE = 0.3; // of the top, in parts of the growth in width; assumed
+    const ArchEnds ends = arch_ends(vessels_of(draft));
+    const Vec3 middle = 0.5 * (ends.ascending + ends.descending);
+    Vec3 across = ends.descending - ends.ascending;
+    across.y() = 0;
+    const double width_mm = across.norm();
+    across /= width_mm;
+    for (GivenVessel &given : draft.vessels)
+        for (Station &station : given.vessel.stations) {
+            Vec3 &p = station.position_mm;
+            const double off = (p - middle).dot(across);
+            const double share = off < 0 ? smooth_step(142, 196, p.y()) : smooth_step(40, 170, p.y());
+            const double above_neck = 1.0 - smooth_step(235, 300, p.y());
+            const double rise_mm = RISE * (width - 1) * width_mm * smooth_step(170, 225, p.y()) * above_neck;
+            p +=
+                (width - 1) * share * above_neck * std::clamp(off, -0.6 * width_mm, 0.6 * width_mm) * across +
+                Vec3(0, rise_mm, 0);
         }
-        if (away.norm() > 1e-6) p += lacking_mm * away.normalized();
+}
+
+/* Returns the direction away from the nearest bone. */
+Vec3 away_from(const Solid &bones, const Vec3 &p)
+{
+    constexpr double PROBE_MM = 0.5;
+    Vec3 away;
+    for (int axis = 0; axis < 3; ++axis) {
+        const Vec3 step = PROBE_MM * Vec3::Unit(axis);
+        away[axis] = bones.distance(p + step) - bones.distance(p - step);
+    }
+    return away.norm() > 1e-6 ? away.normalized() : Vec3::Zero();
+}
+
+/* Moves a vessel that is too close to a bone away from the bone. Where its course between two stations
+ * (points of the centreline) comes too close, both move. The groins stay. */
+void give_way_to_bones(Vessel &vessel, double wanted_mm, const Solid &bones)
+{
+    constexpr double SPARE_MM = 0.4, STEP_MM = 4.0;
+    constexpr int ROUNDS = 6;
+    for (int round = 0; round < ROUNDS; ++round) {
+        std::vector<Vec3> moves(vessel.stations.size(), Vec3::Zero());
+        size_t next = 1; // the station behind the point
+        for (const CurvePoint &point : vessel_curve(vessel, STEP_MM)) {
+            const Vec3 &p = point.position_mm;
+            while (next + 1 < vessel.stations.size() && (p - vessel.stations[next].position_mm).norm() < 1e-6)
+                ++next;
+            if (p.y() < ENTRY_MM + 15) continue;
+            const double lacking_mm = wanted_mm + SPARE_MM + point.radius_mm - bones.distance(p);
+            if (lacking_mm <= 0) continue;
+            const Vec3 move = lacking_mm * away_from(bones, p);
+            for (const size_t i : {next - 1, next}) {
+                if (vessel.stations[i].position_mm.y() < ENTRY_MM + 15) continue;
+                const double off_mm = (vessel.stations[i].position_mm - p).norm();
+                const double span_mm =
+                    (vessel.stations[next].position_mm - vessel.stations[next - 1].position_mm).norm();
+                const double share = std::clamp(1.0 - off_mm / span_mm, 0.0, 1.0);
+                if ((share * move).squaredNorm() > moves[i].squaredNorm()) moves[i] = share * move;
+            }
+        }
+        double most_mm = 0;
+        for (size_t i = 0; i < moves.size(); ++i) {
+            vessel.stations[i].position_mm += moves[i];
+            most_mm = std::max(most_mm, moves[i].norm());
+        }
+        if (most_mm == 0) return;
     }
 }
 
@@ -239,9 +316,41 @@ double rounded(double value)
     return std::round(value * 100) / 100; // the file has two decimals
 }
 
-void scale_diameters(DrawnAorta &drawn, Chance &chance)
+/* Gives the aorta the wished diameters, times the individual factor: the root, the ascending, the descending
+ * and the infrarenal aorta have their own, and the diameters between follow in proportion. */
+void set_calibre(DrawnAorta &drawn, const AortaCalibre &calibre, Chance &chance)
+{
+    const AortaCalibre shipped;
+    for (GivenVessel &given : drawn.draft.vessels) {
+        const std::string &name = given.vessel.name;
+        const bool is_aorta = name == AORTA;
+        const bool is_renal = std::find(RENALS.begin(), RENALS.end(), name) != RENALS.end();
+        const double own = std::sqrt(drawn.aorta_scale) * chance.normal(1, 0.06);
+        bool is_ascending = true;
+        for (Station &station : given.vessel.stations) {
+            const double y = station.position_mm.y();
+            is_ascending = is_ascending && station.position_mm.z() > 0;
+            double scale = own * (is_renal ? calibre.renals : calibre.branches);
+            if (is_aorta) {
+                const double root = calibre.annulus_mm / shipped.annulus_mm,
+                             ascending = calibre.ascending_mm / shipped.ascending_mm,
+                             descending = calibre.descending_mm / shipped.descending_mm,
+                             infrarenal = calibre.infrarenal_mm / shipped.infrarenal_mm;
+                const double up = smooth_step(140, 186, y), down = smooth_step(-60, 120, y);
+                scale = is_ascending ? std::lerp(root, drawn.aorta_scale * ascending, up)
+                                     : drawn.aorta_scale * std::lerp(infrarenal, descending, down);
+            }
+            station.diameter_mm = std::max(1.0, rounded(scale * station.diameter_mm));
+            if (!station.name.empty())
+                station.source = "drawn by sex, age and height about: " + station.source;
+        }
+    }
+}
+
+void scale_diameters(DrawnAorta &drawn, const AortaWish &wish, Chance &chance)
 {
     drawn.aorta_scale = chance.normal(1, 0.08);
+    if (wish.calibre) return set_calibre(drawn, *wish.calibre, chance);
     for (GivenVessel &given : drawn.draft.vessels) {
         const bool is_aorta = given.vessel.name == AORTA;
         const double scale =
@@ -253,7 +362,23 @@ void scale_diameters(DrawnAorta &drawn, Chance &chance)
     }
 }
 
-DrawnAorta attempt(const Shipped &shipped, std::uint64_t seed, unsigned number)
+/* Returns the amplitude with which an iliac artery winds to be as long as is asked for. */
+double amplitude_for(const Vessel &straight, double wanted, const Chance &chance)
+{
+    constexpr double AMPLITUDE_MAX_MM = 34;
+    double low = 0, high = AMPLITUDE_MAX_MM;
+    for (int i = 0; i < 14; ++i) {
+        const double middle = 0.5 * (low + high);
+        Vessel wound = straight;
+        Chance same = chance; // a copy: the same winding each time
+        wind(wound, middle, same);
+        (tortuosity(wound) < wanted ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+DrawnAorta attempt(const Shipped &shipped, std::uint64_t seed, unsigned number, const AortaWish &wish,
+                   const TreeSpaces &usual, const Solid &bones)
 {
     // The arch depends only on the seed, and not on the attempt, so that the rules do not change how often
     // each arch type occurs.
@@ -262,19 +387,24 @@ DrawnAorta attempt(const Shipped &shipped, std::uint64_t seed, unsigned number)
     drawn.seed = seed;
     drawn.refused = number;
     drawn.draft = shipped.draft;
-    drawn.arch = drawn_arch(first);
+    drawn.arch = drawn_arch(first, wish);
     set_trunk(drawn.draft, shipped, drawn.arch.drop_widths);
     if (drawn.arch.has_common_trunk) set_common_trunk(drawn.draft, chance.uniform(0, 1));
-    for (const char *iliac : ILIACS) wind(vessel_in(drawn.draft, iliac), chance.uniform(0, 14), chance);
+    for (const char *iliac : ILIACS) {
+        Vessel &vessel = vessel_in(drawn.draft, iliac);
+        const double drawn_mm = chance.uniform(0, 14);
+        wind(vessel, wish.tortuosity ? amplitude_for(vessel, *wish.tortuosity, chance) : drawn_mm, chance);
+    }
     for (const char *renal : RENALS)
         turn_about_origin(vessel_in(drawn.draft, renal), chance.normal(0, 8), chance.normal(0, 8));
+    if (wish.arch_width != 1.0) unfold(drawn.draft, wish.arch_width);
     const Drift drift(vessel_in(drawn.draft, AORTA).stations.front().position_mm, chance);
     for (GivenVessel &given : drawn.draft.vessels)
         for (Station &station : given.vessel.stations) station.position_mm = drift.moved(station.position_mm);
-    scale_diameters(drawn, chance);
+    scale_diameters(drawn, wish, chance);
     for (size_t i = 0; i < drawn.draft.vessels.size(); ++i) {
         Vessel &vessel = drawn.draft.vessels[i].vessel;
-        give_way_to_bones(vessel, std::min(shipped.spaces.to_bone_mm[i], TO_BONE_MM));
+        give_way_to_bones(vessel, std::min(usual.to_bone_mm[i], TO_BONE_MM), bones);
         for (Station &station : vessel.stations)
             station.position_mm = station.position_mm.unaryExpr(&rounded);
     }
@@ -320,25 +450,63 @@ const char *arch_type_name(ArchType type)
     return names[static_cast<size_t>(type)];
 }
 
-DrawnAorta drawn_aorta(std::uint64_t seed)
+namespace
 {
+
+/* Returns whether every vessel still begins inside its parent after it was moved. */
+bool begins_in_parents(const TreeDraft &draft)
+{
+    try {
+        tree_of(draft, "drawn vessels");
+        return true;
+    } catch (const crn::FileError &) {
+        return false;
+    }
+}
+
+} // namespace
+
+double arch_width_mm(const std::vector<Vessel> &vessels)
+{
+    const ArchEnds ends = arch_ends(vessels);
+    return std::hypot(ends.ascending.x() - ends.descending.x(), ends.ascending.z() - ends.descending.z());
+}
+
+DrawnAorta drawn_aorta(std::uint64_t seed, const AortaWish &wish)
+{
+    constexpr double TORTUOSITY_OFF = 0.03; // of what is asked for
     static const Shipped shipped = read_shipped();
+    const bool is_shipped_man = wish.skeleton == SkeletonShape{};
+    const Solid own_bones = is_shipped_man ? Solid{} : trunk_bones(wish.skeleton);
+    const Solid &bones = is_shipped_man ? shipped.bones : own_bones;
+    const TreeSpaces usual = is_shipped_man ? shipped.spaces : spaces_of(vessels_of(shipped.draft), bones);
     for (unsigned number = 0; number < ATTEMPTS_MAX; ++number) {
-        DrawnAorta drawn = attempt(shipped, seed, number);
+        AortaWish tried = wish;
+        // A width that the first attempts do not reach is approached less and less.
+        constexpr unsigned PATIENT = 8;
+        if (number > PATIENT)
+            tried.arch_width = std::lerp(wish.arch_width, 1.0, std::min(1.0, (number - PATIENT) / 60.0));
+        DrawnAorta drawn = attempt(shipped, seed, number, tried, usual, bones);
         const std::vector<Vessel> vessels = vessels_of(drawn.draft);
         const ArchFigures measured = arch_figures(vessels);
-        if (measured.type != drawn.arch.type || !broken_rule(vessels, shipped.spaces).empty()) continue;
+        if (measured.type != drawn.arch.type || !broken_rule(vessels, usual, bones).empty() ||
+            !begins_in_parents(drawn.draft))
+            continue;
         drawn.arch = measured;
         drawn.right_tortuosity = tortuosity(vessel_in(drawn.draft, ILIACS[0]));
         drawn.left_tortuosity = tortuosity(vessel_in(drawn.draft, ILIACS[1]));
+        if (wish.tortuosity && std::max(std::abs(drawn.right_tortuosity - *wish.tortuosity),
+                                        std::abs(drawn.left_tortuosity - *wish.tortuosity)) > TORTUOSITY_OFF)
+            continue;
         drawn.draft.title =
             crn::formatted("Aorta %llu: arch of type %s%s", static_cast<unsigned long long>(seed),
                            arch_type_name(measured.type), measured.has_common_trunk ? ", common trunk" : "");
         return drawn;
     }
     throw std::runtime_error(
-        crn::formatted("anatomy --seed %llu: no plausible tree in %u attempts; choose another seed",
-                       static_cast<unsigned long long>(seed), ATTEMPTS_MAX));
+        crn::formatted("anatomy --seed %llu: no plausible tree in %u attempts; choose another seed%s",
+                       static_cast<unsigned long long>(seed), ATTEMPTS_MAX,
+                       wish.tortuosity ? ", or a --tortuosity nearer to 1.15" : ""));
 }
 
 } // namespace anatomy

@@ -1,4 +1,5 @@
 #include "tools/anatomy/soft_bodies.hpp"
+#include "tools/anatomy/wall_calcium.hpp"
 #include <cmath>
 
 namespace anatomy
@@ -21,14 +22,14 @@ double tight_mm(double voxel_mm, double scale)
 
 /* Returns the distance to the outer surface of the skin. The skin covers every bone, and some flesh lies
  * between bone and skin. */
-LocalDistance outline_distance(const Solid &bones)
+LocalDistance outline_distance(const SoftShape &shape, const Solid &bones)
 {
-    const Solid outline = skin();
+    const Solid outline = skin(shape);
     return [=](const Box &box, double reach_mm) -> Distance {
-        constexpr double FLESH_MM = 5.0, BLEND_MM = 8.0;
-        return [outline, near = bones.near(box, reach_mm + FLESH_MM + BLEND_MM)](const Vec3 &p) {
+        constexpr double FLESH_MM = 7.0, BLEND_MM = 8.0;
+        return [outline, reach_mm, near = bones.near(box, reach_mm + FLESH_MM + BLEND_MM)](const Vec3 &p) {
             const double own = outline.distance(p);
-            if (own < -2.0 * FLESH_MM - BLEND_MM) return own;
+            if (own < -std::max(reach_mm, FLESH_MM + BLEND_MM)) return own; // bones only make it deeper
             return smooth_min(own, std::max(near.distance(p), beyond_cuts(p)) - FLESH_MM, BLEND_MM);
         };
     };
@@ -36,41 +37,55 @@ LocalDistance outline_distance(const Solid &bones)
 
 /* Returns the distance to the part of the trunk that lies deeper than `depth_mm` below the outer surface of
  * the skin. Where a bone comes near the skin, this part of the trunk still covers the bone. */
-LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
+LocalDistance layer_distance(const SoftShape &shape, const Solid &bones, double least_mm,
+                             double (*depth_mm)(const SoftShape &, const Vec3 &))
 {
-    return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,
-                                                                          double reach_mm) -> Distance {
-        constexpr double COVER_MM = 2.0, BLEND_MM = 4.0, DEEPEST_MM = 30.0;
+    return [=, outline = outline_distance(shape, bones)](const Box &box, double reach_mm) -> Distance {
+        constexpr double COVER_MM = 2.5, BLEND_MM = 4.0;
+        const double deepest_mm = 10.0 + 20.0 * std::max(1.0, shape.fat);
         return [=, near = bones.near(box, reach_mm + COVER_MM + BLEND_MM),
-                own = outline(box, reach_mm + DEEPEST_MM)](const Vec3 &p) {
-            const double skin_mm = own(p);
+                own = outline(box, reach_mm + deepest_mm)](const Vec3 &p) {
+            const double skin_mm = own(p), kept_mm = skin_mm + depth_mm(shape, p);
+            if (kept_mm < -std::max(reach_mm, 3.0 * COVER_MM + BLEND_MM)) return kept_mm;
             const double covered = std::max(near.distance(p), beyond_cuts(p)) - COVER_MM;
-            return std::max(skin_mm + least_mm, smooth_min(skin_mm + depth_mm(p), covered, BLEND_MM));
+            return std::max(skin_mm + least_mm, smooth_min(kept_mm, covered, BLEND_MM));
         };
     };
 }
 
-double skin_depth_mm(const Vec3 &)
+double skin_depth_mm(const SoftShape &, const Vec3 &)
 {
-    return 2.0;
+    return 2.4;
 }
 
 } // namespace
 
-std::vector<Body> layer_bodies(const Solid &bones, double scale)
+std::vector<Body> layer_bodies(const SoftShape &shape, const Solid &bones, double scale)
 {
-    const Box where = grown(skin().bounds, 12.0);
-    return {
-        {"skin", "soft", "", {where, outline_distance(bones), tight_mm(4.0, scale), SOFT_ERROR_MM}},
+    const Box where = grown(skin(shape).bounds, 12.0);
+    const LocalDistance flesh = layer_distance(shape, bones, 4.2, flesh_depth_mm);
+    std::vector<Body> bodies = {
+        {"skin", "soft", "", {where, outline_distance(shape, bones), tight_mm(4.5, scale), SOFT_ERROR_MM}},
         {"fat",
          "adipose",
          "skin",
-         {where, layer_distance(bones, 2.0, skin_depth_mm), tight_mm(4.0, scale), SOFT_ERROR_MM}},
-        {"flesh",
-         "muscle",
-         "fat",
-         {where, layer_distance(bones, 3.5, flesh_depth_mm), tight_mm(4.0, scale), SOFT_ERROR_MM}},
+         {where, layer_distance(shape, bones, 2.4, skin_depth_mm), tight_mm(4.0, scale), SOFT_ERROR_MM}},
+        {"flesh", "muscle", "fat", {where, flesh, tight_mm(4.0, scale), SOFT_ERROR_MM}},
     };
+    const Solid glands = breast_glands(shape);
+    if (glands.is_empty()) return bodies;
+    const LocalDistance outline = outline_distance(shape, bones);
+    const LocalDistance gland = [=](const Box &box, double reach_mm) -> Distance {
+        constexpr double UNDER_SKIN_MM = 5.0, TO_FLESH_MM = 2.5;
+        return [=, own = glands.near(box, reach_mm), around = outline(box, reach_mm + UNDER_SKIN_MM),
+                muscle = flesh(box, reach_mm + TO_FLESH_MM)](const Vec3 &p) {
+            const double kept = smooth_max(own.distance(p), around(p) + UNDER_SKIN_MM, 4.0);
+            return smooth_max(kept, TO_FLESH_MM - muscle(p), 4.0);
+        };
+    };
+    bodies.push_back(
+        {"breast_glands", "soft", "fat", {grown(glands.bounds, 3.0), gland, 3.0 * scale, SOFT_ERROR_MM}});
+    return bodies;
 }
 
 // --- chest ---
@@ -231,23 +246,23 @@ constexpr double DIAPHRAGM_MM = 4.0, ORGAN_GAP_MM = 1.5;
 
 /* Returns the distance to the belly's cavity, in which fat surrounds the organs. The cavity is the belly's
  * outline minus the diaphragm, heart, bones and psoas muscles. */
-LocalDistance belly_distance(const Solid &bones)
+LocalDistance belly_distance(const SoftShape &shape, const Solid &bones)
 {
     const Solid heart = mediastinum(), loins = psoas(), nests = kidney_nests();
     const Distance right = lung_cavity(-1.0), left = lung_cavity(1.0);
-    const Solid outline = skin();
+    const Solid outline = skin(shape);
     return [=](const Box &box, double reach_mm) -> Distance {
         constexpr double CLEAR_MM = 3.0, BLEND_MM = 6.0, WALL_MM = 3.0;
         const double reach = reach_mm + DIAPHRAGM_MM + BLEND_MM;
         return [=, bone = bones.near(box, reach), middle = heart.near(box, reach),
                 flank = loins.near(box, reach), nest = nests.near(box, reach)](const Vec3 &p) {
-            const double room = smooth_min(belly_outline(p), nest.distance(p), BLEND_MM);
+            const double room = smooth_min(belly_outline(shape, p), nest.distance(p), BLEND_MM);
             const double chest = std::min({right(p), left(p), middle.distance(p)});
             double taken = std::min(chest - DIAPHRAGM_MM, bone.distance(p) - CLEAR_MM);
             taken = std::min(taken, flank.distance(p));
             const double kept = smooth_max(room, -taken, 2.0);
             if (kept > 3.0 * BLEND_MM) return kept; // far outside, where the wall does not matter
-            return std::max(kept, outline.distance(p) + flesh_depth_mm(p) + WALL_MM);
+            return std::max(kept, outline.distance(p) + flesh_depth_mm(shape, p) + WALL_MM);
         };
     };
 }
@@ -267,20 +282,52 @@ LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, con
     };
 }
 
+/* Adds the plaques in the wall of vessels inside the belly's fat, or those outside of it, where they are
+ * clear of bones and organs. */
+void add_plaques(std::vector<Body> &bodies, const std::vector<Plaque> &plaques, const Solid &organs,
+                 const LocalDistance &belly, bool is_in_belly, double scale)
+{
+    constexpr double CLEAR_MM = 1.2, MIDDLE_MM = 2.5;
+    const auto beyond = [=](double room_mm) { return is_in_belly ? room_mm : -room_mm; };
+    std::vector<Plaque> kept;
+    for (const Plaque &plaque : plaques) {
+        Box here;
+        here.include(plaque.centre_mm, 1.0);
+        if (beyond(belly(here, 10.0)(plaque.centre_mm)) < -MIDDLE_MM &&
+            organs.distance(plaque.centre_mm) > MIDDLE_MM)
+            kept.push_back(plaque);
+    }
+    if (kept.empty()) return;
+    const Solid solid = plaque_solid(kept);
+    const LocalDistance distance = [=](const Box &box, double reach_mm) -> Distance {
+        return [=, own = solid.near(box, reach_mm), other = organs.near(box, reach_mm + CLEAR_MM),
+                room = belly(box, reach_mm + CLEAR_MM)](const Vec3 &p) {
+            const double plaque = own.distance(p);
+            if (plaque > reach_mm) return plaque;
+            return std::max({plaque, CLEAR_MM - other.distance(p), beyond(room(p)) + CLEAR_MM});
+        };
+    };
+    bodies.push_back({is_in_belly ? "calcium_belly" : "calcium_chest",
+                      "cortical_bone",
+                      is_in_belly ? "belly_fat" : "flesh",
+                      {grown(solid.bounds, 2.0), distance, 0.7 * std::min(scale, 1.3), 0.06}});
+}
+
 } // namespace
 
-std::vector<Body> belly_bodies(const Solid &bones, double scale)
+std::vector<Body> belly_bodies(const SoftShape &shape, const Solid &bones, const VesselTree &tree,
+                               double scale)
 {
-    const LocalDistance belly = belly_distance(bones);
+    const LocalDistance belly = belly_distance(shape, bones);
     std::vector<Body> bodies = {
-        {"belly_fat", "adipose", "flesh", {belly_bounds(), belly, tight_mm(3.4, scale), SOFT_ERROR_MM}}};
+        {"belly_fat", "adipose", "flesh", {belly_bounds(shape), belly, tight_mm(3.4, scale), SOFT_ERROR_MM}}};
     Solid before;
-    const auto add = [&](const char *name, const char *material, const char *inside, const Solid &shape,
+    const auto add = [&](const char *name, const char *material, const char *inside, const Solid &organ,
                          double voxel_mm, double inset_mm) {
         bodies.push_back({name,
                           material,
                           inside,
-                          {grown(shape.bounds, 3.0), organ_distance(shape, belly, before, inset_mm),
+                          {grown(organ.bounds, 3.0), organ_distance(organ, belly, before, inset_mm),
                            tight_mm(voxel_mm, scale), SOFT_ERROR_MM}});
     };
     const Solid kidney_pair = kidneys(), liver_shape = liver(), spleen_shape = spleen();
@@ -291,8 +338,16 @@ std::vector<Body> belly_bodies(const Solid &bones, double scale)
     add("spleen", "muscle", "belly_fat", spleen_shape, 3.0, 0.0);
     before.add(spleen_shape);
     constexpr double WALL_MM = 2.5; // thickness of the bowel's wall around its gas
-    add("bowel", "soft", "belly_fat", bowel(WALL_MM), 3.0, 0.0);
-    add("bowel_gas", "air", "bowel", bowel_gas(0.0), 2.0, WALL_MM - 0.5);
+    const Solid bowels = bowel(shape, WALL_MM);
+    add("bowel", "soft", "belly_fat", bowels, 3.0, 0.0);
+    add("bowel_gas", "air", "bowel", bowel_gas(shape, 0.0), 2.0, WALL_MM - 0.5);
+    const std::vector<Plaque> plaques = wall_plaques(tree, shape);
+    before.add(bowels);
+    before.add(bones);
+    add_plaques(bodies, plaques, before, belly, true, scale);
+    before.add(heart_outline());
+    before.add(airway());
+    add_plaques(bodies, plaques, before, belly, false, scale);
     return bodies;
 }
 

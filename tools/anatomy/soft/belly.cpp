@@ -23,7 +23,7 @@ constexpr double FLOOR_MM = -305.0, TOP_MM = 105.0;
 
 } // namespace
 
-double belly_outline(const Vec3 &p)
+double belly_outline(const SoftShape &shape, const Vec3 &p)
 {
     static const auto spline = [](double Level::*field) {
         std::vector<double> y, value;
@@ -38,14 +38,15 @@ double belly_outline(const Vec3 &p)
     const double y = std::clamp(p.y(), FLOOR_MM, TOP_MM);
     const double a = width.at(y), z_front = front.at(y), z_back = back.at(y), b = 0.5 * (z_front - z_back);
     const double outline = ellipsoid_distance({p.x(), 0.0, p.z() - 0.5 * (z_front + z_back)}, {a, 1e3, b});
-    return smooth_max(outline, std::max(FLOOR_MM - p.y(), p.y() - TOP_MM), 12.0);
+    return smooth_max(outline - belly_growth_mm(shape, p), std::max(FLOOR_MM - p.y(), p.y() - TOP_MM), 12.0);
 }
 
-Box belly_bounds()
+Box belly_bounds(const SoftShape &shape)
 {
+    const double grown_mm = 4.0 + std::max(0.0, shape.belly_mm);
     Box box;
-    box.include(Vec3(-136, FLOOR_MM, -92), 4.0);
-    box.include(Vec3(136, TOP_MM, 98), 4.0);
+    box.include(Vec3(-136, FLOOR_MM, -92), grown_mm);
+    box.include(Vec3(136, TOP_MM, 98), grown_mm);
     return box;
 }
 
@@ -152,13 +153,17 @@ void add_pouches(Part &part, const std::vector<Vec3> &course, double radius_mm, 
 
 } // namespace
 
-Solid bowel_gas(double wall_mm)
+Solid bowel_gas(const SoftShape &shape, double wall_mm)
 {
     const Vec3 wall = Vec3::Constant(wall_mm);
     Solid solid;
     auto pouch = [&](const std::vector<Vec3> &course, double radius_mm, uint32_t seed) {
         Part part(3.5);
-        add_pouches(part, course, radius_mm, wall_mm, seed);
+        // Another person's pouches have other sizes: each 0.6 to 1.2 of the shipped man's.
+        const std::uint32_t own =
+            shape.bowel_seed == 0 ? seed : seed * 2654435761u ^ (shape.bowel_seed * 40503u + 1u);
+        const double size = shape.bowel_seed == 0 ? 1.0 : 0.6 + 0.6 * (own >> 8 & 0xff) / 255.0;
+        add_pouches(part, course, radius_mm * shape.gas * size, wall_mm, own | 1u);
         solid.add(part);
     };
     Part stomach(10.0);
@@ -197,9 +202,9 @@ std::vector<Vec3> small_bowel_course()
 
 } // namespace
 
-Solid bowel(double wall_mm)
+Solid bowel(const SoftShape &shape, double wall_mm)
 {
-    Solid solid = bowel_gas(wall_mm);
+    Solid solid = bowel_gas(shape, wall_mm);
     const auto tube = [&](const std::vector<Vec3> &course, double radius_mm) {
         Part part(3.0);
         part.rod(course, std::vector<double>(course.size(), radius_mm));
