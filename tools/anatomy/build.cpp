@@ -17,7 +17,7 @@ constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
 /* The meshes of thin bones are simplified less than those of other bones. An X-ray picture along the iliac
  * wing, whose cortex is 2 mm thick, shows a patch of the surface as a streak if its direction is wrong by
  * 3 degrees. */
-constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
+constexpr double BONE_ERROR_MM = 0.18, THIN_BONE_ERROR_MM = 0.1;
 /* The inner surface of the cortex is uneven by GRAIN_MM, or by THIN_BONE_GRAIN_MM in thin bones, so that
  * bones look grainy in the X-ray picture. */
 constexpr double GRAIN_MM = 0.12, THIN_BONE_GRAIN_MM = 0.05;
@@ -89,7 +89,7 @@ void add_cartilages(std::vector<Body> &bodies, Solid &bones, const SkeletonShape
     if (!calcium.is_empty())
         bodies.push_back(
             {"cartilage_calcium",
-             "trabecular_bone",
+             "cortical_bone",
              "flesh",
              {grown(calcium.bounds, 2.0), bone_distance(calcium, bones), 1.4 * scale, BONE_ERROR_MM}});
     bones.add(costal_cartilages(shape));

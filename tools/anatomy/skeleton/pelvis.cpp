@@ -47,7 +47,7 @@ struct HipBone {
  * points on the iliac wing go from the arcuate line to the crest. */
 void add_ilium(const HipBone &b)
 {
-    constexpr size_t ACROSS = 97, ROWS = 31, ROD_STEP = 4;
+    constexpr size_t ACROSS = 121, ROWS = 37, ROD_STEP = 5;
     const std::vector<Vec3> crest = {{113, -272, 22}, {119, -252, 40}, {127, -231, 50},  {137, -206, 42},
                                      {141, -182, 26}, {138, -163, 2},  {124, -154, -26}, {98, -160, -54},
                                      {70, -180, -76}, {48, -208, -89}, {45, -232, -88}};
@@ -114,7 +114,7 @@ void add_socket(const HipBone &b)
     const Vec3 opening = Vec3(b.s * 0.74, -0.62, b.woman ? 0.29 : 0.25).normalized(),
                down = Vec3(b.s * 0.12, -0.97, 0.2).normalized();
     b.part.add<Ellipsoid>(centre - 5.5 * opening, Vec3::Constant(BALL_MM)).cortex_mm = 1.2;
-    b.part.add<Ellipsoid>(centre + Vec3(b.s * 5.0, 23.0, 1.0), Vec3(19, 9, 18)).cortex_mm = 1.2; // roof
+    b.part.add<Ellipsoid>(centre + Vec3(b.s * 1.0, 24.0, 0.0), Vec3(17, 10, 16)).cortex_mm = 1.2; // roof
     b.part.cut<Tube>(sample_curve({centre, centre + 20.0 * opening, centre + 55.0 * opening},
                                   {CUP_MM, CUP_MM, 42.0}, 4.0));
     b.part.cut<Tube>(sample_curve({centre + 20.0 * down, centre + 42.0 * down}, {13.0, 13.0}, 4.0));

@@ -137,7 +137,7 @@ Vec3 cartilage_height(const Curve &curve, size_t index, double s)
  * their middle; it grows from the rib towards the sternum, and the first cartilage has most. */
 Part calcium_part(const Curve &cartilage, size_t rib, double s, const SkeletonShape &shape)
 {
-    constexpr double EDGE = 0.72, ROD_MM = 1.7, TONGUE_MM = 2.3;
+    constexpr double EDGE = 0.72, ROD_MM = 1.4, TONGUE_MM = 2.0;
     Part part(1.0);
     const bool man = shape.sex == Sex::man;
     for (double edge : man ? std::vector<double>{-1.0, 1.0} : std::vector<double>{0.0}) {

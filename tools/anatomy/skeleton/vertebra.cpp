@@ -38,8 +38,12 @@ void add_body(const Builder &b, const SkeletonShape &shape)
     constexpr double SPUR_MM = 7.0;
     constexpr size_t T7 = T1 + 6, L2 = L1 + 1;
     const bool thoracic = b.index >= T7 && b.index <= T12, lumbar = b.index >= L2;
-    const double right = shape.osteophytes * SPUR_MM * (thoracic ? 0.8 : lumbar ? 1.0 : 0.2);
-    const double left = shape.osteophytes * SPUR_MM * (lumbar ? 0.9 : 0.0);
+    // Levels and sides differ (assumed).
+    const double level = static_cast<double>(b.index);
+    const double right_share = 0.65 + 0.35 * std::sin(2.6 * level),
+                 left_share = 0.65 + 0.35 * std::sin(1.7 * level);
+    const double right = shape.osteophytes * SPUR_MM * right_share * (thoracic || lumbar ? 1.0 : 0.2);
+    const double left = shape.osteophytes * SPUR_MM * left_share * (lumbar ? 1.0 : 0.0);
     const double upper = 2.0 * b.v.width_mm / (1.0 + b.level.lower_ratio);
     BodyMeasures measures{upper,
                           upper * b.level.lower_ratio,
@@ -119,14 +123,14 @@ void add_transverse(const Builder &b, double s)
         return;
     }
     const bool last = b.index == L5;
-    const double rise = b.index >= L5 - 1 ? 4.0 : 0.0;
+    const double rise = b.index >= L5 - 1 ? 4.0 : b.index == L1 ? 2.0 : 0.0;
     const Vec3 start = b.f.at(s * (b.pedicle_x() + 1.0), b.pedicle_y() - 1.0, b.back() - 7.0);
-    const Vec3 tip = b.f.at(s * (tip_x - 3.0), b.pedicle_y() - 1.0 + rise, b.back() - 13.0);
+    const Vec3 tip = b.f.at(s * (tip_x - (last ? 3.6 : 2.2)), b.pedicle_y() - 1.0 + rise, b.back() - 13.0);
     const Vec3 middle = 0.5 * (start + tip) - 0.5 * up;
     if (last)
         oval(b, {start, middle, tip}, {8.5, 7.0, 4.5}, up, 0.85, 0.9);
     else
-        oval(b, {start, middle, tip}, {6.4, 4.8, 4.0}, up, 0.55, 0.9);
+        oval(b, {start, middle, tip}, {7.0, 5.2, 3.6}, up, 0.55, 0.9);
 }
 
 /* The spinous process is a slender spike with a three-cornered root on a thoracic vertebra, and a blade with
@@ -150,10 +154,11 @@ void add_spinous(const Builder &b)
     const Vec3 top = b.f.at(0, -0.02 * h, start_z), low = top + (2.0 * high - 2.0) * down;
     const Vec3 tip_top = top + (length - 3.0) * along + 1.5 * down;
     const Vec3 tip_low = top + length * along + (2.0 * high - 1.0) * down;
-    b.part.plate(top, low, tip_low, Vec3(1.8, 3.4, 3.6), 0.8);
-    b.part.plate(top, tip_top, tip_low, Vec3(1.8, 2.0, 3.6), 0.8);
-    b.part.rod({tip_top, 0.5 * (tip_top + tip_low), tip_low}, {2.2, 3.2, 4.8}, 0.8);
-    b.part.rod({low, 0.5 * (low + tip_low) + 0.8 * down, tip_low}, {3.4, 3.8, 4.8}, 0.8);
+    // The blade widens backwards and downwards, so that no ray of an AP view runs along its sides.
+    b.part.plate(top, low, tip_low, Vec3(1.6, 2.6, 4.0), 0.7);
+    b.part.plate(top, tip_top, tip_low, Vec3(1.6, 2.8, 4.0), 0.7);
+    b.part.rod({tip_top, 0.5 * (tip_top + tip_low), tip_low}, {2.9, 3.6, 4.8}, 0.7);
+    b.part.rod({low, 0.5 * (low + tip_low) + 0.8 * down, tip_low}, {2.7, 3.6, 4.8}, 0.7);
 }
 
 } // namespace

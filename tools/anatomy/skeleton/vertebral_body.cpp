@@ -21,7 +21,7 @@ VertebralBody::VertebralBody(const Vec3 &centre, const Eigen::Matrix3d &rotation
 double VertebralBody::distance(const Vec3 &point) const
 {
     constexpr double WAIST = 0.10;       // the waist is 0.90 of the end plates (0.87 to 0.93)
-    constexpr double RIM_ROUND_MM = 1.8; // assumed
+    constexpr double RIM_ROUND_MM = 2.2; // assumed
     // The section is a part of an ellipse: its back is cut off where it is BACK of the width (assumed).
     constexpr double LONG = 0.62, SHIFT = 0.12, BACK_ROUND_MM = 5.0;
     const BodyMeasures &m = measures_;

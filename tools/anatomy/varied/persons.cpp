@@ -52,7 +52,7 @@ constexpr double ASCENDING_MM[2][4] = {{32.3, 34.4, 35.8, 37.2}, {30.4, 31.6, 33
                  DESCENDING_MM[2][4] = {{24.4, 25.9, 27.3, 29.5}, {22.1, 23.1, 24.4, 26.0}},
                  ARCH_WIDTH_MM[2][4] = {{71, 78, 84, 93}, {63, 68, 73, 81}}, ARCH_WIDTH_SD_MM[2] = {8.5, 7.5},
                  INFRARENAL_MM[2] = {19.3, 16.7}, BRANCHES[2] = {1.0, 0.9},
-                 RENALS[2] = {1.0, 0.855}; // root of the areas 22.9 over 31.3 mm2
+                 RENAL_CALIBRE[2] = {1.0, 0.855}; // root of the areas 22.9 over 31.3 mm2
 
 size_t number(Sex sex)
 {
@@ -117,7 +117,7 @@ AortaCalibre mean_calibre(const Person &person)
     calibre.descending_mm = descending / scale;
     calibre.infrarenal_mm = INFRARENAL_MM[sex] * std::sqrt(aged) / scale; // half of the growth; assumed
     calibre.branches = BRANCHES[sex] / scale;
-    calibre.renals = RENALS[sex] / scale;
+    calibre.renals = RENAL_CALIBRE[sex] / scale;
     return calibre;
 }
 

@@ -327,6 +327,26 @@ ALLOWED = {
         "host/xray",
         "host/picture/canvas.hpp",
     ],
+    "tools/lab/ct/program": COMMAND_LINE
+    + ["tools/lab/ct", "host/base/text.hpp", "tools/lab/reference_rod/truth_options.hpp"],
+    "tools/lab/ct/patient": [
+        "tools/lab/ct",
+        "tools/centreline",
+        "tools/bake",
+        "tools/mesh",
+        "host/model",
+        "host/base",
+        "host/xray",
+        "host/picture/picture.hpp",
+        "shared/wire/wire_frame.h",
+    ],
+    "tools/lab/ct/patient/tests": [
+        "tools/lab/ct",
+        "tools/centreline",
+        "tools/bake",
+        "tools/mesh",
+        "host/base/tests/folder.hpp",
+    ],
     "tools/lab/ct/tests": ["tools/lab/ct", "tools/lab/case", "tools/bake", "tools/mesh", "host/base/tests/folder.hpp"],
     "tools/mesh": [
         "host/base/fault.hpp",

@@ -16,6 +16,11 @@ Page::Page(const std::filesystem::path &folder) : folder_(folder)
 void Page::show(const Picture &picture, const std::string &name, const std::string &what)
 {
     picture.save(folder_ / name);
+    add(name, what);
+}
+
+void Page::add(const std::string &name, const std::string &what)
+{
     figures_ +=
         "<figure><img src=\"" + name + "\"><figcaption>" + html_text(what) + "</figcaption></figure>\n";
 }

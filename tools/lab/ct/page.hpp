@@ -15,6 +15,8 @@ class Page
     // Saves the picture under the given name, and adds the picture to the page with a line of text. Throws
     // OutputError.
     void show(const Picture &picture, const std::string &name, const std::string &what);
+    // Adds a picture that lies in the folder already.
+    void add(const std::string &name, const std::string &what);
     // Adds a link to another page; `name` is the text of the link.
     void link(const std::string &to, const std::string &name);
     // Writes index.html with all pictures and links that have been added so far. Throws OutputError.

@@ -172,7 +172,7 @@ void read_file(const fs::path &path, const TakeHead &take_head, const TakeValues
         check_agreement(declared, head.size, head.spacing_mm, name);
         check_head(head, name);
         if (lower_name(path).find(".nii") != std::string::npos)
-            check_nifti_length(name, io->GetImageSizeInBytes());
+            check_nifti_length(name, declared.value_bytes);
         const Volume volume = volume_of(head, name);
         take_head(volume);
         read_values(*io, take_values, volume.count(), name);

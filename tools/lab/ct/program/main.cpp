@@ -4,6 +4,7 @@
 #include "host/base/text.hpp"
 #include "host/base/version.hpp"
 #include "tools/lab/ct/commands.hpp"
+#include "tools/lab/ct/patient/patient.hpp"
 #include "tools/lab/reference_rod/truth_options.hpp"
 
 #include <cstdio>
@@ -25,6 +26,8 @@ constexpr const char *examples =
     "  ct segment out/case && ct check out/case             every depth of a case; how far from its truth\n"
     "  ct scan lumen.ply wire.csv -o scan.nrrd              one scan of a steel wire in a phantom\n"
     "  ct scan lumen.ply wire.csv -o series --material nitinol      the same as a DICOM series\n"
+    "  ct patient scan.nii.gz --labels map.nii.gz --names names.csv -o patient     a scene from a patient's "
+    "CT\n"
     "ct SUBCOMMAND --help has the options.\n"
     "Volumes: .nrrd, .nii, .nii.gz, .mha, or a folder with a DICOM series. Places are in the scene's axes "
     "(+x patient left, +y head, +z front), in mm.\n"
@@ -58,6 +61,18 @@ constexpr const char *segment_footer =
     "instrument\n"
     "is inserted as its depths say. calibrate CASE comes next. docs/ct.md has the files and how far to trust "
     "them.\n";
+
+constexpr const char *patient_footer =
+    "Examples:\n"
+    "  ct patient scan.nii.gz --labels segmentation.nii.gz --names names.csv -o patient\n"
+    "  ct patient dicom_folder --labels segmentation.nrrd --names names.csv -o patient      again: only what "
+    "changed\n"
+    "  cournand view patient/patient.scene                                                  plays the scene\n"
+    "The label map has the scan's grid and TotalSegmentator's names; one structure must be the aorta.\n"
+    "Written: patient.scene, patient.bodies, patient.ct, scene.toml, lumen.ply, tree.csv, report.json, "
+    "index.html.\n"
+    "Nothing of the scan but its voxels and its grid is kept. docs/own_ct.md says what is assumed and "
+    "checked.\n";
 
 constexpr const char *check_footer = "Example:\n"
                                      "  ct check out/case      after ct segment; exit code 1 where a mean or "
@@ -173,11 +188,25 @@ void add_segment(CLI::App &app, SegmentCommand &options, std::vector<double> &se
     });
 }
 
+void add_patient(CLI::App &app, PatientOptions &options)
+{
+    CLI::App &command =
+        *app.add_subcommand("patient", "a playable scene from a patient's CT and a map of its arteries");
+    command.footer(patient_footer);
+    command.add_option("SCAN", options.scan, "a volume, or a folder with a DICOM series, in HU")->required();
+    command.add_option("--labels", options.labels, "label map of organs and arteries on the scan's grid")
+        ->required();
+    command.add_option("--names", options.names, "table of the labels' numbers and names")->required();
+    command.add_option("-o,--output", options.output, "folder of the scene and its report")->required();
+    command.callback([&options] { command_patient(options); });
+}
+
 } // namespace
 
 int main(int argc, char **argv)
 {
-    CLI::App app{"ct: reads CT scans of instruments in vessel phantoms, and makes virtual ones"};
+    CLI::App app{
+        "ct: reads CT scans of patients and of instruments in vessel phantoms, and makes virtual ones"};
     app.footer(examples);
     app.require_subcommand(1);
     ScanOptions scan;
@@ -190,6 +219,8 @@ int main(int argc, char **argv)
     SegmentCommand segment;
     std::vector<double> seed, mouth, direction;
     add_segment(app, segment, seed, mouth, direction);
+    PatientOptions patient;
+    add_patient(app, patient);
     std::filesystem::path checked;
     bool is_good = true;
     CLI::App &check =

@@ -1,0 +1,130 @@
+// These tests check the skeleton as solids, before it becomes meshes: its scale, a few stated measures, the
+// space that it leaves for the shipped vessels, and that the bones of other persons close.
+#include "tools/anatomy/build.hpp"
+#include "tools/anatomy/skeleton.hpp"
+#include "tools/anatomy/vessel_file.hpp"
+#include <algorithm>
+#include <cmath>
+
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace anatomy;
+
+namespace
+{
+
+/* Returns how far the solid reaches from `start` in `direction`, in steps of 0.05 mm. */
+double reach_mm(const Solid &solid, const Vec3 &start, const Vec3 &direction, double most_mm)
+{
+    constexpr double STEP_MM = 0.05;
+    double reach = 0.0;
+    for (double t = 0.0; t < most_mm; t += STEP_MM)
+        if (solid.distance(start + t * direction) < 0.0) reach = t;
+    return reach;
+}
+
+const Vertebra &named(const std::vector<Vertebra> &spine, const std::string &name)
+{
+    return *std::find_if(spine.begin(), spine.end(), [&](const Vertebra &v) { return v.name == name; });
+}
+
+// A similarity multiplies all distances by its factor, whole or near a box. Only rounding remains.
+void an_enlarged_skeleton_has_enlarged_distances(void **)
+{
+    constexpr double FACTOR = 0.92;
+    SkeletonShape small;
+    small.scale = FACTOR;
+    const Solid usual = pelvis_bones(), scaled = pelvis_bones(small);
+    for (const Vec3 &p : {Vec3(86, -280, 10), Vec3(130, -200, 20), Vec3(10, -320, 45), Vec3(55, -360, -25)}) {
+        const double expected = FACTOR * usual.distance(p);
+        assert_true(std::abs(scaled.distance(FACTOR * p) - expected) < 1e-9);
+        Box box;
+        box.include(FACTOR * p, 4.0);
+        assert_true(std::abs(scaled.near(box, 30.0).distance(FACTOR * p) - expected) < 1e-9);
+    }
+}
+
+// The end plate of L3 is 47 mm wide on average, its transverse processes span 90 mm, and the canal behind the
+// body is 18 mm deep. Rims are rounded and corners are filled, so 3 mm are allowed; width and half of the
+// canal are 1.4 and 1.6 mm below their stated values, the span 0.2 mm.
+void the_third_lumbar_vertebra_has_its_stated_measures(void **)
+{
+    constexpr double ALLOWED_MM = 3.0;
+    SkeletonShape shape;
+    shape.osteophytes = 0.0;
+    const Solid spine = spine_bones(shape);
+    const std::vector<Vertebra> all = vertebrae(shape);
+    const Vertebra &v = named(all, "L3");
+    double width = 0.0;
+    for (double end : {-0.42, 0.42})
+        width += reach_mm(spine, v.centre_mm + end * v.height_mm * v.up - 0.12 * v.depth_mm * v.front,
+                          Vec3::UnitX(), 30.0);
+    assert_true(std::abs(width - v.width_mm) < ALLOWED_MM);
+    double span = 0.0;
+    for (double y = -4.0; y < 12.0; y += 1.0)
+        for (double z = -36.0; z < -18.0; z += 1.0)
+            span = std::max(span,
+                            2.0 * reach_mm(spine, v.centre_mm + y * v.up + z * v.front + 30.0 * Vec3::UnitX(),
+                                           Vec3::UnitX(), 25.0) +
+                                60.0);
+    assert_true(std::abs(span - 90.0) < ALLOWED_MM);
+    const Vec3 canal = v.centre_mm - (0.5 * v.depth_mm + 9.0) * v.front;
+    assert_true(std::abs(spine.distance(canal) - 9.0) < ALLOWED_MM);
+}
+
+// A woman's pelvis is 5.5 % wider for her height.
+void a_womans_pelvis_is_wider(void **)
+{
+    SkeletonShape woman;
+    woman.sex = Sex::woman;
+    const auto width = [](const Solid &solid) { return solid.bounds.high.x() - solid.bounds.low.x(); };
+    const double ratio = width(pelvis_bones(woman)) / width(pelvis_bones());
+    assert_true(ratio > 1.045 && ratio < 1.06);
+}
+
+// Vessels of the shipped man run between bones as measured: 1.2 mm (aorta) at the closest.
+void shipped_vessels_keep_clear_of_the_bones(void **)
+{
+    Solid bones = spine_bones();
+    for (const Solid &one : {rib_bones(), pelvis_bones(), femur_bones(), shoulder_bones()}) bones.add(one);
+    for (const Vessel &vessel : shipped_vessels("aorta").vessels)
+        for (const CurvePoint &point : vessel_curve(vessel, 2.0)) {
+            const double apart_mm = bones.distance(point.position_mm) - point.radius_mm;
+            if (apart_mm < 1.0) fail_msg("%s: %.2f mm from a bone", vessel.name.c_str(), apart_mm);
+        }
+}
+
+void bones_of_other_persons_close(void **)
+{
+    for (const Sex sex : {Sex::man, Sex::woman}) {
+        SkeletonShape old = usual_skeleton(sex, 95.0, sex == Sex::man ? 1.1 : 0.85);
+        old.osteophytes = 1.0;
+        for (const Solid &solid : {spine_bones(old), cartilage_calcium(old)}) {
+            Box where = solid.bounds;
+            where.low -= Vec3::Constant(3.0);
+            where.high += Vec3::Constant(3.0);
+            const Mesh mesh = mesh_of({where, local_distance(solid), 2.6, 0.0, 0.0}); // throws if it is open
+            assert_true(mesh_volume_mm3(mesh) > 0.0);
+        }
+    }
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(an_enlarged_skeleton_has_enlarged_distances),
+        cmocka_unit_test(the_third_lumbar_vertebra_has_its_stated_measures),
+        cmocka_unit_test(a_womans_pelvis_is_wider),
+        cmocka_unit_test(shipped_vessels_keep_clear_of_the_bones),
+        cmocka_unit_test(bones_of_other_persons_close),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

@@ -1,0 +1,253 @@
+#include "tools/lab/ct/patient/vessels.hpp"
+#include "host/base/format.hpp"
+#include "tools/bake/triangle_tree.hpp"
+#include "tools/centreline/fit/automatic.hpp"
+#include "tools/lab/ct/snake.hpp"
+#include "tools/lab/ct/surface.hpp"
+#include "tools/mesh/fault.hpp"
+#include "tools/mesh/pieces.hpp"
+#include "tools/mesh/simplify.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace crn::ct
+{
+
+namespace
+{
+
+using Eigen::Vector3d;
+
+constexpr double cube_min_mm = 0.7, cube_max_mm = 1.0, margin_mm = 8.0;
+constexpr int snake_steps = 30;
+constexpr double entry_mm = 15.0; // from the end of the vessel into it
+
+int label_at(const LabelMap &labels, std::size_t at)
+{
+    return static_cast<int>(std::lround(labels.volume.hu[at]));
+}
+
+// Cuts the arteries out of the scan's grid, with a margin, and marks their voxels.
+struct Cut {
+    Volume scan, mask;
+};
+
+Cut cut_arteries(const Volume &scan, const LabelMap &labels)
+{
+    const std::vector<int> wanted = labels.numbers(is_artery);
+    std::array<int, 3> low = scan.size, high = {0, 0, 0};
+    Volume mask = scan.like(0);
+    for (int k = 0; k < scan.size[2]; ++k)
+        for (int j = 0; j < scan.size[1]; ++j)
+            for (int i = 0; i < scan.size[0]; ++i) {
+                const std::size_t at = scan.at(i, j, k);
+                if (std::find(wanted.begin(), wanted.end(), label_at(labels, at)) == wanted.end()) continue;
+                mask.hu[at] = 1;
+                const int here[3] = {i, j, k};
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    low[axis] = std::min(low[axis], here[axis]);
+                    high[axis] = std::max(high[axis], here[axis] + 1);
+                }
+            }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int more =
+            static_cast<int>(std::ceil(margin_mm / scan.spacing_mm[static_cast<Eigen::Index>(axis)]));
+        low[axis] = std::max(low[axis] - more, 0);
+        high[axis] = std::min(high[axis] + more, scan.size[axis]);
+    }
+    return {cut_out(scan, low, high), cut_out(mask, low, high)};
+}
+
+// Returns the volume on a grid of cubes with the same corners.
+Volume in_cubes(const Volume &from, double cube_mm)
+{
+    Volume cubes;
+    cubes.name = from.name;
+    cubes.origin_mm = from.origin_mm;
+    cubes.direction = from.direction;
+    cubes.spacing_mm = Vector3d::Constant(cube_mm);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double length_mm = from.spacing_mm[static_cast<Eigen::Index>(axis)] * (from.size[axis] - 1);
+        cubes.size[axis] = static_cast<int>(std::floor(length_mm / cube_mm)) + 1;
+    }
+    cubes.hu.resize(cubes.count());
+    for (int k = 0; k < cubes.size[2]; ++k)
+        for (int j = 0; j < cubes.size[1]; ++j)
+            for (int i = 0; i < cubes.size[0]; ++i)
+                cubes.hu[cubes.at(i, j, k)] = static_cast<float>(
+                    from.value((Vector3d(i, j, k) * cube_mm).cwiseQuotient(from.spacing_mm)));
+    return cubes;
+}
+
+// The end of a branch without children.
+bool is_leaf(const centreline::Tree &tree, std::size_t branch)
+{
+    return std::none_of(tree.branches.begin(), tree.branches.end(), [&](const centreline::Branch &other) {
+        return other.parent == static_cast<int>(branch);
+    });
+}
+
+std::string structure_of(const centreline::Branch &branch, const LabelMap &labels)
+{
+    std::map<std::string, int> votes;
+    for (const centreline::Sphere &sphere : branch.spheres) {
+        const Vector3d voxel = labels.volume.voxel(sphere.centre_mm);
+        const int i = static_cast<int>(std::lround(voxel.x())), j = static_cast<int>(std::lround(voxel.y())),
+                  k = static_cast<int>(std::lround(voxel.z()));
+        if (!labels.volume.holds(i, j, k)) continue;
+        const auto found = labels.names.find(label_at(labels, labels.volume.at(i, j, k)));
+        if (found != labels.names.end() && is_artery(found->second)) ++votes[found->second];
+    }
+    std::string best = "artery";
+    int most = 0;
+    for (const auto &[name, count] : votes)
+        if (count > most) best = name, most = count;
+    return best;
+}
+
+} // namespace
+
+Volume artery_level(const Volume &scan, const LabelMap &labels, const Contrast &contrast,
+                    const Report &report)
+{
+    report("cut out arteries", 0);
+    const Cut cut = cut_arteries(scan, labels);
+    const double cube_mm = std::clamp(scan.spacing_mm.minCoeff(), cube_min_mm, cube_max_mm);
+    report("cut out arteries", 0.5);
+    const Volume level = in_cubes(signed_distance(cut.mask), cube_mm);
+    report("cut out arteries", 1);
+    if (contrast.mean_HU < 150.0) return smoothed(level, 0.7);
+    report("move the wall to the edges", 0);
+    // The edge between blood and its surroundings has half the difference within a voxel or two.
+    const double edge_HU_per_mm = (contrast.mean_HU - 50.0) / (4.0 * scan.spacing_mm.maxCoeff());
+    const Volume speed =
+        speed_of(gradient_magnitude(in_cubes(cut.scan, cube_mm), 1.0), edge_HU_per_mm, edge_HU_per_mm / 3.0);
+    const Volume moved = evolve_snake(smoothed(level, 0.7), speed, {0, 0.1, 1, snake_steps});
+    report("move the wall to the edges", 1);
+    return smoothed(moved, 0.7); // steps of the slices would hold up instruments
+}
+
+bake::Mesh lumen_of(const Volume &level)
+{
+    bake::Mesh mesh = surface_of(level, "lumen");
+    mesh::drop_small_pieces(mesh.vertices_mm, mesh.triangles, 0, 0.5);
+    return mesh;
+}
+
+Vector3d root_of(const LabelMap &labels)
+{
+    const Volume &grid = labels.volume;
+    std::vector<unsigned char> kind(65536, 0);
+    for (const auto &[number, name] : labels.names)
+        kind[static_cast<std::size_t>(number)] = name == "aorta" ? 1 : name.find("heart") == 0 ? 2 : 0;
+    const auto kind_at = [&](int i, int j, int k) {
+        return kind[static_cast<std::size_t>(std::clamp(label_at(labels, grid.at(i, j, k)), 0, 65535))];
+    };
+    std::vector<Vector3d> touching, aorta;
+    const int reach = 2;
+    for (int k = 0; k < grid.size[2]; ++k)
+        for (int j = reach; j < grid.size[1] - reach; ++j)
+            for (int i = reach; i < grid.size[0] - reach; ++i) {
+                if (kind_at(i, j, k) != 1) continue;
+                const Vector3d at = grid.scene({1.0 * i, 1.0 * j, 1.0 * k});
+                aorta.push_back(at);
+                const int above = std::min(k + 1, grid.size[2] - 1), below = std::max(k - 1, 0);
+                const bool touches = kind_at(i + reach, j, k) == 2 || kind_at(i - reach, j, k) == 2 ||
+                                     kind_at(i, j + reach, k) == 2 || kind_at(i, j - reach, k) == 2 ||
+                                     kind_at(i, j, above) == 2 || kind_at(i, j, below) == 2;
+                if (touches) touching.push_back(at);
+            }
+    if (touching.size() < 20) { // the foremost voxels of the aorta are those of its ascending part
+        std::sort(aorta.begin(), aorta.end(),
+                  [](const Vector3d &a, const Vector3d &b) { return a.z() > b.z(); });
+        aorta.resize(std::max<std::size_t>(aorta.size() / 10, 1));
+        return *std::min_element(aorta.begin(), aorta.end(),
+                                 [](const Vector3d &a, const Vector3d &b) { return a.y() < b.y(); });
+    }
+    // The descending aorta touches the heart from behind, the ascending one comes out of its front part. Its
+    // lowest part is the root.
+    std::sort(touching.begin(), touching.end(),
+              [](const Vector3d &a, const Vector3d &b) { return a.z() > b.z(); });
+    touching.resize(touching.size() / 3 + 1);
+    std::sort(touching.begin(), touching.end(),
+              [](const Vector3d &a, const Vector3d &b) { return a.y() < b.y(); });
+    touching.resize(touching.size() / 5 + 1);
+    Vector3d sum = Vector3d::Zero();
+    for (const Vector3d &at : touching) sum += at;
+    return sum / static_cast<double>(touching.size());
+}
+
+// Returns a place well inside the lumen near the given one: the deepest within the smallest distance of 4, 8
+// or 16 mm in which any place is 3 mm from the wall.
+static Vector3d inside_near(const bake::Mesh &lumen, const Vector3d &place_mm)
+{
+    constexpr double step_mm = 2.0, enough_mm = -3.0;
+    const bake::TriangleTree wall(lumen);
+    Vector3d best = place_mm;
+    double least_mm = wall.nearest(place_mm).distance_mm;
+    for (double reach_mm = 4.0; reach_mm <= 16.0 && least_mm > enough_mm; reach_mm *= 2.0)
+        for (double x = -reach_mm; x <= reach_mm; x += step_mm)
+            for (double y = -reach_mm; y <= reach_mm; y += step_mm)
+                for (double z = -reach_mm; z <= reach_mm; z += step_mm) {
+                    if (Vector3d(x, y, z).norm() > reach_mm) continue;
+                    const Vector3d at = place_mm + Vector3d(x, y, z);
+                    const double distance_mm = wall.nearest(at).distance_mm;
+                    if (distance_mm < least_mm) best = at, least_mm = distance_mm;
+                }
+    return best;
+}
+
+centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, Findings &findings)
+{
+    bake::Progress progress;
+    const centreline::Lumen inside(lumen, {}, progress);
+    centreline::AutoWish wish;
+    wish.inlet_mm = inside_near(lumen, root_of(labels));
+    wish.shortest_mm = 8.0;
+    std::vector<std::string> notes;
+    centreline::Tree tree = centreline::fit_automatic(inside, wish, notes, progress);
+    double all_mm = 0.0;
+    for (const centreline::Branch &branch : tree.branches) all_mm += centreline::length_mm(branch);
+    if (all_mm < 30.0)
+        throw Fault(formatted(
+            "the arteries' tree is only %.0f mm long: the label map does not connect the aorta from the "
+            "heart on; segment again, or mend the map",
+            all_mm));
+    std::map<std::string, int> used;
+    for (centreline::Branch &branch : tree.branches) {
+        const std::string name = structure_of(branch, labels);
+        const int number = ++used[name];
+        branch.name = number > 1 ? name + "_" + std::to_string(number) : name;
+    }
+    for (const std::string &note : notes) findings.facts.push_back("centrelines: " + note);
+    for (std::size_t i = 0; i < tree.branches.size(); ++i) {
+        const centreline::Branch &branch = tree.branches[i];
+        findings.facts.push_back(formatted("branch %s: %.0f mm long, radius %.1f to %.1f mm",
+                                           branch.name.c_str(), centreline::length_mm(branch),
+                                           branch.spheres.front().radius_mm,
+                                           branch.spheres.back().radius_mm));
+    }
+    return tree;
+}
+
+Entry entry_of(const centreline::Tree &tree, const std::string &name)
+{
+    const centreline::Branch *lowest = nullptr;
+    for (std::size_t i = 0; i < tree.branches.size(); ++i) {
+        const centreline::Branch &branch = tree.branches[i];
+        if (!is_leaf(tree, i)) continue;
+        if (!lowest || branch.spheres.back().centre_mm.y() < lowest->spheres.back().centre_mm.y())
+            lowest = &branch;
+    }
+    if (!lowest) throw Fault(name + ": the arteries have no end");
+    double passed_mm = 0.0;
+    for (std::size_t i = lowest->spheres.size() - 1; i > 0; --i) {
+        const Vector3d step = lowest->spheres[i - 1].centre_mm - lowest->spheres[i].centre_mm;
+        passed_mm += step.norm();
+        if (passed_mm >= entry_mm || i == 1)
+            return {lowest->spheres[i - 1].centre_mm, step.normalized(), lowest->name};
+    }
+    throw Fault(name + ": the branch " + lowest->name + " has a single place");
+}
+
+} // namespace crn::ct

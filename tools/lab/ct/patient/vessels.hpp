@@ -1,0 +1,35 @@
+// Makes the lumen of the arteries from a label map, its tree of centrelines, the names of the branches, and
+// the place where instruments enter.
+#pragma once
+#include "tools/bake/mesh.hpp"
+#include "tools/centreline/tree.hpp"
+#include "tools/lab/ct/patient/body.hpp"
+#include "tools/lab/ct/segment.hpp"
+
+namespace crn::ct
+{
+
+// Returns the level set of the arteries that are connected with the aorta, on a grid of cubic voxels around
+// them. The wall is moved to the edges of the scan by a geodesic active contour.
+Volume artery_level(const Volume &scan, const LabelMap &labels, const Contrast &contrast,
+                    const Report &report);
+
+// Returns the largest closed piece of the level set's surface.
+bake::Mesh lumen_of(const Volume &level);
+
+// Returns the place of the aortic root: where the aorta leaves the heart. Without a heart in the label map,
+// it is the foremost upper end of the aorta.
+Eigen::Vector3d root_of(const LabelMap &labels);
+
+// Finds the tree of the lumen. Branches have the name of the structure in which most of their spheres lie,
+// with a number where a name comes again.
+centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, Findings &findings);
+
+// The place where instruments enter: inside the end of the tree that is nearest to the feet.
+struct Entry {
+    Eigen::Vector3d place_mm, direction;
+    std::string branch;
+};
+Entry entry_of(const centreline::Tree &tree, const std::string &name);
+
+} // namespace crn::ct
