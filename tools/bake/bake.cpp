@@ -3,6 +3,7 @@
 #include "tools/bake/bake.hpp"
 #include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
+#include "tools/bake/bodies.hpp"
 #include "tools/bake/branches.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/form.hpp"
@@ -72,45 +73,6 @@ std::uint32_t start_um(const EntryText &text, const crn_lumen &lumen, const Curv
         formatted_line("start             %.1f mm inserted; a straight tool of 8 F has room for %.0f mm%s",
                        mm, clear_mm, clear_mm >= start_default_mm ? " or more" : "");
     return mm == start_default_mm ? 0 : static_cast<std::uint32_t>(std::lround(mm * 1e3));
-}
-
-// Narrows the mesh of the lumen, or of the blood in the lumen, wherever a lesion lies. The returned list
-// states for each vertex whether it moved; the list is empty if the tree has no lesion.
-std::vector<bool> narrow(Mesh &mesh, const VesselTree &tree)
-{
-    if (tree.lesions.empty()) return {};
-    refine_lesions(mesh, tree);
-    return narrow_lesions(mesh.vertices_mm, tree);
-}
-
-std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const VesselTree &tree,
-                                 std::string &report, Progress &progress)
-{
-    std::vector<BakedBody> bodies;
-    progress.stage("making the bodies", text.bodies.size());
-    for (const BodyText &body : text.bodies) {
-        BakedBody baked;
-        baked.name = body.name;
-        baked.material = body.material;
-        baked.moves = body.moves;
-        for (std::size_t i = 0; i < text.bodies.size(); ++i)
-            if (text.bodies[i].name == body.inside) baked.parent = static_cast<int>(i);
-        baked.mesh = body.is_lumen ? lumen : form_body(body, bodies, report);
-        if (!body.is_lumen && body.material == "blood" && !tree.lesions.empty())
-            narrow(baked.mesh, lesions_within(tree, TriangleTree(baked.mesh)));
-        bodies.push_back(std::move(baked));
-        progress.step(bodies.size());
-    }
-    for (std::size_t k = 0; k < text.lesions.size(); ++k) {
-        if (text.lesions[k].calcified_deg == 0) continue;
-        BakedBody calcium = calcium_of(tree, tree.lesions[k], text.lesions[k]);
-        calcium.moves = !text.motion.frames.empty();
-        for (std::size_t i = 0; i < text.bodies.size(); ++i)
-            if (text.bodies[i].name == text.lesions[k].inside) calcium.parent = static_cast<int>(i);
-        bodies.push_back(std::move(calcium));
-    }
-    progress.finish();
-    return bodies;
 }
 
 // Makes the vessel tree from the centrelines in the table [tree], or from the lumen's centrelines if the
@@ -361,7 +323,7 @@ std::string bake(const Options &options, Progress &progress)
                              options.seed);
     report += moved;
 
-    std::vector<BakedBody> bodies = bodies_of(text, surface, vessels, report, progress);
+    std::vector<BakedBody> bodies = make_bodies(text, surface, vessels, report, progress);
     report += nesting_report(bodies, nesting_samples);
     if (motion) to_reference(*motion, bodies);
     Bytes picture;

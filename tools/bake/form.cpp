@@ -6,6 +6,8 @@
 #include "tools/bake/solid.hpp"
 #include "tools/mesh/simplify.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -52,41 +54,39 @@ std::vector<Eigen::Vector3d> sample(const Mesh &mesh, std::size_t count)
     return points;
 }
 
-void measure(const std::vector<Eigen::Vector3d> &points, const TriangleTree &tree, Deviation &found)
+// `guess_mm` is a distance within which most points are expected; it only shortens the search.
+void measure(const std::vector<Eigen::Vector3d> &points, const TriangleTree &tree, double guess_mm,
+             Deviation &found)
 {
-    for (const Eigen::Vector3d &p : points) {
-        const double distance = std::abs(tree.nearest(p).distance_mm);
-        found.mean_mm += distance;
+    constexpr std::size_t chunk = 1024;
+    std::vector<double> distances(points.size());
+    tbb::parallel_for(std::size_t{0}, (points.size() + chunk - 1) / chunk, [&](std::size_t part) {
+        const std::size_t end = std::min(points.size(), (part + 1) * chunk);
+        for (std::size_t i = part * chunk; i < end; ++i)
+            distances[i] = std::abs(tree.nearest(points[i], guess_mm).distance_mm);
+    });
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        found.mean_mm += distances[i];
         ++found.points;
-        if (distance <= found.largest_mm) continue;
-        found.largest_mm = distance;
-        found.place_mm = p;
+        if (distances[i] <= found.largest_mm) continue;
+        found.largest_mm = distances[i];
+        found.place_mm = points[i];
     }
 }
 
 Deviation deviation_between(const std::vector<Eigen::Vector3d> &of_one, const TriangleTree &one,
-                            const Mesh &other, std::size_t points)
+                            const Mesh &other, std::size_t points, double guess_mm)
 {
     Deviation found;
-    measure(of_one, TriangleTree(other), found);
-    measure(sample(other, points), one, found);
+    measure(of_one, TriangleTree(other), guess_mm, found);
+    measure(sample(other, points), one, guess_mm, found);
     found.mean_mm /= static_cast<double>(found.points);
     return found;
 }
 
-Mesh base_mesh(const BodyText &body, const std::vector<BakedBody> &made)
+const Mesh &mesh_of(const std::string &name, const std::vector<BakedBody> &made)
 {
-    if (body.is_marrow) {
-        const auto outer =
-            std::find_if(made.begin(), made.end(), [&](const BakedBody &b) { return b.name == body.inside; });
-        return outer->mesh;
-    }
-    Mesh mesh = load_mesh(body.mesh);
-    if (body.form.solid_mm > 0)
-        cap_openings(mesh, body.mesh.cap);
-    else
-        check_closed(mesh, body.mesh.cap);
-    return mesh;
+    return std::find_if(made.begin(), made.end(), [&](const BakedBody &b) { return b.name == name; })->mesh;
 }
 
 Mesh remade(const BodyText &body, const Mesh &mesh, const std::vector<BakedBody> &made)
@@ -118,7 +118,7 @@ std::string form_report(const BodyText &body, const Mesh &before, const Mesh &af
 
 Deviation deviation(const Mesh &one, const Mesh &other, std::size_t points_each)
 {
-    return deviation_between(sample(one, points_each), TriangleTree(one), other, points_each);
+    return deviation_between(sample(one, points_each), TriangleTree(one), other, points_each, INFINITY);
 }
 
 Deviation decimate(Mesh &mesh, double error_mm)
@@ -135,7 +135,7 @@ Deviation decimate(Mesh &mesh, double error_mm)
     for (int attempt = 0; attempt < attempts_max; ++attempt) {
         Mesh fewer = flat;
         crn::mesh::simplify(fewer.vertices_mm, fewer.triangles, limit_mm);
-        const Deviation found = deviation_between(samples, before, fewer, points);
+        const Deviation found = deviation_between(samples, before, fewer, points, error_mm);
         if (found.largest_mm <= error_mm) {
             mesh = std::move(fewer);
             return found;
@@ -146,9 +146,19 @@ Deviation decimate(Mesh &mesh, double error_mm)
     return {}; // no triangle could be removed
 }
 
-Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::string &report)
+Mesh load_body(const BodyText &body)
 {
-    const Mesh base = base_mesh(body, made);
+    Mesh mesh = load_mesh(body.mesh);
+    if (body.form.solid_mm > 0)
+        cap_openings(mesh, body.mesh.cap);
+    else
+        check_closed(mesh, body.mesh.cap);
+    return mesh;
+}
+
+Mesh form_body(const BodyText &body, Mesh base, const std::vector<BakedBody> &made, std::string &report)
+{
+    if (body.is_marrow) base = mesh_of(body.inside, made);
     for (const std::string &note : base.notes) report += "note: " + base.name + ": " + note + "\n";
     Mesh mesh = remade(body, base, made);
     report += form_report(body, base, mesh);

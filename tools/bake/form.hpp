@@ -22,9 +22,13 @@ Deviation deviation(const Mesh &one, const Mesh &other, std::size_t points_each)
 // measured deviation.
 Deviation decimate(Mesh &mesh, double error_mm);
 
-// Makes one body that the scene's text describes, from the mesh file that the text names. `made` holds the
-// bodies that were made earlier, and the function adds one or two lines to `report`.
-Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::string &report);
+// Reads the mesh of a body from the file that the scene's text names, and closes its openings.
+Mesh load_body(const BodyText &body);
+
+// Makes one body that the scene's text describes. `base` is the mesh that load_body() returned; marrow needs
+// none. `made` holds the bodies that were made earlier, and the function adds one or two lines to `report`.
+// Several threads may make different bodies at the same time.
+Mesh form_body(const BodyText &body, Mesh base, const std::vector<BakedBody> &made, std::string &report);
 
 // Returns one report line for each body that protrudes from the body around it, or enters a neighbouring
 // body, by more than 0.3 mm. Where two bodies overlap, the X-ray picture shows the absorption of both

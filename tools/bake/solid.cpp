@@ -16,10 +16,22 @@ namespace
 
 constexpr double band_voxels = 3;
 
-void check_grid(const Mesh &mesh, double voxel_mm)
+Eigen::AlignedBox3d box_of(const Mesh &mesh)
 {
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d &v : mesh.vertices_mm) box.extend(v);
+    return box;
+}
+
+Eigen::AlignedBox3d widened(const Eigen::AlignedBox3d &box, double by_mm)
+{
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(by_mm);
+    return {box.min() - margin, box.max() + margin};
+}
+
+void check_grid(const Mesh &mesh, double voxel_mm)
+{
+    const Eigen::AlignedBox3d box = box_of(mesh);
     const double voxels = (box.sizes() / voxel_mm).array().ceil().prod();
     if (voxels <= solid_voxels_max) return;
     const std::string text = formatted("a box of %.0f million voxels of %.2f mm, over %.0f", voxels * 1e-6,
@@ -67,8 +79,7 @@ Mesh closed_surface(const Mesh &mesh, double voxel_mm, double close_mm)
 
 std::vector<mesh::InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm)
 {
-    Eigen::AlignedBox3d box;
-    for (const Eigen::Vector3d &v : mesh.vertices_mm) box.extend(v);
+    const Eigen::AlignedBox3d box = box_of(mesh);
     // No point inside the mesh is deeper than half the smallest dimension of the mesh's bounding box.
     const double deepest = box.sizes().minCoeff() / 2 / voxel_mm + band_voxels;
     return checked_level_set(mesh, voxel_mm, band_voxels, deepest).inside();
@@ -92,9 +103,14 @@ Mesh clipped(const Mesh &mesh, const Eigen::AlignedBox3d &box, double voxel_mm)
 Mesh difference(const Mesh &mesh, const std::vector<const Mesh *> &taken, double voxel_mm, double gap_mm)
 {
     auto rest = checked_level_set(mesh, voxel_mm, band_voxels, band_voxels);
+    const double reach_mm = gap_mm + 2 * band_voxels * voxel_mm;
+    const Eigen::AlignedBox3d near = widened(box_of(mesh), reach_mm);
     for (const Mesh *other : taken) {
-        const Mesh blown = gap_mm > 0 ? offset_surface(*other, voxel_mm, gap_mm) : *other;
-        rest.subtract(checked_level_set(blown, voxel_mm, band_voxels, band_voxels));
+        if (!near.intersects(box_of(*other))) continue;
+        auto cut = checked_level_set(*other, voxel_mm, band_voxels + gap_mm / voxel_mm, band_voxels);
+        // A distance less the gap is the distance to the surface that is expanded by the gap.
+        if (gap_mm > 0) cut.expand(gap_mm);
+        rest.subtract(std::move(cut));
     }
     Mesh made = surface_at(rest, 0, mesh.name);
     if (made.triangles.empty())

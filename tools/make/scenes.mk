@@ -64,6 +64,20 @@ out/coronary_real.mp4: out/real_coronaries.scene shared/examples/sessions/corona
 	@$(BUILD)/bin/cournand run --scene $< --tool shared/examples/instruments/guide_jr4_6f.toml \
 	    --session $(word 2,$^) --json $(@:.mp4=.json) --png $(@:.mp4=.png) --mp4 $@
 
+# --- a real patient: docs/anatomy.md, "Real anatomy" ---
+# SEX=female takes the woman; DATA=FOLDER names a folder that holds the data, or some of them.
+SEX         ?= male
+REAL_FOLDER := $(BUILD)/real_data
+REAL_ENDING := $(if $(filter female,$(SEX)),_female)
+REAL_SCENE  := out/real$(REAL_ENDING).scene
+$(REAL_SCENE) $(REAL_SCENE:.scene=.bodies) &: shared/examples/real_patient$(REAL_ENDING).toml $(ANATOMY) \
+    $(BUILD)/bin/bake
+	@mkdir -p out && echo "Baking $(REAL_SCENE) (5 minutes of processor time)"
+	@tools/scenes/real_patient.py bake $< --bake $(BUILD)/bin/bake --data $(REAL_FOLDER) --shipped $(dir $(ANATOMY)) \
+	    -o $(REAL_SCENE)
+out/real$(REAL_ENDING).png: $(REAL_SCENE) shared/examples/sessions/real_patient.session $(WIRE) $(BUILD)/bin/cournand
+	@$(BUILD)/bin/cournand run --scene $< --tool $(WIRE) --session $(word 2,$^) --png $@
+
 # --- two angioplasties: docs/lesions.md, "Two cases" ---
 # diseased(scene, anatomy's text, lesion) writes the text with a lesion beside the healthy one, which is baked
 # unchanged.
@@ -113,7 +127,7 @@ $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake $(VESS
 	@$(BUILD)/bin/bake $(BUILD)/anatomy/access/scene.toml -o $(ACCESS) --surface $(ACCESS:.scene=.ply) $(ACCESS_CHECKS)
 
 ##@ For trainees: procedures on film (minutes)
-.PHONY: cases coronary coronary-real demo-pci
+.PHONY: cases coronary coronary-real real-patient demo-pci
 TOOLS = cournand bake anatomy centreline
 cases: ## build all programs that cases need, and list the cases (docs/cases.md)
 cases: packages-build+tools
@@ -131,6 +145,14 @@ coronary-real: packages-build+tools
 	@if [ ! -e $(REAL_ATLAS) ]; then echo "Skipped: $(REAL_ATLAS) is not there (docs/contrast.md)"; else \
 	    JOBS=$(JOBS) tools/build.sh release run,tools $(TOOLS) && \
 	    $(MAKE) --no-print-directory PACKAGES=skip out/coronary_real.mp4; fi
+
+real-patient: ## take a real patient's open data, bake them, run a wire: out/real.scene (SEX=female, DATA=FOLDER)
+real-patient: packages-build+tools
+	@tools/scenes/real_patient.py fetch $(SEX) --mirror $(or $(DATA),$(REAL_DATA)) --into $(REAL_FOLDER)
+	$(call build,release,run$(comma)tools,cournand bake anatomy)
+	$(again) out/real$(REAL_ENDING).png SEX=$(SEX)
+	@tools/scenes/real_patient.py credits $(SEX)
+	@echo "Written: $(REAL_SCENE) $(REAL_SCENE:.scene=.bodies) out/real$(REAL_ENDING).png"
 
 demo-pci: ## two angioplasties, LAD and left renal artery: film, DICOM, figures and score in out/
 demo-pci: packages-build+tools

@@ -315,8 +315,8 @@ void shell_adds_a_body_inside(void **)
     assert_string_equal(text.bodies[1].inside.c_str(), "a");
     std::string report;
     std::vector<BakedBody> made;
-    made.push_back({"a", "soft", -1, form_body(text.bodies[0], made, report)});
-    const Mesh marrow = form_body(text.bodies[1], made, report);
+    made.push_back({"a", "soft", -1, form_body(text.bodies[0], load_body(text.bodies[0]), made, report)});
+    const Mesh marrow = form_body(text.bodies[1], {}, made, report);
     const TriangleTree outer(made[0].mesh);
     for (const Eigen::Vector3d &v : marrow.vertices_mm)
         is_near(outer.nearest(v).distance_mm, -1.5, 0.25,

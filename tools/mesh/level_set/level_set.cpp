@@ -98,6 +98,14 @@ void LevelSet::fill_signs()
     openvdb::tools::signedFloodFill(grid_->grid->tree());
 }
 
+// Voxels without a distance keep their value: it states only on which side of the surface they lie.
+void LevelSet::expand(double distance)
+{
+    const auto by = static_cast<float>(distance);
+    for (auto leaf = grid_->grid->tree().beginLeaf(); leaf; ++leaf)
+        for (auto value = leaf->beginValueOn(); value; ++value) value.setValue(*value - by);
+}
+
 void LevelSet::intersect(LevelSet &&other)
 {
     openvdb::tools::csgIntersection(*grid_->grid, *other.grid_->grid);

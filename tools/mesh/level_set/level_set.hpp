@@ -54,6 +54,8 @@ class LevelSet
     // the voxel. The whole surface must lie in blocks whose distances were stored.
     void fill_signs();
 
+    // Moves the surface outwards by `distance`, which must be smaller than the constructor's `outside`.
+    void expand(double distance);
     void intersect(LevelSet &&other); // keeps what lies inside of both
     void subtract(LevelSet &&other);  // keeps what lies outside of the other
 
