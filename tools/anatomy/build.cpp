@@ -69,7 +69,8 @@ void add_bone(std::vector<Body> &bodies, const BoneGroup &group, const Solid &be
 {
     const std::string name = group.name;
     const Box where = grown(group.solid.bounds, 2.0);
-    const double voxel_mm = group.voxel_mm * scale;
+    // On a coarser grid, the marrow of a thin bone would reach out of its cortex.
+    const double voxel_mm = group.voxel_mm * std::min(scale, 1.5);
     bodies.push_back({name,
                       "cortical_bone",
                       "flesh",
