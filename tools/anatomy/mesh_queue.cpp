@@ -3,7 +3,9 @@
 #include <atomic>
 #include <chrono>
 #include <future>
+#include <new>
 #include <numeric>
+#include <stdexcept>
 #include <thread>
 
 namespace anatomy
@@ -77,6 +79,11 @@ void make_meshes(const std::vector<std::string> &names, const std::vector<MeshRe
         Made one;
         try {
             one = results[i].get();
+        } catch (const std::bad_alloc &) {
+            stop();
+            throw std::runtime_error(names[i] +
+                                     ": too little memory; give fewer --threads, or a coarser grid: "
+                                     "a larger --body-scale or --lumen-mm");
         } catch (const std::exception &error) {
             stop();
             throw std::runtime_error(names[i] + ": " + error.what() +

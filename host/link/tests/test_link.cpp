@@ -271,8 +271,8 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
     assert_int_equal(link.free_run(0).size(), 0);
 }
 
-// A device sends the hash of every hundredth tick without a request. Another hash without a request would hide
-// the one that a recording needs.
+// A device sends the hash of every hundredth tick without a request. Another hash without a request would
+// hide the one that a recording needs.
 void a_hash_of_another_tick_needs_a_request(void **)
 {
     TalkingDevice device;

@@ -206,15 +206,29 @@ void RayCaster::write(const Rays &rays, const Tile &tile, RaySums &sums) const
     }
 }
 
+// Chooses the axis along which the picture's central ray makes the most steps. Where voxels are long, this
+// could be an axis to which the central ray is nearly perpendicular. Rays at the edge of the picture would
+// then run along the slices instead of through them. So the angle between axis and central ray is at most 66
+// degrees; the outermost rays of a C-arm deviate from the central ray by up to 21 degrees.
+int RayCaster::axis_across(const View &view) const
+{
+    constexpr double component_min = 0.4; // cos 66 degrees
+    int best = -1;
+    double most = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double along = std::fabs(view.forward[axis]), steps = along / volume_->spacing_mm[axis];
+        if (along < component_min || steps <= most) continue;
+        best = axis;
+        most = steps;
+    }
+    return best;
+}
+
 void RayCaster::cast(const View &view, const RayGrid &grid, int threads, RaySums &sums) const
 {
     sums.all_mm.resize(grid.count());
     for (std::vector<float> &over : sums.over_mm) over.resize(grid.count());
-    const Eigen::Vector3d forward = view.forward.cwiseQuotient(volume_->spacing_mm).cwiseAbs();
-    int p = 0;
-    for (int axis = 1; axis < 3; ++axis)
-        if (forward[axis] > forward[p]) p = axis;
-    const Rays rays(*volume_, view, grid, slices_[p]);
+    const Rays rays(*volume_, view, grid, slices_[axis_across(view)]);
     run_on_rows(threads, grid.rows, ray_tile_rows, [&](const RowRange &rows) {
         Tile tile;
         tile.row = rows.begin;

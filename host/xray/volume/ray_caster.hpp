@@ -52,6 +52,7 @@ class RayCaster
     };
     struct Rays;
     struct Tile;
+    int axis_across(const View &view) const;
     void aim(const Rays &rays, Tile &tile) const;
     void find_slabs(const Rays &rays, Tile &tile) const;
     void walk(const Rays &rays, Tile &tile) const;

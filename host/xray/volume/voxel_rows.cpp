@@ -30,8 +30,10 @@ VoxelRows::VoxelRows(const CtVolume &volume, bool is_turned)
     const int row = is_turned ? nz : nx, rows = is_turned ? nx : nz;
     row_stride_ = odd_lines(row + spare_voxels);
     plane_stride_ = odd_lines(row_stride_ * rows);
-    const std::size_t bytes =
-        (std::size_t{2} * plane_stride_ * ny + page_bytes - 1) / page_bytes * page_bytes;
+    // The innermost loop loads three rows for each ray. For a ray in the last two rows or planes, it does not
+    // use the third, which lies in the plane behind the last one.
+    const std::size_t planes = static_cast<std::size_t>(ny) + 1;
+    const std::size_t bytes = (2 * planes * plane_stride_ + page_bytes - 1) / page_bytes * page_bytes;
     voxels_ = static_cast<std::uint16_t *>(::operator new (bytes, std::align_val_t{page_bytes}));
 #ifdef MADV_HUGEPAGE
     madvise(voxels_, bytes, MADV_HUGEPAGE); // where it is refused, small pages are slower but serve as well

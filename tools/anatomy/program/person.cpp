@@ -36,8 +36,12 @@ struct Tally {
     std::array<std::uint64_t, 3> arches = {};
 };
 
-void print_tally(const Tally &tally, std::uint64_t from, std::uint64_t next, bool is_complete)
+void print_tally(const Tally &tally, std::uint64_t from, std::uint64_t next)
 {
+    if (next == from) {
+        std::printf("no seed checked\n");
+        return;
+    }
     std::printf(
         "seeds %llu to %llu: %llu accepted, %llu refused; %llu women; arch I %llu, II %llu, III %llu; %.1f "
         "trees drawn per person\n",
@@ -47,9 +51,6 @@ void print_tally(const Tally &tally, std::uint64_t from, std::uint64_t next, boo
         static_cast<unsigned long long>(tally.arches[1]), static_cast<unsigned long long>(tally.arches[2]),
         static_cast<double>(tally.attempts) /
             static_cast<double>(std::max<std::uint64_t>(1, tally.accepted)));
-    if (!is_complete)
-        std::printf("interrupted; go on with: anatomy seeds --from %llu\n",
-                    static_cast<unsigned long long>(next));
 }
 
 } // namespace
@@ -135,8 +136,13 @@ int PersonCommand::check_seeds() const
             }
         }
     }
-    print_tally(tally, from_, seed, seed == from_ + count_);
-    return tally.refused > 0 || seed < from_ + count_ ? 1 : 0;
+    print_tally(tally, from_, seed);
+    const std::uint64_t left = from_ + count_ - seed;
+    if (left > 0)
+        std::printf("interrupted; go on with: anatomy seeds --from %llu --count %llu%s\n",
+                    static_cast<unsigned long long>(seed), static_cast<unsigned long long>(left),
+                    wish_.has_coronaries ? " --coronary" : "");
+    return tally.refused > 0 || left > 0 ? 1 : 0;
 }
 
 } // namespace anatomy

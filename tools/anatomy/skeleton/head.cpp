@@ -47,7 +47,6 @@ Part skull_part()
 {
     Part part(4.0);
     part.add<Ellipsoid>(VAULT, VAULT_HALF).cortex_mm = TABLE_MM;
-    Part base(3.0);
     add_base_and_face(part);
     part.cut<Ellipsoid>(VAULT + Vec3(0, 1, 0), VAULT_HALF - Vec3::Constant(VAULT_MM));
     part.removed.back()->cortex_mm = TABLE_MM;

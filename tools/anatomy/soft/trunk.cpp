@@ -78,7 +78,7 @@ Part breasts(double radius_mm)
 }
 
 /* Neck, head, and raised arms that bend at the elbow over the head. They follow the bones
- * (skeleton_head.cpp). */
+ * (skeleton/head.cpp). */
 Part upper_parts()
 {
     Part part(22.0);

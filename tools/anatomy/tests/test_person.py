@@ -56,16 +56,19 @@ def an_option_replaces_what_the_seed_draws_and_nothing_else():
 
 
 def age_widens_the_arch_and_height_scales_the_tree():
-    """The published mean widths are 71 and 93 mm below 45 and above 65 years (men); the young one is met within two
-    standard deviations and the 5 mm that the tree's own variation adds. Heights of 1.60 and 1.90 m differ by 190/160 in
-    scale."""
+    """The published mean widths are 71 and 93 mm below 45 and above 65 years (men). Both seeds are the same, so the
+    widths that are asked for differ by those 22 mm; the trees have them within 12 mm, because each tree also varies by
+    itself (measured: 1 and 4 mm). Heights of 1.60 and 1.90 m differ by 190/160 in scale."""
     with tempfile.TemporaryDirectory() as folder:
         young = person(os.path.join(folder, "a"), "--seed", "4", "--sex", "m", "--age", "30", "--height", "160")
         old = person(os.path.join(folder, "b"), "--seed", "4", "--sex", "m", "--age", "80", "--height", "190")
         widths = [float(one["arch_width_mm"]) for one in (young, old)]
+        wanted = [float(one["arch_width_drawn_mm"]) for one in (young, old)]
         ratio = float(old["scale"]) / float(young["scale"])
-        print("# widths", widths, "ratio of scales", ratio)
-        return widths[1] > widths[0] + 8 and abs(widths[0] - 71) < 22 and abs(ratio - 190 / 160) < 1e-3
+        print("# widths", widths, "asked for", wanted, "ratio of scales", ratio)
+        if abs(wanted[1] - wanted[0] - 22) > 0.15:  # two values rounded to 0.1 mm
+            return False
+        return all(abs(a - b) < 12 for a, b in zip(widths, wanted)) and abs(ratio - 190 / 160) < 1e-3
 
 
 def the_vessels_of_a_person_can_be_read_back():
@@ -90,9 +93,7 @@ def the_number_of_threads_changes_no_byte():
             if made.returncode != 0:
                 return False
         names = sorted(os.listdir(os.path.join(folder, "1")))
-        return len(names) > 5 and all(
-            read(folder, "1", name) == read(folder, "3", name) for name in names if name != "scene.toml"
-        )
+        return len(names) > 5 and all(read(folder, "1", name) == read(folder, "3", name) for name in names)
 
 
 def wrong_options_are_refused_with_their_range():

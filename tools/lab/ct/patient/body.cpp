@@ -64,6 +64,25 @@ Mask grown(const Volume &grid, Mask wanted, int rounds)
     return wanted;
 }
 
+// Marks the pieces of bright voxels in the heart that are too large for calcium: undiluted medium in its
+// right half. Their surroundings belong to them, because partial volume makes these brighter than blood.
+void mark_pools(const Volume &scan, Mask heart, float bright_HU, Mask &marked)
+{
+    constexpr double pool_mm3 = 1000.0;
+    enum : unsigned char { none, bright, tried, pool };
+    for (std::size_t at = 0; at < heart.size(); ++at)
+        heart[at] = heart[at] && scan.hu[at] > bright_HU ? bright : none;
+    for (std::size_t at = 0; at < heart.size(); ++at) {
+        if (heart[at] != bright) continue;
+        const std::size_t count = flood(scan, heart, {at}, bright, tried);
+        flood(scan, heart, {at}, tried,
+              static_cast<double>(count) * scan.spacing_mm.prod() > pool_mm3 ? pool : none);
+    }
+    for (unsigned char &value : heart) value = value == pool;
+    heart = grown(scan, std::move(heart), 2);
+    for (std::size_t at = 0; at < heart.size(); ++at) marked[at] = marked[at] || heart[at];
+}
+
 Mask mask_of(const LabelMap &labels, const std::vector<int> &numbers)
 {
     std::vector<unsigned char> is_wanted(65536, 0);
@@ -203,11 +222,15 @@ CtVolume picture_volume(const Volume &scan, const Mask &body, const LabelMap &la
 {
     // Partial volume makes the border of a vessel brighter than blood, one voxel beyond the label.
     const Mask filled = grown(scan, mask_of(labels, labels.numbers(may_hold_contrast)), 2);
-    const Mask vein = grown(scan, mask_of(labels, labels.numbers([](const std::string &name) {
-                                return may_hold_contrast(name) && !is_artery(name) && name.find("heart") != 0;
-                            })),
-                            2);
+    Mask vein = grown(scan, mask_of(labels, labels.numbers([](const std::string &name) {
+                          return may_hold_contrast(name) && !is_artery(name) && name.find("heart") != 0;
+                      })),
+                      2);
     const auto calcium_HU = static_cast<float>(std::max(contrast.mean_HU + 4.0 * contrast.noise_HU, 300.0));
+    mark_pools(
+        scan,
+        mask_of(labels, labels.numbers([](const std::string &name) { return name.find("heart") == 0; })),
+        calcium_HU, vein);
     CtVolume ct;
     ct.size = {scan.size[0], scan.size[2], scan.size[1]};
     ct.spacing_mm = {scan.spacing_mm[0], scan.spacing_mm[2], scan.spacing_mm[1]};
@@ -221,7 +244,7 @@ CtVolume picture_volume(const Volume &scan, const Mask &body, const LabelMap &la
                 const std::size_t at = scan.at(i, j, k);
                 if (!body[at]) continue;
                 float value = scan.hu[at];
-                // Undiluted medium in the large veins is brighter than calcium.
+                // Undiluted medium in the veins and in the right heart is brighter than calcium.
                 if (vein[at] || (filled[at] && value <= calcium_HU))
                     value = std::min(value, blood_HU);
                 else if (filled[at])

@@ -23,7 +23,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-constexpr const char *steps_version = "1"; // another number: every step is made again
+constexpr const char *steps_version = "2"; // another number: every step is made again
 
 // Remembers, per step, the checksum of its inputs. A step whose files are there and whose inputs are the same
 // is not repeated.

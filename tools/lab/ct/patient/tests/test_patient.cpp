@@ -189,6 +189,32 @@ static void the_picture_has_no_table_and_no_contrast_medium(void **)
     assert_in_range(at({-40, 40, 0}), 960, 1130);
 }
 
+static void undiluted_medium_in_the_heart_becomes_blood_and_calcium_stays(void **)
+{
+    // A ball of 8 mm radius (2 ml) with 1200 HU and a speck of calcium in a heart of 25 mm radius.
+    Volume scan = cta().scan.like(-1000);
+    LabelMap labels{scan.like(0), {{heart, "heart"}, {aorta, "aorta"}}};
+    for (int k = 0; k < scan.size[2]; ++k)
+        for (int j = 0; j < scan.size[1]; ++j)
+            for (int i = 0; i < scan.size[0]; ++i) {
+                const Vector3d at = scan.scene({1.0 * i, 1.0 * j, 1.0 * k});
+                const bool is_pool = (at - Vector3d(0, -10, 0)).norm() < 8,
+                           is_speck = (at - Vector3d(0, 12, 0)).norm() < 2;
+                float &value = scan.hu[scan.at(i, j, k)];
+                if (std::hypot(at.x() / 70, at.z() / 50) < 1) value = is_pool || is_speck ? 1200.0f : 45.0f;
+                if (at.norm() < 25) labels.volume.hu[scan.at(i, j, k)] = heart;
+            }
+    Findings findings;
+    const CtVolume ct = picture_volume(scan, body_of(scan), labels, {lumen_HU, noise_HU}, findings);
+    const auto at = [&](const Vector3d &p) {
+        const Vector3d voxel = (p - ct.first_mm).cwiseQuotient(ct.spacing_mm);
+        return int{ct.permille[ct.index(int(std::lround(voxel.x())), int(std::lround(voxel.y())),
+                                        int(std::lround(voxel.z())))]};
+    };
+    assert_int_equal(at({0, -10, 0}), 1055);
+    assert_int_equal(at({0, 12, 0}), 2200);
+}
+
 static void scans_that_cannot_serve_are_named(void **)
 {
     Volume scan = cta().scan;
@@ -277,6 +303,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(the_lumen_tree_and_entry_are_those_of_the_truth),
         cmocka_unit_test(the_picture_has_no_table_and_no_contrast_medium),
+        cmocka_unit_test(undiluted_medium_in_the_heart_becomes_blood_and_calcium_stays),
         cmocka_unit_test(scans_that_cannot_serve_are_named),
         cmocka_unit_test(every_order_of_voxels_becomes_that_of_the_patient),
         cmocka_unit_test(a_nifti_file_with_a_rescale_offset_is_read),
