@@ -1,7 +1,7 @@
 // Measures the time for simulating one millisecond of contrast medium, and the time for drawing the medium
 // into a picture (docs/contrast.md). The first case is a vessel tree of 2,000 cells (short pieces of a
-// vessel), all filled with medium. The heart beats, and every step has an injection. The second case is the
-// shipped aorta with its renal arteries filled.
+// vessel), all filled with medium. The heart beats, and every step has an injection. The second case adds
+// 3,000 small vessels. The third case is the shipped aorta with its renal arteries filled.
 #include "firmware/bench/bench.h"
 #include "host/effects/contrast_flow.hpp"
 #include "host/patient/contrast.hpp"
@@ -43,10 +43,34 @@ VesselTree tree_of_cells()
     return tree;
 }
 
+// Adds trees of small vessels behind the ends of the branches: each small vessel has four pieces and divides
+// into two further ones, until there are `wanted`.
+VesselTree with_small_vessels(VesselTree tree, std::size_t wanted)
+{
+    if (wanted == 0) return tree;
+    const auto add = [&](int parent, std::size_t point, const Eigen::Vector3d &from_m, double side) {
+        VesselBranch vessel;
+        vessel.parent = parent;
+        vessel.parent_point = point;
+        vessel.flow_ml_s = 2e-3;
+        for (int i = 0; i <= 4; ++i) {
+            vessel.points_m.push_back(from_m + 0.003 * i * Eigen::Vector3d(0.5, side, 0.5));
+            vessel.radii_m.push_back(0.25e-3);
+        }
+        tree.small.push_back(vessel);
+    };
+    for (std::size_t b = 1; b < tree.branches.size(); ++b)
+        add(static_cast<int>(b), 10, tree.branches[b].points_m.back(), 0.5);
+    for (std::size_t v = 0; tree.small.size() < wanted; ++v)
+        for (double side : {-1.0, 1.0})
+            add(static_cast<int>(tree.branches.size() + v), 4, tree.small[v].points_m.back(), side);
+    return tree;
+}
+
 class Bench
 {
   public:
-    Bench() : contrast_(tree_of_cells())
+    explicit Bench(std::size_t small_vessels) : contrast_(with_small_vessels(tree_of_cells(), small_vessels))
     {
         const CatheterMouth mouth{{0, 0.29, 0}, 1.0};
         contrast_.set_mouths({&mouth, 1});
@@ -70,9 +94,9 @@ extern "C" BENCH_MEASURED void measured_contrast_step()
     bench->step();
 }
 
-double step_us(const bench_case *)
+double step_us(const bench_case *self)
 {
-    bench = std::make_unique<Bench>();
+    bench = std::make_unique<Bench>(static_cast<std::size_t>(self->argument));
     double fastest_us = 1e9;
     for (int round = 0; round < rounds; ++round) {
         const double begin_us = bench_now_us();
@@ -82,9 +106,9 @@ double step_us(const bench_case *)
     return fastest_us;
 }
 
-double step_instructions(const bench_case *)
+double step_instructions(const bench_case *self)
 {
-    bench = std::make_unique<Bench>();
+    bench = std::make_unique<Bench>(static_cast<std::size_t>(self->argument));
     for (int i = 0; i < measured_ticks; ++i) measured_contrast_step();
     return 0.0;
 }
@@ -147,6 +171,7 @@ const bench_case cases[] = {
     {"contrast.frame_ms", "ms", "size=512 view=kept threads=2 medium=none", nullptr, 0, frame_ms, 0},
     {"contrast.frame_ms", "ms", "size=512 view=kept threads=2 medium=aorta+renals", nullptr, 0, frame_ms, 1},
     {"contrast.step_us", "us", "cells=2000", nullptr, 0, step_us, 0},
+    {"contrast.step_us", "us", "branches=3000", nullptr, 0, step_us, 3000},
     {"contrast.step_instructions", "instructions", "cells=2000", "measured_contrast_step", measured_ticks,
      step_instructions, 0},
 };

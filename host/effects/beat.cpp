@@ -41,9 +41,10 @@ FlowDrive flow_drive(const BeatPhase &phase)
     const double since_s = std::clamp(phase.since_opening_s, 0.0, phase.beat_s);
     const bool is_systole = since_s < systole_s;
     const double place = is_systole ? since_s / systole_s : (since_s - systole_s) / diastole_s;
-    drive.openness = {openness(systemic_even, is_systole, place, systole_s, phase.beat_s),
-                      openness(left_coronary_even, !is_systole, place, diastole_s, phase.beat_s),
-                      openness(right_coronary_even, !is_systole, place, diastole_s, phase.beat_s)};
+    const double systemic = openness(systemic_even, is_systole, place, systole_s, phase.beat_s);
+    drive.openness = {systemic, openness(left_coronary_even, !is_systole, place, diastole_s, phase.beat_s),
+                      openness(right_coronary_even, !is_systole, place, diastole_s, phase.beat_s), systemic,
+                      systemic};
     return drive;
 }
 

@@ -26,7 +26,7 @@ struct FlowDrive {
     double pressure_mmHg = mean_pressure_mmHg; // at the inlet above the veins
     // Holds the conductances of the vascular beds behind the outlets, divided by their means over the beat;
     // the index is the kind of vascular bed (VesselBed).
-    std::array<double, 3> openness = {1.0, 1.0, 1.0};
+    std::array<double, vessel_bed_count> openness = {1.0, 1.0, 1.0, 1.0, 1.0};
 
     double of(VesselBed bed) const { return openness[static_cast<std::size_t>(bed)]; }
 };

@@ -11,12 +11,13 @@ namespace
 
 using std::numbers::pi;
 constexpr double step_s = 1e-3;
+constexpr double sinus_s = 0.35;     // mean time that refluxed medium stays in the sinus: assumed
 constexpr double emptied_max = 0.95; // share of a layer that may leave its cell in one substep
 
 } // namespace
 
 ContrastFlow::ContrastFlow(const VesselTree &tree, const ContrastSettings &settings)
-    : settings_(settings), cells_(tree), network_(cells_, settings.viscosity_mPa_s)
+    : settings_(settings), cells_(tree), network_(cells_, settings.viscosity_mPa_s), distal_(tree, cells_)
 {
     const std::size_t count = cells_.size();
     for (std::size_t i = 0; i < count; ++i) volume_ml_.push_back(cells_[i].volume_ml);
@@ -27,6 +28,11 @@ ContrastFlow::ContrastFlow(const VesselTree &tree, const ContrastSettings &setti
     in_mg_.assign(count, 0.0);
     branch_injected_mg_.assign(tree.branches.size(), 0.0);
     branch_out_mg_ = branch_injected_mg_;
+    sinus_mg_ = branch_injected_mg_;
+    for (const VesselBranch &branch : tree.branches)
+        has_sinus_.push_back(branch.bed != VesselBed::systemic && branch.parent >= 0 &&
+                             tree.branches[static_cast<std::size_t>(branch.parent)].bed ==
+                                 VesselBed::systemic);
 }
 
 void ContrastFlow::take_volumes()
@@ -93,6 +99,11 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     }
     if (widening_steps_ > 0) end_widening();
     mix(step_s);
+    empty_sinuses(step_s);
+    const std::vector<FlowRun> &runs = network_.runs();
+    for (std::size_t r = 0; r < runs.size(); ++r)
+        if (network_.outflow_ml_s(r) > 0.0) distal_.pass(runs[r].end - 1, network_.outflow_ml_s(r) * step_s);
+    distal_.step();
 }
 
 // A cell (short segment of a vessel) that widens takes blood from its neighbours, and a cell that narrows
@@ -203,11 +214,28 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
         for (std::size_t i = begin; i < last; ++i) mg[i] += in[i] - in[i + 1];
         mg[last] += in[last] - out_mg_[r];
         budget_.out_mg += out_mg_[r];
+        if (out_mg_[r] != 0.0) distal_.take(runs[r].end - 1, out_mg_[r]);
         branch_out_mg_[static_cast<std::size_t>(cells_[last].branch)] += out_mg_[r];
-        if (runs[r].upstream >= 0)
+        const auto branch = static_cast<std::size_t>(cells_[begin].branch);
+        if (in[begin] < 0.0 && has_sinus_[branch] && begin == cells_.branch_begin(branch))
+            sinus_mg_[branch] -= in[begin];
+        else if (runs[r].upstream >= 0)
             mg[runs[static_cast<std::size_t>(runs[r].upstream)].end - 1] -= in[begin];
         else
             budget_.reflux_mg -= in[begin];
+    }
+}
+
+// The aorta's blood washes refluxed medium out of the sinuses.
+void ContrastFlow::empty_sinuses(double dt_s)
+{
+    for (std::size_t branch = 0; branch < sinus_mg_.size(); ++branch) {
+        if (!(sinus_mg_[branch] > 0.0)) continue;
+        const auto aorta = static_cast<std::size_t>(cells_[cells_.branch_begin(branch)].upstream);
+        const double leaving_mg = sinus_mg_[branch] * (dt_s / sinus_s);
+        sinus_mg_[branch] -= leaving_mg;
+        core_mg_[aorta] += 0.5 * leaving_mg;
+        wall_mg_[aorta] += 0.5 * leaving_mg;
     }
 }
 
@@ -239,6 +267,7 @@ double ContrastFlow::held_mg() const
 {
     double sum = 0.0;
     for (std::size_t i = 0; i < core_mg_.size(); ++i) sum += core_mg_[i] + wall_mg_[i];
+    for (double mg : sinus_mg_) sum += mg;
     return sum;
 }
 
@@ -254,6 +283,7 @@ std::vector<double> ContrastFlow::received_mg() const
         for (std::size_t i = begin; i < end; ++i) behind_mg[b] += core_mg_[i] + wall_mg_[i];
         if (begin < end && cells_[begin].upstream >= 0)
             parents[b] = cells_[static_cast<std::size_t>(cells_[begin].upstream)].branch;
+        if (parents[b] >= 0) behind_mg[static_cast<std::size_t>(parents[b])] += sinus_mg_[b];
     }
     for (std::size_t b = count; b-- > 0;) {
         const double came_in_mg =
@@ -276,8 +306,10 @@ void ContrastFlow::archive(StateArchive &state)
     std::size_t cells = cells_.size();
     state.index(cells, SIZE_MAX);
     state.require(cells == cells_.size());
+    distal_.archive(state);
     for (double *sum : {&budget_.injected_mg, &budget_.out_mg, &budget_.reflux_mg}) state.real(*sum);
     for (std::vector<double> *sums : {&branch_injected_mg_, &branch_out_mg_}) state.reals(*sums);
+    state.reals(sinus_mg_);
     state.integer(widening_steps_, 0, 1000);
     for (std::size_t i = 0; i < cells_.size(); ++i) {
         // A cell that is not being widened has the volume that follows from its shape.

@@ -7,12 +7,13 @@
 //   contrast.step(flow_drive(phase), {4.0, 350.0});
 //   contrast.iodine_mg_per_ml(cell);
 //
-// Iodine is conserved: the injected amount equals the amount in the vessels plus the amount that has left
-// through the vascular beds or back out of the inlet. The result depends only on the inputs of the
-// simulation. The computation has a fixed order and uses no libm, so that every machine gives results that
-// are equal bit for bit.
+// Iodine is conserved: the injected amount equals the amount in the lumen plus the amount that has left it,
+// into small vessels and beds (distal()) or back out of the inlet. The result depends only on the inputs of
+// the simulation. The computation has a fixed order and uses no libm, so that every machine gives results
+// that are equal bit for bit.
 #pragma once
 #include "host/base/state_archive.hpp"
+#include "host/effects/distal_flow.hpp"
 #include "host/effects/flow_network.hpp"
 #include <cstdint>
 #include <span>
@@ -55,7 +56,7 @@ struct InjectedFluid {
 // Iodine since the beginning, mg.
 struct IodineBudget {
     double injected_mg = 0.0;
-    double out_mg = 0.0;    // into the beds behind the outlets
+    double out_mg = 0.0;    // into the small vessels and beds behind the outlets
     double reflux_mg = 0.0; // back through the inlet
 };
 
@@ -86,8 +87,12 @@ class ContrastFlow
     double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / volume_ml_[cell]; }
     double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / volume_ml_[cell]; }
     const FlowNetwork &network() const { return network_; }
+    const DistalFlow &distal() const { return distal_; } // small vessels, beds and veins
+    // Iodine that has flowed back out of a coronary artery and still lies in the sinus of the aorta before
+    // its ostium, mg.
+    double sinus_mg(std::size_t branch) const { return sinus_mg_[branch]; }
 
-    double held_mg() const; // in the vessels
+    double held_mg() const; // in the lumen, with the sinuses
     const IodineBudget &budget() const { return budget_; }
     // Returns for each branch the amount of contrast medium that entered the branch and did not flow back.
     // Contrast medium may be injected into the branch, or come from the vessel upstream or from a branch
@@ -112,10 +117,12 @@ class ContrastFlow
     void transport(double dt_s, const InjectedFluid &fluid);
     void carry(double share_s, std::vector<double> &layer_mg);
     void mix(double dt_s);
+    void empty_sinuses(double dt_s);
 
     ContrastSettings settings_;
     FlowCells cells_;
     FlowNetwork network_;
+    DistalFlow distal_;
     std::vector<double> volume_ml_;  // present volumes of the cells
     int widening_steps_ = 0;         // steps until they equal those of cells_
     std::vector<double> per_volume_; // 1 / (volume of a layer), 1/ml
@@ -123,6 +130,8 @@ class ContrastFlow
     std::vector<double> tool_mm_;    // thickest tool in the cell
     std::vector<CellSource> mouths_; // shares
     std::vector<double> core_mg_, wall_mg_;
+    std::vector<double> sinus_mg_;        // of each branch
+    std::vector<std::uint8_t> has_sinus_; // of each branch: it is a coronary artery that leaves the aorta
     IodineBudget budget_;
     std::vector<double> branch_injected_mg_, branch_out_mg_; // of each branch: into it, and from it into beds
     // The following members are working memory for one time step; the object keeps them so that it does not

@@ -1,4 +1,5 @@
 #include "host/effects/flow_cells.hpp"
+#include "host/effects/small_flows.hpp"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -89,6 +90,7 @@ FlowCells::FlowCells(const VesselTree &tree)
         cut(tree, b);
     }
     branch_begin_.push_back(cells_.size());
+    feed_small_vessels(tree);
     for (const VesselLesion &lesion : tree.lesions) throats_.push_back(throat_of(tree, lesion));
     find_middles();
 }
@@ -121,16 +123,43 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
     FlowCell &first = cells_[branch_begin_[index]];
     if (branch.parent >= 0) { // fed by the parent's cell at the place where the branch leaves it
         const auto parent = static_cast<std::size_t>(branch.parent);
-        std::size_t feeding = branch_begin_[parent];
-        while (feeding + 1 < branch_begin_[parent + 1] && cells_[feeding].last.point < branch.parent_point)
-            ++feeding;
-        first.upstream = static_cast<int>(feeding);
+        first.upstream = static_cast<int>(cell_at_point(parent, branch.parent_point));
     } else {
         first.upstream = -1;
     }
     if (!tree.is_outlet(index)) return;
-    cells_.back().outlet_ml_s =
+    cells_.back().end_ml_s =
         branch.flow_ml_s > 0.0 ? branch.flow_ml_s : murray_flow_ml_s(cells_.back().radius_mm);
+}
+
+std::size_t FlowCells::cell_at_point(std::size_t branch, std::size_t point) const
+{
+    std::size_t cell = branch_begin_[branch];
+    while (cell + 1 < branch_begin_[branch + 1] && cells_[cell].last.point < point) ++cell;
+    return cell;
+}
+
+// The small vessels that leave a cell take their flow from it, and the bed behind the branch's end gets what
+// is left of the branch's own flow. A remainder below a hundredth is rounding, and counts as nothing. So does
+// the flow of an end that a small vessel continues.
+void FlowCells::feed_small_vessels(const VesselTree &tree)
+{
+    constexpr double rounding_share = 0.01;
+    const std::vector<double> flows_ml_s = small_vessel_flows_ml_s(tree);
+    for (std::size_t v = 0; v < tree.small.size(); ++v) {
+        const VesselBranch &vessel = tree.small[v];
+        if (vessel.is_vein || static_cast<std::size_t>(vessel.parent) >= tree.branches.size()) continue;
+        const auto branch = static_cast<std::size_t>(vessel.parent);
+        FlowCell &end = cells_[branch_begin_[branch + 1] - 1];
+        if (tree.is_outlet(branch)) {
+            const double whole = tree.branches[branch].flow_ml_s;
+            const bool continues = vessel.parent_point + 1 == tree.branches[branch].points_m.size();
+            end.end_ml_s -= flows_ml_s[v];
+            if (end.end_ml_s < rounding_share * whole || (continues && !(whole > 0.0))) end.end_ml_s = 0.0;
+        }
+        cells_[cell_at_point(branch, vessel.parent_point)].small_ml_s += flows_ml_s[v];
+    }
+    for (FlowCell &cell : cells_) cell.outlet_ml_s = cell.end_ml_s + cell.small_ml_s;
 }
 
 // If the narrowest point of a lesion lies before the first cell of the branch, the lesion narrows this first

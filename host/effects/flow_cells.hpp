@@ -17,8 +17,10 @@ struct FlowCell {
     int branch = 0;
     int upstream = -1; // the cell that feeds it; -1: the inlet
     double radius_mm = 0.0, length_mm = 0.0, volume_ml = 0.0;
-    double per_r4_mm3 = 0.0;  // integral of ds / r^4: in proportion to the resistance
-    double outlet_ml_s = 0.0; // mean flow into the bed behind it; 0: no bed begins here
+    double per_r4_mm3 = 0.0; // integral of ds / r^4: in proportion to the resistance
+    // Mean flows out of the tree: into the bed behind the branch's end, into small vessels, and both
+    // together; 0: nothing leaves here.
+    double end_ml_s = 0.0, small_ml_s = 0.0, outlet_ml_s = 0.0;
     VesselBed bed = VesselBed::systemic;
     // Describes a position between two points of the cell's branch; a cell has three such positions, for its
     // middle and its two faces.
@@ -43,7 +45,8 @@ class FlowCells
     FlowCells() = default;
     // `tree` has passed check_vessel_tree. The length of a cell is half of the vessel's radius, but at least
     // 1 mm and at most 3 mm. A branch begins at vessel_start_m. For an outlet whose flow is not given,
-    // Murray's law computes the flow from the radius.
+    // Murray's law computes the flow from the radius. The flow that is stated for a branch includes that of
+    // the small vessels that leave it.
     explicit FlowCells(const VesselTree &tree);
 
     std::size_t size() const { return cells_.size(); }
@@ -52,6 +55,9 @@ class FlowCells
     // cell.
     std::size_t branch_begin(std::size_t branch) const { return branch_begin_[branch]; }
     std::size_t branch_count() const { return branch_begin_.empty() ? 0 : branch_begin_.size() - 1; }
+
+    // Returns the cell that feeds what leaves the branch at this point.
+    std::size_t cell_at_point(std::size_t branch, std::size_t point) const;
 
     const std::vector<FlowThroat> &throats() const { return throats_; } // one for each lesion
 
@@ -73,6 +79,7 @@ class FlowCells
 
   private:
     void cut(const VesselTree &tree, std::size_t branch);
+    void feed_small_vessels(const VesselTree &tree);
     bool is_alike(const VesselTree &tree) const;
     FlowThroat throat_of(const VesselTree &tree, const VesselLesion &lesion) const;
     Eigen::Vector3d at(std::size_t cell, const FlowCell::Place &place) const;

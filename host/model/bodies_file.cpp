@@ -43,14 +43,15 @@ void read_points(const std::uint8_t *points, std::size_t count, std::vector<Eige
     }
 }
 
-VesselBranch read_branch(const crn_scene_branch_view &view)
+VesselBranch read_branch(const crn_scene_branch_view &view, double flow_unit_ml_s)
 {
     VesselBranch branch;
     branch.name = view.name;
     branch.parent = view.parent;
     branch.parent_point = view.parent_point;
     branch.bed = static_cast<VesselBed>(view.bed);
-    branch.flow_ml_s = view.flow_mm3_per_s * 1e-3;
+    branch.flow_ml_s = view.flow_mm3_per_s * flow_unit_ml_s;
+    branch.is_vein = (view.flags & CRN_SCENE_BRANCH_IS_VEIN) != 0;
     read_points(view.points, view.point_count, branch.points_m, branch.radii_m);
     return branch;
 }
@@ -108,7 +109,9 @@ bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
     for (std::uint32_t i = 0; i < scene.body_count; ++i)
         read.bodies.push_back(read_body(crn_scene_body(&scene, i)));
     for (std::uint32_t i = 0; i < scene.branch_count; ++i)
-        read.vessels.branches.push_back(read_branch(crn_scene_branch(&scene, i)));
+        read.vessels.branches.push_back(read_branch(crn_scene_branch(&scene, i), 1e-3));
+    for (std::uint32_t i = 0; i < scene.small_count; ++i)
+        read.vessels.small.push_back(read_branch(crn_scene_small(&scene, i), 1e-6));
     for (std::uint32_t i = 0; i < scene.lesion_count; ++i)
         read.vessels.lesions.push_back(read_lesion(crn_scene_lesion(&scene, i)));
     const std::string ct = ct_beside(path);

@@ -11,9 +11,11 @@
 namespace crn
 {
 
-// Names the kind of tissue that a vessel supplies, which determines when in the heartbeat blood flows there.
-// Files contain these numbers.
-enum class VesselBed { systemic = 0, left_coronary = 1, right_coronary = 2 };
+// Names the kind of tissue that a vessel supplies, which determines when in the heartbeat blood flows there,
+// and how long the blood stays in the tissue. Files contain these numbers; `kidney` and `gut` occur only in
+// small vessels.
+enum class VesselBed { systemic = 0, left_coronary = 1, right_coronary = 2, kidney = 3, gut = 4 };
+inline constexpr std::size_t vessel_bed_count = 5;
 
 struct VesselBranch {
     std::string name;
@@ -23,6 +25,7 @@ struct VesselBranch {
     std::vector<double> radii_m;           // radius of the largest sphere in the lumen there; one per point
     VesselBed bed = VesselBed::systemic;
     double flow_ml_s = 0.0; // mean flow out of its end, as stated; 0: not stated
+    bool is_vein = false;   // of a small vessel: blood flows from its end to its first point
 };
 
 // Describes a stretch of a branch that disease has narrowed. Inside a lesion, the points of the branch itself
@@ -41,6 +44,10 @@ struct VesselLesion {
 struct VesselTree {
     std::vector<VesselBranch> branches; // branch 0 is the only root; empty: no vessels are known
     std::vector<VesselLesion> lesions = {};
+    // Vessels that are picture and flow only, and no part of the lumen. Their parents are numbered through:
+    // an index below branches.size() is that of a branch, and larger ones are those of earlier small vessels.
+    // A vein may have the parent -1; its blood leaves the simulation at its first point.
+    std::vector<VesselBranch> small = {};
 
     // Returns the point of the branch at which the lesion has narrowed the lumen most, relative to the
     // healthy radius.

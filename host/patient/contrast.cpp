@@ -23,12 +23,21 @@ double seconds(Clock::duration duration)
 
 constexpr double widening_step_m = 0.25e-3;
 constexpr double invisible_mg_per_ml = 0.3; // 0.1 % of a 5 mm column: less than noise
-constexpr double forgotten_mg = 0.01;       // mg in all vessels together below which medium is ignored
+constexpr double forgotten_mg = 0.01;       // mg in the whole lumen below which medium is ignored,
+constexpr double invisible_distal_mg = 1.0; // and beyond the lumen; both stay where they are
 constexpr double beats_per_min = 70.0;
 constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
 constexpr double stream_radii =
     1.5; // radii of the vessel over which the stream from the tip spreads to fill it
 constexpr double stream_fades = 0.01; // fading per ms, after the injection
+
+// An artery of the heart does not end where its centreline ends. If no small vessel continues it, its column
+// becomes narrower over the last radii.
+double taper_at(double radii_before_end)
+{
+    constexpr double taper_radii = 8.0, narrowest = 0.35;
+    return std::clamp(narrowest + (1.0 - narrowest) * radii_before_end / taper_radii, narrowest, 1.0);
+}
 
 // The X-ray draws every piece of a column of medium as a cylinder. A piece whose width changes is divided
 // into shorter pieces, so that its edge has no visible steps.
@@ -320,6 +329,12 @@ std::optional<RunContrast> PatientContrast::given(std::uint32_t from, std::uint3
     return sum;
 }
 
+bool PatientContrast::is_forgotten() const
+{
+    return injector_.is_empty() && flow_.held_mg() < forgotten_mg &&
+           flow_.distal().visible_mg() < invisible_distal_mg;
+}
+
 void PatientContrast::look(const WireFrame &wire)
 {
     look_tick_ = wire.tick;
@@ -327,7 +342,7 @@ void PatientContrast::look(const WireFrame &wire)
         if (wire.tick - injector_.first_tick() > look_every_ticks) injector_.skip_to(wire.tick);
         state_ = State::flows;
     }
-    if (injector_.is_empty() && flow_.held_mg() < forgotten_mg) {
+    if (is_forgotten()) {
         state_ = State::idle;
         fluid_ = {};
         return;
@@ -385,6 +400,10 @@ void PatientContrast::make_curves()
     if (state_ != State::flows) return;
     for (std::size_t branch = 0; branch < flow_.cells().branch_count(); ++branch)
         for (bool is_core : {false, true}) make_curves_of(branch, is_core);
+    const VesselTree &now = moved_.can_move() ? moved_.last() : vessels_;
+    make_small_curves(now);
+    make_blush(now);
+    make_sinuses();
 }
 
 // A column of medium begins at the upstream face of its first cell. Where a vessel divides, the first cells
@@ -401,6 +420,21 @@ Vector3d PatientContrast::column_begin_m(std::size_t cell) const
     return from + 1 == cells.branch_begin(parent + 1) ? cells.last_face_m(from) : cells.first_face_m(cell);
 }
 
+// In the wall of a much wider vessel, a column would begin with a flat face. It begins with a rounded one,
+// which lies in the wider vessel.
+void PatientContrast::add_mouth(SweptCurve &curve, const SweptPoint &first, std::size_t cell) const
+{
+    constexpr double wider = 2.0;
+    const FlowCells &cells = flow_.cells();
+    const int upstream = cells[cell].upstream;
+    if (upstream < 0 || cells[static_cast<std::size_t>(upstream)].radius_mm < wider * cells[cell].radius_mm)
+        return;
+    const Vector3d way = (cells.last_face_m(cell) - cells.first_face_m(cell)).normalized();
+    for (const auto &[back, width] : {std::pair{0.9, 0.3}, {0.7, 0.68}, {0.35, 0.92}})
+        curve.points.push_back(
+            {first.at_m - back * first.radius_m * way, width * first.radius_m, first.share});
+}
+
 void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
 {
     const FlowCells &cells = flow_.cells();
@@ -411,8 +445,13 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
     };
     double behind_tip_mm = 0.0;
     const std::size_t begin = cells.branch_begin(branch), end = cells.branch_begin(branch + 1);
+    const bool has_blunt_end =
+        cells[end - 1].end_ml_s > 0.0 && vessels_.branches[branch].bed != VesselBed::systemic;
+    double left_mm = 0.0; // from the cell's last face to the end
+    for (std::size_t i = begin; i < end; ++i) left_mm += cells[i].length_mm;
     for (std::size_t i = begin; i < end; ++i) {
         const double narrowness = stream_at(i, behind_tip_mm);
+        left_mm -= cells[i].length_mm;
         const double core = flow_.core_mg_per_ml(i), wall = flow_.wall_mg_per_ml(i),
                      mean = 0.5 * (core + wall);
         double shown = is_core ? std::max(core - wall, 0.0) : std::min(wall, mean);
@@ -421,13 +460,15 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
             end_curve();
             continue;
         }
-        const double radius_m = cells[i].radius_mm * 1e-3 * (is_core ? std::sqrt(0.5) : 1.0);
+        const double taper = has_blunt_end ? taper_at(left_mm / cells[i].radius_mm) : 1.0;
+        const double radius_m = taper * cells[i].radius_mm * 1e-3 * (is_core ? std::sqrt(0.5) : 1.0);
         SweptPoint point{cells.middle_m(i), radius_m, contrast_share(shown)};
         if (narrowness > 0.0) point = stream_point(i, narrowness);
         // A column begins and ends at the faces between cells, and not at the middle of a cell.
         if (curve.points.empty()) {
             SweptPoint first = point;
             first.at_m += column_begin_m(i) - cells.middle_m(i);
+            if (i == begin) add_mouth(curve, first, i);
             curve.points.push_back(first);
         }
         go_to(curve, point);

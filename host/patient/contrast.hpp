@@ -121,7 +121,13 @@ class PatientContrast
     std::uint32_t look_due() const;
     void make_curves();
     Eigen::Vector3d column_begin_m(std::size_t cell) const;
+    void add_mouth(SweptCurve &curve, const SweptPoint &first, std::size_t cell) const;
     void make_curves_of(std::size_t branch, bool is_core);
+    void make_small_curves(const VesselTree &now); // contrast_small.cpp
+    void make_small_curve(const VesselBranch &vessel, std::size_t index);
+    void make_blush(const VesselTree &now);
+    void make_sinuses();
+    bool is_forgotten() const;
     double stream_at(std::size_t cell, double &behind_tip_mm) const;
     SweptPoint stream_point(std::size_t cell, double narrowness) const;
 

@@ -10,8 +10,9 @@ MovedVessels::MovedVessels(const VesselTree &reference, const Motion *motion, co
 {
     if (!motion) return;
     std::vector<Vector3d> points_m;
-    for (const VesselBranch &branch : reference.branches)
-        points_m.insert(points_m.end(), branch.points_m.begin(), branch.points_m.end());
+    for (const std::vector<VesselBranch> *part : {&reference.branches, &reference.small})
+        for (const VesselBranch &branch : *part)
+            points_m.insert(points_m.end(), branch.points_m.begin(), branch.points_m.end());
     points_.emplace(*motion, std::move(points_m));
     std::vector<Vector3d> healthy_m;
     for (std::size_t k = 0; k < opening.lesion_count(); ++k)
@@ -27,8 +28,9 @@ const VesselTree &MovedVessels::at(const MotionMoment &moment, const LesionOpeni
 {
     const MotionWeights now = motion_weights(moment);
     std::size_t i = 0;
-    for (VesselBranch &branch : moved_.branches)
-        for (Vector3d &point_m : branch.points_m) point_m = points_->at(i++, now);
+    for (std::vector<VesselBranch> *part : {&moved_.branches, &moved_.small})
+        for (VesselBranch &branch : *part)
+            for (Vector3d &point_m : branch.points_m) point_m = points_->at(i++, now);
     i = 0;
     for (std::size_t k = 0; k < opening.lesion_count(); ++k) {
         const VesselLesion &lesion = reference_.lesions[k];

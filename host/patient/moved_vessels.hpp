@@ -22,6 +22,8 @@ class MovedVessels
     // tree of vessels is valid until the next call.
     const VesselTree &at(const MotionMoment &moment, const LesionOpening &opening,
                          std::span<const double> lesions_open);
+    // Returns the result of the last call, or the reference pose before the first one.
+    const VesselTree &last() const { return moved_; }
 
   private:
     VesselTree reference_, moved_;                        // without motion both are empty

@@ -69,6 +69,11 @@ struct XrayChain {
     std::vector<float> tool_gain;
     SparseBlur tool_blur;
     std::vector<float> tool_signal; // at the pixels of tool_blur
+    // How much the primary beam weakens per mm of faint medium (ToolPaths::haze_mm), and the share of the
+    // primary beam in the signal; of squares of haze_pixels pixels.
+    std::vector<float> haze_slope, haze_primary;
+    static constexpr int haze_pixels = 4;
+    int haze_size() const { return (size + haze_pixels - 1) / haze_pixels; }
 };
 
 // Gives the diameter of the round field in which automatic exposure measures the signal, as a fraction of the
@@ -100,5 +105,9 @@ ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, Exp
 // Computes chain.tool_signal, the signal behind the tools, for each pixel that the shadow of the tools
 // touches.
 void attenuate_tools(XrayChain &chain);
+
+// Multiplies the signal of a row by what the faint medium of this frame leaves of it. Call it after
+// attenuate_tools().
+void attenuate_faint(const XrayChain &chain, int row, float *signal);
 
 } // namespace crn

@@ -132,13 +132,69 @@ void find_gain(XrayChain &chain, const std::vector<Layer> &layers, const RowRang
     }
 }
 
+// Computes the slopes of a row of squares from the transmissions at their middles, without and with a little
+// medium.
+void find_haze_row(XrayChain &chain, const std::vector<Layer> &layers, int row)
+{
+    constexpr std::int32_t probe_q10mm = 1024; // 1 mm
+    const int count = chain.haze_size(), padded = (count + 15) / 16 * 16;
+    const auto pixel_of = [&](int square) {
+        return std::min(square * XrayChain::haze_pixels + XrayChain::haze_pixels / 2, chain.size - 1);
+    };
+    const std::size_t line = static_cast<std::size_t>(pixel_of(row)) * chain.size;
+    std::array<std::vector<std::int32_t>, material_count> lengths_q10mm;
+    std::array<const std::int32_t *, material_count> paths{};
+    for (const Layer &layer : layers) {
+        std::vector<std::int32_t> &lengths = lengths_q10mm[layer.material];
+        lengths.assign(static_cast<std::size_t>(padded), 0);
+        for (int i = 0; i < count && layer.bodies; ++i) lengths[i] = layer.bodies[line + pixel_of(i)];
+        if (layer.material == static_cast<int>(Material::iohexol_350))
+            for (std::int32_t &length : lengths) length += probe_q10mm;
+        paths[layer.material] = lengths.data();
+    }
+    std::vector<float> transmitted(static_cast<std::size_t>(padded));
+    transmission_row(chain.beam, paths, padded, transmitted.data());
+    for (int i = 0; i < count; ++i) {
+        const std::size_t pixel = line + pixel_of(i), square = static_cast<std::size_t>(row) * count + i;
+        chain.haze_slope[square] =
+            std::clamp(chain.transmission[pixel] / std::max(transmitted[i], 1e-12f) - 1.0f, 0.0f, 10.0f);
+        chain.haze_primary[square] =
+            std::min(chain.primary[pixel] / std::max(chain.signal[pixel], 1e-12f), 1.0f);
+    }
+}
+
+void find_haze(XrayChain &chain, const std::vector<Layer> &layers)
+{
+    if (chain.paths.tools().haze_mm.empty()) return;
+    const int rows = chain.haze_size();
+    chain.haze_slope.resize(static_cast<std::size_t>(rows) * rows);
+    chain.haze_primary.resize(chain.haze_slope.size());
+    run_on_rows(chain.threads, rows, 16, [&](const RowRange &range) {
+        for (int row = range.begin; row < range.end; ++row) find_haze_row(chain, layers, row);
+    });
+}
+
 } // namespace
+
+void attenuate_faint(const XrayChain &chain, int row, float *signal)
+{
+    const std::vector<float> &haze_mm = chain.paths.tools().haze_mm;
+    if (haze_mm.empty()) return;
+    const float *length_mm = haze_mm.data() + static_cast<std::size_t>(row) * chain.size;
+    const std::size_t squares = static_cast<std::size_t>(row / XrayChain::haze_pixels) * chain.haze_size();
+    for (int x = 0; x < chain.size; ++x) {
+        const std::size_t square = squares + static_cast<std::size_t>(x / XrayChain::haze_pixels);
+        const float weaker = chain.haze_slope[square] * length_mm[x];
+        signal[x] *= 1.0f - chain.haze_primary[square] * weaker / (1.0f + weaker);
+    }
+}
 
 void attenuate_tools(XrayChain &chain)
 {
     const ToolPaths &tools = chain.paths.tools();
     const int count = static_cast<int>(tools.pixels.size());
     const std::vector<Layer> layers = layers_of(chain);
+    find_haze(chain, layers);
     chain.tool_gain.resize(count);
     run_on_rows(count > pixels_per_turn ? chain.threads : 1, count, pixels_per_turn,
                 [&](const RowRange &range) { find_gain(chain, layers, range); });

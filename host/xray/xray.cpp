@@ -37,6 +37,7 @@ void count_all(const XrayChain &chain, const XraySettings &settings, std::uint64
             const std::size_t begin = static_cast<std::size_t>(row) * size;
             std::uint32_t *photons = picture.photons.data() + begin;
             for (int x = 0; x < size; ++x) expected[x] = chain.signal[begin + x] * photons_open;
+            attenuate_faint(chain, row, expected.data());
             if (settings.beam.noise)
                 count_row(expected.data(), size, key, static_cast<std::uint32_t>(begin), photons);
             else

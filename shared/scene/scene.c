@@ -119,9 +119,9 @@ crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index)
     return span;
 }
 
-/* A body file ends with its bodies, or with a vessel tree after the bodies, or with the lesions of this tree.
- * After the bodies, the tree and the lesions, one more section may follow, which names the scene to which the
- * body file belongs. */
+/* A body file ends with its bodies, or with a vessel tree after the bodies. The small vessels of this tree
+ * and its lesions may follow. After the bodies, the tree and its parts, one more section may follow, which
+ * names the scene to which the body file belongs. */
 static bool section_type_fits(const crn_scene_check *check, uint32_t index, uint32_t type)
 {
     static const uint32_t scene_types[5] = {CRN_SCENE_META, CRN_SCENE_ENTRY, CRN_SCENE_LUMEN,
@@ -133,11 +133,13 @@ static bool section_type_fits(const crn_scene_check *check, uint32_t index, uint
     if (index == 0) return type == CRN_SCENE_META;
     if (index == check->content_count) return index >= 2; /* PARTNER, behind something */
     const uint32_t left = check->content_count - 1 - index;
-    if (left == 0 && type == CRN_SCENE_LESIONS)
-        return crn_scene_section_span(check->bytes, index - 1).type == CRN_SCENE_TREE;
-    if (type == CRN_SCENE_TREE)
-        return left == 0 ||
-               (left == 1 && crn_scene_section_span(check->bytes, index + 1).type == CRN_SCENE_LESIONS);
+    const uint32_t before = crn_scene_section_span(check->bytes, index - 1).type;
+    if (type == CRN_SCENE_LESIONS)
+        return left == 0 && (before == CRN_SCENE_TREE || before == CRN_SCENE_SMALL);
+    const uint32_t after =
+        left > 0 ? crn_scene_section_span(check->bytes, index + 1).type : CRN_SCENE_LESIONS;
+    if (type == CRN_SCENE_SMALL) return after == CRN_SCENE_LESIONS && before == CRN_SCENE_TREE;
+    if (type == CRN_SCENE_TREE) return after == CRN_SCENE_LESIONS || after == CRN_SCENE_SMALL;
     return type == CRN_SCENE_BODY && index <= CRN_SCENE_BODY_MAX;
 }
 
@@ -246,18 +248,23 @@ static crn_scene_status check_partner(crn_scene_check *check, crn_scene *scene)
 static crn_scene_status check_body_file(crn_scene_check *check, crn_scene *scene)
 {
     crn_scene_span last = crn_scene_section_span(check->bytes, check->content_count - 1), lesions = last;
+    crn_scene_span small = last;
     scene->body_count = check->content_count - 1;
     TRY(check_partner(check, scene));
     if (lesions.type == CRN_SCENE_LESIONS) {
-        scene->body_count--;
         scene->lesions = check->bytes + lesions.offset;
-        last = crn_scene_section_span(check->bytes, check->content_count - 2);
+        last = small = crn_scene_section_span(check->bytes, --scene->body_count);
+    }
+    if (small.type == CRN_SCENE_SMALL) {
+        scene->small = check->bytes + small.offset;
+        last = crn_scene_section_span(check->bytes, --scene->body_count);
     }
     if (last.type == CRN_SCENE_TREE) {
         scene->body_count--;
         scene->tree = check->bytes + last.offset;
         TRY(crn_scene_check_tree(check, last, &scene->branch_count));
     }
+    if (scene->small != NULL) TRY(crn_scene_check_small(check, small, scene, &scene->small_count));
     if (scene->lesions != NULL) TRY(crn_scene_check_lesions(check, lesions, scene, &scene->lesion_count));
     return crn_scene_check_bodies(check, scene->body_count);
 }

@@ -24,8 +24,9 @@ extern "C" {
 enum {
     CRN_SCENE_MAJOR = 1,
     /* minor version; files get the lowest that covers their contents: 1 for a body that moves, a TREE; 2 for
-       LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER; 6 for an ENTRY with a start length */
-    CRN_SCENE_MINOR = 6,
+       LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER; 6 for an ENTRY with a start length;
+       7 for SMALL */
+    CRN_SCENE_MINOR = 7,
     CRN_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     CRN_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     CRN_SCENE_HEADER_BYTES = 32,
@@ -52,6 +53,8 @@ enum {
     CRN_SCENE_BRANCH_BYTES = 64,
     CRN_SCENE_BRANCH_MAX = 1024,
     CRN_SCENE_BRANCH_NAME_BYTES = 32,
+    CRN_SCENE_SMALL_MAX = 20000,  /* vessels that are picture and flow only */
+    CRN_SCENE_BRANCH_IS_VEIN = 1, /* flag of a small vessel: blood flows from its end to its beginning */
     CRN_SCENE_TREE_POINT_BYTES = 16,
     CRN_SCENE_TREE_POINT_MAX = 200000, /* of all branches */
     CRN_SCENE_PARTNER_BYTES = 8,
@@ -66,6 +69,7 @@ enum {
     CRN_SCENE_RADIUS_MIN_um = 10,
     CRN_SCENE_RADIUS_MAX_um = 100000,
     CRN_SCENE_BRANCH_FLOW_MAX_mm3_per_s = 1000000,
+    CRN_SCENE_SMALL_FLOW_MAX_nl_per_s = 100000000,
     CRN_SCENE_BODY_MOVES = 1, /* flag of a body: it moves with the scene's MOTION */
     CRN_SCENE_MOTION_HEADER_BYTES = 32,
     CRN_SCENE_MOTION_KEYFRAMES = 24,
@@ -94,6 +98,7 @@ typedef enum crn_scene_section {
     CRN_SCENE_TREE = 17,
     CRN_SCENE_LESIONS = 18,
     CRN_SCENE_PARTNER = 19,
+    CRN_SCENE_SMALL = 20,
 } crn_scene_section;
 
 /* The function crn_scene_status_text gives a line of text for each status. */
@@ -184,6 +189,8 @@ typedef struct crn_scene {
     uint32_t body_count;   /* KIND_BODIES */
     uint32_t branch_count; /* branches of its tree of vessels; 0: it has no tree */
     const uint8_t *tree;
+    uint32_t small_count; /* small vessels that begin in that tree */
+    const uint8_t *small;
     uint32_t lesion_count; /* of that tree */
     const uint8_t *lesions;
     bool has_partner;       /* the body file names the scene with which it was baked, as a recording does: */
@@ -208,6 +215,8 @@ typedef enum crn_scene_bed {
     CRN_SCENE_BED_SYSTEMIC = 0,
     CRN_SCENE_BED_LEFT_CORONARY = 1,
     CRN_SCENE_BED_RIGHT_CORONARY = 2,
+    CRN_SCENE_BED_KIDNEY = 3, /* this and the next: in small vessels only */
+    CRN_SCENE_BED_GUT = 4,
     CRN_SCENE_BED_COUNT,
 } crn_scene_bed;
 
@@ -219,7 +228,8 @@ typedef struct crn_scene_branch_view {
     uint32_t parent_point; /* the point of the parent nearest to this branch's first one */
     uint32_t point_count;  /* at least 2 */
     crn_scene_bed bed;
-    uint32_t flow_mm3_per_s; /* mean flow out of its end; 0: not stated */
+    uint32_t flow_mm3_per_s; /* mean flow out of its end; 0: not stated; of a small vessel in nl/s */
+    uint32_t flags;          /* of a small vessel: CRN_SCENE_BRANCH_IS_VEIN */
     const uint8_t *points;   /* i32 x 3 in um and u32 radius in um each */
 } crn_scene_branch_view;
 
@@ -255,6 +265,11 @@ crn_scene_body_view crn_scene_body(const crn_scene *scene, uint32_t index);
 
 /* Branch number `index` < branch_count. */
 crn_scene_branch_view crn_scene_branch(const crn_scene *scene, uint32_t index);
+
+/* Small vessel number `index` < small_count. Its parent is a branch of the tree if it is below branch_count;
+ * otherwise the parent is the earlier small vessel number parent - branch_count. A parent of -1 is allowed
+ * only for a vein, whose blood then leaves the simulation at its first point. */
+crn_scene_branch_view crn_scene_small(const crn_scene *scene, uint32_t index);
 
 /* Lesion number `index` < lesion_count. */
 crn_scene_lesion_view crn_scene_lesion(const crn_scene *scene, uint32_t index);

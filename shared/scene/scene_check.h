@@ -37,6 +37,9 @@ crn_scene_status crn_scene_check_motion(crn_scene_check *check, crn_scene_span s
                                         crn_scene_motion *motion);
 crn_scene_status crn_scene_check_bodies(crn_scene_check *check, uint32_t body_count);
 crn_scene_status crn_scene_check_tree(crn_scene_check *check, crn_scene_span span, uint32_t *branch_count);
+/* The vessel tree must have passed its own check before the small vessels are checked. */
+crn_scene_status crn_scene_check_small(crn_scene_check *check, crn_scene_span span, const crn_scene *scene,
+                                       uint32_t *small_count);
 /* The vessel tree must have passed its own check before the lesions are checked. */
 crn_scene_status crn_scene_check_lesions(crn_scene_check *check, crn_scene_span span, const crn_scene *scene,
                                          uint32_t *lesion_count);

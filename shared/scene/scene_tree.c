@@ -1,4 +1,4 @@
-/* This file checks the TREE section of a body file and gives access to the vessel tree. */
+/* This file checks the sections TREE and SMALL of a body file, and gives access to the vessels in them. */
 #include "shared/scene/scene_check.h"
 
 /* Gives the fields of a branch as byte offsets from the branch's beginning. */
@@ -9,7 +9,8 @@ enum {
     COUNT_AT = 44,
     BED_AT = 48,
     FLOW_AT = 52,
-    ZERO_AT = 56
+    FLAGS_AT = 56,
+    ZERO_AT = 60
 };
 
 static const uint8_t *branch_at(const uint8_t *tree, uint32_t index)
@@ -17,9 +18,9 @@ static const uint8_t *branch_at(const uint8_t *tree, uint32_t index)
     return tree + CRN_SCENE_TREE_HEADER_BYTES + (size_t)index * CRN_SCENE_BRANCH_BYTES;
 }
 
-crn_scene_branch_view crn_scene_branch(const crn_scene *scene, uint32_t index)
+static crn_scene_branch_view view_of(const uint8_t *table, uint32_t count, uint32_t index)
 {
-    const uint8_t *branch = branch_at(scene->tree, index);
+    const uint8_t *branch = branch_at(table, index);
     crn_scene_branch_view view;
     view.name = (const char *)branch;
     view.parent = crn_scene_i32(branch + PARENT_AT);
@@ -27,9 +28,20 @@ crn_scene_branch_view crn_scene_branch(const crn_scene *scene, uint32_t index)
     view.point_count = crn_scene_u32(branch + COUNT_AT);
     view.bed = (crn_scene_bed)crn_scene_u32(branch + BED_AT);
     view.flow_mm3_per_s = crn_scene_u32(branch + FLOW_AT);
-    view.points = branch_at(scene->tree, scene->branch_count) +
-                  (size_t)crn_scene_u32(branch + FIRST_AT) * CRN_SCENE_TREE_POINT_BYTES;
+    view.flags = crn_scene_u32(branch + FLAGS_AT);
+    view.points =
+        branch_at(table, count) + (size_t)crn_scene_u32(branch + FIRST_AT) * CRN_SCENE_TREE_POINT_BYTES;
     return view;
+}
+
+crn_scene_branch_view crn_scene_branch(const crn_scene *scene, uint32_t index)
+{
+    return view_of(scene->tree, scene->branch_count, index);
+}
+
+crn_scene_branch_view crn_scene_small(const crn_scene *scene, uint32_t index)
+{
+    return view_of(scene->small, scene->small_count, index);
 }
 
 crn_scene_status crn_scene_check_tree_point(crn_scene_check *check, size_t at, crn_scene_status fault)
@@ -60,20 +72,47 @@ static crn_scene_status check_points(crn_scene_check *check, size_t where, uint3
     return CRN_SCENE_OK;
 }
 
+/* A table of branches: the tree, or its small vessels. `before` is the tree to which small vessels belong;
+ * their indices continue those of the tree's branches. */
+typedef struct branch_table {
+    const uint8_t *bytes, *before;
+    uint32_t count, count_before, bed_count, flow_max, flags_allowed;
+} branch_table;
+
+/* A branch without a parent is the first one of the tree, or a vein. */
+static bool parent_fits(const branch_table *table, int32_t parent, uint32_t index, uint32_t flags)
+{
+    const uint32_t whole_index = table->count_before + index;
+    if (parent == -1) return whole_index == 0 || (flags & CRN_SCENE_BRANCH_IS_VEIN) != 0;
+    return whole_index > 0 && parent >= 0 && (uint32_t)parent < whole_index;
+}
+
+static uint32_t points_of_parent(const branch_table *table, int32_t parent)
+{
+    if (parent < 0) return 1;
+    const uint32_t index = (uint32_t)parent;
+    const uint8_t *branch = index < table->count_before
+                                ? branch_at(table->before, index)
+                                : branch_at(table->bytes, index - table->count_before);
+    return crn_scene_u32(branch + COUNT_AT);
+}
+
 /* Parent branches come before their children, so that no branch can be its own ancestor; points follow each
  * other without a gap. */
-static crn_scene_status check_branch(crn_scene_check *check, const uint8_t *tree, uint32_t index,
+static crn_scene_status check_branch(crn_scene_check *check, const branch_table *table, uint32_t index,
                                      uint32_t *points_before)
 {
-    const uint8_t *branch = branch_at(tree, index);
+    const uint8_t *branch = branch_at(table->bytes, index);
     size_t where = (size_t)(branch - check->bytes);
     crn_scene_status status = crn_scene_check_text(check, where, CRN_SCENE_BRANCH_NAME_BYTES);
     if (status != CRN_SCENE_OK) return status;
+    const uint32_t flags = crn_scene_u32(branch + FLAGS_AT);
+    if ((flags & ~table->flags_allowed) != 0)
+        return crn_scene_fault_at(check, CRN_SCENE_RESERVED, where + FLAGS_AT);
     int32_t parent = crn_scene_i32(branch + PARENT_AT);
-    if (index == 0 ? parent != -1 : parent < 0 || (uint32_t)parent >= index)
+    if (!parent_fits(table, parent, index, flags))
         return crn_scene_fault_at(check, CRN_SCENE_TREE_BRANCH, where + PARENT_AT);
-    uint32_t places = index == 0 ? 1 : crn_scene_u32(branch_at(tree, (uint32_t)parent) + COUNT_AT);
-    if (crn_scene_u32(branch + PARENT_POINT_AT) >= places)
+    if (crn_scene_u32(branch + PARENT_POINT_AT) >= points_of_parent(table, parent))
         return crn_scene_fault_at(check, CRN_SCENE_TREE_BRANCH, where + PARENT_POINT_AT);
     uint32_t count = crn_scene_u32(branch + COUNT_AT);
     if (crn_scene_u32(branch + FIRST_AT) != *points_before)
@@ -81,45 +120,67 @@ static crn_scene_status check_branch(crn_scene_check *check, const uint8_t *tree
     if (count < 2 || count > CRN_SCENE_TREE_POINT_MAX - *points_before)
         return crn_scene_fault_at(check, CRN_SCENE_TREE_SIZE, where + COUNT_AT);
     *points_before += count;
-    if (crn_scene_u32(branch + BED_AT) >= CRN_SCENE_BED_COUNT)
+    if (crn_scene_u32(branch + BED_AT) >= table->bed_count)
         return crn_scene_fault_at(check, CRN_SCENE_TREE_BRANCH, where + BED_AT);
-    if (crn_scene_u32(branch + FLOW_AT) > CRN_SCENE_BRANCH_FLOW_MAX_mm3_per_s)
+    if (crn_scene_u32(branch + FLOW_AT) > table->flow_max)
         return crn_scene_fault_at(check, CRN_SCENE_TREE_BRANCH, where + FLOW_AT);
-    for (size_t k = 0; k < 8; k++) {
+    for (size_t k = 0; k < 4; k++) {
         if (branch[ZERO_AT + k] != 0)
             return crn_scene_fault_at(check, CRN_SCENE_RESERVED, where + ZERO_AT + k);
     }
     return CRN_SCENE_OK;
 }
 
-crn_scene_status crn_scene_check_tree(crn_scene_check *check, crn_scene_span span, uint32_t *branch_count)
+static crn_scene_status check_table(crn_scene_check *check, crn_scene_span span, branch_table *table,
+                                    uint32_t branch_max)
 {
     if (span.size < CRN_SCENE_TREE_HEADER_BYTES)
         return crn_scene_fault_at(check, CRN_SCENE_SECTION_SIZE, span.offset);
-    const uint8_t *tree = check->bytes + span.offset;
-    uint32_t branches = crn_scene_u32(tree), points = crn_scene_u32(tree + 4);
-    if (branches == 0 || branches > CRN_SCENE_BRANCH_MAX)
+    table->bytes = check->bytes + span.offset;
+    uint32_t branches = crn_scene_u32(table->bytes), points = crn_scene_u32(table->bytes + 4);
+    table->count = branches;
+    if (branches == 0 || branches > branch_max)
         return crn_scene_fault_at(check, CRN_SCENE_TREE_SIZE, span.offset);
     if (points > CRN_SCENE_TREE_POINT_MAX)
         return crn_scene_fault_at(check, CRN_SCENE_TREE_SIZE, span.offset + 4);
-    if (crn_scene_u32(tree + 8) != 0 || crn_scene_u32(tree + 12) != 0)
+    if (crn_scene_u32(table->bytes + 8) != 0 || crn_scene_u32(table->bytes + 12) != 0)
         return crn_scene_fault_at(check, CRN_SCENE_RESERVED, span.offset + 8);
     if (span.size != CRN_SCENE_TREE_HEADER_BYTES + (uint64_t)branches * CRN_SCENE_BRANCH_BYTES +
                          (uint64_t)points * CRN_SCENE_TREE_POINT_BYTES)
         return crn_scene_fault_at(check, CRN_SCENE_SECTION_SIZE, span.offset);
     uint32_t points_before = 0;
     for (uint32_t i = 0; i < branches; i++) {
-        crn_scene_status status = check_branch(check, tree, i, &points_before);
+        crn_scene_status status = check_branch(check, table, i, &points_before);
         if (status != CRN_SCENE_OK) return status;
     }
     if (points_before != points) return crn_scene_fault_at(check, CRN_SCENE_TREE_SIZE, span.offset + 4);
-    size_t at = (size_t)(branch_at(tree, branches) - check->bytes);
+    size_t at = (size_t)(branch_at(table->bytes, branches) - check->bytes);
     for (uint32_t i = 0; i < branches; i++) {
-        uint32_t count = crn_scene_u32(branch_at(tree, i) + COUNT_AT);
+        uint32_t count = crn_scene_u32(branch_at(table->bytes, i) + COUNT_AT);
         crn_scene_status status = check_points(check, at, count);
         if (status != CRN_SCENE_OK) return status;
         at += (size_t)count * CRN_SCENE_TREE_POINT_BYTES;
     }
-    *branch_count = branches;
     return CRN_SCENE_OK;
+}
+
+crn_scene_status crn_scene_check_tree(crn_scene_check *check, crn_scene_span span, uint32_t *branch_count)
+{
+    branch_table table = {.bed_count = CRN_SCENE_BED_KIDNEY, .flow_max = CRN_SCENE_BRANCH_FLOW_MAX_mm3_per_s};
+    crn_scene_status status = check_table(check, span, &table, CRN_SCENE_BRANCH_MAX);
+    if (status == CRN_SCENE_OK) *branch_count = table.count;
+    return status;
+}
+
+crn_scene_status crn_scene_check_small(crn_scene_check *check, crn_scene_span span, const crn_scene *scene,
+                                       uint32_t *small_count)
+{
+    branch_table table = {.before = scene->tree,
+                          .count_before = scene->branch_count,
+                          .bed_count = CRN_SCENE_BED_COUNT,
+                          .flow_max = CRN_SCENE_SMALL_FLOW_MAX_nl_per_s,
+                          .flags_allowed = CRN_SCENE_BRANCH_IS_VEIN};
+    crn_scene_status status = check_table(check, span, &table, CRN_SCENE_SMALL_MAX);
+    if (status == CRN_SCENE_OK) *small_count = table.count;
+    return status;
 }

@@ -33,6 +33,7 @@ size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count)
 /* Returns the first minor version of the scene format that can contain the given section. */
 static uint16_t minor_of_part(const crn_scene_part *part)
 {
+    if (part->type == CRN_SCENE_SMALL) return 7;
     if (part->type == CRN_SCENE_ENTRY && part->size == CRN_SCENE_ENTRY_START_BYTES) return 6;
     if (part->type == CRN_SCENE_PARTNER) return 5;
     if (part->type == CRN_SCENE_MOTION || part->type == CRN_SCENE_BREATH) return 4;

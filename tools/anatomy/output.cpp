@@ -46,7 +46,7 @@ nlohmann::ordered_json control_point(const CurvePoint &point, const std::string 
 
 // Returns the text of the scene's table [tree], which defines the vessels along which blood and contrast
 // medium flow. The table [tree] names the files of the centrelines and gives the known flows of blood.
-std::string tree_text(const VesselTree &tree)
+std::string tree_text(const VesselTree &tree, const std::string &small_vessels)
 {
     std::string files, flows;
     for (const Vessel &vessel : tree.vessels) {
@@ -64,6 +64,7 @@ std::string tree_text(const VesselTree &tree)
     text += "axes = [\"+x\", \"+z\", \"-y\"] # the files are LPS\n";
     text += "inlet = \"" + file_stem(tree.vessels.front().name) + "\"\n";
     if (!flows.empty()) text += "flow_ml_min = { " + flows + " }\n";
+    if (!small_vessels.empty()) text += "small = \"" + small_vessels + "\" # picture and flow only\n";
     if (tree.coronary_count > 0) text += "left_coronary = [" + left + "]\nright_coronary = [" + right + "]\n";
     return text;
 }
@@ -130,7 +131,7 @@ void write_centrelines(const std::filesystem::path &file, const std::vector<Name
 }
 
 void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies,
-                 const std::string &lesions)
+                 const std::string &lesions, const std::string &small_vessels)
 {
     std::string text =
         "# Written by `anatomy " + tree.made_by + "`. Patient frame: +x patient left, +y head, +z front.\n";
@@ -145,7 +146,7 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
     text += "# Mouth of the inserter sheath and the direction in which a wire leaves it.\n";
     text += "[entry]\nposition_mm = " + triple(tree.entry_position_mm) +
             "\ndirection = " + triple(tree.entry_direction) + "\n";
-    text += tree_text(tree);
+    text += tree_text(tree, small_vessels);
     text += lesions;
     if (tree.coronary_count > 0)
         text += "\n# How it beats, and how breath carries it (docs/heart.md).\n[motion]\n"

@@ -25,8 +25,9 @@ struct NamedCurve {
 /* Writes several open curves with their radii into one 3D Slicer file. */
 void write_centrelines(const std::filesystem::path &file, const std::vector<NamedCurve> &curves);
 
+/* Writes the scene's text. `small_vessels` is the name of the file of small vessels, or empty. */
 void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies,
-                 const std::string &lesions = "");
+                 const std::string &lesions = "", const std::string &small_vessels = "");
 
 /* Returns the vessel's name with underscores in place of spaces; the vessel's files have this name, followed
  * by an extension. */

@@ -25,9 +25,9 @@ constexpr size_t STATIONS_MAX = 200, FILES_MAX = 8, NAME_BYTES_MAX = 40, TITLE_B
                  TEXT_BYTES_MAX = 300;
 constexpr double POSITION_MAX_MM = 1000.0, APART_MIN_MM = 0.5, LENGTH_MAX_MM = 3000.0, TURN_MAX_DEG = 90.0;
 constexpr NumberRange Y_MM = {-POSITION_MAX_MM, POSITION_MAX_MM}, DIAMETER_MM = {1, 60},
-                      CORONARY_DIAMETER_MM = {1, 10}, FLOW_ML_MIN = {0.1, 10000}, FILLET_MM = {0, 10},
-                      CORONARY_FILLET_MM = {0, 3}, HEIGHT = {0, 1.2}, ANGLE_DEG = {-360, 360},
-                      FROM_END_MM = {0, LENGTH_MAX_MM};
+                      CORONARY_DIAMETER_MM = {1, 10}, SMALL_DIAMETER_MM = {0.1, 60},
+                      FLOW_ML_MIN = {0.1, 10000}, FILLET_MM = {0, 10}, CORONARY_FILLET_MM = {0, 3},
+                      HEIGHT = {0, 1.2}, ANGLE_DEG = {-360, 360}, FROM_END_MM = {0, LENGTH_MAX_MM};
 
 /* Holds the content of a vessel file, and states whether the file's positions are in the patient's frame. */
 struct File {
@@ -110,7 +110,7 @@ void read_heart_place(GivenStation &given)
     given.station.position_mm = *there;
 }
 
-GivenStation read_station(const File &file, const TomlTable &table, bool is_coronary)
+GivenStation read_station(const File &file, const TomlTable &table, bool is_coronary, bool is_lumen)
 {
     std::vector<std::string> known = {"position_mm", "diameter_mm", "name", "source"};
     if (is_coronary) known.insert(known.begin() + 1, {"height", "angle_deg"});
@@ -126,8 +126,9 @@ GivenStation read_station(const File &file, const TomlTable &table, bool is_coro
     else
         given.station.position_mm = position_of(file, table["position_mm"]);
     if (!given.is_on_heart || table.has("diameter_mm"))
-        given.station.diameter_mm =
-            table.number("diameter_mm", is_coronary ? CORONARY_DIAMETER_MM : DIAMETER_MM);
+        given.station.diameter_mm = table.number("diameter_mm", !is_lumen     ? SMALL_DIAMETER_MM
+                                                                : is_coronary ? CORONARY_DIAMETER_MM
+                                                                              : DIAMETER_MM);
     if (!table.has("name")) {
         if (table.has("source"))
             table["source"].fail("'source' without 'name': name the station, so that it is listed");
@@ -152,7 +153,8 @@ void check_neighbours(const GivenStation &before, const GivenStation &here)
                         crn::number_text(TURN_MAX_DEG) + ": add stations, or write -10 in place of 350");
 }
 
-std::vector<GivenStation> read_stations(const File &file, const TomlTable &vessel, bool is_coronary)
+std::vector<GivenStation> read_stations(const File &file, const TomlTable &vessel, bool is_coronary,
+                                        bool is_lumen)
 {
     const TomlValue value = vessel["stations"];
     if (value && !value.is_list())
@@ -166,7 +168,7 @@ std::vector<GivenStation> read_stations(const File &file, const TomlTable &vesse
     for (const TomlValue &one : list) {
         const std::string where = "station " + std::to_string(stations.size() + 1);
         if (!one.is_table()) one.fail(where + ": must be { position_mm = [x, y, z], diameter_mm = ... }");
-        stations.push_back(read_station(file, one.table().inside(where), is_coronary));
+        stations.push_back(read_station(file, one.table().inside(where), is_coronary, is_lumen));
         if (stations.size() < 2) continue;
         const GivenStation &before = stations[stations.size() - 2], &here = stations.back();
         check_neighbours(before, here);
@@ -206,6 +208,13 @@ std::vector<Station> course_of(const TomlTable &vessel, const std::vector<GivenS
 
 // --- vessels ---
 
+Bed tissue_of(const TomlTable &table, bool is_lumen)
+{
+    if (is_lumen) table["tissue"].fail_key("belongs to a vessel with lumen = false");
+    const std::string tissue = table["tissue"].one_of({"kidney", "gut", "other"});
+    return tissue == "kidney" ? Bed::kidney : tissue == "gut" ? Bed::gut : Bed::body;
+}
+
 GivenVessel read_vessel(const File &file, const TomlValue &value, bool is_coronary)
 {
     const std::string kind = is_coronary ? "[[coronary]]" : "[[vessel]]";
@@ -217,8 +226,11 @@ GivenVessel read_vessel(const File &file, const TomlValue &value, bool is_corona
     vessel.name = vessel_name(value.table().inside(kind)["name"]);
     const TomlTable table = value.table().inside("vessel '" + vessel.name + "'");
     std::vector<std::string> known = {"name", "parent", "replaces", "flow_ml_min", "stations"};
-    if (is_coronary) known.push_back("side");
+    known.push_back(is_coronary ? "side" : "tissue");
+    known.push_back("lumen");
     table.check_keys(known);
+    vessel.is_lumen = !table.has("lumen") || table["lumen"].truth();
+    if (table.has("tissue")) vessel.bed = tissue_of(table, vessel.is_lumen);
     if (table.has("parent")) vessel.parent = table.words("parent");
     given.replaces = table.has("replaces") && table["replaces"].truth();
     given.has_side = table.has("side");
@@ -226,7 +238,7 @@ GivenVessel read_vessel(const File &file, const TomlValue &value, bool is_corona
         vessel.bed =
             table["side"].one_of({"left", "right"}) == "left" ? Bed::left_coronary : Bed::right_coronary;
     if (table.has("flow_ml_min")) vessel.flow_ml_min = table.sourced("flow_ml_min", FLOW_ML_MIN);
-    vessel.stations = course_of(table, read_stations(file, table, is_coronary));
+    vessel.stations = course_of(table, read_stations(file, table, is_coronary, vessel.is_lumen));
     return given;
 }
 

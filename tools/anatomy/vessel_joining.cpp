@@ -128,6 +128,17 @@ void check_begins_in_parent(const TreeDraft &draft, const GivenVessel &given, co
              "': its first station must lie inside");
 }
 
+/* A lumen needs its parent's lumen. */
+void check_lumen(const TreeDraft &draft, const GivenVessel &given)
+{
+    if (given.vessel.parent.empty() && !given.vessel.is_lumen)
+        fail(given.place, given.vessel.name, "blood enters here, so it needs a lumen: leave out 'lumen'");
+    if (given.vessel.parent.empty() || !given.vessel.is_lumen) return;
+    if (!draft.vessels[index_of(draft.vessels, given.vessel.parent)].vessel.is_lumen)
+        fail(given.place, given.vessel.name,
+             "its parent '" + given.vessel.parent + "' has lumen = false: write lumen = false here, too");
+}
+
 void set_entry(const GivenEntry &entry, VesselTree &tree)
 {
     const std::vector<Vessel> vessels = body_vessels(tree);
@@ -187,6 +198,11 @@ VesselTree tree_of(TreeDraft draft, const std::string &file)
     tree.coronary_fillet_mm = draft.coronary_fillet_mm.value_or(0.0);
     for (const GivenVessel &given : draft.vessels) {
         check_begins_in_parent(draft, given, file);
+        check_lumen(draft, given);
+        if (!given.vessel.is_lumen) {
+            tree.small.push_back(given.vessel);
+            continue;
+        }
         tree.vessels.push_back(given.vessel);
         tree.coronary_count += given.is_coronary ? 1 : 0;
     }

@@ -17,7 +17,7 @@ struct Station {
     std::string source; // source of the diameter of a named station; "assumed ..." when there is none better
 };
 
-enum class Bed { body, left_coronary, right_coronary };
+enum class Bed { body, left_coronary, right_coronary, kidney, gut };
 
 struct Vessel {
     std::string name;
@@ -25,6 +25,7 @@ struct Vessel {
     Bed bed = Bed::body;
     std::vector<Station> stations; // at least two
     double flow_ml_min = 0;        // mean flow out of its end; 0: not stated
+    bool is_lumen = true;          // false: picture and flow only, and no part of the lumen
 };
 
 /* Describes a tree of vessels, with the point where a guidewire enters the tree from the introducer sheath.
@@ -36,7 +37,9 @@ struct VesselTree {
     bool is_in_patient = true;   // its frame is the modelled patient's; otherwise it is a phantom's own
     std::vector<Vessel> vessels; // the aorta or another inlet first, the coronary arteries last
     size_t coronary_count = 0;
-    double fillet_mm = 0;          // width over which vessels are blended at their junctions
+    std::vector<Vessel>
+        small;            // picture and flow only; each comes after its parent, which may be a vessel above
+    double fillet_mm = 0; // width over which vessels are blended at their junctions
     double coronary_fillet_mm = 0; // the same where coronary arteries meet each other
     Vec3 entry_position_mm = Vec3::Zero(), entry_direction = Vec3::Zero();
 };

@@ -8,6 +8,7 @@
 #include "tools/bake/fault.hpp"
 #include "tools/bake/form.hpp"
 #include "tools/bake/lesion.hpp"
+#include "tools/bake/small_vessels.hpp"
 
 #include <cmath>
 #include <optional>
@@ -86,6 +87,10 @@ try {
         for (Curve &line : read_centrelines(file, text.tree.placement)) lines.push_back(std::move(line));
     VesselTree tree = join_branches(lines, text.tree);
     report += branches_report(tree);
+    if (!text.tree.small.empty()) {
+        read_small_vessels(text.tree.small, tree);
+        report += formatted_line("small vessels     %zu, picture and flow only", tree.small.size());
+    }
     return tree;
 } catch (const Fault &fault) {
     if (!text.tree.is_of_lumen) throw Fault(text.file.string() + ": " + fault.what());
@@ -198,6 +203,7 @@ VesselTree in_reference(const Motion &motion, VesselTree tree)
         for (Eigen::Vector3d &point : points_m) point = 1e-3 * motion.to_reference_mm(1e3 * point);
     };
     for (VesselBranch &branch : tree.branches) carry(branch.points_m);
+    for (VesselBranch &vessel : tree.small) carry(vessel.points_m);
     for (VesselLesion &lesion : tree.lesions) carry(lesion.healthy_points_m);
     return tree;
 }
@@ -219,6 +225,7 @@ void check_files(const SceneText &text, const Options &options)
         inputs.push_back({"the lumen", file.string()});
     for (const std::filesystem::path &file : text.tree.centrelines)
         inputs.push_back({"the tree", file.string()});
+    inputs.push_back({"the small vessels", text.tree.small.string()});
     for (const BodyText &body : text.bodies) {
         if (!body.is_lumen && !body.is_marrow)
             inputs.push_back({"body '" + body.name + "'", body.mesh.file.string()});

@@ -133,17 +133,16 @@ Bytes lesions_section(const VesselTree &tree)
     return bytes;
 }
 
-Bytes tree_section(const VesselTree &tree)
+Bytes branches_section(const std::vector<VesselBranch> &branches, double flow_unit_ml_s)
 {
     Bytes bytes;
     std::uint32_t points = 0;
-    for (const VesselBranch &branch : tree.branches)
-        points += static_cast<std::uint32_t>(branch.points_m.size());
-    put_u32(bytes, static_cast<std::uint32_t>(tree.branches.size()));
+    for (const VesselBranch &branch : branches) points += static_cast<std::uint32_t>(branch.points_m.size());
+    put_u32(bytes, static_cast<std::uint32_t>(branches.size()));
     put_u32(bytes, points);
     bytes.resize(CRN_SCENE_TREE_HEADER_BYTES);
     std::uint32_t first = 0;
-    for (const VesselBranch &branch : tree.branches) {
+    for (const VesselBranch &branch : branches) {
         const auto count = static_cast<std::uint32_t>(branch.points_m.size());
         put_text(bytes, branch.name, CRN_SCENE_BRANCH_NAME_BYTES);
         put_u32(bytes, static_cast<std::uint32_t>(branch.parent));
@@ -151,11 +150,12 @@ Bytes tree_section(const VesselTree &tree)
         put_u32(bytes, first);
         put_u32(bytes, count);
         put_u32(bytes, static_cast<std::uint32_t>(branch.bed));
-        put_u32(bytes, static_cast<std::uint32_t>(std::lround(branch.flow_ml_s * 1e3)));
-        bytes.resize(bytes.size() + 8);
+        put_u32(bytes, static_cast<std::uint32_t>(std::lround(branch.flow_ml_s / flow_unit_ml_s)));
+        put_u32(bytes, branch.is_vein ? CRN_SCENE_BRANCH_IS_VEIN : 0);
+        bytes.resize(bytes.size() + 4);
         first += count;
     }
-    for (const VesselBranch &branch : tree.branches)
+    for (const VesselBranch &branch : branches)
         for (std::size_t i = 0; i < branch.points_m.size(); ++i)
             put_tree_point(bytes, branch.points_m[i], branch.radii_m[i]);
     return bytes;
@@ -216,7 +216,8 @@ Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, 
 {
     std::vector<std::pair<crn_scene_section, Bytes>> sections{{CRN_SCENE_META, meta_section(text)}};
     for (const BakedBody &body : bodies) sections.emplace_back(CRN_SCENE_BODY, body_section(body));
-    if (!tree.branches.empty()) sections.emplace_back(CRN_SCENE_TREE, tree_section(tree));
+    if (!tree.branches.empty()) sections.emplace_back(CRN_SCENE_TREE, branches_section(tree.branches, 1e-3));
+    if (!tree.small.empty()) sections.emplace_back(CRN_SCENE_SMALL, branches_section(tree.small, 1e-6));
     if (!tree.lesions.empty()) sections.emplace_back(CRN_SCENE_LESIONS, lesions_section(tree));
     if (!scene.empty()) sections.emplace_back(CRN_SCENE_PARTNER, partner_section(scene));
     return sealed(CRN_SCENE_KIND_BODIES, sections, text.file.string());

@@ -196,7 +196,7 @@ LumenText lumen_of(const Table &t)
 TreeText tree_of(const Table &t)
 {
     t.check_keys({"centrelines", "axes", "scale", "rotate_deg", "offset_mm", "inlet", "inlet_end",
-                  "flow_ml_min", "left_coronary", "right_coronary"});
+                  "flow_ml_min", "left_coronary", "right_coronary", "small"});
     TreeText tree;
     tree.centrelines = centrelines_of(t);
     tree.placement = placement_of(t);
@@ -204,6 +204,7 @@ TreeText tree_of(const Table &t)
     tree.inlet_is_last = is_last(t, "inlet_end", "first");
     tree.left_coronary = t.texts("left_coronary");
     tree.right_coronary = t.texts("right_coronary");
+    if (t.has("small")) tree.small = t.resolve(t["small"]);
     if (!t.has("flow_ml_min")) return tree;
     if (!t["flow_ml_min"].is_table())
         t["flow_ml_min"].fail_key("must be a table, like { right_renal_artery = 500 }");

@@ -65,6 +65,7 @@ struct TreeText {
     bool inlet_is_last = false;
     std::map<std::string, double> flow_ml_min; // mean flow out of that branch
     std::vector<std::string> left_coronary, right_coronary;
+    std::filesystem::path small; // table of vessels that are picture and flow only; empty: none
 };
 
 // Names the mesh files that show the frames of a lumen that moves (docs/heart.md).

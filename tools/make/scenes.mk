@@ -127,7 +127,7 @@ $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake $(VESS
 	@$(BUILD)/bin/bake $(BUILD)/anatomy/access/scene.toml -o $(ACCESS) --surface $(ACCESS:.scene=.ply) $(ACCESS_CHECKS)
 
 ##@ For trainees: procedures on film (minutes)
-.PHONY: cases coronary coronary-real real-patient demo-pci
+.PHONY: cases coronary coronary-real real-patient demo-pci timi
 TOOLS = cournand bake anatomy centreline
 cases: ## build all programs that cases need, and list the cases (docs/cases.md)
 cases: packages-build+tools
@@ -139,6 +139,11 @@ coronary: packages-build+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	$(again) $(CORONARY_OUT)
 	@echo "Written: $(CORONARY_OUT)"
+
+timi: ## frame counts of the shipped heart, and the orders of its arteries (docs/contrast.md)
+timi: packages-build+tools
+	$(call build,release,run$(comma)tools,timi)
+	@$(BUILD)/bin/timi
 
 coronary-real: ## the same in an artery of the Human Reference Atlas (needs ../shared/anatomy)
 coronary-real: packages-build+tools

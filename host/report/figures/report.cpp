@@ -111,13 +111,19 @@ nlohmann::ordered_json contrast_report(const PatientContrast &contrast)
 {
     const ContrastFlow &flow = contrast.flow();
     const IodineBudget &budget = flow.budget();
-    const double lost_mg = budget.injected_mg - flow.held_mg() - budget.out_mg - budget.reflux_mg;
+    const DistalIodine distal = flow.distal().iodine();
+    const double lost_mg =
+        budget.injected_mg - flow.held_mg() - flow.distal().held_mg() - distal.gone_mg - budget.reflux_mg;
     const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
     return {{"injected_ml", contrast.injected_ml()},
             {"iodine_injected_mg", budget.injected_mg},
             {"iodine_in_vessels_mg", flow.held_mg()},
             {"iodine_out_mg", budget.out_mg},
             {"iodine_reflux_mg", budget.reflux_mg},
+            {"iodine_small_vessels_mg", distal.small_mg},
+            {"iodine_beds_mg", distal.beds_mg},
+            {"iodine_veins_mg", distal.veins_mg},
+            {"iodine_gone_mg", distal.gone_mg},
             {"iodine_error", ratio(std::fabs(lost_mg), budget.injected_mg)},
             {"branches", branches_report(contrast)},
             {"cells", flow.cells().size()}};

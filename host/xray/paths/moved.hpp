@@ -56,7 +56,11 @@ struct SweptPoint {
 // have hundreds of curves.
 struct SweptCurve {
     Material material = Material::steel;
-    std::vector<SweptPoint> points; // two at least; a curve that is not finite is left out
+    // At least one; a curve that is not finite is left out. A curve with a single point is a soft ball of
+    // contrast medium (tube_faint.hpp): the point's radius is the ball's, and its share that of the ball's
+    // middle.
+    std::vector<SweptPoint> points;
+    bool is_fine = false; // contrast medium in a small vessel, drawn as a line of about a pixel
 };
 
 // Returns the volume fraction of iohexol 350 in blood that contains the given concentration of iodine.

@@ -85,6 +85,10 @@ struct ToolPaths {
     std::vector<std::int32_t> narrow_entry; // of each entry: its index in narrow_q10mm, -1 for none
     std::vector<std::int32_t> narrow_q10mm; // [narrow entry][material][ray]
 
+    // Path length of undiluted contrast medium in vessels finer than a pixel and in tissue, mm, of each
+    // pixel; empty: none. It is short everywhere, and is no part of the entries.
+    std::vector<float> haze_mm;
+
     // Working data of the painter: all touched pixels of a row are in these columns.
     struct Columns {
         int begin, end;

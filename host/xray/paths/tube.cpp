@@ -1,6 +1,7 @@
 // Converts the tools' common centreline and the curves of struts and contrast medium to short cylinders,
 // which are cut by bisecting planes where they meet.
 #include "host/xray/paths/tube.hpp"
+#include "host/xray/paths/tube_faint.hpp"
 #include "host/xray/paths/tube_painter.hpp"
 #include <algorithm>
 #include <cmath>
@@ -205,9 +206,16 @@ std::vector<Point> to_camera(const SweptCurve &curve, const View &view)
 }
 
 // The pieces of a conical curve are drawn as cylinders of equal volume.
-void draw_curve(TubePainter &painter, const SweptCurve &curve, const View &view)
+void draw_curve(TubePainter &painter, FaintMedium &faint, const SweptCurve &curve, const View &view)
 {
     const std::vector<Point> points = to_camera(curve, view);
+    if (curve.points.size() == 1 && !points.empty())
+        faint.ball(points[0].at_mm, points[0].radius_mm, points[0].share);
+    for (std::size_t i = 0; curve.is_fine && i + 1 < points.size(); ++i)
+        faint.line(points[i].at_mm, points[i + 1].at_mm,
+                   0.5 * (points[i].radius_mm + points[i + 1].radius_mm),
+                   0.5 * (points[i].share + points[i + 1].share));
+    if (curve.is_fine) return;
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         TubePiece piece = piece_between(points, i);
         const double from = std::max(points[i].radius_mm, 0.0), to = std::max(points[i + 1].radius_mm, 0.0);
@@ -250,20 +258,22 @@ void end_sums(TubeLabels &labels, const LabelledCurves &run)
     labels.summed.clear();
 }
 
-void draw_curves(TubePainter &painter, const XrayFrame &frame, const View &view)
+void draw_curves(TubePainter &painter, const XrayFrame &frame, const View &view, std::vector<float> &haze_mm)
 {
+    FaintMedium faint(view);
     std::span<const SweptCurve> rest = frame.curves;
     if (frame.labels != nullptr)
         for (const LabelledCurves &run : frame.labels->curves) {
             const std::size_t count = std::min(run.count, rest.size());
             const bool is_summed = run.sum_min_q10mm > 0;
             painter.label(frame.labels, run.bit, is_summed);
-            for (const SweptCurve &curve : rest.first(count)) draw_curve(painter, curve, view);
+            for (const SweptCurve &curve : rest.first(count)) draw_curve(painter, faint, curve, view);
             if (is_summed) end_sums(*frame.labels, run);
             rest = rest.subspan(count);
         }
     painter.label(nullptr, 0, false);
-    for (const SweptCurve &curve : rest) draw_curve(painter, curve, view);
+    for (const SweptCurve &curve : rest) draw_curve(painter, faint, curve, view);
+    faint.finish(haze_mm);
 }
 
 } // namespace
@@ -277,7 +287,7 @@ void draw_tubes(const XrayFrame &frame, const View &view, Material displaced, To
     if (frame.labels != nullptr) begin_labels(*frame.labels, view.size);
     TubePainter painter(view, materials, displaced, paths);
     draw_line(painter, frame, view);
-    draw_curves(painter, frame, view);
+    draw_curves(painter, frame, view, paths.haze_mm);
     painter.finish();
 }
 

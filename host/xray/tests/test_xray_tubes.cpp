@@ -249,6 +249,33 @@ static void many_curves_add_up(void **)
                     1e-6);
 }
 
+// A line of a small vessel and a soft ball near the isocentre hold as much medium as the vessel and the ball:
+// pi r^2 times length, and 5 pi^2 / 64 R^3, each times the share. Lengths in a plane through the isocentre; 1
+// % is the depth of the ball.
+static void small_vessels_and_soft_balls_hold_their_medium(void **)
+{
+    const WireFrame wire;
+    const View view = make_view(zoomed(0.15), 512);
+    const double pixel_mm = view.pixel_m * 1e3 * view.source_isocentre_m / view.source_detector_m;
+    const auto held_mm3 = [&](const SweptCurve &curve) {
+        const std::vector<SweptCurve> one = {curve};
+        const ToolPaths paths = tubes({{}, wire, one}, view);
+        assert_true(paths.pixels.empty());
+        double sum = 0.0;
+        for (float length_mm : paths.haze_mm) sum += static_cast<double>(length_mm);
+        return sum * pixel_mm * pixel_mm;
+    };
+    SweptCurve vessel{
+        Material::iohexol_350, {{{-0.01, 0, 0}, 2e-4, 0.5}, {{0.02, 0.01, 0}, 2e-4, 0.5}}, true};
+    const double vessel_mm3 = pi * 0.2 * 0.2 * std::hypot(30.0, 10.0) * 0.5;
+    const SweptCurve ball{Material::iohexol_350, {{{0.01, 0, 0}, 8e-3, 0.1}}};
+    const double ball_mm3 = 5.0 * pi * pi / 64.0 * 8.0 * 8.0 * 8.0 * 0.1;
+    std::printf("# vessel %.4f of %.4f mm3, ball %.3f of %.3f mm3\n", held_mm3(vessel), vessel_mm3,
+                held_mm3(ball), ball_mm3);
+    assert_true(std::fabs(held_mm3(vessel) - vessel_mm3) < 1e-3 * vessel_mm3);
+    assert_true(std::fabs(held_mm3(ball) - ball_mm3) < 0.01 * ball_mm3);
+}
+
 // Returns the pixels whose rays meet a material of the frame, or whose sum of path lengths in iohexol is at
 // least `sum_min`.
 static std::vector<std::uint8_t> met_alone(const XrayFrame &frame, const View &view, std::int64_t sum_min)
@@ -384,6 +411,7 @@ int main()
         cmocka_unit_test(struts_thinner_than_the_rays_are_apart_lose_nothing),
         cmocka_unit_test(wire_in_contrast_displaces_iodine_and_blood),
         cmocka_unit_test(many_curves_add_up),
+        cmocka_unit_test(small_vessels_and_soft_balls_hold_their_medium),
         cmocka_unit_test(labels_are_those_of_each_kind_alone),
         cmocka_unit_test(broken_and_awkward_curves_do_no_harm),
         cmocka_unit_test(curves_are_seen_in_the_picture),

@@ -43,6 +43,16 @@ static void walk_branch(const crn_scene *scene, uint32_t index, const uint8_t *e
             branch.points + CRN_SCENE_TREE_POINT_BYTES * (size_t)branch.point_count <= end);
 }
 
+static void walk_small(const crn_scene *scene, uint32_t index, const uint8_t *end)
+{
+    crn_scene_branch_view vessel = crn_scene_small(scene, index);
+    promise(strlen(vessel.name) < CRN_SCENE_BRANCH_NAME_BYTES && vessel.bed < CRN_SCENE_BED_COUNT);
+    promise(vessel.parent < (int32_t)(scene->branch_count + index));
+    promise(vessel.parent >= 0 || (vessel.flags & CRN_SCENE_BRANCH_IS_VEIN) != 0);
+    promise(vessel.point_count >= 2 &&
+            vessel.points + CRN_SCENE_TREE_POINT_BYTES * (size_t)vessel.point_count <= end);
+}
+
 static void walk_lesion(const crn_scene *scene, uint32_t index, const uint8_t *end)
 {
     crn_scene_lesion_view lesion = crn_scene_lesion(scene, index);
@@ -104,6 +114,7 @@ static void walk(const crn_scene *scene, const uint8_t *end)
             promise(crn_scene_u32(body.triangles + 4 * k) < body.vertex_count);
     }
     for (uint32_t i = 0; i < scene->branch_count; i++) walk_branch(scene, i, end);
+    for (uint32_t i = 0; i < scene->small_count; i++) walk_small(scene, i, end);
     for (uint32_t i = 0; i < scene->lesion_count; i++) walk_lesion(scene, i, end);
 }
 

@@ -178,8 +178,10 @@ int check(const std::filesystem::path &folder)
  * separate the values of a line, so that scripts can read the lines. */
 int list(const VesselTree &tree)
 {
+    std::vector<Vessel> vessels = tree.vessels;
+    vessels.insert(vessels.end(), tree.small.begin(), tree.small.end());
     std::printf("vessel\tstation\tdiameter_mm\tx_mm\ty_mm\tz_mm\ttangent_x\ttangent_y\ttangent_z\tsource\n");
-    for (const Vessel &vessel : tree.vessels) {
+    for (const Vessel &vessel : vessels) {
         const Curve curve = vessel_curve(vessel, 1.0);
         for (const Station &station : vessel.stations) {
             if (station.name.empty()) continue;

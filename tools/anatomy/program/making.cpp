@@ -9,6 +9,7 @@
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/anatomy/small/small_tree.hpp"
 #include "tools/anatomy/varied/persons.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>
@@ -116,6 +117,20 @@ void make_bodies(const Options &options, const std::vector<Body> &bodies, const 
     });
 }
 
+/* Returns the vessels that are picture and flow only, with those of the shipped patient, at the scale of the
+ * output. */
+static std::vector<SmallVessel> small_vessels(const Options &options, VesselTree tree)
+{
+    if (tree.is_in_patient) add_trunk_branches(tree);
+    std::vector<SmallVessel> vessels = small_vessels_of(tree);
+    for (SmallVessel &vessel : vessels)
+        for (CurvePoint &point : vessel.points) {
+            point.position_mm *= options.scale;
+            point.radius_mm *= options.scale;
+        }
+    return vessels;
+}
+
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
                 const Keep &keep)
 {
@@ -132,10 +147,15 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
     });
     for (const Vessel &vessel : written.vessels)
         write_centreline(options.folder / (file_stem(vessel.name) + ".mrk.json"), vessel);
-    write_scene(options.folder / "scene.toml", written, bodies, lesions);
-    std::printf("%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines\n",
-                (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total,
-                tree.vessels.size());
+    const std::vector<SmallVessel> small = small_vessels(options, tree);
+    const char *small_file = small.empty() ? "" : "small_vessels.csv";
+    if (!small.empty())
+        crn::write_whole_file((options.folder / small_file).string(), small_vessels_text(small));
+    write_scene(options.folder / "scene.toml", written, bodies, lesions, small_file);
+    std::printf(
+        "%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines, %zu small vessels\n",
+        (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total, tree.vessels.size(),
+        small.size());
 }
 
 std::vector<Body> no_bodies(const VesselTree &, const Fineness &)

@@ -408,7 +408,7 @@ class Drawing
      * Kassab, 2009). An artery that ends in its branches has no flow of its own. */
     void share_flow()
     {
-        const double total_ml_min = chance_.normal(146, 25);
+        const double total_ml_min = chance_.normal(186, 31);
         std::vector<double> weights;
         double sum = 0;
         for (const CoronaryArtery &one : drawn_.arteries) {

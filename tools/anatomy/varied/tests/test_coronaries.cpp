@@ -210,7 +210,7 @@ void the_flow_at_rest_is_shared_among_the_ends(void **)
             if (artery.name == "LCX")
                 assert_int_equal(artery.flow_ml_min > 0, drawn.dominance == Dominance::right);
         }
-        assert_true(sum_ml_min > 146 - 51 && sum_ml_min < 146 + 51); // two deviations of 25, and rounding
+        assert_true(sum_ml_min > 186 - 63 && sum_ml_min < 186 + 63); // two deviations of 31, and rounding
     }
 }
 

@@ -1,0 +1,31 @@
+/* Makes all vessels of an anatomy that are picture and flow only: those that files state, the arteries grown
+ * into heart and kidneys, and the veins of both, and the table of them that `bake` reads (docs/scene.md). */
+#pragma once
+#include "tools/anatomy/vessels.hpp"
+
+namespace anatomy
+{
+
+struct SmallVessel {
+    std::string name;   // of a grown vessel: a number
+    std::string parent; // "": a vein that leaves the simulation
+    Bed bed = Bed::body;
+    bool is_vein = false;
+    double flow_ul_s = 0; // out of its end; 0: not stated
+    Curve points;
+};
+
+/* Adds the shipped arteries of gut, trunk and pelvis (trunk_branches.toml) to a tree in the patient's frame.
+ * Each one is moved to its parent's centreline; where the tree lacks the parent, it is left out. */
+void add_trunk_branches(VesselTree &tree);
+
+/* Returns the small vessels in an order in which each one comes after its parent. */
+std::vector<SmallVessel> small_vessels_of(const VesselTree &tree);
+
+/* Returns the arteries of the heart below the given coronary arteries, and the numbers of their ends. */
+std::vector<SmallVessel> grown_heart_arteries(const VesselTree &tree);
+
+/* Returns the table that `bake` reads. */
+std::string small_vessels_text(const std::vector<SmallVessel> &vessels);
+
+} // namespace anatomy

@@ -1,0 +1,118 @@
+// These tests compare frame counts of the shipped heart with those of 78 normal arteries (Gibson et al.,
+// Circulation 1996;93:879), and check the balance of iodine with all small vessels.
+#include "tools/anatomy/small/small_tree.hpp"
+#include "tools/anatomy/vessel_file.hpp"
+#include "tools/timi/flow_tree.hpp"
+#include "tools/timi/strahler.hpp"
+#include "tools/timi/timi.hpp"
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace anatomy;
+
+namespace
+{
+
+const crn::VesselTree &heart_tree()
+{
+    static const crn::VesselTree tree = [] {
+        VesselTree heart = shipped_vessels("heart");
+        add_trunk_branches(heart);
+        return flow_tree(heart);
+    }();
+    return tree;
+}
+
+// Each of the three arteries within one published standard deviation.
+void frame_counts_are_those_of_normal_arteries(void **)
+{
+    for (const TimiArtery &artery : timi_arteries()) {
+        const double frames = timi_mean_frames(heart_tree(), artery, {});
+        print_message("%s: %.1f frames, published %.1f +- %.1f\n", artery.name.c_str(), frames, artery.mean,
+                      artery.deviation);
+        assert_true(std::fabs(frames - artery.mean) <= artery.deviation);
+    }
+}
+
+// Published: 4.16 +- 0.72 s, 16 controls.
+void the_coronary_sinus_fills_when_it_should(void **)
+{
+    const double seconds = coronary_sinus_s(heart_tree());
+    print_message("coronary sinus after %.2f s, published 4.16 +- 0.72 s\n", seconds);
+    assert_true(std::fabs(seconds - 4.16) <= 0.72);
+}
+
+// In patients, a faster injection changes the count by at most 2 frames.
+void the_speed_of_the_injection_hardly_matters(void **)
+{
+    for (const TimiArtery &artery : timi_arteries()) {
+        const double usual = timi_mean_frames(heart_tree(), artery, {}),
+                     faster = timi_mean_frames(heart_tree(), artery, {.speed = 1.4});
+        print_message("%s: %.1f frames, injected 1.4 times as fast %.1f\n", artery.name.c_str(), usual,
+                      faster);
+        assert_true(std::fabs(faster - usual) <= 2.0);
+    }
+}
+
+// Diameters of Kassab's orders 7 to 11 of the LAD (pig 1993, from memory) within 25 %, and the ratios of
+// successive orders' diameters near his 1.8 and of their lengths near his 1.9.
+void orders_of_the_lad_are_those_of_morphometry(void **)
+{
+    constexpr double diameters_mm[] = {0.308, 0.462, 0.714, 1.573, 3.176};
+    const std::vector<StrahlerOrder> orders = strahler_orders(heart_tree(), "LAD", 7);
+    assert_int_equal(orders.size(), 5);
+    for (size_t i = 0; i < orders.size(); i++) {
+        print_message("order %d: %zu elements, %.2f mm, Kassab %.2f, %.1f mm long\n", orders[i].order,
+                      orders[i].elements, orders[i].diameter_mm, diameters_mm[i], orders[i].length_mm);
+        assert_true(std::fabs(orders[i].diameter_mm / diameters_mm[i] - 1.0) < 0.25);
+    }
+    const double wider = std::pow(orders[4].diameter_mm / orders[0].diameter_mm, 0.25),
+                 longer = std::pow(orders[3].length_mm / orders[0].length_mm, 1.0 / 3.0);
+    print_message("one order more: %.2f times as wide, %.2f times as long\n", wider, longer);
+    assert_true(std::fabs(wider - 1.8) < 0.3 && std::fabs(longer - 1.9) < 0.4);
+}
+
+// 12 s of beats with an injection of 6 ml; small vessels, beds and veins hold what has left the lumen.
+void iodine_is_conserved_with_all_small_vessels(void **)
+{
+    crn::ContrastFlow flow(heart_tree());
+    const crn::CatheterMouth mouth{flow.cells().middle_m(flow.cells().branch_begin(0)), 1.0};
+    size_t left_main = 0;
+    while (heart_tree().branches[left_main].name != "LM") left_main++;
+    const crn::CatheterMouth in_left{flow.cells().middle_m(flow.cells().branch_begin(left_main) + 1), 1.0};
+    for (int ms = 0; ms < 12000; ms++) {
+        const crn::CatheterMouth now = ms < 2000 ? in_left : mouth;
+        if (ms % 40 == 0) flow.set_mouths({&now, 1});
+        const bool injects = ms < 2000 || (ms >= 6000 && ms < 6200);
+        flow.step(crn::flow_drive(crn::steady_beat(static_cast<std::uint32_t>(ms), 70)),
+                  {injects ? 3.0 : 0.0, 350.0});
+    }
+    const crn::IodineBudget &budget = flow.budget();
+    const crn::DistalIodine distal = flow.distal().iodine();
+    print_message(
+        "injected %.1f mg: lumen %.3f, small vessels %.3f, beds %.3f, veins %.3f, gone %.3f, back %.3f\n",
+        budget.injected_mg, flow.held_mg(), distal.small_mg, distal.beds_mg, distal.veins_mg, distal.gone_mg,
+        budget.reflux_mg);
+    const double sum = flow.held_mg() + distal.small_mg + distal.beds_mg + distal.veins_mg + distal.gone_mg +
+                       budget.reflux_mg;
+    assert_true(std::fabs(sum - budget.injected_mg) < 1e-9 * budget.injected_mg);
+    assert_true(distal.gone_mg > 0.05 * budget.injected_mg && distal.veins_mg > 0.0);
+}
+
+} // namespace
+
+int main()
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(frame_counts_are_those_of_normal_arteries),
+                                       cmocka_unit_test(the_coronary_sinus_fills_when_it_should),
+                                       cmocka_unit_test(the_speed_of_the_injection_hardly_matters),
+                                       cmocka_unit_test(orders_of_the_lad_are_those_of_morphometry),
+                                       cmocka_unit_test(iodine_is_conserved_with_all_small_vessels)};
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
