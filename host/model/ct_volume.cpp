@@ -10,6 +10,7 @@
 #include "shared/wire/wire_frame.h"
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>

@@ -313,6 +313,43 @@ static void a_volume_reads_back_as_written_and_a_damaged_one_is_refused(void **)
     fs::remove(path);
 }
 
+// The checksums of these files are right.
+static void a_volume_beyond_the_limits_is_refused(void **)
+{
+    namespace fs = std::filesystem;
+    const std::string path =
+        (fs::temp_directory_path() / ("crn-limits-" + std::to_string(getpid()) + ".ct")).string();
+    const CtVolume good = air_volume({8, 9, 10}, {0.7, 2.5, 0.7});
+    const auto is_refused = [&](const CtVolume &volume, const char *cause) {
+        write_ct_volume(path, volume);
+        CtVolume read;
+        std::string error;
+        assert_false(read_ct_volume(path, read, error));
+        if (!std::strstr(error.c_str(), cause)) fail_msg("no '%s' in: %s", cause, error.c_str());
+        assert_true(read.permille.empty());
+    };
+    CtVolume volume = good;
+    volume.size[1] = ct_size_max + 1;
+    is_refused(volume, "voxels along y; 2 to 1024");
+    volume = good;
+    volume.size = {1024, 1024, 1024};
+    volume.spacing_mm.setConstant(0.5);
+    is_refused(volume, "more than 536870912");
+    volume = good;
+    volume.size[2] = 9;
+    is_refused(volume, "not as long as its head states");
+    volume = good;
+    volume.spacing_mm.z() = std::nan("");
+    is_refused(volume, "mm along z; 0.01 to 10");
+    volume = good;
+    volume.first_mm.x() = 2000.0;
+    is_refused(volume, "farther than 2 m from the origin along x");
+    volume = good;
+    volume.permille.back() = ct_permille_max + 1;
+    is_refused(volume, "brighter than 7191 HU");
+    fs::remove(path);
+}
+
 int main()
 {
     const CMUnitTest tests[] = {
@@ -324,6 +361,7 @@ int main()
         cmocka_unit_test(a_kept_view_is_not_cast_again_and_a_guidewire_lies_over_it),
         cmocka_unit_test(fewer_rays_than_pixels_give_nearly_the_same_lengths),
         cmocka_unit_test(a_volume_reads_back_as_written_and_a_damaged_one_is_refused),
+        cmocka_unit_test(a_volume_beyond_the_limits_is_refused),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

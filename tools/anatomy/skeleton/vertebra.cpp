@@ -22,7 +22,7 @@ struct Builder {
     double back() const { return -0.5 * v.depth_mm; }
     double pedicle_x() const { return 0.5 * (level.canal_width_mm + level.pedicle_width_mm); }
     double pedicle_y() const { return 0.5 * v.height_mm - 0.5 * level.pedicle_height_mm - 0.5; }
-    double lamina_half_mm() const { return 2.9 + 0.4 * lumbar; } // 7 mm thick: Egwu 2019
+    double lamina_half_mm() const { return 2.9 + 0.4 * lumbar; } // Egwu 2019: 7 mm thick; assumed less
     /* Returns the middle of the lamina, behind the canal. */
     double arch() const { return back() - level.canal_depth_mm - lamina_half_mm(); }
     Vec3 pedicle_end(double s) const

@@ -90,14 +90,16 @@ Person drawn_body(std::uint64_t seed, const PersonWish &wish)
     const double bmi = std::clamp(chance_of(seed, Stream::weight).normal(BMI_MEAN, BMI_SD), 18.0, 36.0);
     person.weight_kg = wish.weight_kg.value_or(to_unit(bmi * person.height_m * person.height_m, 1));
     refuse_size(person, wish);
+    // Chance multiplies what is usual for the age by a factor around 1.
+    const SkeletonShape usual = usual_skeleton(person.sex, person.age_years, 1.0);
     const double over = std::clamp((person.age_years - 40) / 45, 0.0, 1.0); // 0 at 40, 1 at 85 years
     person.wall_calcium = wish.calcium.value_or(
         to_unit(std::clamp(over * chance_of(seed, Stream::calcium).uniform(0.2, 1.3), 0.0, 1.0), 0.01));
-    person.osteophytes =
-        to_unit(std::clamp(over * chance_of(seed, Stream::osteophytes).uniform(0.3, 1.3), 0.0, 1.0), 0.01);
+    person.osteophytes = to_unit(
+        std::clamp(usual.osteophytes * chance_of(seed, Stream::osteophytes).uniform(0.4, 1.6), 0.0, 1.0),
+        0.01);
     person.cartilage_calcium = to_unit(
-        std::clamp((person.age_years - 25) / 70 * chance_of(seed, Stream::cartilage).uniform(0.5, 1.4), 0.0,
-                   1.0),
+        std::clamp(usual.cartilage_calcium * chance_of(seed, Stream::cartilage).uniform(0.5, 1.5), 0.0, 1.0),
         0.01);
     person.gas = to_unit(chance_of(seed, Stream::gas).uniform(0.75, 1.1), 0.01);
     person.seed = 1 + static_cast<std::uint32_t>(chance_of(seed, Stream::bowel).uniform(0, 1e9));

@@ -99,14 +99,14 @@ def check_refusals(report, folder, address):
 
 def check_list(report):
     faults = []
-    for patient, ending in (("male", ""),):
+    for patient, ending in (("male", ""), ("female", "_female")):
         with open(os.path.join(ROOT, "shared/examples/real_patient%s.toml" % ending), encoding="utf-8") as file:
             used = set(re.findall(r'"data:([^"]+)"', file.read()))
         sources = real_patient.sources_of(patient)
         listed = {source["folder"] + "/" + entry["name"] for source in sources for entry in source["file"]}
         faults += ["%s: %s is used, not listed" % (patient, name) for name in sorted(used - listed)]
         faults += [source["folder"] for source in sources if not (source["licence"] and source["credit"])]
-    report.check("the list names every file of the scene, with licence and credit", faults)
+    report.check("the list names every file of both patients, with licence and credit", faults)
 
 
 def main():

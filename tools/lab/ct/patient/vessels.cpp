@@ -131,6 +131,10 @@ bake::Mesh lumen_of(const Volume &level)
 {
     bake::Mesh mesh = surface_of(level, "lumen");
     mesh::drop_small_pieces(mesh.vertices_mm, mesh.triangles, 0, 0.5);
+    if (mesh.triangles.empty())
+        throw Fault(level.name +
+                    ": no lumen remains of the label map's arteries: they are thinner than two voxels, or in "
+                    "scattered pieces; segment again");
     return mesh;
 }
 

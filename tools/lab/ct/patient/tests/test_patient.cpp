@@ -252,6 +252,17 @@ static void every_order_of_voxels_becomes_that_of_the_patient(void **)
     assert_names(refused, "resample it");
 }
 
+static void arteries_that_vanish_are_named(void **)
+{
+    std::string refused;
+    try {
+        lumen_of(cta().scan.like(1)); // outside everywhere
+    } catch (const Fault &fault) {
+        refused = fault.what();
+    }
+    assert_names(refused, "no lumen remains");
+}
+
 static void a_label_map_needs_the_scans_grid_names_and_an_aorta(void **)
 {
     const tests::Folder folder("patient");
@@ -307,6 +318,7 @@ int main()
         cmocka_unit_test(scans_that_cannot_serve_are_named),
         cmocka_unit_test(every_order_of_voxels_becomes_that_of_the_patient),
         cmocka_unit_test(a_nifti_file_with_a_rescale_offset_is_read),
+        cmocka_unit_test(arteries_that_vanish_are_named),
         cmocka_unit_test(a_label_map_needs_the_scans_grid_names_and_an_aorta),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
