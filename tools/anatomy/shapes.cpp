@@ -142,7 +142,9 @@ double Tube::distance(const Vec3 &point) const
             const double radius = is_round_ ? segment.radius_mm + t * segment.radius_change_mm : 0.0;
             const double limit = best + radius; // the root is taken only for nearer segments
             if (limit <= 0.0 || squared >= limit * limit) continue;
-            best = std::sqrt(squared) - radius;
+            // The radius is subtracted in two steps, so that the last bits of the lumen stay what they were.
+            best = is_round_ ? std::sqrt(squared) - segment.radius_mm - t * segment.radius_change_mm
+                             : std::sqrt(squared);
             best_t = t;
             nearest = &segment;
         }
