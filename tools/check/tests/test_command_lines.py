@@ -34,6 +34,7 @@ OUTPUT_CASES = {
     "anatomy phantom": ["-o", "fine"],
     "anatomy access": ["-o", "fine"],
     "anatomy heart": ["-o", "fine"],
+    "anatomy person": ["--seed", "7", "-o", "fine"],
     "anatomy beat": "./gone.ply --left 1 0 0 --right 0 1 0 --apex 0 0 1 -o fine".split(),
     "anatomy draw": ["--seed", "7", "-o", "fine"],
     "bake": ["scene.toml", "-o", "fine.scene"],
