@@ -154,7 +154,7 @@ static void the_lumen_tree_and_entry_are_those_of_the_truth(void **)
     std::printf("# %.0f spheres: centreline off by %.3f mm, radius by %.2f %%\n", count, line_mm / count,
                 100 * radius_share / count);
     assert_true(count > 10);
-    assert_true(line_mm / count < 0.3);
+    assert_true(line_mm / count < 0.1); // three times the measured error; the goal is 0.3 mm
     assert_true(radius_share / count < 0.08);
     std::vector<std::string> names;
     for (const centreline::Branch &branch : tree.branches) names.push_back(branch.name);
