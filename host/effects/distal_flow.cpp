@@ -38,7 +38,7 @@ BedTransit bed_transit(VesselBed bed)
     case VesselBed::right_coronary:
         return {4.5, 3};
     case VesselBed::kidney:
-        return {4.0, 2};
+        return {4.0, 6};
     case VesselBed::gut:
         return {8.0, 2};
     case VesselBed::systemic:
