@@ -76,7 +76,7 @@ std::vector<Body> layer_bodies(const SoftShape &shape, const Solid &bones, doubl
     if (glands.is_empty()) return bodies;
     const LocalDistance outline = outline_distance(shape, bones);
     const LocalDistance gland = [=](const Box &box, double reach_mm) -> Distance {
-        constexpr double UNDER_SKIN_MM = 5.0, TO_FLESH_MM = 5.0;
+        constexpr double UNDER_SKIN_MM = 5.0, TO_FLESH_MM = 8.0;
         return [=, own = glands.near(box, reach_mm), around = outline(box, reach_mm + UNDER_SKIN_MM),
                 muscle = flesh(box, reach_mm + TO_FLESH_MM)](const Vec3 &p) {
             const double kept = smooth_max(own.distance(p), around(p) + UNDER_SKIN_MM, 4.0);
