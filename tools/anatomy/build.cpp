@@ -116,14 +116,13 @@ std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &finenes
     const double scale = fineness.body_scale;
     const SkeletonShape shape = skeleton_shape(person);
     const SoftShape soft = soft_shape(person);
-    const BoneGroup groups[] = {
-        {"spine", spine_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
-        {"ribs", rib_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
-        {"pelvis", pelvis_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-        {"femurs", femur_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM},
-        {"shoulders", shoulder_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-        {"head", head_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-        {"forearms", forearm_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM}};
+    const BoneGroup groups[] = {{"spine", spine_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
+                                {"ribs", rib_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
+                                {"pelvis", pelvis_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+                                {"femurs", femur_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM},
+                                {"shoulders", shoulder_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+                                {"head", head_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+                                {"forearms", forearm_bones(), 1.8, BONE_ERROR_MM, GRAIN_MM}};
     Solid bones;
     std::vector<Body> skeleton;
     for (const BoneGroup &group : groups) {

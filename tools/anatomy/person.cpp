@@ -7,7 +7,7 @@ namespace anatomy
 
 SkeletonShape skeleton_shape(const Person &person)
 {
-    return {person.sex, person.age_years, 1.0, person.osteophytes, person.cartilage_calcium};
+    return {person.sex, person.osteophytes, person.cartilage_calcium};
 }
 
 /* The fat under the skin grows in proportion to the body mass index above 13, at which hardly any is left. Of

@@ -35,7 +35,7 @@ struct Person {
     double scale() const { return height_m / SHIPPED_HEIGHT_M; }
 };
 
-/* Returns the shape of the bones in the shipped frame, before they are scaled. */
+/* Returns the shape of the bones in the shipped frame. */
 SkeletonShape skeleton_shape(const Person &person);
 SoftShape soft_shape(const Person &person);
 

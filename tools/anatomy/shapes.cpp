@@ -274,7 +274,7 @@ double Part::evaluate(const Vec3 &point, double cortex_scale) const
 
 double Part::distance(const Vec3 &point) const
 {
-    return scale_ * evaluate(point / scale_, 0.0);
+    return evaluate(point, 0.0);
 }
 
 double Part::marrow_distance(const Vec3 &point) const
@@ -282,38 +282,25 @@ double Part::marrow_distance(const Vec3 &point) const
     // Where two shapes of a bone are joined smoothly, the bone's shell may become thinner. The shell never
     // becomes thinner than SHELL_LEAST_MM, so that the marrow stays inside the bone.
     constexpr double SHELL_LEAST_MM = 0.7;
-    const Vec3 own = point / scale_;
-    const double inner = scale_ * evaluate(own, 1.0);
+    const double inner = evaluate(point, 1.0);
     constexpr double FAR_MM = 5.0; // so far from the surface of the marrow, only the sign matters
     if (std::abs(inner) > FAR_MM) return inner;
-    return std::max(inner, scale_ * evaluate(own, 0.0) + SHELL_LEAST_MM);
-}
-
-void Part::enlarge(double factor)
-{
-    scale_ *= factor;
-    bounds.low *= factor;
-    bounds.high *= factor;
+    return std::max(inner, evaluate(point, 0.0) + SHELL_LEAST_MM);
 }
 
 Part Part::near(const Box &box, double reach_mm) const
 {
     Part part(blend_mm);
-    part.scale_ = scale_;
-    const Box own_box{box.low / scale_, box.high / scale_}; // in the frame of the shapes
-    const double own_reach_mm = reach_mm / scale_;
     for (const auto &shape : added) {
-        const double reach = own_reach_mm + blend_mm + shape->cortex_mm;
-        if (shape->bounds.distance(own_box) > reach) continue;
-        const auto trimmed = shape->near(own_box, reach);
+        const double reach = reach_mm + blend_mm + shape->cortex_mm;
+        if (shape->bounds.distance(box) > reach) continue;
+        const auto trimmed = shape->near(box, reach);
         if (trimmed && trimmed->bounds.is_empty()) continue;
         part.added.push_back(trimmed ? trimmed : shape);
         part.bounds.include(part.added.back()->bounds);
     }
-    part.bounds.low *= scale_;
-    part.bounds.high *= scale_;
     for (const auto &shape : removed)
-        if (shape->bounds.distance(own_box) <= own_reach_mm) part.removed.push_back(shape);
+        if (shape->bounds.distance(box) <= reach_mm) part.removed.push_back(shape);
     return part;
 }
 
@@ -332,8 +319,7 @@ double Solid::distance(const Vec3 &point) const
 {
     double best = 1e9;
     for (const Part &part : parts_)
-        if (!part.bounds.is_beyond(point, best + part.margin_mm()))
-            best = std::min(best, part.distance(point));
+        if (!part.bounds.is_beyond(point, best + part.blend_mm)) best = std::min(best, part.distance(point));
     return best;
 }
 
@@ -341,18 +327,9 @@ double Solid::marrow_distance(const Vec3 &point) const
 {
     double best = 1e9;
     for (const Part &part : parts_)
-        if (!part.bounds.is_beyond(point, best + part.margin_mm()))
+        if (!part.bounds.is_beyond(point, best + part.blend_mm))
             best = std::min(best, part.marrow_distance(point));
     return best;
-}
-
-void Solid::enlarge(double factor)
-{
-    bounds = {};
-    for (Part &part : parts_) {
-        part.enlarge(factor);
-        bounds.include(part.bounds);
-    }
 }
 
 Solid Solid::near(const Box &box, double reach_mm) const
@@ -360,7 +337,7 @@ Solid Solid::near(const Box &box, double reach_mm) const
     Solid solid;
     solid.bounds = bounds;
     for (const Part &part : parts_) {
-        if (part.bounds.distance(box) > reach_mm + part.margin_mm()) continue;
+        if (part.bounds.distance(box) > reach_mm + part.blend_mm) continue;
         Part trimmed = part.near(box, reach_mm);
         if (!trimmed.added.empty()) solid.parts_.push_back(std::move(trimmed));
     }

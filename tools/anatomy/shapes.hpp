@@ -166,18 +166,13 @@ class Part
     /* Returns a copy of this part of a bone that takes less time to evaluate for points inside `box`. The
      * distance to the copy is correct wherever it is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
-    /* Enlarges the part about the origin of the patient frame, by a factor above 0. */
-    void enlarge(double factor);
-    /* Returns how far outside `bounds` the part may lie, where smooth joints bulge. */
-    double margin_mm() const { return scale_ * blend_mm; }
-    double blend_mm; // in the frame of the shapes
-    Box bounds;      // in the patient frame, as the part is after it was enlarged
+    double blend_mm; // smooth joints may bulge so far outside `bounds`
+    Box bounds;
     std::vector<std::shared_ptr<Shape>> added, removed;
     bool is_exact_inside = false; // for layers below the surface; rods added later have it too
 
   private:
     double evaluate(const Vec3 &point, double cortex_scale) const;
-    double scale_ = 1.0; // from the frame of the shapes to the patient frame
 };
 
 class Solid
@@ -188,7 +183,6 @@ class Solid
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
     Solid near(const Box &box, double reach_mm) const;
-    void enlarge(double factor); // about the origin of the patient frame
     bool is_empty() const { return parts_.empty(); }
     Box bounds;
 

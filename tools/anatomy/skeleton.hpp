@@ -11,19 +11,17 @@ namespace anatomy
 enum class Sex { man, woman };
 
 /* States what distinguishes the bones of one person from those of another. Without changes, it states the
- * shipped man. All bones are first made for a man 1.78 m tall in the shipped patient's frame, and are then
- * scaled about the origin of the frame. */
+ * shipped man. All bones are made for a man 1.78 m tall in the shipped patient's frame; the meshes of other
+ * persons are scaled afterwards. */
 struct SkeletonShape {
     Sex sex = Sex::man;
-    double age_years = 60.0;
-    double scale = 1.0;             // multiplies all lengths; a person's height over 1.78 m
     double osteophytes = 0.3;       // spurs at the edges of the vertebrae: 0 none, 1 severe
     double cartilage_calcium = 0.2; // share of the costal cartilages' length that calcium covers, 0 to 1
     bool operator==(const SkeletonShape &) const = default;
 };
 
 /* Returns the shape of a person in whom osteophytes and calcium of the cartilages are usual for the age. */
-SkeletonShape usual_skeleton(Sex sex, double age_years, double scale);
+SkeletonShape usual_skeleton(Sex sex, double age_years);
 
 /* Holds the position and the size of one vertebra. `up` is the direction of the spine at the centre of the
  * vertebra. */
@@ -33,7 +31,7 @@ struct Vertebra {
     Vec3 centre_mm, up, front;
 };
 
-/* Returns the vertebrae from the top down, before they are scaled. */
+/* Returns the vertebrae from the top down. */
 std::vector<Vertebra> vertebrae(const SkeletonShape &shape = {});
 
 Solid spine_bones(const SkeletonShape &shape = {});       // C1-L5, sacrum, coccyx
@@ -43,8 +41,8 @@ Solid cartilage_calcium(const SkeletonShape &shape = {}); // inside the cartilag
 Solid pelvis_bones(const SkeletonShape &shape = {});      // both hip bones
 Solid femur_bones(const SkeletonShape &shape = {});       // upper thirds
 /* Clavicles, shoulder blades, heads of the humerus. The arms are raised, as for a lateral view. */
-Solid shoulder_bones(const SkeletonShape &shape = {});
-Solid head_bones(const SkeletonShape &shape = {});    // skull, jaw, teeth
-Solid forearm_bones(const SkeletonShape &shape = {}); // ulna, radius, hand
+Solid shoulder_bones();
+Solid head_bones();    // skull, jaw, teeth
+Solid forearm_bones(); // ulna, radius, hand
 
 } // namespace anatomy

@@ -45,6 +45,19 @@ class MonotoneCubic
     std::vector<double> parameters_, values_, slopes_;
 };
 
+/* Returns the course of one column of a table of levels over their heights `y`, as a Spline or a
+ * MonotoneCubic. */
+template <class Course, class Level, size_t N>
+Course course_over_height(const Level (&levels)[N], double Level::*column)
+{
+    std::vector<double> heights, values;
+    for (const Level &level : levels) {
+        heights.push_back(level.y);
+        values.push_back(level.*column);
+    }
+    return Course(heights, values);
+}
+
 /* Returns samples, about step_mm apart, of the curve through `points` with the radii `radii_mm`. There must
  * be as many radii as points, and at least two of each. Every given point, also the first and the last, is
  * one of the samples. */

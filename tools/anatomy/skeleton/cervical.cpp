@@ -113,7 +113,7 @@ Part atlas_part(const std::vector<Vertebra> &spine)
 
 } // namespace
 
-Part cervical_part(const std::vector<Vertebra> &spine, size_t index, const SkeletonShape &)
+Part cervical_part(const std::vector<Vertebra> &spine, size_t index)
 {
     if (index == 0) return atlas_part(spine);
     return index == C2 ? axis_part(spine) : common_part(spine, index);

@@ -45,7 +45,6 @@ Solid femur_bones(const SkeletonShape &shape)
 {
     Solid solid;
     for (double s : {-1.0, 1.0}) solid.add(femur_part(s, shape.sex == Sex::woman));
-    solid.enlarge(shape.scale);
     return solid;
 }
 

@@ -113,7 +113,7 @@ Part lower_jaw_part()
 
 } // namespace
 
-Solid head_bones(const SkeletonShape &shape)
+Solid head_bones()
 {
     Solid solid;
     solid.add(skull_part());
@@ -121,11 +121,10 @@ Solid head_bones(const SkeletonShape &shape)
     solid.add(lower_jaw_part());
     solid.add(teeth_part(396, 26, -1));
     solid.add(teeth_part(363.5, 25, 1));
-    solid.enlarge(shape.scale);
     return solid;
 }
 
-Solid forearm_bones(const SkeletonShape &shape)
+Solid forearm_bones()
 {
     Solid solid;
     for (double s : {-1.0, 1.0}) {
@@ -154,7 +153,6 @@ Solid forearm_bones(const SkeletonShape &shape)
             solid.add(finger);
         }
     }
-    solid.enlarge(shape.scale);
     return solid;
 }
 

@@ -55,7 +55,7 @@ struct FacetJoint {
 FacetJoint facet_joint(const std::vector<Vertebra> &spine, size_t index, double s);
 
 Part vertebra_part(const std::vector<Vertebra> &spine, size_t index, const SkeletonShape &shape); // T1 to L5
-Part cervical_part(const std::vector<Vertebra> &spine, size_t index, const SkeletonShape &shape); // C1 to C7
+Part cervical_part(const std::vector<Vertebra> &spine, size_t index);                             // C1 to C7
 Part sternum_part();
 Part sacrum_part(const std::vector<Vertebra> &spine, const SkeletonShape &shape); // with coccyx
 

@@ -133,7 +133,6 @@ Solid pelvis_bones(const SkeletonShape &shape)
         add_socket(bone);
         solid.add(part);
     }
-    solid.enlarge(shape.scale);
     return solid;
 }
 

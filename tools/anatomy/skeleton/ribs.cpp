@@ -167,7 +167,6 @@ Solid rib_bones(const SkeletonShape &shape)
     for (size_t rib = 0; rib < RIBS; rib++)
         for (double s : {-1.0, 1.0}) solid.add(rib_part(spine, rib, s, shape));
     solid.add(sternum_part());
-    solid.enlarge(shape.scale);
     return solid;
 }
 
@@ -185,7 +184,6 @@ Solid costal_cartilages(const SkeletonShape &shape)
             part.add<Tube>(curve, sections);
             solid.add(part);
         }
-    solid.enlarge(shape.scale);
     return solid;
 }
 
@@ -198,7 +196,6 @@ Solid cartilage_calcium(const SkeletonShape &shape)
             Part part = calcium_part(cartilage_curve(spine, rib, s, shape), rib, s, shape);
             if (!part.added.empty()) solid.add(part);
         }
-    solid.enlarge(shape.scale);
     return solid;
 }
 

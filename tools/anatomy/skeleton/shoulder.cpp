@@ -93,7 +93,7 @@ Part clavicle_part(double s)
 
 } // namespace
 
-Solid shoulder_bones(const SkeletonShape &shape)
+Solid shoulder_bones()
 {
     Solid solid;
     for (double s : {-1.0, 1.0}) {
@@ -101,7 +101,6 @@ Solid shoulder_bones(const SkeletonShape &shape)
         solid.add(humerus_part(s));
         solid.add(clavicle_part(s));
     }
-    solid.enlarge(shape.scale);
     return solid;
 }
 

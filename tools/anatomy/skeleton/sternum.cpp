@@ -25,17 +25,10 @@ constexpr double STERNUM_TOP_MM = 247.0, STERNUM_LOW_MM = 74.0, ANGLE_MM = 202.0
 
 double sternum_distance(const Vec3 &p)
 {
-    static const auto spline = [](double SternumLevel::*field) {
-        std::vector<double> y, value;
-        for (const SternumLevel &level : STERNUM) {
-            y.push_back(level.y);
-            value.push_back(level.*field);
-        }
-        return MonotoneCubic(y, value);
-    };
-    static const MonotoneCubic width = spline(&SternumLevel::half_width),
-                               thickness = spline(&SternumLevel::half_thickness),
-                               depth = spline(&SternumLevel::z);
+    static const MonotoneCubic width = course_over_height<MonotoneCubic>(STERNUM, &SternumLevel::half_width),
+                               thickness =
+                                   course_over_height<MonotoneCubic>(STERNUM, &SternumLevel::half_thickness),
+                               depth = course_over_height<MonotoneCubic>(STERNUM, &SternumLevel::z);
     constexpr double SLOPE = 0.88;   // a sternum that slopes by 28 degrees is that much thinner than deep
     constexpr double JOINT_MM = 1.4; // half of the gap of the manubriosternal joint
     constexpr double NOTCH_MM = 6.0, NOTCH_HALF_MM = 14.0; // the jugular notch

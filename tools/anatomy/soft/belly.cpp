@@ -25,16 +25,9 @@ constexpr double FLOOR_MM = -305.0, TOP_MM = 105.0;
 
 double belly_outline(const SoftShape &shape, const Vec3 &p)
 {
-    static const auto spline = [](double Level::*field) {
-        std::vector<double> y, value;
-        for (const Level &level : BELLY) {
-            y.push_back(level.y);
-            value.push_back(level.*field);
-        }
-        return Spline(y, value);
-    };
-    static const Spline width = spline(&Level::half_width), front = spline(&Level::front),
-                        back = spline(&Level::back);
+    static const Spline width = course_over_height<Spline>(BELLY, &Level::half_width),
+                        front = course_over_height<Spline>(BELLY, &Level::front),
+                        back = course_over_height<Spline>(BELLY, &Level::back);
     const double y = std::clamp(p.y(), FLOOR_MM, TOP_MM);
     const double a = width.at(y), z_front = front.at(y), z_back = back.at(y), b = 0.5 * (z_front - z_back);
     const double outline = ellipsoid_distance({p.x(), 0.0, p.z() - 0.5 * (z_front + z_back)}, {a, 1e3, b});

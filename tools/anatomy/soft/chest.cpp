@@ -26,16 +26,9 @@ constexpr double APEX_MM = 291.0;
 
 double cavity_distance(const Vec3 &p)
 {
-    static const auto spline = [](double ChestLevel::*field) {
-        std::vector<double> y, value;
-        for (const ChestLevel &level : CAVITY) {
-            y.push_back(level.y);
-            value.push_back(level.*field);
-        }
-        return Spline(y, value);
-    };
-    static const Spline width = spline(&ChestLevel::half_width), front = spline(&ChestLevel::front),
-                        back = spline(&ChestLevel::back);
+    static const Spline width = course_over_height<Spline>(CAVITY, &ChestLevel::half_width),
+                        front = course_over_height<Spline>(CAVITY, &ChestLevel::front),
+                        back = course_over_height<Spline>(CAVITY, &ChestLevel::back);
     const double a = width.at(p.y()), z_front = front.at(p.y()), z_back = back.at(p.y());
     const double b = 0.5 * (z_front - z_back);
     const double outline = ellipsoid_distance({p.x(), 0.0, p.z() - 0.5 * (z_front + z_back)}, {a, 1e3, b});

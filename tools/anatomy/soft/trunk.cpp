@@ -24,16 +24,9 @@ const TrunkLevel TRUNK[] = {
 
 double trunk_distance(const Vec3 &p)
 {
-    static const auto spline = [](double TrunkLevel::*field) {
-        std::vector<double> y, value;
-        for (const TrunkLevel &level : TRUNK) {
-            y.push_back(level.y);
-            value.push_back(level.*field);
-        }
-        return Spline(y, value);
-    };
-    static const Spline width = spline(&TrunkLevel::half_width), front = spline(&TrunkLevel::front),
-                        back = spline(&TrunkLevel::back);
+    static const Spline width = course_over_height<Spline>(TRUNK, &TrunkLevel::half_width),
+                        front = course_over_height<Spline>(TRUNK, &TrunkLevel::front),
+                        back = course_over_height<Spline>(TRUNK, &TrunkLevel::back);
     const double a = width.at(p.y()), z_front = front.at(p.y()), z_back = back.at(p.y());
     const double b = 0.5 * (z_front - z_back), z = p.z() - 0.5 * (z_front + z_back);
     // The cross-section of the trunk is a superellipse, because a trunk is closer to a rectangle than an

@@ -91,7 +91,7 @@ Person drawn_body(std::uint64_t seed, const PersonWish &wish)
     person.weight_kg = wish.weight_kg.value_or(to_unit(bmi * person.height_m * person.height_m, 1));
     refuse_size(person, wish);
     // Chance multiplies what is usual for the age by a factor around 1.
-    const SkeletonShape usual = usual_skeleton(person.sex, person.age_years, 1.0);
+    const SkeletonShape usual = usual_skeleton(person.sex, person.age_years);
     const double over = std::clamp((person.age_years - 40) / 45, 0.0, 1.0); // 0 at 40, 1 at 85 years
     person.wall_calcium = wish.calcium.value_or(
         to_unit(std::clamp(over * chance_of(seed, Stream::calcium).uniform(0.2, 1.3), 0.0, 1.0), 0.01));
