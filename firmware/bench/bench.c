@@ -22,6 +22,14 @@ double bench_now_us(void)
     return (double)now.tv_sec * 1e6 + (double)now.tv_nsec * 1e-3;
 }
 
+double bench_processor_ms(void)
+{
+    struct timespec now;
+    if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now) != 0)
+        bench_fail("the processor's clock cannot be read");
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
 static int list(const bench_case *cases, size_t case_count)
 {
     for (size_t i = 0; i < case_count; i++) {

@@ -36,6 +36,10 @@ BENCH_NORETURN void bench_fail(const char *sentence);
 /* Monotonic clock in microseconds. */
 double bench_now_us(void);
 
+/* Processor time of all threads of this process in milliseconds, which other programs do not influence. Ends
+ * the program where the clock cannot be read. */
+double bench_processor_ms(void);
+
 /* Runs the benchmark program's command line, where `list` prints the cases and `run N` runs case N. Returns
  * the exit code: 0 ok, 2 usage. */
 int bench_main(int argc, char **argv, const bench_case *cases, size_t case_count);

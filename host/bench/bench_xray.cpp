@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <iterator>
 #include <string>
 
@@ -186,16 +185,6 @@ class Bench
 
 constexpr int is_kept = 1 << 16, is_beating = 1 << 17, has_four = 1 << 18;
 
-// Returns the processor time of all threads of this process, which other programs on the machine do not
-// influence.
-double processor_ms()
-{
-    timespec now;
-    if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now) != 0)
-        bench_fail("the processor's clock cannot be read");
-    return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
-}
-
 // Returns the mean, over all views, of the shortest computing time of a frame in each view.
 double frame_ms(const bench_case *self)
 {
@@ -209,10 +198,10 @@ double frame_ms(const bench_case *self)
         for (std::size_t i = 0; i < std::size(looks); ++i) {
             bench.look(i, size);
             if (keeps) bench.render(0);
-            const double begin_us = bench_now_us(), begin_ms = processor_ms();
+            const double begin_us = bench_now_us(), begin_ms = bench_processor_ms();
             bench.render(round + 1);
             best[i] = std::min(best[i], (bench_now_us() - begin_us) * 1e-3);
-            processor[i] = std::min(processor[i], processor_ms() - begin_ms);
+            processor[i] = std::min(processor[i], bench_processor_ms() - begin_ms);
             if (bench.was_kept() != (keeps && !beats))
                 bench_fail("the view was kept when it should not be, or the reverse");
         }

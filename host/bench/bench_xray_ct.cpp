@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <iterator>
 #include <vector>
 
@@ -23,14 +22,6 @@ struct Look {
 };
 constexpr Look looks[] = {{0, 0, 0.0},  {45, -30, 0.03}, {-30, 0, 0.05},
                           {90, 0, 0.0}, {45, 0, 0.05},   {10, -30, -0.05}};
-
-double processor_ms()
-{
-    timespec now;
-    if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now) != 0)
-        bench_fail("the processor's clock cannot be read");
-    return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
-}
 
 // Returns the mean, over all views, of the shortest time of a frame. `argument` is 1 for a kept view.
 double ct_frame_ms(const bench_case *self)
@@ -52,11 +43,11 @@ double ct_frame_ms(const bench_case *self)
             settings.beam.fixed_technique = XrayTechnique{80, 60, 6, 0.3, 0.4};
             const auto render = [&] { xray.render(settings, {}, WireFrame{}, 7, picture); };
             if (keeps) render();
-            const double begin_us = bench_now_us(), begin_ms = processor_ms();
+            const double begin_us = bench_now_us(), begin_ms = bench_processor_ms();
             render();
             if (round < 0) continue; // the beam's table is made once
             best[i] = std::min(best[i], (bench_now_us() - begin_us) * 1e-3);
-            processor[i] = std::min(processor[i], processor_ms() - begin_ms);
+            processor[i] = std::min(processor[i], bench_processor_ms() - begin_ms);
             if (xray.last_render_used_cache() != keeps)
                 bench_fail("the view was kept when it should not be, or the reverse");
         }
