@@ -20,12 +20,6 @@ double piece_volume_ml(const VesselBranch &vessel, std::size_t piece)
     return pi * length_m * (a * a + a * b + b * b) / 3.0 * 1e6;
 }
 
-const VesselBranch &numbered(const VesselTree &tree, int index)
-{
-    const auto i = static_cast<std::size_t>(index);
-    return i < tree.branches.size() ? tree.branches[i] : tree.small[i - tree.branches.size()];
-}
-
 } // namespace
 
 // Mean transit times from the small arteries to the small veins. Of the heart: the coronary sinus fills 4.2 s
@@ -161,7 +155,8 @@ class DistalFlow::Builder
                 add_volume(from, from_ml_s, through_ml_s, through_ml_s * transit.mean_s / transit.volumes));
         flow_.bed_end_.push_back(flow_.volumes_.size());
         flow_.volumes_.back().is_last = true;
-        flow_.volumes_.back().vein = nearest_vein(numbered(tree_, vessel).points_m.back(), kind);
+        flow_.volumes_.back().vein =
+            nearest_vein(tree_.numbered(static_cast<std::size_t>(vessel)).points_m.back(), kind);
     }
 
     int nearest_vein(const Eigen::Vector3d &place_m, VesselBed kind) const

@@ -8,21 +8,15 @@ namespace
 
 constexpr double reach_m = 2.0, radius_min_m = 10e-6, radius_max_m = 0.1;
 
-// Returns the branch or the small vessel with this number.
-const VesselBranch &numbered(const VesselTree &tree, std::size_t index)
-{
-    return index < tree.branches.size() ? tree.branches[index] : tree.small[index - tree.branches.size()];
-}
-
 std::string fault_of(const VesselTree &tree, std::size_t index)
 {
-    const VesselBranch &branch = numbered(tree, index);
+    const VesselBranch &branch = tree.numbered(index);
     const bool has_parent = index > 0 && !(branch.is_vein && branch.parent == -1);
     if (!has_parent ? branch.parent != -1
                     : branch.parent < 0 || static_cast<std::size_t>(branch.parent) >= index)
         return "its parent is no earlier branch";
     if (has_parent &&
-        branch.parent_point >= numbered(tree, static_cast<std::size_t>(branch.parent)).points_m.size())
+        branch.parent_point >= tree.numbered(static_cast<std::size_t>(branch.parent)).points_m.size())
         return "it leaves its parent at a point that is not there";
     if (branch.points_m.size() < 2 || branch.radii_m.size() != branch.points_m.size())
         return "it needs two points at least, each with a radius";
@@ -128,7 +122,7 @@ bool check_vessel_tree(const VesselTree &tree, std::string &error)
     for (std::size_t i = 0; i < tree.branches.size() + tree.small.size(); ++i) {
         const std::string fault = fault_of(tree, i);
         if (fault.empty()) continue;
-        error = "vessel " + std::to_string(i) + " \"" + numbered(tree, i).name + "\": " + fault;
+        error = "vessel " + std::to_string(i) + " \"" + tree.numbered(i).name + "\": " + fault;
         return false;
     }
     for (const VesselLesion &lesion : tree.lesions) {

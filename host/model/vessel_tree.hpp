@@ -49,6 +49,11 @@ struct VesselTree {
     // A vein may have the parent -1; its blood leaves the simulation at its first point.
     std::vector<VesselBranch> small = {};
 
+    // Returns the branch or the small vessel with this number.
+    const VesselBranch &numbered(std::size_t index) const
+    {
+        return index < branches.size() ? branches[index] : small[index - branches.size()];
+    }
     // Returns the point of the branch at which the lesion has narrowed the lumen most, relative to the
     // healthy radius.
     std::size_t throat(const VesselLesion &lesion) const;

@@ -80,8 +80,7 @@ void PatientContrast::make_blush(const VesselTree &now)
         const bool is_small = vessel >= now.branches.size();
         const double radius_m = blush_radius_m(beds[i].kind, is_small);
         if (!(radius_m > 0.0)) continue;
-        const VesselBranch &branch =
-            is_small ? now.small[vessel - now.branches.size()] : now.branches[vessel];
+        const VesselBranch &branch = now.numbered(vessel);
         const double medium_mm3 = flow_.distal().bed_mg(i) / iodine_default_mg_per_ml * mm3_per_ml;
         const double radius_mm = radius_m * 1e3;
         const double share = medium_mm3 / (soft_ball_cubes * radius_mm * radius_mm * radius_mm);

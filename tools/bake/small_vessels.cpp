@@ -131,10 +131,7 @@ class Reader
         VesselBranch &vessel = tree_.small.back();
         if (vessel.points_m.size() < 2) fail("vessel '" + name_ + "' needs two points that differ");
         if (vessel.parent < 0) return;
-        const auto parent = static_cast<std::size_t>(vessel.parent);
-        const VesselBranch &branch = parent < tree_.branches.size()
-                                         ? tree_.branches[parent]
-                                         : tree_.small[parent - tree_.branches.size()];
+        const VesselBranch &branch = tree_.numbered(static_cast<std::size_t>(vessel.parent));
         double least = 1e300;
         for (std::size_t i = 0; i < branch.points_m.size(); ++i) {
             const double square = (branch.points_m[i] - vessel.points_m[0]).squaredNorm();

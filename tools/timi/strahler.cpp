@@ -76,9 +76,7 @@ class Orders
 std::vector<StrahlerOrder> strahler_orders(const crn::VesselTree &tree, const std::string &branch, int lowest)
 {
     const size_t count = tree.branches.size() + tree.small.size();
-    const auto vessel = [&](size_t i) -> const crn::VesselBranch & {
-        return i < tree.branches.size() ? tree.branches[i] : tree.small[i - tree.branches.size()];
-    };
+    const auto vessel = [&](size_t i) -> const crn::VesselBranch & { return tree.numbered(i); };
     size_t root = 0;
     while (root < tree.branches.size() && tree.branches[root].name != branch) root++;
     if (root == tree.branches.size()) throw std::invalid_argument("the tree has no vessel '" + branch + "'");
