@@ -9,6 +9,7 @@
 #include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>
 #include <map>
+#include <optional>
 
 namespace anatomy
 {
@@ -130,13 +131,11 @@ bool feeds_muscle(const Vessel &artery)
     return artery.name != "LM";
 }
 
-} // namespace
-
-std::vector<SmallVessel> grown_heart_arteries(const VesselTree &tree)
+/* Grows the arteries of the heart below the coronary arteries of the tree. */
+std::vector<SmallVessel> grown_heart_arteries(const VesselTree &tree, const HeartTissue &heart)
 {
     constexpr double APART_MM = 4.0, CLOSED_MM = 18.0;
     constexpr unsigned TRIES = 14000;
-    const HeartTissue heart;
     Growth growth([&](const TissuePlace &place) { return heart.onto(place); }, {});
     std::vector<Vessel> stems = coronary_arteries(tree);
     std::erase_if(stems, [](const Vessel &artery) { return !feeds_muscle(artery); });
@@ -156,9 +155,6 @@ std::vector<SmallVessel> grown_heart_arteries(const VesselTree &tree)
     add_twigs(growth, stems, Bed::body, vessels);
     return vessels;
 }
-
-namespace
-{
 
 /* Grows interlobar and arcuate arteries from the end of a renal artery to the border of cortex and medulla.
  */
@@ -267,13 +263,14 @@ std::vector<SmallVessel> small_vessels_of(const VesselTree &tree)
 {
     std::vector<SmallVessel> vessels = given_vessels(tree);
     if (!tree.is_in_patient) return vessels;
-    if (tree.coronary_count > 0) append(grown_heart_arteries(tree), vessels);
+    std::optional<HeartTissue> heart;
+    if (tree.coronary_count > 0) append(grown_heart_arteries(tree, heart.emplace()), vessels);
     for (const char *name : {"right renal artery", "left renal artery"}) {
         std::vector<SmallVessel> grown;
         if (const Vessel *artery = named(tree.vessels, name)) grow_kidney(*artery, SEED, grown);
         append(grown, vessels);
     }
-    if (tree.coronary_count > 0) append(coronary_veins(), vessels);
+    if (heart) append(coronary_veins(*heart), vessels);
     append(renal_veins(), vessels);
     return vessels;
 }

@@ -22,9 +22,6 @@ void add_trunk_branches(VesselTree &tree);
 /* Returns the small vessels in an order in which each one comes after its parent. */
 std::vector<SmallVessel> small_vessels_of(const VesselTree &tree);
 
-/* Returns the arteries of the heart below the given coronary arteries, and the numbers of their ends. */
-std::vector<SmallVessel> grown_heart_arteries(const VesselTree &tree);
-
 /* Returns the table that `bake` reads. */
 std::string small_vessels_text(const std::vector<SmallVessel> &vessels);
 

@@ -1,5 +1,4 @@
 #include "tools/anatomy/small/veins.hpp"
-#include "tools/anatomy/small/heart_tissue.hpp"
 
 namespace anatomy
 {
@@ -30,9 +29,8 @@ SmallVessel heart_vein(const HeartTissue &heart, const std::string &name, const 
 
 } // namespace
 
-std::vector<SmallVessel> coronary_veins()
+std::vector<SmallVessel> coronary_veins(const HeartTissue &heart)
 {
-    const HeartTissue heart;
     return {heart_vein(heart, "coronary_sinus", "", Bed::left_coronary,
                        {{0.9, 236, 9}, {0.9, 222, 8}, {0.88, 205, 7}, {0.86, 188, 6}, {0.85, 172, 5.5}}),
             heart_vein(heart, "great_cardiac_vein", "coronary_sinus", Bed::left_coronary,
