@@ -12,6 +12,7 @@
 #include "tools/lab/ct/patient/xray_pictures.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
+#include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -127,7 +128,9 @@ bake::Mesh make_lumen(Patient &patient, Steps &steps, Page &page)
     const fs::path file = in(patient, "lumen.ply");
     patient.findings.assumed.push_back("the lumen begins as the arteries of the label map; a geodesic active "
                                        "contour moves it to the edges of the scan");
-    if (!steps.is_done("lumen", patient.inputs, {file})) {
+    const std::array<fs::path, 3> pictures = {in(patient, "lumen_side.png"), in(patient, "lumen_front.png"),
+                                              in(patient, "lumen_slice.png")};
+    if (!steps.is_done("lumen", patient.inputs, {file, pictures[0], pictures[1], pictures[2]})) {
         const Volume level = artery_level(patient.scan, patient.labels, patient.contrast, terminal_report());
         const bake::Mesh mesh = lumen_of(level);
         write_surface(mesh, {}, file);
@@ -140,8 +143,7 @@ bake::Mesh make_lumen(Patient &patient, Steps &steps, Page &page)
         for (int axis = 0; axis < 3; ++axis) {
             Picture picture(around, axis, axis == 2 ? around.size[2] / 2 : -1, -100, 500, 0.6);
             picture.outline(level, red);
-            const char *names[] = {"lumen_side.png", "lumen_front.png", "lumen_slice.png"};
-            picture.save(in(patient, names[axis]));
+            picture.save(pictures[static_cast<std::size_t>(axis)]);
         }
         steps.finish("lumen", patient.inputs);
     }

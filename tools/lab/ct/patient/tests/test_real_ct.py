@@ -77,6 +77,12 @@ def main():
     again, again_s = run(command, AGAIN_S)
     report.check("a second run repeats nothing", again)
     print("# the scene took %.0f s, and %.0f s again" % (seconds, again_s))
+    lost = os.path.join(patient, "lumen_front.png")
+    os.remove(lost)
+    findings, _ = run(command)
+    if not os.path.exists(lost):
+        findings.append(lost + " is still missing")
+    report.check("a picture of the page that was lost is made again", findings)
     with open(os.path.join(patient, "report.json"), encoding="utf-8") as file:
         text = json.load(file)
     missing = [key for key in ("facts", "assumed", "check") if not text.get(key)]
