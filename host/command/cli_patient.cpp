@@ -1,4 +1,5 @@
 #include "host/command/cli_patient.hpp"
+#include "host/base/output_files.hpp"
 #include "host/cases/programs.hpp"
 #include "host/command/start.hpp"
 
@@ -69,6 +70,7 @@ std::vector<std::string> patient_words(const std::string &ct, const PatientComma
 
 int command_patient(const CLI::App &app, const PatientCommandOptions &options)
 {
+    check_output_folder({"--output", options.folder});
     const bool is_review = app.get_subcommand("patient")->got_subcommand("review");
     const std::string ct =
         sibling_program("ct", "`make lab` builds it, with the library ITK, which reads scans");
