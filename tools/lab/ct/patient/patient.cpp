@@ -7,6 +7,7 @@
 #include "tools/bake/bake.hpp"
 #include "tools/centreline/formats.hpp"
 #include "tools/lab/ct/commands.hpp"
+#include "tools/lab/ct/patient/scan_copy.hpp"
 #include "tools/lab/ct/patient/unlabelled.hpp"
 #include "tools/lab/ct/patient/vessels.hpp"
 #include "tools/lab/ct/patient/xray_pictures.hpp"
@@ -26,7 +27,15 @@ namespace
 
 namespace fs = std::filesystem;
 
-constexpr const char *steps_version = "3"; // another number: every step is made again
+// The checksum of a table's text, however its file is written.
+std::string names_checksum(const NamesTable &names)
+{
+    std::string text;
+    for (const auto &[number, name] : names) text += std::to_string(number) + " " + name + "\n";
+    return checksum(text.data(), text.size());
+}
+
+constexpr const char *steps_version = "4"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
@@ -51,13 +60,8 @@ fs::path in(const Patient &patient, const char *name)
 std::vector<Click> clicks_of(const PatientOptions &options, const Volume &scan)
 {
     const fs::path file = options.output / "clicks.toml";
-    std::vector<Click> clicks = read_clicks(file);
-    const std::size_t before = clicks.size();
-    for (const std::string &text : options.clicks) {
-        const Click click = click_of(text);
-        if (std::none_of(clicks.begin(), clicks.end(), [&](const Click &c) { return c.is_same(click); }))
-            clicks.push_back(click);
-    }
+    const std::size_t before = read_clicks(file).size();
+    std::vector<Click> clicks = clicks_with(file, options.clicks);
     check_clicks(clicks, scan);
     if (clicks.size() > before) write_clicks(file, clicks);
     return clicks;
@@ -79,6 +83,7 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
         std::string(steps_version) + " " + checksum(patient.scan) + (patient.has_map ? " map" : " no map");
     if (patient.has_map) {
         patient.labels = read_labels(options.labels, options.names, patient.scan);
+        if (!is_copy(options.scan, options.output)) keep_labels(patient.labels, options.output);
         patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
         mend_arteries(patient.scan, patient.body, patient.contrast, patient.clicks, patient.labels,
                       patient.findings);
@@ -91,20 +96,49 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
         patient.root_mm = found.root_mm;
         patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
     }
-    patient.inputs = scan + " " + checksum(patient.labels.volume) +
-                     (patient.has_map ? " " + checksum(options.names) : std::string());
+    patient.inputs =
+        scan + " " + checksum(patient.labels.volume) + " " + names_checksum(patient.labels.names);
 }
 
-Patient read_patient(const PatientOptions &options, Steps &steps, Page &page)
+// Reads the scan, or the copy of it that an earlier run has kept.
+Volume scan_of(const PatientOptions &options, Findings &findings, Steps &steps)
 {
+    const bool is_kept = is_copy(options.scan, options.output);
+    Volume scan;
+    if (is_kept) {
+        ScanCopy copy = read_copy(options.output);
+        scan = std::move(copy.scan);
+        scan.notes = std::move(copy.notes);
+    } else {
+        scan = along_patient_axes(read_volume(options.scan));
+    }
+    // Only voxels and grid remain of the scan. No tag of a DICOM file goes any further.
+    scan.name = "scan";
+    for (const std::string &note : scan.notes) findings.facts.push_back("reading: " + note);
+    check_scan(scan, findings);
+    return is_kept ? scan : keep_copy(scan, options.output, steps);
+}
+
+// A run with the kept copy of the scan also uses the kept label map.
+PatientOptions with_kept_labels(PatientOptions options)
+{
+    const bool is_kept = is_copy(options.scan, options.output);
+    if (options.labels.empty() && !is_kept) forget_labels(options.output);
+    if (!options.labels.empty() || !is_kept) return options;
+    if (const std::optional<LabelFiles> files = kept_labels(options.output)) {
+        options.labels = files->map;
+        options.names = files->names;
+    }
+    return options;
+}
+
+Patient read_patient(const PatientOptions &given, Steps &steps, Page &page)
+{
+    const PatientOptions options = with_kept_labels(given);
     Patient patient;
     patient.folder = options.output;
     patient.has_map = !options.labels.empty();
-    patient.scan = along_patient_axes(read_volume(options.scan));
-    // Only voxels and grid remain of the scan. No tag of a DICOM file goes any further.
-    patient.scan.name = "scan";
-    for (const std::string &note : patient.scan.notes) patient.findings.facts.push_back("reading: " + note);
-    check_scan(patient.scan, patient.findings);
+    patient.scan = scan_of(options, patient.findings, steps);
     patient.clicks = clicks_of(options, patient.scan);
     patient.body = body_of(patient.scan);
     find_vessels(options, patient, steps, page);

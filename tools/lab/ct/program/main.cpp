@@ -1,10 +1,12 @@
 // Command line of `ct` (docs/ct.md).
 #include "host/base/command_values.hpp"
+#include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
 #include "host/base/version.hpp"
 #include "host/cases/programs.hpp"
 #include "tools/lab/ct/commands.hpp"
+#include "tools/lab/ct/patient/clicks.hpp"
 #include "tools/lab/ct/patient/patient.hpp"
 #include "tools/lab/ct/review/review_window.hpp"
 #include "tools/lab/reference_rod/truth_options.hpp"
@@ -205,6 +207,12 @@ std::vector<std::string> command_of(const PatientOptions &options)
 
 void patient_in_window(const PatientOptions &options, ReviewOptions review)
 {
+    crn::check_output_folder({"--output", options.output.string()});
+    std::filesystem::create_directories(options.output);
+    if (!options.clicks.empty()) {
+        const std::filesystem::path file = options.output / "clicks.toml";
+        write_clicks(file, clicks_with(file, options.clicks));
+    }
     review.folder = options.output;
     review.command = command_of(options);
     switch (review_patient(review)) {

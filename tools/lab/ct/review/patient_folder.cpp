@@ -80,11 +80,10 @@ void PatientFolder::read(const std::string &name)
 
 std::vector<ReviewStep> PatientFolder::steps() const
 {
-    std::vector<ReviewStep> steps = {{"scan", "The scan is read and checked"},
-                                     {"picture", "The body, for the X-ray picture"},
-                                     {"lumen", "The lumen of the arteries"},
-                                     {"tree", "Centrelines and names of branches"},
-                                     {"scene", "The scene for the session"}};
+    std::vector<ReviewStep> steps = {
+        {"scan", "The scan is read and checked"},       {"arteries", "Aorta and arteries without bone"},
+        {"picture", "The body, for the X-ray picture"}, {"lumen", "The lumen of the arteries"},
+        {"tree", "Centrelines and names of branches"},  {"scene", "The scene for the session"}};
     for (ReviewStep &step : steps)
         step.is_done = std::find(done_.begin(), done_.end(), step.name) != done_.end();
     return steps;
