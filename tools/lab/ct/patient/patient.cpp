@@ -94,10 +94,11 @@ Patient read_patient(const PatientOptions &options)
     Patient patient;
     patient.folder = options.output;
     patient.scan = along_patient_axes(read_volume(options.scan));
+    for (const std::string &note : patient.scan.notes) patient.findings.check.push_back("the scan " + note);
+    check_scan(patient.scan, patient.findings);
     // Only voxels and grid remain of the scan. No tag of a DICOM file goes any further.
     patient.scan.name = "scan";
-    for (const std::string &note : patient.scan.notes) patient.findings.facts.push_back("reading: " + note);
-    check_scan(patient.scan, patient.findings);
+    if (options.labels.empty()) return patient; // only the scan is checked
     patient.labels = read_labels(options.labels, options.names, patient.scan);
     patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
     patient.inputs = std::string(steps_version) + " " + checksum(patient.scan) + " " +
@@ -251,6 +252,10 @@ void command_patient(const PatientOptions &options)
                    {"--labels", options.labels.string()},
                    {"--names", options.names.string()}},
                   {});
+    if (options.is_check) {
+        std::fputs(text_of(read_patient(options).findings).c_str(), stdout);
+        return;
+    }
     check_output_folder({"--output", options.output.string()});
     Patient patient = read_patient(options);
     Page page(options.output);

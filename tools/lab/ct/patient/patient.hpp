@@ -7,6 +7,7 @@ namespace crn::ct
 
 struct PatientOptions {
     std::filesystem::path scan, labels, names, output;
+    bool is_check = false; // only reads the inputs and reports what they lack; labels may be missing
 };
 
 // Writes the scene, its parts and a report into the folder. Steps whose inputs have not changed are not

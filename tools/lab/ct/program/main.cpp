@@ -67,6 +67,7 @@ constexpr const char *patient_footer =
     "  ct patient scan.nii.gz --labels segmentation.nii.gz --names names.csv -o patient\n"
     "  ct patient dicom_folder --labels segmentation.nrrd --names names.csv -o patient      again: only what "
     "changed\n"
+    "  ct patient dicom_folder --check                                                      can it be used?\n"
     "  cournand view patient/patient.scene                                                  plays the scene\n"
     "The label map has the scan's grid and TotalSegmentator's names; one structure must be the aorta.\n"
     "Written: patient.scene, patient.bodies, patient.ct, scene.toml, lumen.ply, tree.csv, report.json, "
@@ -194,11 +195,21 @@ void add_patient(CLI::App &app, PatientOptions &options)
         *app.add_subcommand("patient", "a playable scene from a patient's CT and a map of its arteries");
     command.footer(patient_footer);
     command.add_option("SCAN", options.scan, "a volume, or a folder with a DICOM series, in HU")->required();
-    command.add_option("--labels", options.labels, "label map of organs and arteries on the scan's grid")
-        ->required();
-    command.add_option("--names", options.names, "table of the labels' numbers and names")->required();
-    command.add_option("-o,--output", options.output, "folder of the scene and its report")->required();
-    command.callback([&options] { command_patient(options); });
+    CLI::Option *labels =
+        command.add_option("--labels", options.labels, "label map of organs and arteries on the scan's grid");
+    CLI::Option *names =
+        command.add_option("--names", options.names, "table of the labels' numbers and names");
+    command.add_option("-o,--output", options.output, "folder of the scene and its report");
+    command.add_flag(
+        "--check", options.is_check,
+        "only read the inputs and say what is wrong with them; --labels, --names and -o may be missing");
+    labels->needs(names);
+    names->needs(labels);
+    command.callback([&options] {
+        if (!options.is_check && options.labels.empty()) throw CLI::RequiredError("--labels");
+        if (!options.is_check && options.output.empty()) throw CLI::RequiredError("--output");
+        command_patient(options);
+    });
 }
 
 } // namespace
