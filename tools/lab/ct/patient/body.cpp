@@ -19,51 +19,6 @@ bool is_along_axes(const Volume &scan)
     return scan.direction.diagonal().cwiseAbs().minCoeff() > 0.9998;
 }
 
-// Calls work(neighbour) for the six neighbours of a voxel.
-template <class Work> void for_neighbours(const Volume &grid, std::size_t at, const Work &work)
-{
-    const auto nx = static_cast<std::size_t>(grid.size[0]),
-               plane = nx * static_cast<std::size_t>(grid.size[1]);
-    const std::size_t i = at % nx, j = at / nx % static_cast<std::size_t>(grid.size[1]), k = at / plane;
-    if (i > 0) work(at - 1);
-    if (i + 1 < nx) work(at + 1);
-    if (j > 0) work(at - nx);
-    if (j + 1 < static_cast<std::size_t>(grid.size[1])) work(at + nx);
-    if (k > 0) work(at - plane);
-    if (k + 1 < static_cast<std::size_t>(grid.size[2])) work(at + plane);
-}
-
-// Marks with `mark` all voxels of value `from` that are connected to the start. Returns their number.
-std::size_t flood(const Volume &grid, Mask &mask, std::vector<std::size_t> queue, unsigned char from,
-                  unsigned char mark)
-{
-    std::size_t count = 0;
-    for (std::size_t start : queue) mask[start] = mark;
-    while (!queue.empty()) {
-        const std::size_t at = queue.back();
-        queue.pop_back();
-        ++count;
-        for_neighbours(grid, at, [&](std::size_t next) {
-            if (mask[next] != from) return;
-            mask[next] = mark;
-            queue.push_back(next);
-        });
-    }
-    return count;
-}
-
-// Marks each voxel of `wanted` and, `rounds` times, the neighbours of those marked.
-Mask grown(const Volume &grid, Mask wanted, int rounds)
-{
-    for (int round = 0; round < rounds; ++round) {
-        Mask next = wanted;
-        for (std::size_t at = 0; at < wanted.size(); ++at)
-            if (wanted[at]) for_neighbours(grid, at, [&](std::size_t neighbour) { next[neighbour] = 1; });
-        wanted = std::move(next);
-    }
-    return wanted;
-}
-
 // Marks the pieces of bright voxels in the heart that are too large for calcium: undiluted medium in its
 // right half. Their surroundings belong to them, because partial volume makes these brighter than blood.
 void mark_pools(const Volume &scan, Mask heart, float bright_HU, Mask &marked)
@@ -81,17 +36,6 @@ void mark_pools(const Volume &scan, Mask heart, float bright_HU, Mask &marked)
     for (unsigned char &value : heart) value = value == pool;
     heart = grown(scan, std::move(heart), 2);
     for (std::size_t at = 0; at < heart.size(); ++at) marked[at] = marked[at] || heart[at];
-}
-
-Mask mask_of(const LabelMap &labels, const std::vector<int> &numbers)
-{
-    std::vector<unsigned char> is_wanted(65536, 0);
-    for (const int number : numbers) is_wanted[static_cast<std::size_t>(number)] = 1;
-    Mask mask(labels.volume.count());
-    for (std::size_t at = 0; at < mask.size(); ++at)
-        mask[at] =
-            is_wanted[static_cast<std::size_t>(std::clamp(std::lround(labels.volume.hu[at]), 0l, 65535l))];
-    return mask;
 }
 
 } // namespace
@@ -187,6 +131,17 @@ Mask body_of(const Volume &scan)
             }
     flood(scan, mask, std::move(border), air, outside);
     for (unsigned char &value : mask) value = value != outside;
+    return mask;
+}
+
+Mask mask_of(const LabelMap &labels, const std::vector<int> &numbers)
+{
+    std::vector<unsigned char> is_wanted(65536, 0);
+    for (const int number : numbers) is_wanted[static_cast<std::size_t>(number)] = 1;
+    Mask mask(labels.volume.count());
+    for (std::size_t at = 0; at < mask.size(); ++at)
+        mask[at] =
+            is_wanted[static_cast<std::size_t>(std::clamp(std::lround(labels.volume.hu[at]), 0l, 65535l))];
     return mask;
 }
 

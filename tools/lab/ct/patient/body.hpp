@@ -2,6 +2,7 @@
 #pragma once
 #include "host/model/ct_volume.hpp"
 #include "tools/lab/ct/patient/labels.hpp"
+#include "tools/lab/ct/patient/mask.hpp"
 
 namespace crn::ct
 {
@@ -11,8 +12,6 @@ namespace crn::ct
 struct Findings {
     std::vector<std::string> facts, assumed, check;
 };
-
-using Mask = std::vector<unsigned char>; // one per voxel
 
 // Orders the voxels from the patient's right to the left, from the front to the back and from the feet to the
 // head, whatever their order in the file. Throws Fault if the axes are not along the patient's, or the slices
@@ -25,6 +24,9 @@ void check_scan(const Volume &scan, Findings &findings);
 
 // Returns the mask of the body: the largest piece of tissue with all that it encloses.
 Mask body_of(const Volume &scan);
+
+// The voxels of the structures with these numbers.
+Mask mask_of(const LabelMap &labels, const std::vector<int> &numbers);
 
 // Attenuation of the vessels in the scan, measured in the aorta. Throws Fault where the scan has no contrast
 // medium, unless `is_without_contrast`.

@@ -4,17 +4,19 @@
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"
 #include "host/picture/picture.hpp"
-#include "shared/wire/wire_frame.h"
 #include "tools/bake/bake.hpp"
 #include "tools/centreline/formats.hpp"
 #include "tools/lab/ct/commands.hpp"
+#include "tools/lab/ct/patient/unlabelled.hpp"
 #include "tools/lab/ct/patient/vessels.hpp"
 #include "tools/lab/ct/patient/xray_pictures.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace crn::ct
 {
@@ -24,64 +26,20 @@ namespace
 
 namespace fs = std::filesystem;
 
-constexpr const char *steps_version = "2"; // another number: every step is made again
-
-// Remembers, per step, the checksum of its inputs. A step whose files are there and whose inputs are the same
-// is not repeated.
-class Steps
-{
-  public:
-    explicit Steps(const fs::path &folder) : file_(folder / "steps.json")
-    {
-        try {
-            done_ = nlohmann::json::parse(read_text_file(file_.string()), nullptr, false);
-        } catch (const FileError &) { // the first run
-        }
-        if (!done_.is_object()) done_ = nlohmann::json::object();
-    }
-    bool is_done(const std::string &step, const std::string &inputs, const std::vector<fs::path> &files) const
-    {
-        for (const fs::path &file : files)
-            if (!fs::exists(file)) return false;
-        return done_.contains(step) && done_[step] == inputs;
-    }
-    void finish(const std::string &step, const std::string &inputs)
-    {
-        done_[step] = inputs;
-        write_whole_file(file_.string(), done_.dump(2) + "\n");
-    }
-
-  private:
-    fs::path file_;
-    nlohmann::json done_ = nlohmann::json::object();
-};
-
-std::string checksum(const void *bytes, std::size_t count)
-{
-    return formatted(
-        "%08x", static_cast<unsigned>(crn_wire_crc32(0, static_cast<const std::uint8_t *>(bytes), count)));
-}
-
-std::string checksum(const Volume &volume)
-{
-    return checksum(volume.hu.data(), volume.hu.size() * sizeof(float)) +
-           formatted(" %.6g %.6g %.6g %.6g %.6g %.6g", volume.spacing_mm[0], volume.spacing_mm[1],
-                     volume.spacing_mm[2], volume.origin_mm[0], volume.origin_mm[1], volume.origin_mm[2]);
-}
-
-std::string checksum(const fs::path &file)
-{
-    const std::vector<unsigned char> bytes = read_binary_file(file.string());
-    return checksum(bytes.data(), bytes.size());
-}
+constexpr const char *steps_version = "3"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
+    Mask body;
     LabelMap labels;
+    std::optional<Eigen::Vector3d> root_mm; // where the blood enters, if it was found without a label map
     Contrast contrast;
+    std::vector<Click> clicks;
     Findings findings;
     fs::path folder;
     std::string inputs; // checksum of scan, labels and names
+
+    bool has_map = false; // a label map was given
 };
 
 fs::path in(const Patient &patient, const char *name)
@@ -89,27 +47,80 @@ fs::path in(const Patient &patient, const char *name)
     return patient.folder / name;
 }
 
-Patient read_patient(const PatientOptions &options)
+// Reads the clicks of the folder, and adds those of the command line to it.
+std::vector<Click> clicks_of(const PatientOptions &options, const Volume &scan)
+{
+    const fs::path file = options.output / "clicks.toml";
+    std::vector<Click> clicks = read_clicks(file);
+    const std::size_t before = clicks.size();
+    for (const std::string &text : options.clicks) {
+        const Click click = click_of(text);
+        if (std::none_of(clicks.begin(), clicks.end(), [&](const Click &c) { return c.is_same(click); }))
+            clicks.push_back(click);
+    }
+    check_clicks(clicks, scan);
+    if (clicks.size() > before) write_clicks(file, clicks);
+    return clicks;
+}
+
+// The text of the clicks of some kinds: the part of a step's inputs that they are.
+std::string text_of(const std::vector<Click> &clicks, const std::vector<ClickKind> &kinds)
+{
+    std::vector<Click> some;
+    for (const Click &click : clicks)
+        if (std::find(kinds.begin(), kinds.end(), click.kind) != kinds.end()) some.push_back(click);
+    const std::string text = some.empty() ? "" : clicks_text(some);
+    return " " + checksum(text.data(), text.size());
+}
+
+void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps, Page &page)
+{
+    const std::string scan =
+        std::string(steps_version) + " " + checksum(patient.scan) + (patient.has_map ? " map" : " no map");
+    if (patient.has_map) {
+        patient.labels = read_labels(options.labels, options.names, patient.scan);
+        patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
+        mend_arteries(patient.scan, patient.body, patient.contrast, patient.clicks, patient.labels,
+                      patient.findings);
+    } else {
+        const std::string mends =
+            text_of(patient.clicks, {ClickKind::artery, ClickKind::cut, ClickKind::bridge});
+        Unlabelled found = unlabelled_arteries(patient.scan, patient.body, patient.clicks, steps,
+                                               scan + mends, page, patient.findings);
+        patient.labels = std::move(found.labels);
+        patient.root_mm = found.root_mm;
+        patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
+    }
+    patient.inputs = scan + " " + checksum(patient.labels.volume) +
+                     (patient.has_map ? " " + checksum(options.names) : std::string());
+}
+
+Patient opened_scan(const PatientOptions &options)
 {
     Patient patient;
     patient.folder = options.output;
+    patient.has_map = !options.labels.empty();
     patient.scan = along_patient_axes(read_volume(options.scan));
     for (const std::string &note : patient.scan.notes) patient.findings.check.push_back("the scan " + note);
     check_scan(patient.scan, patient.findings);
     // Only voxels and grid remain of the scan. No tag of a DICOM file goes any further.
     patient.scan.name = "scan";
-    if (options.labels.empty()) return patient; // only the scan is checked
-    patient.labels = read_labels(options.labels, options.names, patient.scan);
-    patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
-    patient.inputs = std::string(steps_version) + " " + checksum(patient.scan) + " " +
-                     checksum(patient.labels.volume) + " " + checksum(options.names);
+    return patient;
+}
+
+Patient read_patient(const PatientOptions &options, Steps &steps, Page &page)
+{
+    Patient patient = opened_scan(options);
+    patient.clicks = clicks_of(options, patient.scan);
+    patient.body = body_of(patient.scan);
+    find_vessels(options, patient, steps, page);
     return patient;
 }
 
 void make_picture(Patient &patient, Steps &steps, Page &page)
 {
     const fs::path file = in(patient, "patient.ct");
-    const Mask body = body_of(patient.scan);
+    const Mask &body = patient.body;
     const CtVolume ct =
         picture_volume(patient.scan, body, patient.labels, patient.contrast, patient.findings);
     if (!steps.is_done("picture", patient.inputs, {file})) {
@@ -127,8 +138,9 @@ void make_picture(Patient &patient, Steps &steps, Page &page)
 bake::Mesh make_lumen(Patient &patient, Steps &steps, Page &page)
 {
     const fs::path file = in(patient, "lumen.ply");
-    patient.findings.assumed.push_back("the lumen begins as the arteries of the label map; a geodesic active "
-                                       "contour moves it to the edges of the scan");
+    patient.findings.assumed.push_back(std::string("the lumen begins as the arteries ") +
+                                       (patient.has_map ? "of the label map" : "that were found") +
+                                       "; a geodesic active contour moves it to the edges of the scan");
     const std::array<fs::path, 3> pictures = {in(patient, "lumen_side.png"), in(patient, "lumen_front.png"),
                                               in(patient, "lumen_slice.png")};
     if (!steps.is_done("lumen", patient.inputs, {file, pictures[0], pictures[1], pictures[2]})) {
@@ -173,16 +185,19 @@ void write_scene_text(const Patient &patient, const centreline::Tree &tree, cons
 
 void make_scene(Patient &patient, const centreline::Tree &tree, Steps &steps)
 {
-    const Entry entry = entry_of(tree, patient.scan.name);
-    patient.findings.assumed.push_back(
-        formatted("instruments enter at (%.0f, %.0f, %.0f) mm, at the end of %s nearest to the "
-                  "feet",
-                  entry.place_mm.x(), entry.place_mm.y(), entry.place_mm.z(), entry.branch.c_str()));
+    const auto click = std::find_if(patient.clicks.rbegin(), patient.clicks.rend(),
+                                    [](const Click &c) { return c.kind == ClickKind::entry; });
+    const bool is_clicked = click != patient.clicks.rend();
+    const Entry entry = is_clicked ? entry_near(tree, click->at_mm) : entry_of(tree, patient.scan.name);
+    patient.findings.assumed.push_back(formatted(
+        "instruments enter at (%.0f, %.0f, %.0f) mm, at the end of %s nearest to the %s", entry.place_mm.x(),
+        entry.place_mm.y(), entry.place_mm.z(), entry.branch.c_str(), is_clicked ? "click" : "feet"));
     patient.findings.assumed.push_back(
         "the vessels neither beat nor breathe, and flow divides by Murray's law");
     const std::vector<fs::path> files = {in(patient, "scene.toml"), in(patient, "patient.scene"),
                                          in(patient, "patient.bodies")};
-    if (steps.is_done("scene", patient.inputs, files)) return;
+    const std::string inputs = patient.inputs + text_of(patient.clicks, {ClickKind::entry, ClickKind::name});
+    if (steps.is_done("scene", inputs, files)) return;
     write_scene_text(patient, tree, entry);
     bake::Options options;
     options.scene = files[0];
@@ -191,23 +206,29 @@ void make_scene(Patient &patient, const centreline::Tree &tree, Steps &steps)
     options.poses = 1000;
     bake::Progress progress;
     write_whole_file(in(patient, "bake.txt").string(), bake::bake(options, progress));
-    steps.finish("scene", patient.inputs);
+    steps.finish("scene", inputs);
 }
 
 centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &steps, Page &page)
 {
     const fs::path file = in(patient, "tree.csv"), notes = in(patient, "tree.json");
-    if (!steps.is_done("tree", patient.inputs, {file, notes})) {
+    const std::string inputs = patient.inputs + text_of(patient.clicks, {ClickKind::name});
+    if (!steps.is_done("tree", inputs, {file, notes})) {
         Findings of_tree;
-        const centreline::Tree tree = tree_of(lumen, patient.labels, of_tree);
+        const Eigen::Vector3d root_mm = patient.root_mm ? *patient.root_mm : root_of(patient.labels);
+        centreline::Tree tree = tree_of(lumen, patient.labels, root_mm, of_tree);
+        name_branches(tree, patient.clicks);
+        describe_branches(tree, of_tree);
         centreline::write_tree(file, tree);
         write_whole_file(notes.string(), nlohmann::json(of_tree.facts).dump(2) + "\n");
-        steps.finish("tree", patient.inputs);
+        steps.finish("tree", inputs);
     }
     const centreline::Tree tree = centreline::read_tree(file);
     for (const auto &fact : nlohmann::json::parse(read_text_file(notes.string())))
         patient.findings.facts.push_back(fact.get<std::string>());
-    patient.findings.check.push_back("names of branches are proposals from the label map");
+    patient.findings.check.push_back(std::string("names of branches are proposals ") +
+                                     (patient.has_map ? "from the label map" : "from their places") +
+                                     ": --click name:x,y,z:NAME changes one");
     for (const int axis : {1, 0}) {
         Picture picture(patient.scan, axis, -1, 0, 900, 0.8);
         for (const centreline::Branch &branch : tree.branches) {
@@ -244,22 +265,32 @@ std::string text_of(const Findings &findings)
     return text;
 }
 
+// Reads scan, label map and table, and writes nothing.
+void check_inputs(const PatientOptions &options)
+{
+    Patient patient = opened_scan(options);
+    if (patient.has_map) {
+        patient.labels = read_labels(options.labels, options.names, patient.scan);
+        patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
+    }
+    std::fputs(text_of(patient.findings).c_str(), stdout);
+}
+
 } // namespace
 
 void command_patient(const PatientOptions &options)
 {
-    check_outputs({{"SCAN", options.scan.string()},
-                   {"--labels", options.labels.string()},
-                   {"--names", options.names.string()}},
-                  {});
-    if (options.is_check) {
-        std::fputs(text_of(read_patient(options).findings).c_str(), stdout);
-        return;
+    std::vector<NamedPath> inputs = {{"SCAN", options.scan.string()}};
+    if (!options.labels.empty()) {
+        inputs.push_back({"--labels", options.labels.string()});
+        inputs.push_back({"--names", options.names.string()});
     }
+    check_outputs(inputs, {});
+    if (options.is_check) return check_inputs(options);
     check_output_folder({"--output", options.output.string()});
-    Patient patient = read_patient(options);
     Page page(options.output);
     Steps steps(options.output);
+    Patient patient = read_patient(options, steps, page);
     patient.findings.check.push_back("look at every picture below; this is no medical device");
     make_picture(patient, steps, page);
     const bake::Mesh lumen = make_lumen(patient, steps, page);

@@ -201,12 +201,13 @@ static Vector3d inside_near(const bake::Mesh &lumen, const Vector3d &place_mm)
     return best;
 }
 
-centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, Findings &findings)
+centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, const Vector3d &root_mm,
+                         Findings &findings)
 {
     bake::Progress progress;
     const centreline::Lumen inside(lumen, {}, progress);
     centreline::AutoWish wish;
-    wish.inlet_mm = inside_near(lumen, root_of(labels));
+    wish.inlet_mm = inside_near(lumen, root_mm);
     wish.shortest_mm = 8.0;
     std::vector<std::string> notes;
     centreline::Tree tree = centreline::fit_automatic(inside, wish, notes, progress);
@@ -224,14 +225,54 @@ centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, Findin
         branch.name = number > 1 ? name + "_" + std::to_string(number) : name;
     }
     for (const std::string &note : notes) findings.facts.push_back("centrelines: " + note);
-    for (std::size_t i = 0; i < tree.branches.size(); ++i) {
-        const centreline::Branch &branch = tree.branches[i];
+    return tree;
+}
+
+void name_branches(centreline::Tree &tree, const std::vector<Click> &clicks)
+{
+    std::map<std::size_t, std::string> given; // by branch
+    for (const Click &click : clicks) {
+        if (click.kind != ClickKind::name) continue;
+        std::size_t nearest = 0;
+        double least_mm = INFINITY;
+        for (std::size_t i = 0; i < tree.branches.size(); ++i) {
+            const centreline::LinePlace place = centreline::line_place(tree.branches[i], click.at_mm);
+            const double outside_mm = place.distance_mm - place.radius_mm;
+            if (outside_mm < least_mm) nearest = i, least_mm = outside_mm;
+        }
+        for (const auto &[branch, name] : given)
+            if (branch != nearest && name == click.branch)
+                throw Fault(click.where + ": 'branch': another branch is named '" + click.branch +
+                            "' by an earlier click: choose another name");
+        given[nearest] = click.branch;
+    }
+    for (const auto &[branch, name] : given) {
+        for (centreline::Branch &other : tree.branches)
+            if (other.name == name) other.name = tree.branches[branch].name;
+        tree.branches[branch].name = name;
+    }
+}
+
+void describe_branches(const centreline::Tree &tree, Findings &findings)
+{
+    for (const centreline::Branch &branch : tree.branches)
         findings.facts.push_back(formatted("branch %s: %.0f mm long, radius %.1f to %.1f mm",
                                            branch.name.c_str(), centreline::length_mm(branch),
                                            branch.spheres.front().radius_mm,
                                            branch.spheres.back().radius_mm));
+}
+
+// The place inside the end of a branch, and the direction from the end into it.
+static Entry inside_end(const centreline::Branch &branch)
+{
+    double passed_mm = 0.0;
+    for (std::size_t i = branch.spheres.size() - 1; i > 0; --i) {
+        const Vector3d step = branch.spheres[i - 1].centre_mm - branch.spheres[i].centre_mm;
+        passed_mm += step.norm();
+        if (passed_mm >= entry_mm || i == 1)
+            return {branch.spheres[i - 1].centre_mm, step.normalized(), branch.name};
     }
-    return tree;
+    throw Fault("tree: the branch " + branch.name + " has a single place");
 }
 
 Entry entry_of(const centreline::Tree &tree, const std::string &name)
@@ -244,14 +285,20 @@ Entry entry_of(const centreline::Tree &tree, const std::string &name)
             lowest = &branch;
     }
     if (!lowest) throw Fault(name + ": the arteries have no end");
-    double passed_mm = 0.0;
-    for (std::size_t i = lowest->spheres.size() - 1; i > 0; --i) {
-        const Vector3d step = lowest->spheres[i - 1].centre_mm - lowest->spheres[i].centre_mm;
-        passed_mm += step.norm();
-        if (passed_mm >= entry_mm || i == 1)
-            return {lowest->spheres[i - 1].centre_mm, step.normalized(), lowest->name};
-    }
-    throw Fault(name + ": the branch " + lowest->name + " has a single place");
+    return inside_end(*lowest);
+}
+
+Entry entry_near(const centreline::Tree &tree, const Vector3d &place_mm)
+{
+    const centreline::Branch *nearest = nullptr;
+    const auto distance = [&](const centreline::Branch &branch) {
+        return (branch.spheres.back().centre_mm - place_mm).norm();
+    };
+    for (std::size_t i = 0; i < tree.branches.size(); ++i)
+        if (is_leaf(tree, i) && (!nearest || distance(tree.branches[i]) < distance(*nearest)))
+            nearest = &tree.branches[i];
+    if (!nearest) throw Fault("tree: the arteries have no end");
+    return inside_end(*nearest);
 }
 
 } // namespace crn::ct

@@ -4,6 +4,7 @@
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"
 #include "tools/lab/ct/patient/body.hpp"
+#include "tools/lab/ct/patient/clicks.hpp"
 #include "tools/lab/ct/segment.hpp"
 
 namespace crn::ct
@@ -21,9 +22,16 @@ bake::Mesh lumen_of(const Volume &level);
 // it is the foremost upper end of the aorta.
 Eigen::Vector3d root_of(const LabelMap &labels);
 
-// Finds the tree of the lumen. Branches have the name of the structure in which most of their spheres lie,
-// with a number where a name comes again.
-centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, Findings &findings);
+// Finds the tree of the lumen, from the root on. Branches have the name of the structure in which most of
+// their spheres lie, with a number where a name comes again.
+centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, const Eigen::Vector3d &root_mm,
+                         Findings &findings);
+
+// Gives the branch nearest to each click of the kind `name` its name. Throws Fault if a name is given twice.
+void name_branches(centreline::Tree &tree, const std::vector<Click> &clicks);
+
+// Adds the name, length and radius of each branch to the facts.
+void describe_branches(const centreline::Tree &tree, Findings &findings);
 
 // The place where instruments enter: inside the end of the tree that is nearest to the feet.
 struct Entry {
@@ -31,5 +39,7 @@ struct Entry {
     std::string branch;
 };
 Entry entry_of(const centreline::Tree &tree, const std::string &name);
+// Inside the end of the tree that is nearest to the place.
+Entry entry_near(const centreline::Tree &tree, const Eigen::Vector3d &place_mm);
 
 } // namespace crn::ct

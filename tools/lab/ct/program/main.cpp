@@ -26,8 +26,7 @@ constexpr const char *examples =
     "  ct segment out/case && ct check out/case             every depth of a case; how far from its truth\n"
     "  ct scan lumen.ply wire.csv -o scan.nrrd              one scan of a steel wire in a phantom\n"
     "  ct scan lumen.ply wire.csv -o series --material nitinol      the same as a DICOM series\n"
-    "  ct patient scan.nii.gz --labels map.nii.gz --names names.csv -o patient     a scene from a patient's "
-    "CT\n"
+    "  ct patient scan.nii.gz -o patient                    a scene from a patient's CT\n"
     "ct SUBCOMMAND --help has the options.\n"
     "Volumes: .nrrd, .nii, .nii.gz, .mha, or a folder with a DICOM series. Places are in the scene's axes "
     "(+x patient left, +y head, +z front), in mm.\n"
@@ -64,12 +63,16 @@ constexpr const char *segment_footer =
 
 constexpr const char *patient_footer =
     "Examples:\n"
-    "  ct patient scan.nii.gz --labels segmentation.nii.gz --names names.csv -o patient\n"
-    "  ct patient dicom_folder --labels segmentation.nrrd --names names.csv -o patient      again: only what "
+    "  ct patient scan.nii.gz -o patient                                     finds the arteries\n"
+    "  ct patient scan.nii.gz -o patient --click bridge:31,-240,8            again: mends a gap, repeats "
+    "what "
     "changed\n"
-    "  ct patient dicom_folder --check                                                      can it be used?\n"
-    "  cournand view patient/patient.scene                                                  plays the scene\n"
-    "The label map has the scan's grid and TotalSegmentator's names; one structure must be the aorta.\n"
+    "  ct patient scan.nii.gz --labels map.nii.gz --names names.csv -o patient      with a label map\n"
+    "  ct patient dicom_folder --check                                       can it be used?\n"
+    "  cournand view patient/patient.scene                                   plays the scene\n"
+    "Clicks: artery:x,y,z is in an artery; cut:x,y,z:RADIUS is none; bridge:x,y,z joins two ends;\n"
+    "entry:x,y,z is where instruments enter; name:x,y,z:NAME names a branch.\n"
+    "A label map has the scan's grid and TotalSegmentator's names; one structure must be the aorta.\n"
     "Written: patient.scene, patient.bodies, patient.ct, scene.toml, lumen.ply, tree.csv, report.json, "
     "index.html.\n"
     "Nothing of the scan but its voxels and its grid is kept. docs/own_ct.md says what is assumed and "
@@ -191,22 +194,22 @@ void add_segment(CLI::App &app, SegmentCommand &options, std::vector<double> &se
 
 void add_patient(CLI::App &app, PatientOptions &options)
 {
-    CLI::App &command =
-        *app.add_subcommand("patient", "a playable scene from a patient's CT and a map of its arteries");
+    CLI::App &command = *app.add_subcommand("patient", "a playable scene from a patient's CT");
     command.footer(patient_footer);
     command.add_option("SCAN", options.scan, "a volume, or a folder with a DICOM series, in HU")->required();
-    CLI::Option *labels =
-        command.add_option("--labels", options.labels, "label map of organs and arteries on the scan's grid");
-    CLI::Option *names =
-        command.add_option("--names", options.names, "table of the labels' numbers and names");
+    CLI::Option *labels = command.add_option(
+        "--labels", options.labels,
+        "label map of organs and arteries on the scan's grid; none: the arteries are found");
+    labels->needs(command.add_option("--names", options.names, "table of the labels' numbers and names")
+                      ->needs(labels));
+    command.add_option("--click", options.clicks,
+                       "mends the arteries: artery, cut, bridge, entry or name, and a place in mm, as in "
+                       "artery:12,-230,4; kept in clicks.toml of the folder");
     command.add_option("-o,--output", options.output, "folder of the scene and its report");
     command.add_flag(
         "--check", options.is_check,
-        "only read the inputs and say what is wrong with them; --labels, --names and -o may be missing");
-    labels->needs(names);
-    names->needs(labels);
+        "only reads the inputs, without -o, and says what is wrong with them or must be checked");
     command.callback([&options] {
-        if (!options.is_check && options.labels.empty()) throw CLI::RequiredError("--labels");
         if (!options.is_check && options.output.empty()) throw CLI::RequiredError("--output");
         command_patient(options);
     });

@@ -139,7 +139,7 @@ static void the_lumen_tree_and_entry_are_those_of_the_truth(void **)
     const double mean_mm = sum / static_cast<double>(lumen.vertices_mm.size());
     std::printf("# lumen against truth: mean %.3f mm, most %.2f mm\n", mean_mm, most);
     assert_true(mean_mm < 0.4);
-    const centreline::Tree tree = tree_of(lumen, of.labels, findings);
+    const centreline::Tree tree = tree_of(lumen, of.labels, root_of(of.labels), findings);
     double line_mm = 0, radius_share = 0, count = 0;
     for (const centreline::Branch &branch : tree.branches)
         for (const centreline::Sphere &sphere : branch.spheres) {

@@ -1,0 +1,156 @@
+#include "tools/lab/ct/patient/arteries.hpp"
+#include "tools/lab/ct/patient/ascending.hpp"
+#include "tools/lab/ct/patient/bright.hpp"
+#include "tools/lab/ct/patient/repair.hpp"
+#include <algorithm>
+
+namespace crn::ct
+{
+
+namespace
+{
+
+using Eigen::Vector2d;
+
+constexpr double stack_least_mm = 12;
+
+// The voxels inside the discs of a stack, and between them, with their own widths.
+void add_stack(const Volume &scan, const Bright &bright, const Stack &stack, std::vector<Source> &sources)
+{
+    constexpr double share = 0.8; // of the radius
+    for (std::size_t n = 0; n < stack.size(); ++n) {
+        const Disc &disc = stack[n], &next = stack[std::min(n + 1, stack.size() - 1)];
+        const int last = n + 1 < stack.size() ? next.slice : disc.slice + 1;
+        for (int k = disc.slice; k < last; ++k) {
+            const double part = static_cast<double>(k - disc.slice) / (last - disc.slice);
+            const Vector2d middle = disc.middle + part * (next.middle - disc.middle);
+            const Ball ball{scan.scene({middle.x(), middle.y(), 1.0 * k}),
+                            share * std::min(disc.radius_mm, next.radius_mm)};
+            for_ball(scan, ball, [&](std::size_t at) {
+                if (slice_of(scan, at) == k && bright.inside[at]) sources.push_back({at, bright.widths[at]});
+            });
+        }
+    }
+}
+
+Mask mask_from(const Volume &scan, const std::vector<Source> &sources)
+{
+    Mask mask(scan.count(), 0);
+    for (const Source &source : sources) mask[source.at] = 1;
+    return mask;
+}
+
+// What growing gives: arteries that may be in pieces, and what was taken from them.
+struct Grown {
+    Mask artery, leaks, bone;
+};
+
+// Grows from the sources through what is bright and not known as an artery already, and over bridges.
+Grown grow_arteries(const Volume &scan, const Bright &bright, const Mask &known, std::vector<Source> sources,
+                    const std::vector<std::size_t> &gates, const std::vector<Click> &clicks)
+{
+    Mask inside = bright.inside;
+    for (std::size_t at = 0; at < known.size(); ++at) inside[at] = inside[at] && !known[at];
+    Grown grown;
+    const auto grow = [&] {
+        Growth growth = grow_apart(scan, inside, bright.widths, sources, bright.pieces);
+        grown.leaks = cut_leaks(scan, bright.widths, gates, {}, growth);
+        grown.artery = known.empty() ? Mask(scan.count(), 0) : known;
+        grown.bone.assign(scan.count(), 0);
+        for (std::size_t at = 0; at < growth.side.size(); ++at) {
+            if (growth.is_artery(at)) grown.artery[at] = 1;
+            grown.bone[at] = growth.side[at] == static_cast<unsigned char>(Side::other);
+        }
+    };
+    grow();
+    std::vector<Tube> tubes;
+    for (const Click &click : clicks) {
+        if (click.kind != ClickKind::bridge) continue;
+        tubes.push_back(bridge_of(scan, bright, grown.artery, click));
+        sources.push_back({tubes.back().to, bright.widths[tubes.back().to]});
+    }
+    if (!tubes.empty()) grow();
+    for (const Tube &tube : tubes) mark_tube(scan, tube, grown.artery);
+    return grown;
+}
+
+LabelMap labels_of(const Volume &scan, const Grown &grown, const Mask &aorta)
+{
+    LabelMap labels{scan.like(0), artery_names()};
+    labels.volume.name = "arteries";
+    for (std::size_t at = 0; at < scan.count(); ++at) {
+        const int label = grown.artery[at]  ? (aorta[at] ? label_aorta : label_artery)
+                          : grown.leaks[at] ? label_heart
+                          : grown.bone[at]  ? label_bone
+                                            : 0;
+        labels.volume.hu[at] = static_cast<float>(label);
+    }
+    return labels;
+}
+
+} // namespace
+
+NamesTable artery_names()
+{
+    return {{label_aorta, "aorta"}, {label_artery, "artery"}, {label_heart, "heart"}, {label_bone, "bone"}};
+}
+
+FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vector<Click> &clicks,
+                            Findings &findings, const Report &report)
+{
+    report("find the aorta", 0);
+    const std::vector<Stack> stacks = round_stacks(scan, stack_least_mm);
+    FoundArteries found;
+    found.descending = descending_aorta(stacks, scan.name);
+    const Contrast contrast = contrast_of(found.descending);
+    report("find the aorta", 1);
+    report("separate arteries", 0);
+    Bright bright = bright_of(scan, body, contrast);
+    take_out(scan, cuts_of(clicks), bright);
+    report("separate arteries", 0.3);
+    std::vector<Source> sources;
+    add_stack(scan, bright, found.descending, sources);
+    found.ascending =
+        ascending_aorta(scan, grow_apart(scan, bright.inside, bright.widths, sources, bright.pieces), stacks,
+                        found.descending);
+    add_stack(scan, bright, found.ascending, sources);
+    const Mask aorta = mask_from(scan, sources);
+    report("separate arteries", 0.6);
+    for (const Source &source : sources_of(scan, bright, clicks)) sources.push_back(source);
+    Grown grown =
+        grow_arteries(scan, bright, {}, std::move(sources), gate_below(scan, found.ascending), clicks);
+    join_clicked(scan, bright, clicks, aorta, grown.artery, findings);
+    keep_connected(scan, aorta, grown.artery);
+    found.labels = labels_of(scan, grown, aorta);
+    found.root_mm =
+        place_of(scan, found.ascending.empty() ? found.descending.back() : found.ascending.front());
+    report("separate arteries", 1);
+    return found;
+}
+
+void mend_arteries(const Volume &scan, const Mask &body, const Contrast &contrast,
+                   const std::vector<Click> &clicks, LabelMap &labels, Findings &findings)
+{
+    if (std::all_of(clicks.begin(), clicks.end(), [](const Click &click) {
+            return click.kind == ClickKind::entry || click.kind == ClickKind::name;
+        }))
+        return;
+    Bright bright = bright_of(scan, body, contrast);
+    Mask artery = mask_of(labels, labels.numbers(is_artery)), before = artery;
+    Mask aorta = mask_of(labels, labels.numbers([](const std::string &name) { return name == "aorta"; }));
+    const std::vector<Ball> cuts = cuts_of(clicks);
+    take_out(scan, cuts, bright);
+    for (const Ball &ball : cuts) for_ball(scan, ball, [&](std::size_t at) { artery[at] = aorta[at] = 0; });
+    keep_largest(scan, aorta);
+    artery = grow_arteries(scan, bright, artery, sources_of(scan, bright, clicks), {}, clicks).artery;
+    join_clicked(scan, bright, clicks, aorta, artery, findings);
+    keep_connected(scan, aorta, artery);
+    const int added = labels.names.rbegin()->first + 1;
+    labels.names[added] = "artery";
+    for (std::size_t at = 0; at < artery.size(); ++at) {
+        if (before[at] && !artery[at]) labels.volume.hu[at] = 0;
+        if (!before[at] && artery[at]) labels.volume.hu[at] = static_cast<float>(added);
+    }
+}
+
+} // namespace crn::ct

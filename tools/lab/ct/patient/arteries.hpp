@@ -1,0 +1,31 @@
+// Finds the arteries of a CT with contrast medium without a label map, and mends those of a label map by
+// clicks (docs/own_ct.md, "Arteries without a label map").
+#pragma once
+#include "tools/lab/ct/patient/aorta.hpp"
+#include "tools/lab/ct/patient/clicks.hpp"
+#include "tools/lab/ct/segment.hpp"
+
+namespace crn::ct
+{
+
+enum : int { label_aorta = 1, label_artery = 2, label_heart = 3, label_bone = 4 };
+
+// The names of these labels.
+NamesTable artery_names();
+
+struct FoundArteries {
+    LabelMap labels; // aorta, artery, heart (wide regions behind a neck: chambers, kidneys), and bone
+    Eigen::Vector3d
+        root_mm; // where the blood enters: the lower end of the ascending aorta, or the aorta's top
+    Stack descending, ascending; // the latter may be empty
+};
+
+// The clicks of the kinds artery, cut and bridge are obeyed. Throws Fault where there is no aorta.
+FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vector<Click> &clicks,
+                            Findings &findings, const Report &report);
+
+// Obeys the same clicks in the arteries of a label map.
+void mend_arteries(const Volume &scan, const Mask &body, const Contrast &contrast,
+                   const std::vector<Click> &clicks, LabelMap &labels, Findings &findings);
+
+} // namespace crn::ct
