@@ -83,7 +83,7 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
         std::string(steps_version) + " " + checksum(patient.scan) + (patient.has_map ? " map" : " no map");
     if (patient.has_map) {
         patient.labels = read_labels(options.labels, options.names, patient.scan);
-        if (!is_copy(options.scan, options.output)) keep_labels(patient.labels, options.output);
+        keep_labels(patient.labels, options.labels, options.output);
         patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
         mend_arteries(patient.scan, patient.body, patient.contrast, patient.clicks, patient.labels,
                       patient.findings);
@@ -100,32 +100,31 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
         scan + " " + checksum(patient.labels.volume) + " " + names_checksum(patient.labels.names);
 }
 
-// Reads the scan, or the copy of it that an earlier run has kept.
-Volume scan_of(const PatientOptions &options, Findings &findings, Steps &steps)
+// Reads and checks the scan, or the copy of it that an earlier run has kept. Writes nothing.
+Patient opened_scan(const PatientOptions &options)
 {
-    const bool is_kept = is_copy(options.scan, options.output);
-    Volume scan;
-    if (is_kept) {
-        ScanCopy copy = read_copy(options.output);
-        scan = std::move(copy.scan);
-        scan.notes = std::move(copy.notes);
+    Patient patient;
+    patient.folder = options.output;
+    patient.has_map = !options.labels.empty();
+    if (is_copy(options.scan)) {
+        ScanCopy copy = read_copy(options.scan);
+        patient.scan = std::move(copy.scan);
+        patient.scan.notes = std::move(copy.notes);
     } else {
-        scan = along_patient_axes(read_volume(options.scan));
+        patient.scan = along_patient_axes(read_volume(options.scan));
     }
+    for (const std::string &note : patient.scan.notes) patient.findings.check.push_back("the scan " + note);
+    check_scan(patient.scan, patient.findings);
     // Only voxels and grid remain of the scan. No tag of a DICOM file goes any further.
-    scan.name = "scan";
-    for (const std::string &note : scan.notes) findings.facts.push_back("reading: " + note);
-    check_scan(scan, findings);
-    return is_kept ? scan : keep_copy(scan, options.output, steps);
+    patient.scan.name = "scan";
+    return patient;
 }
 
-// A run with the kept copy of the scan also uses the kept label map.
+// A run with the kept copy of the scan also uses the label map that is kept beside it.
 PatientOptions with_kept_labels(PatientOptions options)
 {
-    const bool is_kept = is_copy(options.scan, options.output);
-    if (options.labels.empty() && !is_kept) forget_labels(options.output);
-    if (!options.labels.empty() || !is_kept) return options;
-    if (const std::optional<LabelFiles> files = kept_labels(options.output)) {
+    if (!options.labels.empty() || !is_copy(options.scan)) return options;
+    if (const std::optional<LabelFiles> files = kept_labels(options.scan.parent_path())) {
         options.labels = files->map;
         options.names = files->names;
     }
@@ -135,10 +134,9 @@ PatientOptions with_kept_labels(PatientOptions options)
 Patient read_patient(const PatientOptions &given, Steps &steps, Page &page)
 {
     const PatientOptions options = with_kept_labels(given);
-    Patient patient;
-    patient.folder = options.output;
-    patient.has_map = !options.labels.empty();
-    patient.scan = scan_of(options, patient.findings, steps);
+    Patient patient = opened_scan(options);
+    patient.scan = keep_copy(patient.scan, options.output, steps);
+    if (!patient.has_map) forget_labels(options.output); // of an earlier run
     patient.clicks = clicks_of(options, patient.scan);
     patient.body = body_of(patient.scan);
     find_vessels(options, patient, steps, page);
@@ -293,18 +291,28 @@ std::string text_of(const Findings &findings)
     return text;
 }
 
+// Reads scan, label map and table, and writes nothing.
+void check_inputs(const PatientOptions &options)
+{
+    Patient patient = opened_scan(options);
+    if (patient.has_map) {
+        patient.labels = read_labels(options.labels, options.names, patient.scan);
+        patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
+    }
+    std::fputs(text_of(patient.findings).c_str(), stdout);
+}
+
 } // namespace
 
 void command_patient(const PatientOptions &options)
 {
-    if (options.labels.empty() != options.names.empty())
-        throw UsageError("--labels and --names belong together: give both, or neither");
     std::vector<NamedPath> inputs = {{"SCAN", options.scan.string()}};
     if (!options.labels.empty()) {
         inputs.push_back({"--labels", options.labels.string()});
         inputs.push_back({"--names", options.names.string()});
     }
     check_outputs(inputs, {});
+    if (options.is_check) return check_inputs(options);
     check_output_folder({"--output", options.output.string()});
     Page page(options.output);
     Steps steps(options.output);

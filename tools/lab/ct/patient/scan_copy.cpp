@@ -47,7 +47,6 @@ Volume volume_of(const CtVolume &ct)
     const Eigen::Vector3d front(ct.first_mm.x(), ct.first_mm.y(),
                                 ct.first_mm.z() + (ct.size[2] - 1) * ct.spacing_mm[2]);
     scan.origin_mm = lps_from_scene(front);
-    scan.name = "scan";
     scan.hu.resize(scan.count());
     for (int k = 0; k < scan.size[2]; ++k)
         for (int j = 0; j < scan.size[1]; ++j)
@@ -57,22 +56,22 @@ Volume volume_of(const CtVolume &ct)
     return scan;
 }
 
-bool is_copy(const fs::path &scan, const fs::path &folder)
+bool is_copy(const fs::path &file)
 {
-    std::error_code ignored;
-    return fs::equivalent(scan, folder / scan_name, ignored);
+    return file.filename() == scan_name;
 }
 
-ScanCopy read_copy(const fs::path &folder)
+ScanCopy read_copy(const fs::path &file)
 {
     ScanCopy copy;
     CtVolume ct;
     std::string error;
-    if (!read_ct_volume((folder / scan_name).string(), ct, error)) throw Fault(error);
+    if (!read_ct_volume(file.string(), ct, error)) throw Fault(error);
     copy.scan = volume_of(ct);
+    copy.scan.name = file.string();
     try {
         const nlohmann::json text =
-            nlohmann::json::parse(read_text_file((folder / notes_name).string()), nullptr, false);
+            nlohmann::json::parse(read_text_file((file.parent_path() / notes_name).string()), nullptr, false);
         if (text.is_object() && text.contains("notes"))
             for (const auto &note : text["notes"])
                 if (note.is_string()) copy.notes.push_back(note.get<std::string>());
@@ -85,6 +84,7 @@ Volume keep_copy(const Volume &scan, const fs::path &folder, Steps &steps)
 {
     const CtVolume ct = ct_of(scan);
     Volume kept = volume_of(ct);
+    kept.name = scan.name;
     const std::string inputs = "2 " + checksum(kept);
     if (!steps.is_done("scan", inputs, {folder / scan_name, folder / notes_name})) {
         const nlohmann::json text = {{"notes", scan.notes}};
@@ -102,8 +102,10 @@ std::optional<LabelFiles> kept_labels(const fs::path &folder)
     return std::nullopt;
 }
 
-void keep_labels(const LabelMap &labels, const fs::path &folder)
+void keep_labels(const LabelMap &labels, const fs::path &map, const fs::path &folder)
 {
+    std::error_code ignored;
+    if (fs::equivalent(map, label_files(folder).map, ignored)) return;
     std::string table = "id,structure\n";
     for (const auto &[number, name] : labels.names) {
         std::string plain = name;

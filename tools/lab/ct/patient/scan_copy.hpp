@@ -14,16 +14,16 @@ namespace crn::ct
 CtVolume ct_of(const Volume &scan);
 Volume volume_of(const CtVolume &ct);
 
-// Whether the file is the copy in the folder, so the copy itself is the scan.
-bool is_copy(const std::filesystem::path &scan, const std::filesystem::path &folder);
+// Whether the file is such a copy, by its name.
+bool is_copy(const std::filesystem::path &file);
 
 struct ScanCopy {
     Volume scan;                    // as the copy holds it
     std::vector<std::string> notes; // of the reading of the original
 };
-// Reads the copy. Throws Fault.
-ScanCopy read_copy(const std::filesystem::path &folder);
-// Writes the copy, unless it is there, and returns the scan as the copy holds it.
+// Reads the copy, and the notes beside it. Throws Fault.
+ScanCopy read_copy(const std::filesystem::path &file);
+// Writes the copy into the folder, unless it is there, and returns the scan as the copy holds it.
 Volume keep_copy(const Volume &scan, const std::filesystem::path &folder, Steps &steps);
 
 // The label map of the folder, with its table; empty: none was given.
@@ -31,7 +31,9 @@ struct LabelFiles {
     std::filesystem::path map, names;
 };
 std::optional<LabelFiles> kept_labels(const std::filesystem::path &folder);
-void keep_labels(const LabelMap &labels, const std::filesystem::path &folder);
+// Writes the copy of the map that was read from the file `map`, unless that is the copy itself.
+void keep_labels(const LabelMap &labels, const std::filesystem::path &map,
+                 const std::filesystem::path &folder);
 void forget_labels(const std::filesystem::path &folder);
 
 } // namespace crn::ct
