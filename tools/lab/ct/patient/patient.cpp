@@ -82,7 +82,6 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
     const std::string scan =
         std::string(steps_version) + " " + checksum(patient.scan) + (patient.has_map ? " map" : " no map");
     if (patient.has_map) {
-        patient.labels = read_labels(options.labels, options.names, patient.scan);
         keep_labels(patient.labels, options.labels, options.output);
         patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
         mend_arteries(patient.scan, patient.body, patient.contrast, patient.clicks, patient.labels,
@@ -135,6 +134,12 @@ Patient read_patient(const PatientOptions &given, Steps &steps, Page &page)
 {
     const PatientOptions options = with_kept_labels(given);
     Patient patient = opened_scan(options);
+    // Inputs are read and checked before anything is written.
+    if (patient.has_map) {
+        patient.labels = read_labels(options.labels, options.names, patient.scan);
+        Findings ignored;
+        contrast_in(patient.scan, patient.labels, ignored);
+    }
     patient.scan = keep_copy(patient.scan, options.output, steps);
     if (!patient.has_map) forget_labels(options.output); // of an earlier run
     patient.clicks = clicks_of(options, patient.scan);
