@@ -1,6 +1,7 @@
 // Reads a label map of organs and its table of names, as programs that segment scans write them.
 #pragma once
 #include "tools/lab/ct/volume/volume.hpp"
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -17,6 +18,8 @@ NamesTable read_names(const std::filesystem::path &file);
 struct LabelMap {
     Volume volume; // whole numbers on the grid of the scan
     NamesTable names;
+
+    int label(std::size_t at) const { return static_cast<int>(std::lround(volume.hu[at])); }
 
     // Returns the numbers of the structures whose name satisfies the rule.
     template <class Rule> std::vector<int> numbers(const Rule &rule) const
