@@ -29,37 +29,61 @@ Box block_box(const Cell &block, double voxel_mm)
     return box;
 }
 
-/* Fills one block of the grid with values of the distance function. Exact distances are needed only near the
+/* Fills blocks of the grid with values of a distance function. Exact distances are needed only near the
  * surface. If the middle of a group of grid points is far enough from the surface, all points of the group
- * and their neighbours are on one side of the surface. All points of a group far from the surface get the
- * same distance: the width of the level set's band, with the sign at the group's middle. */
-crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
+ * and their neighbours are on one side of the surface, and get the same distance: the width of the level
+ * set's band, with the sign at the middle. */
+class BlockFiller
 {
-    constexpr int GROUP = 2;
-    const double voxel = request.voxel_mm, band = BAND_VOXELS * voxel;
-    // A group of points counts as far from the surface if the estimated distance at its middle exceeds `far`.
-    // The value `far` is STEEPEST times the sum of half the group's diagonal and one voxel's diagonal.
-    const double far = STEEPEST * (0.5 * (GROUP - 1) + 1.0) * std::sqrt(3.0) * voxel;
-    const Distance distance = request.distance_in(block_box(block, voxel), band);
-    const Vec3 origin = Vec3(block[0], block[1], block[2]) * BLOCK;
-    crn::mesh::Block made;
-    for (int group = 0; group < BLOCK * BLOCK * BLOCK; group += GROUP * GROUP * GROUP) {
-        const int n = group / (GROUP * GROUP * GROUP), side = BLOCK / GROUP;
-        const int first[3] = {GROUP * (n % side), GROUP * (n / side % side), GROUP * (n / side / side)};
-        const auto point_at = [&](double x, double y, double z) {
-            return Vec3((origin + Vec3(first[0] + x, first[1] + y, first[2] + z)) * voxel);
-        };
-        constexpr double MIDDLE = 0.5 * (GROUP - 1);
-        const double middle = distance(point_at(MIDDLE, MIDDLE, MIDDLE));
-        for (int k = 0; k < GROUP * GROUP * GROUP; k++) {
-            const int x = k % GROUP, y = k / GROUP % GROUP, z = k / GROUP / GROUP;
-            made[first[0] + x + BLOCK * (first[1] + y + BLOCK * (first[2] + z))] =
-                std::abs(middle) > far ? std::copysign(band, middle)
-                                       : std::clamp(distance(point_at(x, y, z)), -band, band);
-        }
+  public:
+    BlockFiller(const Cell &block, const MeshRequest &request)
+        : voxel_(request.voxel_mm), band_(BAND_VOXELS * request.voxel_mm),
+          distance_(request.distance_in(block_box(block, voxel_), band_)),
+          origin_(Vec3(block[0], block[1], block[2]) * BLOCK)
+    {
     }
-    return made;
-}
+
+    crn::mesh::Block filled()
+    {
+        constexpr int LARGE = 4;
+        for (int z = 0; z < BLOCK; z += LARGE)
+            for (int y = 0; y < BLOCK; y += LARGE)
+                for (int x = 0; x < BLOCK; x += LARGE) fill_group(x, y, z, LARGE);
+        return block_;
+    }
+
+  private:
+    double at(double x, double y, double z) const
+    {
+        return distance_(Vec3((origin_ + Vec3(x, y, z)) * voxel_));
+    }
+
+    /* A group whose middle is near the surface is divided into eight, or in the end into its points. */
+    void fill_group(int x, int y, int z, int edge)
+    {
+        // The farthest point of a group lies half the group's diagonal from its middle, and its farthest
+        // neighbour one voxel's diagonal more.
+        const double far = STEEPEST * (0.5 * (edge - 1) + 1.0) * std::sqrt(3.0) * voxel_;
+        const double middle_at = 0.5 * (edge - 1);
+        const double middle = at(x + middle_at, y + middle_at, z + middle_at);
+        const bool is_far = std::abs(middle) > far;
+        const double value = std::copysign(band_, middle);
+        const int half = edge / 2;
+        for (int k = 0; k < 8 && !is_far && edge > 2; k++)
+            fill_group(x + half * (k % 2), y + half * (k / 2 % 2), z + half * (k / 4), half);
+        if (!is_far && edge > 2) return;
+        for (int c = z; c < z + edge; c++)
+            for (int b = y; b < y + edge; b++)
+                for (int a = x; a < x + edge; a++)
+                    block_[static_cast<size_t>(a + BLOCK * (b + BLOCK * c))] =
+                        is_far ? value : std::clamp(at(a, b, c), -band_, band_);
+    }
+
+    double voxel_, band_;
+    Distance distance_;
+    Vec3 origin_;
+    crn::mesh::Block block_;
+};
 
 /* Makes the level set. Blocks whose centre is far from the surface are skipped; fill_signs() later gives
  * these blocks their sign. The level set is measured in voxels, so the vertices of its surface must be
@@ -80,7 +104,8 @@ crn::mesh::LevelSet level_set(const MeshRequest &request)
             const Distance distance = request.distance_in(column, reach_mm);
             for (int z = static_cast<int>(first.z()); z <= last.z(); z++) {
                 const Vec3 centre = (Vec3(x, y, z) + Vec3::Constant(0.5)) * block_mm;
-                if (std::abs(distance(centre)) < reach_mm) level.set({x, y, z}, block_of({x, y, z}, request));
+                if (std::abs(distance(centre)) < reach_mm)
+                    level.set({x, y, z}, BlockFiller({x, y, z}, request).filled());
             }
         }
     level.fill_signs();
@@ -168,10 +193,12 @@ std::string closed_mesh_fault(const Mesh &mesh)
     std::sort(edges.begin(), edges.end());
     for (size_t i = 0; i < edges.size(); i++) {
         const auto from = static_cast<uint32_t>(edges[i] >> 32), to = static_cast<uint32_t>(edges[i]);
-        const std::string name = "edge " + std::to_string(from) + "-" + std::to_string(to);
-        if (i > 0 && edges[i] == edges[i - 1]) return name + " has more than two triangles";
+        const auto fault = [&](const char *what) {
+            return "edge " + std::to_string(from) + "-" + std::to_string(to) + what;
+        };
+        if (i > 0 && edges[i] == edges[i - 1]) return fault(" has more than two triangles");
         if (!std::binary_search(edges.begin(), edges.end(), static_cast<uint64_t>(to) << 32 | from))
-            return name + " is open";
+            return fault(" is open");
     }
     return "";
 }

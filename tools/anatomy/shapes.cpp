@@ -18,16 +18,6 @@ void Box::include(const Box &other)
     high = high.cwiseMax(other.high);
 }
 
-double Box::squared_distance(const Vec3 &point) const
-{
-    double sum = 0.0;
-    for (int axis = 0; axis < 3; axis++) {
-        const double off = std::max({low[axis] - point[axis], point[axis] - high[axis], 0.0});
-        sum += off * off;
-    }
-    return sum;
-}
-
 double Box::distance(const Vec3 &point) const
 {
     return std::sqrt(squared_distance(point));
@@ -181,7 +171,7 @@ Plate::Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_
 }
 
 Plate::Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &half_thickness_mm)
-    : half_thickness_mm_(half_thickness_mm)
+    : half_thickness_mm_(half_thickness_mm), thickest_mm_(half_thickness_mm.maxCoeff())
 {
     const Vec3 corners[3] = {a, b, c}, normal = (b - a).cross(c - a);
     normal_ = normal.normalized();
@@ -259,14 +249,14 @@ double Part::evaluate(const Vec3 &point, double cortex_scale) const
     for (const auto &shape : added) {
         const double reach =
             (is_exact_inside ? std::max(0.0, total) : total) + blend_mm + cortex_scale * shape->cortex_mm;
-        if (reach < 0.0 || (reach < 1e8 && shape->bounds.is_beyond(point, reach))) continue;
+        if (reach < 0.0 || (reach < 1e8 && shape->is_beyond(point, reach))) continue;
         const bool own_marrow = cortex_scale > 0.0 && shape->marrow;
         const double distance = own_marrow ? shape->marrow->distance(point)
                                            : shape->distance(point) + cortex_scale * shape->cortex_mm;
         total = smooth_min(total, distance, blend_mm);
     }
     for (const auto &shape : removed) {
-        if (shape->bounds.is_beyond(point, CUT_ROUND_MM + cortex_scale + std::max(0.0, -total))) continue;
+        if (shape->is_beyond(point, CUT_ROUND_MM + cortex_scale + std::max(0.0, -total))) continue;
         total = smooth_max(total, cortex_scale * shape->cortex_mm - shape->distance(point), CUT_ROUND_MM);
     }
     return total;

@@ -6,7 +6,9 @@
 #pragma once
 #include "tools/anatomy/spline.hpp"
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -20,7 +22,15 @@ struct Box {
     void include(const Box &other);
     bool is_empty() const { return low.x() > high.x(); }
     double distance(const Vec3 &point) const; // 0 inside
-    double squared_distance(const Vec3 &point) const;
+    double squared_distance(const Vec3 &point) const
+    {
+        double sum = 0.0;
+        for (int axis = 0; axis < 3; axis++) {
+            const double off = std::max({low[axis] - point[axis], point[axis] - high[axis], 0.0});
+            sum += off * off;
+        }
+        return sum;
+    }
     /* Returns whether the distance to the point is at least `limit_mm`; faster than distance(). */
     bool is_beyond(const Vec3 &point, double limit_mm) const
     {
@@ -36,6 +46,11 @@ class Shape
   public:
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
+    /* Returns whether the distance to the point is at least `limit_mm`, if a quick look can tell. */
+    virtual bool is_beyond(const Vec3 &point, double limit_mm) const
+    {
+        return bounds.is_beyond(point, limit_mm);
+    }
     /* Returns a shape that has the same distances near the box but needs less computation than this shape;
      * returns null when there is no such shape. The bounds of the returned shape are empty where nothing of
      * this shape is near. */
@@ -105,6 +120,11 @@ class Plate : public Shape
     Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm);
     Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &half_thickness_mm);
     double distance(const Vec3 &point) const override;
+    bool is_beyond(const Vec3 &point, double limit_mm) const override
+    {
+        return std::abs(normal_.dot(point - edges_[0].start)) - thickest_mm_ >= limit_mm ||
+               bounds.is_beyond(point, limit_mm);
+    }
 
   private:
     struct Edge {                // from corner i to corner i + 1
@@ -113,6 +133,7 @@ class Plate : public Shape
     };
     std::array<Edge, 3> edges_;
     Vec3 normal_, half_thickness_mm_; // normal of length one
+    double thickest_mm_;
 };
 
 /* Describes a shape that is defined by an arbitrary distance function and a bounding box. */

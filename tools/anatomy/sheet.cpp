@@ -31,7 +31,7 @@ double Sheet::nearest_in(const Patch &patch, const Vec3 &point, double best) con
 {
     for (size_t i = patch.first; i < patch.last; i++) {
         const Plate &plate = (*plates_)[i];
-        if (!plate.bounds.is_beyond(point, best)) best = std::min(best, plate.distance(point));
+        if (!plate.is_beyond(point, best)) best = std::min(best, plate.distance(point));
     }
     return best;
 }
@@ -40,18 +40,15 @@ double Sheet::distance(const Vec3 &point) const
 {
     // The code evaluates the nearest patch of the bone's surface first, so that it can skip most of the other
     // patches.
-    const Patch *nearest = nullptr;
-    double least = 1e18;
-    for (const Patch &patch : patches_) {
-        const double far = patch.bounds.squared_distance(point);
-        if (far >= least) continue;
-        least = far;
-        nearest = &patch;
-    }
-    if (!nearest) return 1e9;
-    double best = nearest_in(*nearest, point, 1e9);
-    for (const Patch &patch : patches_)
-        if (&patch != nearest && !patch.bounds.is_beyond(point, best)) best = nearest_in(patch, point, best);
+    thread_local std::vector<double> squared_mm; // from the point to each patch's box
+    squared_mm.clear();
+    for (const Patch &patch : patches_) squared_mm.push_back(patch.bounds.squared_distance(point));
+    if (squared_mm.empty()) return 1e9;
+    const auto nearest =
+        static_cast<size_t>(std::min_element(squared_mm.begin(), squared_mm.end()) - squared_mm.begin());
+    double best = nearest_in(patches_[nearest], point, 1e9);
+    for (size_t i = 0; i < patches_.size() && best > 0.0; i++)
+        if (i != nearest && squared_mm[i] < best * best) best = nearest_in(patches_[i], point, best);
     return best;
 }
 

@@ -26,8 +26,9 @@ constexpr size_t STATIONS_MAX = 200, FILES_MAX = 8, NAME_BYTES_MAX = 40, TITLE_B
 constexpr double POSITION_MAX_MM = 1000.0, APART_MIN_MM = 0.5, LENGTH_MAX_MM = 3000.0, TURN_MAX_DEG = 90.0;
 constexpr NumberRange Y_MM = {-POSITION_MAX_MM, POSITION_MAX_MM}, DIAMETER_MM = {1, 60},
                       CORONARY_DIAMETER_MM = {1, 10}, SMALL_DIAMETER_MM = {0.1, 60},
-                      FLOW_ML_MIN = {0.1, 10000}, FILLET_MM = {0, 10}, CORONARY_FILLET_MM = {0, 3},
-                      HEIGHT = {0, 1.2}, ANGLE_DEG = {-360, 360}, FROM_END_MM = {0, LENGTH_MAX_MM};
+                      FLOW_ML_MIN = {0.1, 10000}, WINDING = {1, 1.5}, FILLET_MM = {0, 10},
+                      CORONARY_FILLET_MM = {0, 3}, HEIGHT = {0, 1.2}, ANGLE_DEG = {-360, 360},
+                      FROM_END_MM = {0, LENGTH_MAX_MM};
 
 /* Holds the content of a vessel file, and states whether the file's positions are in the patient's frame. */
 struct File {
@@ -228,8 +229,13 @@ GivenVessel read_vessel(const File &file, const TomlValue &value, bool is_corona
     std::vector<std::string> known = {"name", "parent", "replaces", "flow_ml_min", "stations"};
     known.push_back(is_coronary ? "side" : "tissue");
     known.push_back("lumen");
+    known.push_back("winding");
     table.check_keys(known);
     vessel.is_lumen = !table.has("lumen") || table["lumen"].truth();
+    if (table.has("winding")) {
+        if (vessel.is_lumen) table["winding"].fail_key("belongs to a vessel with lumen = false");
+        vessel.winding = table.number("winding", WINDING);
+    }
     if (table.has("tissue")) vessel.bed = tissue_of(table, vessel.is_lumen);
     if (table.has("parent")) vessel.parent = table.words("parent");
     given.replaces = table.has("replaces") && table["replaces"].truth();

@@ -2,6 +2,8 @@
  * every point. The functions in vessel_file.hpp read vessel trees from files. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,7 @@ struct Vessel {
     std::vector<Station> stations; // at least two
     double flow_ml_min = 0;        // mean flow out of its end; 0: not stated
     bool is_lumen = true;          // false: picture and flow only, and no part of the lumen
+    double winding = 0;            // of a small vessel: length over that of its stated course; 0: not stated
 };
 
 /* Describes a tree of vessels, with the point where a guidewire enters the tree from the introducer sheath.
@@ -37,6 +40,7 @@ struct VesselTree {
     bool is_in_patient = true;   // its frame is the modelled patient's; otherwise it is a phantom's own
     std::vector<Vessel> vessels; // the aorta or another inlet first, the coronary arteries last
     size_t coronary_count = 0;
+    std::optional<std::uint64_t> seed; // of a drawn tree; draws what the small vessels leave to chance
     std::vector<Vessel>
         small;            // picture and flow only; each comes after its parent, which may be a vessel above
     double fillet_mm = 0; // width over which vessels are blended at their junctions

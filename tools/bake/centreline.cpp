@@ -38,7 +38,8 @@ std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Pla
     for (const centreline::Branch &branch : tree.branches) {
         Curve line;
         line.name = file.string();
-        if (tree.branches.size() > 1)
+        // The file's own name serves where the file holds one vessel without a name of its own.
+        if (tree.branches.size() > 1 || (file.extension() == ".csv" && !branch.name.empty()))
             line.name += "/" + (branch.name.empty() ? "branch " + std::to_string(lines.size()) : branch.name);
         for (const centreline::Sphere &sphere : branch.spheres)
             line.spheres.push_back({placement.place(sphere.centre_mm, 1.0), sphere.radius_mm * scale});

@@ -130,12 +130,13 @@ void Simplifier::offer(uint32_t one, uint32_t other)
 
 void Simplifier::neighbours(uint32_t vertex, std::vector<uint32_t> &found) const
 {
+    // The surface is closed, and its triangles turn the same way: each neighbour follows the vertex in one
+    // triangle.
     found.clear();
-    for (uint32_t t : triangles_of_[vertex])
-        for (uint32_t corner : triangles_[t])
-            if (corner != vertex) found.push_back(corner);
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
+    for (uint32_t t : triangles_of_[vertex]) {
+        const Triangle &corner = triangles_[t];
+        found.push_back(corner[0] == vertex ? corner[1] : corner[1] == vertex ? corner[2] : corner[0]);
+    }
 }
 
 void Simplifier::offer_around(uint32_t vertex)
@@ -170,8 +171,9 @@ bool Simplifier::keeps_a_manifold(uint32_t keep, uint32_t drop)
     neighbours(keep, around_keep_);
     neighbours(drop, around_drop_);
     shared_.clear();
-    std::set_intersection(around_keep_.begin(), around_keep_.end(), around_drop_.begin(), around_drop_.end(),
-                          std::back_inserter(shared_));
+    for (uint32_t vertex : around_keep_)
+        if (std::find(around_drop_.begin(), around_drop_.end(), vertex) != around_drop_.end())
+            shared_.push_back(vertex);
     if (shared_.size() != 2) return false;
     for (uint32_t vertex : shared_)
         if (triangles_of_[vertex].size() <= 3) return false;

@@ -1,6 +1,6 @@
 // The program `timi` prints the frame counts of the shipped heart, and how they depend on injection,
 // heartbeat and flow (docs/contrast.md).
-#include "tools/anatomy/small/small_tree.hpp"
+#include "tools/anatomy/small/stated.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include "tools/timi/flow_tree.hpp"
 #include "tools/timi/strahler.hpp"
@@ -14,7 +14,7 @@ int main()
     constexpr int LOWEST_ORDER = 7; // vessels of 0.3 mm (Kassab 1993)
     try {
         VesselTree heart = shipped_vessels("heart");
-        add_trunk_branches(heart);
+        add_stated_branches(heart);
         const crn::VesselTree tree = flow_tree(heart);
         std::printf("%zu branches of the lumen, %zu small vessels\n", tree.branches.size(),
                     tree.small.size());

@@ -43,7 +43,10 @@ int make(const Options &options, const char *kind,
     std::optional<DrawnAorta> drawn;
     if (options.seed) drawn = drawn_aorta(*options.seed);
     VesselTree tree = drawn ? tree_of(drawn->draft, "aorta.toml") : vessels_for(kind, options);
-    if (drawn) tree.made_by = crn::formatted("%s --seed %s", kind, std::to_string(drawn->seed).c_str());
+    if (drawn) {
+        tree.made_by = crn::formatted("%s --seed %s", kind, std::to_string(drawn->seed).c_str());
+        tree.seed = drawn->seed;
+    }
     make_scene(options, tree, (options.bodies ? bodies_of : no_bodies)(tree, options.fineness),
                [](const std::string &, const Mesh &) {});
     if (drawn) crn::write_whole_file((options.folder / "vessels.toml").string(), vessel_file_text(*drawn));
@@ -90,7 +93,10 @@ int make_heart(const Options &options)
     std::optional<DrawnCoronaries> drawn;
     if (options.seed) drawn = drawn_coronaries(*options.seed);
     VesselTree tree = drawn ? tree_of(drawn->draft, "heart.toml") : vessels_for("heart", options);
-    if (drawn) tree.made_by = crn::formatted("heart --seed %s", std::to_string(drawn->seed).c_str());
+    if (drawn) {
+        tree.made_by = crn::formatted("heart --seed %s", std::to_string(drawn->seed).c_str());
+        tree.seed = drawn->seed;
+    }
     make_heart_scene(options, tree, patient_bodies(tree, options.fineness));
     if (drawn) {
         const std::string file = (options.folder / "vessels.toml").string();

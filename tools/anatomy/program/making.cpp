@@ -10,6 +10,7 @@
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
 #include "tools/anatomy/small/small_tree.hpp"
+#include "tools/anatomy/small/stated.hpp"
 #include "tools/anatomy/varied/persons.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>
@@ -122,7 +123,7 @@ void make_bodies(const Options &options, const std::vector<Body> &bodies, const 
  * output. */
 static std::vector<SmallVessel> small_vessels(const Options &options, VesselTree tree)
 {
-    if (tree.is_in_patient) add_trunk_branches(tree);
+    if (tree.is_in_patient) add_stated_branches(tree);
     std::vector<SmallVessel> vessels = small_vessels_of(tree);
     for (SmallVessel &vessel : vessels)
         for (CurvePoint &point : vessel.points) {

@@ -2,6 +2,7 @@
 #include "host/base/command_values.hpp"
 #include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/progress_line.hpp"
 #include "tools/anatomy/build.hpp"
@@ -35,6 +36,20 @@ struct Tally {
     std::uint64_t accepted = 0, refused = 0, women = 0, attempts = 0;
     std::array<std::uint64_t, 3> arches = {};
 };
+
+/* Returns the options that change what is made, as on the command line. */
+std::string making_text(const Options &options)
+{
+    const Fineness usual;
+    std::string text;
+    if (options.fineness.lumen_voxel_mm != usual.lumen_voxel_mm)
+        text += " --lumen-mm " + crn::trimmed_text(options.fineness.lumen_voxel_mm, 4);
+    if (options.fineness.body_scale != usual.body_scale)
+        text += " --body-scale " + crn::trimmed_text(options.fineness.body_scale, 4);
+    if (!options.bodies) text += " --no-bodies";
+    for (const std::string &lesion : options.lesions) text += " --lesion " + lesion;
+    return text;
+}
 
 void print_tally(const Tally &tally, std::uint64_t from, std::uint64_t next)
 {
@@ -100,6 +115,7 @@ int PersonCommand::make()
     const DrawnPerson drawn = drawn_person(seed_, wish_);
     VesselTree tree = drawn.tree();
     tree.made_by = "person --seed " + std::to_string(seed_);
+    tree.seed = seed_;
     options_.scale = drawn.person.scale();
     std::vector<Body> bodies;
     if (options_.bodies || wish_.has_coronaries)
@@ -108,7 +124,8 @@ int PersonCommand::make()
         make_heart_scene(options_, tree, bodies);
     else
         make_scene(options_, tree, bodies, [](const std::string &, const Mesh &) {});
-    crn::write_whole_file((options_.folder / "person.toml").string(), person_text(drawn, wish_));
+    crn::write_whole_file((options_.folder / "person.toml").string(),
+                          person_text(drawn, wish_, making_text(options_)));
     crn::write_whole_file((options_.folder / "vessels.toml").string(), person_vessels_text(drawn));
     std::printf("%s: %s\n", (options_.folder / "person.toml").string().c_str(), person_line(drawn).c_str());
     return 0;

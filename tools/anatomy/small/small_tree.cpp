@@ -3,12 +3,12 @@
 #include "host/base/number_text.hpp"
 #include "tools/anatomy/organs.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/anatomy/small/brain.hpp"
 #include "tools/anatomy/small/heart_tissue.hpp"
+#include "tools/anatomy/small/twigs.hpp"
 #include "tools/anatomy/small/veins.hpp"
 #include "tools/anatomy/varied/chance.hpp"
-#include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>
-#include <map>
 #include <optional>
 
 namespace anatomy
@@ -18,48 +18,6 @@ namespace
 {
 
 constexpr std::uint64_t SEED = 1;
-
-const Vessel *named(const std::vector<Vessel> &vessels, const std::string &name)
-{
-    const auto found = std::find_if(vessels.begin(), vessels.end(),
-                                    [&](const Vessel &vessel) { return vessel.name == name; });
-    return found == vessels.end() ? nullptr : &*found;
-}
-
-/* The vessels that grew on one stem share its flow evenly among their ends. */
-void add_twigs(const Growth &growth, const std::vector<Vessel> &stems, Bed bed_of_all,
-               std::vector<SmallVessel> &vessels)
-{
-    const std::vector<Twig> twigs = growth.twigs();
-    std::vector<std::string> stem_of;
-    std::map<std::string, int> ends;
-    for (const Twig &twig : twigs) {
-        stem_of.push_back(twig.stem.empty() ? stem_of[twig.parent] : twig.stem);
-        ends[stem_of.back()]++;
-    }
-    double flow_ml_min = 0.0;
-    int stated = 0;
-    for (const Vessel &stem : stems)
-        if (stem.flow_ml_min > 0 && ends.count(stem.name) > 0) {
-            flow_ml_min += stem.flow_ml_min;
-            stated += ends[stem.name];
-        }
-    // Where no flow is stated, as in a vessel that only divides, an end gets half of the usual flow.
-    const double usual_ul_s = stated > 0 ? flow_ml_min / stated * 1e3 / 60.0 : 1.0;
-    const size_t first = vessels.size();
-    for (size_t i = 0; i < twigs.size(); i++) {
-        const Vessel &stem = *named(stems, stem_of[i]);
-        SmallVessel vessel;
-        vessel.name = std::to_string(first + i);
-        vessel.parent =
-            twigs[i].stem.empty() ? std::to_string(first + twigs[i].parent) : file_stem(stem.name);
-        vessel.bed = bed_of_all == Bed::body ? stem.bed : bed_of_all;
-        vessel.flow_ul_s =
-            stem.flow_ml_min > 0 ? stem.flow_ml_min / ends[stem.name] * 1e3 / 60.0 : 0.5 * usual_ul_s;
-        vessel.points = twigs[i].points;
-        vessels.push_back(std::move(vessel));
-    }
-}
 
 // --- the heart ---
 
@@ -203,20 +161,6 @@ std::vector<SmallVessel> given_vessels(const VesselTree &tree)
     return vessels;
 }
 
-/* Grown vessels are named by numbers, which begin again at 0 in each part. */
-void append(std::vector<SmallVessel> part, std::vector<SmallVessel> &vessels)
-{
-    const auto is_number = [](const std::string &name) {
-        return !name.empty() && name[0] >= '0' && name[0] <= '9';
-    };
-    const size_t first = vessels.size();
-    for (SmallVessel &vessel : part) {
-        for (std::string *name : {&vessel.name, &vessel.parent})
-            if (is_number(*name)) *name = std::to_string(first + std::stoul(*name));
-        vessels.push_back(std::move(vessel));
-    }
-}
-
 const char *bed_name(Bed bed)
 {
     switch (bed) {
@@ -236,29 +180,6 @@ const char *bed_name(Bed bed)
 
 } // namespace
 
-void add_trunk_branches(VesselTree &tree)
-{
-    const VesselTree shipped = shipped_vessels("trunk_branches");
-    for (Vessel vessel : shipped.small) {
-        const Vessel *parent = named(tree.vessels, vessel.parent);
-        if (!parent) parent = named(tree.small, vessel.parent);
-        if (!parent || named(tree.small, vessel.name) || named(tree.vessels, vessel.name)) continue;
-        const Vessel *before = named(shipped.vessels, vessel.parent);
-        if (!before) before = named(shipped.small, vessel.parent);
-        const auto nearest = [](const Vessel &line, const Vec3 &to) {
-            Vec3 best = line.stations.front().position_mm;
-            for (const CurvePoint &point : vessel_curve(line, 1.0))
-                if ((point.position_mm - to).squaredNorm() < (best - to).squaredNorm())
-                    best = point.position_mm;
-            return best;
-        };
-        const Vec3 start = vessel.stations.front().position_mm;
-        const Vec3 moved = nearest(*parent, start) - nearest(*before, start);
-        for (Station &station : vessel.stations) station.position_mm += moved;
-        tree.small.push_back(vessel);
-    }
-}
-
 std::vector<SmallVessel> small_vessels_of(const VesselTree &tree)
 {
     std::vector<SmallVessel> vessels = given_vessels(tree);
@@ -270,6 +191,7 @@ std::vector<SmallVessel> small_vessels_of(const VesselTree &tree)
         if (const Vessel *artery = named(tree.vessels, name)) grow_kidney(*artery, SEED, grown);
         append(grown, vessels);
     }
+    append(brain_arteries(tree), vessels);
     if (heart) append(coronary_veins(*heart), vessels);
     append(renal_veins(), vessels);
     return vessels;

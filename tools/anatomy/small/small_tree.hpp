@@ -15,10 +15,6 @@ struct SmallVessel {
     Curve points;
 };
 
-/* Adds the shipped arteries of gut, trunk and pelvis (trunk_branches.toml) to a tree in the patient's frame.
- * Each one is moved to its parent's centreline; where the tree lacks the parent, it is left out. */
-void add_trunk_branches(VesselTree &tree);
-
 /* Returns the small vessels in an order in which each one comes after its parent. */
 std::vector<SmallVessel> small_vessels_of(const VesselTree &tree);
 

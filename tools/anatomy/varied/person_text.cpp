@@ -55,12 +55,12 @@ std::string line(const char *key, double value, int decimals, const char *what)
 
 } // namespace
 
-std::string person_text(const DrawnPerson &drawn, const PersonWish &wish)
+std::string person_text(const DrawnPerson &drawn, const PersonWish &wish, const std::string &making)
 {
     const Person &person = drawn.person;
     const SoftShape soft = soft_shape(person);
     std::string text = "# What `anatomy person` drew. The same command makes the same person again:\n";
-    text += "#     anatomy person " + options_text(drawn, wish) + " -o FOLDER\n";
+    text += "#     anatomy person " + options_text(drawn, wish) + making + " -o FOLDER\n";
     text += crn::formatted("seed = %llu\nsex = \"%s\"\n", static_cast<unsigned long long>(drawn.seed),
                            sex_name(person.sex));
     text += line("age_years", person.age_years, 0, "widens arch and aorta; calcium, osteophytes");

@@ -50,8 +50,9 @@ double mean_arch_width_mm(const Person &person);
 /* Returns the tree with all positions and diameters multiplied by a factor. */
 VesselTree enlarged(VesselTree tree, double factor);
 
-/* Returns what was drawn as TOML, with the command that makes this person again. */
-std::string person_text(const DrawnPerson &drawn, const PersonWish &wish);
+/* Returns what was drawn as TOML, with the command that makes this person again. `making` are further options
+ * of this command, such as " --lumen-mm 0.6". */
+std::string person_text(const DrawnPerson &drawn, const PersonWish &wish, const std::string &making);
 
 /* Returns the vessels in the shipped frame as a vessel file. */
 std::string person_vessels_text(const DrawnPerson &drawn);

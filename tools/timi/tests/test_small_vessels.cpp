@@ -1,6 +1,6 @@
 // These tests compare frame counts of the shipped heart with those of 78 normal arteries (Gibson et al.,
 // Circulation 1996;93:879), and check the balance of iodine with all small vessels.
-#include "tools/anatomy/small/small_tree.hpp"
+#include "tools/anatomy/small/stated.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include "tools/timi/flow_tree.hpp"
 #include "tools/timi/strahler.hpp"
@@ -23,7 +23,7 @@ const crn::VesselTree &heart_tree()
 {
     static const crn::VesselTree tree = [] {
         VesselTree heart = shipped_vessels("heart");
-        add_trunk_branches(heart);
+        add_stated_branches(heart);
         return flow_tree(heart);
     }();
     return tree;

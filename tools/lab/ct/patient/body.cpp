@@ -51,6 +51,7 @@ Volume along_patient_axes(Volume volume)
                                            volume.direction(2, 2) < 0};
     if (!is_turned[0] && !is_turned[1] && !is_turned[2]) return volume;
     Volume result = volume.like(0);
+    result.notes = volume.notes;
     const auto &[nx, ny, nz] = volume.size;
     for (int k = 0; k < nz; ++k)
         for (int j = 0; j < ny; ++j)

@@ -48,6 +48,21 @@ std::optional<std::size_t> column_of(const std::vector<std::string> &header,
     return std::nullopt;
 }
 
+std::string text_of_table(const fs::path &file)
+{
+    std::string text;
+    try {
+        text = read_text_file(file.string());
+    } catch (const FileError &error) {
+        throw Fault(std::string(error.what()) + ": give the table of the labels' names");
+    }
+    if (text.find('\0') != std::string::npos)
+        throw Fault(file.string() +
+                    ": is no text in UTF-8, or in UTF-16: export the table again as CSV in UTF-8");
+    if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3); // spreadsheets write this mark
+    return text;
+}
+
 void check_same_grid(const Volume &map, const Volume &scan)
 {
     const auto last = [](const Volume &of) {
@@ -82,7 +97,7 @@ bool may_hold_contrast(const std::string &name)
 
 NamesTable read_names(const fs::path &file)
 {
-    std::istringstream text(read_text_file(file.string()));
+    std::istringstream text(text_of_table(file));
     std::string line;
     NamesTable names;
     std::optional<std::size_t> number_at, name_at;
@@ -103,10 +118,15 @@ NamesTable read_names(const fs::path &file)
         }
         if (std::max(*number_at, *name_at) >= fields.size()) continue;
         const std::optional<int> number = whole(fields[*number_at]);
-        if (!number || *number < 1 || *number > 65535)
-            throw Fault(file.string() + ": line " + std::to_string(row) + ": '" + fields[*number_at] +
-                        "' is no number of a label, 1 to 65535");
-        names[*number] = fields[*name_at];
+        const std::string place = file.string() + ": line " + std::to_string(row) + ": ";
+        if (!number || *number < 0 || *number > 65535)
+            throw Fault(place + "'" + fields[*number_at] +
+                        "' is no number of a label, 1 to 65535: mend the line, or give another table");
+        if (*number == 0) continue; // the background
+        const auto [at, is_new] = names.try_emplace(*number, fields[*name_at]);
+        if (!is_new && at->second != fields[*name_at])
+            throw Fault(place + "label " + fields[*number_at] +
+                        " is there twice, with two names: keep one line");
     }
     if (names.empty())
         throw Fault(file.string() + ": no names: write lines with a number and a name, such as '52,aorta'");
@@ -118,7 +138,14 @@ LabelMap read_labels(const fs::path &map, const fs::path &table, const Volume &s
     LabelMap labels{along_patient_axes(read_volume(map)), read_names(table)};
     check_same_grid(labels.volume, scan);
     std::set<int> present;
-    for (const float value : labels.volume.hu) present.insert(static_cast<int>(std::lround(value)));
+    for (const float value : labels.volume.hu) {
+        if (value != std::round(value))
+            throw Fault(map.string() +
+                        formatted(": has the value %g, which is no whole number: export the labels, not "
+                                  "probabilities or a resampled picture",
+                                  static_cast<double>(value)));
+        present.insert(static_cast<int>(value));
+    }
     bool has_aorta = false;
     for (const int number : present) {
         if (number == 0) continue;

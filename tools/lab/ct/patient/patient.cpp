@@ -96,16 +96,22 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
                      (patient.has_map ? " " + checksum(options.names) : std::string());
 }
 
-Patient read_patient(const PatientOptions &options, Steps &steps, Page &page)
+Patient opened_scan(const PatientOptions &options)
 {
     Patient patient;
     patient.folder = options.output;
     patient.has_map = !options.labels.empty();
     patient.scan = along_patient_axes(read_volume(options.scan));
+    for (const std::string &note : patient.scan.notes) patient.findings.check.push_back("the scan " + note);
+    check_scan(patient.scan, patient.findings);
     // Only voxels and grid remain of the scan. No tag of a DICOM file goes any further.
     patient.scan.name = "scan";
-    for (const std::string &note : patient.scan.notes) patient.findings.facts.push_back("reading: " + note);
-    check_scan(patient.scan, patient.findings);
+    return patient;
+}
+
+Patient read_patient(const PatientOptions &options, Steps &steps, Page &page)
+{
+    Patient patient = opened_scan(options);
     patient.clicks = clicks_of(options, patient.scan);
     patient.body = body_of(patient.scan);
     find_vessels(options, patient, steps, page);
@@ -263,18 +269,28 @@ std::string text_of(const Findings &findings)
     return text;
 }
 
+// Reads scan, label map and table, and writes nothing.
+void check_inputs(const PatientOptions &options)
+{
+    Patient patient = opened_scan(options);
+    if (patient.has_map) {
+        patient.labels = read_labels(options.labels, options.names, patient.scan);
+        patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
+    }
+    std::fputs(text_of(patient.findings).c_str(), stdout);
+}
+
 } // namespace
 
 void command_patient(const PatientOptions &options)
 {
-    if (options.labels.empty() != options.names.empty())
-        throw UsageError("--labels and --names belong together: give both, or neither");
     std::vector<NamedPath> inputs = {{"SCAN", options.scan.string()}};
     if (!options.labels.empty()) {
         inputs.push_back({"--labels", options.labels.string()});
         inputs.push_back({"--names", options.names.string()});
     }
     check_outputs(inputs, {});
+    if (options.is_check) return check_inputs(options);
     check_output_folder({"--output", options.output.string()});
     Page page(options.output);
     Steps steps(options.output);

@@ -11,6 +11,7 @@ struct PatientOptions {
     std::filesystem::path scan, output;
     std::filesystem::path labels, names; // both empty: the arteries are found without a label map
     std::vector<std::string> clicks;     // added to clicks.toml
+    bool is_check = false;               // only reads the inputs and reports what they lack
 };
 
 // Writes the scene, its parts and a report into the folder. Steps whose inputs have not changed are not

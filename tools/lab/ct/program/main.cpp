@@ -68,6 +68,7 @@ constexpr const char *patient_footer =
     "what "
     "changed\n"
     "  ct patient scan.nii.gz --labels map.nii.gz --names names.csv -o patient      with a label map\n"
+    "  ct patient dicom_folder --check                                       can it be used?\n"
     "  cournand view patient/patient.scene                                   plays the scene\n"
     "Clicks: artery:x,y,z is in an artery; cut:x,y,z:RADIUS is none; bridge:x,y,z joins two ends;\n"
     "entry:x,y,z is where instruments enter; name:x,y,z:NAME names a branch.\n"
@@ -196,14 +197,22 @@ void add_patient(CLI::App &app, PatientOptions &options)
     CLI::App &command = *app.add_subcommand("patient", "a playable scene from a patient's CT");
     command.footer(patient_footer);
     command.add_option("SCAN", options.scan, "a volume, or a folder with a DICOM series, in HU")->required();
-    command.add_option("--labels", options.labels,
-                       "label map of organs and arteries on the scan's grid; none: the arteries are found");
-    command.add_option("--names", options.names, "table of the labels' numbers and names");
+    CLI::Option *labels = command.add_option(
+        "--labels", options.labels,
+        "label map of organs and arteries on the scan's grid; none: the arteries are found");
+    labels->needs(command.add_option("--names", options.names, "table of the labels' numbers and names")
+                      ->needs(labels));
     command.add_option("--click", options.clicks,
                        "mends the arteries: artery, cut, bridge, entry or name, and a place in mm, as in "
                        "artery:12,-230,4; kept in clicks.toml of the folder");
-    command.add_option("-o,--output", options.output, "folder of the scene and its report")->required();
-    command.callback([&options] { command_patient(options); });
+    command.add_option("-o,--output", options.output, "folder of the scene and its report");
+    command.add_flag(
+        "--check", options.is_check,
+        "only reads the inputs, without -o, and says what is wrong with them or must be checked");
+    command.callback([&options] {
+        if (!options.is_check && options.output.empty()) throw CLI::RequiredError("--output");
+        command_patient(options);
+    });
 }
 
 } // namespace

@@ -275,7 +275,7 @@ void other_contents_are_refused(void **)
     Volume volume = sample();
     std::fill(volume.hu.begin(), volume.hu.end(), 5.0f);
     write_volume(volume, folder.file("a.nrrd"));
-    refused(folder.file("a.nrrd"), {"is empty", "5 HU"});
+    refused(folder.file("a.nrrd"), {"is empty", "all voxels are 5"});
     put_bytes(folder.file("a.txt"), "hello");
     refused(folder.file("a.txt"), {"ending is not known", ".nrrd"});
     put_bytes(folder.file("b.nrrd"), "hello");

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 // One byte of a compressed file may expand to a thousand bytes, so even a small file may need all the memory
 // that is permitted for one file.
 constexpr double growth = 1100;
-constexpr std::uint64_t file_bytes_max = std::uint64_t{4} << 30, files_max = 4096;
+constexpr std::uint64_t file_bytes_max = std::uint64_t{4} << 30, files_max = 4096, notes_max = 100;
 
 // A number precedes every block of values: the count of its values, 0 after the last block, or
 // `fault_follows` before the text of an error.
@@ -42,6 +42,8 @@ void send(Outbox &out, const fs::path &path)
                 std::copy_n(head.origin_mm.data(), 3, grid.origin_mm.begin());
                 std::copy_n(head.direction.data(), 9, grid.direction.begin());
                 out.value(grid);
+                out.value<std::uint64_t>(head.notes.size());
+                for (const std::string &note : head.notes) out.text(note);
             },
             [&](const float *values, std::size_t count) {
                 out.value<std::uint64_t>(count);
@@ -66,6 +68,9 @@ Volume receive(Inbox &in, const std::string &name)
     std::copy_n(grid.direction.begin(), 9, volume.direction.data());
     check_grid({grid.size[0], grid.size[1], grid.size[2]}, volume.spacing_mm, volume.origin_mm,
                volume.direction, name);
+    for (std::uint64_t notes = std::min<std::uint64_t>(in.value<std::uint64_t>(), notes_max); notes > 0;
+         --notes)
+        volume.notes.push_back(in.text());
     volume.hu.resize(volume.count());
     std::size_t done = 0;
     for (std::uint64_t block; (block = in.value<std::uint64_t>()) != 0; done += block) {

@@ -16,6 +16,8 @@ namespace crn::ct
 namespace
 {
 
+constexpr const char *implicit_syntax = "1.2.840.10008.1.2"; // the other syntaxes begin with it
+
 } // namespace
 
 void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
@@ -69,25 +71,54 @@ void check_nifti_length(const std::string &file, std::uint64_t value_bytes)
                     " or more; copy or export it again");
 }
 
-// In a DICOM file, the length of the pixel data, a little-endian number, stands before the pixel data. The
-// check handles files with explicit and with implicit value representations. Packed pixels have no length.
-void check_dicom_length(const std::filesystem::path &file)
+std::string dicom_syntax(const std::filesystem::path &file)
+{
+    constexpr std::size_t magic_at = 128, group_at = 144;
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream)
+        throw Fault(file.string() + ": may not be read: allow it, or take the file out of the folder");
+    std::string head(1 << 12, '\0');
+    stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+    if (head.size() < magic_at + 4 || head.compare(magic_at, 4, "DICM") != 0)
+        return implicit_syntax; // an old file
+    const std::size_t at = head.find(std::string{"\x02\x00\x10\x00UI", 6}, magic_at);
+    if (at == std::string::npos || at + 8 > head.size() || head.size() < group_at)
+        throw Fault(file.string() +
+                    ": is truncated, or says no transfer syntax (0002,0010): export it again");
+    const std::string text = head.substr(at + 8, static_cast<std::uint8_t>(head[at + 6]));
+    const std::string syntax = text.substr(0, text.find_last_not_of(std::string(" \0", 2)) + 1);
+    for (const char *known :
+         {"", ".1", ".2", ".5", ".4.50", ".4.51", ".4.57", ".4.70", ".4.80", ".4.81", ".4.90", ".4.91"})
+        if (syntax == std::string(implicit_syntax) + known) return syntax;
+    throw Fault(file.string() +
+                ": its transfer syntax (0002,0010) is not read: export it without compression, or convert it "
+                "by 'dcmconv +te'");
+}
+
+// In a DICOM file, the length of the pixel data stands before the pixel data. The check handles files with
+// explicit and with implicit value representations. Packed pixels have no length.
+void check_dicom_length(const std::filesystem::path &file, std::uint64_t pixel_bytes)
 {
     std::ifstream stream(file, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-    const std::string tag{"\xe0\x7f\x10\x00", 4};
+    const bool is_big_endian = dicom_syntax(file) == std::string(implicit_syntax) + ".2";
+    const std::string tag =
+        is_big_endian ? std::string{"\x7f\xe0\x00\x10", 4} : std::string{"\xe0\x7f\x10\x00", 4};
     for (std::size_t at = bytes.find(tag); at != std::string::npos; at = bytes.find(tag, at + 1)) {
         const bool is_explicit =
             at + 12 <= bytes.size() && bytes[at + 4] == 'O' && (bytes[at + 5] == 'W' || bytes[at + 5] == 'B');
         const std::size_t begin = at + (is_explicit ? 12 : 8);
         if (begin > bytes.size()) break;
         std::uint32_t length = 0;
-        for (std::size_t i = 4; i > 0; --i)
-            length = length << 8 | static_cast<std::uint8_t>(bytes[begin - 5 + i]);
+        for (std::size_t i = 0; i < 4; ++i)
+            length =
+                length << 8 | static_cast<std::uint8_t>(bytes[is_big_endian ? begin - 4 + i : begin - 1 - i]);
         if (is_explicit && length == 0xffffffffu) return;
-        if (begin + length <= bytes.size()) return;
+        if (length >= pixel_bytes && begin + length <= bytes.size()) return;
     }
-    throw Fault(file.string() + ": is truncated: it ends before its pixels do; copy or export it again");
+    throw Fault(file.string() + ": is truncated: it ends before its pixels do, or has fewer than it "
+                                "declares; copy or export it again");
 }
 
 SliceOrder order_slices(const std::vector<Eigen::Vector3d> &places_mm, const Eigen::Vector3d &normal,
@@ -120,8 +151,11 @@ SliceOrder order_slices(const std::vector<Eigen::Vector3d> &places_mm, const Eig
         if (std::abs(steps[i] - step) > std::max(0.02, 0.02 * step)) {
             const double missing = std::round(steps[i] / step) - 1;
             if (missing >= 1 && std::abs(steps[i] - (missing + 1) * step) < 0.1 * step)
-                throw Fault(series + ": " + formatted("%.0f slices are missing between ", missing) + before +
-                            " and " + after +
+                throw Fault(series + ": " +
+                            formatted(missing > 1 ? "%.0f slices are missing between "
+                                                  : "a slice is missing between ",
+                                      missing) +
+                            before + " and " + after +
                             formatted(" (%.3f mm apart, others %.3f mm): export the whole series again",
                                       steps[i], step));
             throw Fault(

@@ -404,7 +404,10 @@ DeclaredVolume declared_meta(std::string_view head, const std::string &file)
         if (const Field *field = fields.find(name)) field->numbers(axes);
     if (given.size() > 1) fields.need(*given.begin()).fail("the axes are given twice, under two names");
     declared.is_deflated = is_true(fields.find("CompressedData"));
-    if (declared.is_deflated) declared.bytes_per_file_byte = deflate_growth;
+    if (declared.is_deflated) {
+        declared.bytes_per_file_byte = deflate_growth;
+        fields.need("CompressedDataSize").whole(1, 1e12); // without it, ITK reads zeros
+    }
     if (const Field *binary = fields.find("BinaryData"))
         if (!is_true(binary)) declared.bytes_per_file_byte = 4;
     const Field &data = fields.need("ElementDataFile");
@@ -435,6 +438,7 @@ DeclaredVolume declared_nifti(std::string_view head, const std::string &file)
     if (each == 0 || static_cast<std::uint64_t>(binary.at<std::int16_t>(72)) != 8 * each)
         fail("has values of type " + std::to_string(type) + " with " +
              std::to_string(binary.at<std::int16_t>(72)) + " bits, which hold no Hounsfield units");
+    declared.has_place = binary.at<std::int16_t>(252) > 0 || binary.at<std::int16_t>(254) > 0;
     declared.value_bytes = each;
     for (int axis = 0; axis < axes; ++axis) {
         const auto place = static_cast<std::size_t>(axis);

@@ -23,6 +23,7 @@ struct DeclaredVolume {
     std::uint64_t head_bytes = 0;   // bytes before the values, where they are in the same file
     std::string data_file;          // empty: the same file
     bool is_many_files = false;     // a list or pattern of files
+    bool has_place = true;          // false: a NIfTI file without position and direction
 };
 
 // Each of the three functions below receives only the first bytes of a file. Throws Fault, whose message

@@ -44,7 +44,11 @@ void check_values(const Volume &volume);
 // The functions that read NIfTI and DICOM accept files that hold fewer values than they declare; this check
 // refuses such files. Throws Fault.
 void check_nifti_length(const std::string &file, std::uint64_t value_bytes);
-void check_dicom_length(const std::filesystem::path &file);
+void check_dicom_length(const std::filesystem::path &file, std::uint64_t pixel_bytes);
+
+// Returns the transfer syntax of a DICOM file. Throws Fault if it is none that is read, or the file ends
+// before it.
+std::string dicom_syntax(const std::filesystem::path &file);
 
 // Sorts the slices of a series by the position of the middle of their first pixel (LPS) along `normal`.
 // Returns the order of the slices, from the lowest slice onwards, and the distance between neighbouring

@@ -1,28 +1,19 @@
-// Reads NRRD, NIfTI and MetaImage files, and DICOM series slice by slice, by direct calls of ITK's ImageIO
-// classes. We do not use ITK's image and pipeline templates, because they take a minute to compile and report
-// less about errors.
+// Reads NRRD, NIfTI and MetaImage files by direct calls of ITK's ImageIO classes. We do not use ITK's image
+// and pipeline templates, because they take a minute to compile and report less about errors.
 #include "tools/lab/ct/volume/volume_declared.hpp"
-#include "tools/lab/ct/volume/volume_io.hpp"
+#include "tools/lab/ct/volume/volume_reading.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <itkGDCMImageIO.h>
-#include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
-#include <map>
 
 namespace crn::ct
 {
 
-namespace
-{
-
 namespace fs = std::filesystem;
 
-// Returns the last part of the error message about a header, without ITK's file names and line numbers.
 std::string cause_of(const itk::ExceptionObject &error)
 {
     std::string text = error.GetDescription();
@@ -31,13 +22,6 @@ std::string cause_of(const itk::ExceptionObject &error)
     if (begin != std::string::npos) text = text.substr(begin + 3);
     return text.substr(0, 200);
 }
-
-// Returns the grid of a file, in three dimensions, as reported by the ITK class that reads the file.
-struct Head {
-    std::array<long, 3> size = {1, 1, 1};
-    Eigen::Vector3d spacing_mm = Eigen::Vector3d::Ones(), origin_mm = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d direction = Eigen::Matrix3d::Identity();
-};
 
 Head head_of(const itk::ImageIOBase &io, const std::string &name)
 {
@@ -65,7 +49,8 @@ Head head_of(const itk::ImageIOBase &io, const std::string &name)
 }
 
 // The values of a scan are passed on in blocks, so that memory never holds the scan twice.
-template <class Value> void take(const std::vector<char> &bytes, const TakeValues &out, std::size_t count)
+template <class Value>
+static void take(const std::vector<char> &bytes, const TakeValues &out, std::size_t count)
 {
     constexpr std::size_t block_values = 1 << 18;
     std::vector<float> block(std::min(count, block_values));
@@ -77,7 +62,6 @@ template <class Value> void take(const std::vector<char> &bytes, const TakeValue
     }
 }
 
-// Reads the values of an open file as HU.
 void read_values(itk::ImageIOBase &io, const TakeValues &out, std::size_t count, const std::string &name)
 {
     const std::size_t bytes = static_cast<std::size_t>(io.GetImageSizeInBytes());
@@ -125,7 +109,7 @@ std::string lower_name(const fs::path &path)
     return name;
 }
 
-itk::ImageIOBase::Pointer reader_for(const fs::path &path)
+static itk::ImageIOBase::Pointer reader_for(const fs::path &path)
 {
     const std::string name = lower_name(path);
     const auto ends = [&](const char *ending) { return name.ends_with(ending); };
@@ -139,8 +123,9 @@ itk::ImageIOBase::Pointer reader_for(const fs::path &path)
                 "folder of a DICOM series");
 }
 
-Volume volume_of(const Head &head, const std::string &name)
+Volume checked_volume(const Head &head, const std::string &name)
 {
+    check_grid(head.size, head.spacing_mm, head.origin_mm, head.direction, name);
     Volume volume;
     for (std::size_t axis = 0; axis < 3; ++axis) volume.size[axis] = static_cast<int>(head.size[axis]);
     volume.spacing_mm = head.spacing_mm;
@@ -150,12 +135,7 @@ Volume volume_of(const Head &head, const std::string &name)
     return volume;
 }
 
-void check_head(const Head &head, const std::string &name)
-{
-    check_grid(head.size, head.spacing_mm, head.origin_mm, head.direction, name);
-}
-
-void read_file(const fs::path &path, const TakeHead &take_head, const TakeValues &take_values)
+static void read_file(const fs::path &path, const TakeHead &take_head, const TakeValues &take_values)
 {
     const std::string name = path.string();
     const itk::ImageIOBase::Pointer io = reader_for(path);
@@ -170,10 +150,13 @@ void read_file(const fs::path &path, const TakeHead &take_head, const TakeValues
         io->ReadImageInformation();
         const Head head = head_of(*io, name);
         check_agreement(declared, head.size, head.spacing_mm, name);
-        check_head(head, name);
+        Volume volume = checked_volume(head, name);
+        if (!declared.has_place)
+            volume.notes.push_back(
+                "says neither position nor direction (qform and sform are 0): left and right "
+                "may be swapped");
         if (lower_name(path).find(".nii") != std::string::npos)
             check_nifti_length(name, declared.value_bytes);
-        const Volume volume = volume_of(head, name);
         take_head(volume);
         read_values(*io, take_values, volume.count(), name);
     } catch (const itk::ExceptionObject &error) {
@@ -181,149 +164,6 @@ void read_file(const fs::path &path, const TakeHead &take_head, const TakeValues
                     ": the file is truncated or damaged; export it again");
     }
 }
-
-// --- DICOM ---
-struct Slice {
-    std::string name; // name of the file, without folders
-    fs::path file;
-    Head head;
-    std::string series;
-    long number = 0,
-         in_series = 0; // instance number; number of images that the series declares (0: not declared)
-};
-
-long whole_number(const itk::MetaDataDictionary &tags, const std::string &tag)
-{
-    std::string text;
-    return itk::ExposeMetaData<std::string>(tags, tag, text) ? std::strtol(text.c_str(), nullptr, 10) : 0;
-}
-
-Slice slice_of(const fs::path &file)
-{
-    const itk::GDCMImageIO::Pointer io = itk::GDCMImageIO::New();
-    io->SetFileName(file.string());
-    io->ReadImageInformation();
-    Slice slice;
-    slice.name = file.filename().string();
-    slice.file = file;
-    slice.head = head_of(*io, file.string());
-    const itk::MetaDataDictionary &tags = io->GetMetaDataDictionary();
-    itk::ExposeMetaData<std::string>(tags, "0020|000e", slice.series);
-    slice.number = whole_number(tags, "0020|0013");
-    slice.in_series = whole_number(tags, "0020|1002");
-    std::string place;
-    if (!itk::ExposeMetaData<std::string>(tags, "0020|0032", place) || place.find('\\') == std::string::npos)
-        throw Fault(file.string() +
-                    ": says no position of its slice (0020,0032), so that places in it are unknown: "
-                    "export the series again as CT images");
-    if (!itk::ExposeMetaData<std::string>(tags, "0028|0030", place) || place.find('\\') == std::string::npos)
-        throw Fault(file.string() +
-                    ": says no spacing of its pixels (0028,0030): export the series again as CT images");
-    return slice;
-}
-
-std::vector<Slice> slices_in(const fs::path &folder)
-{
-    std::vector<fs::path> files;
-    for (const fs::directory_entry &entry : fs::directory_iterator(folder))
-        if (entry.is_regular_file() && entry.path().filename().string()[0] != '.')
-            files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    std::vector<Slice> slices;
-    for (const fs::path &file : files) {
-        const itk::GDCMImageIO::Pointer io = itk::GDCMImageIO::New();
-        if (!io->CanReadFile(file.string().c_str())) {
-            if (lower_name(file).ends_with(".dcm"))
-                throw Fault(file.string() +
-                            ": is no DICOM file in spite of its name, or truncated: export it again");
-            continue; // skips other files, such as a note or a DICOMDIR
-        }
-        try {
-            slices.push_back(slice_of(file));
-        } catch (const itk::ExceptionObject &error) {
-            throw Fault(file.string() + ": cannot be read: " + cause_of(error) +
-                        ": the file is truncated or damaged; export it again");
-        }
-    }
-    if (slices.empty())
-        throw Fault(folder.string() + ": no DICOM image in this folder: give the folder of a series");
-    return slices;
-}
-
-// Checks that the folder has a single series with slices of equal size, and that the series is as complete as
-// it declares.
-void check_series(const std::vector<Slice> &slices, const std::string &folder)
-{
-    std::map<std::string, std::size_t> series;
-    for (const Slice &slice : slices) ++series[slice.series];
-    if (series.size() > 1) {
-        std::string list;
-        for (const auto &[uid, count] : series)
-            list += "\n  " + uid + " (" + std::to_string(count) + " images)";
-        throw Fault(folder + ": " + std::to_string(series.size()) + " series in one folder: keep one of" +
-                    list);
-    }
-    std::vector<long> numbers;
-    long said = 0;
-    for (const Slice &slice : slices) {
-        const Head &first = slices.front().head;
-        if (slice.head.size[0] != first.size[0] || slice.head.size[1] != first.size[1] ||
-            slice.head.size[2] != 1 ||
-            (slice.head.spacing_mm - first.spacing_mm).head<2>().cwiseAbs().maxCoeff() > 1e-4 ||
-            (slice.head.direction - first.direction).leftCols<2>().cwiseAbs().maxCoeff() > 1e-3)
-            throw Fault(folder + ": " + slice.name + " has another size, spacing or direction than " +
-                        slices.front().name + ": the folder mixes series; keep one");
-        numbers.push_back(slice.number);
-        said = std::max(said, slice.in_series);
-    }
-    std::sort(numbers.begin(), numbers.end());
-    if (said > static_cast<long>(slices.size()))
-        throw Fault(folder + ": the series is truncated: " + std::to_string(slices.size()) + " of " +
-                    std::to_string(said) + " images are there: copy the whole series");
-}
-
-void read_series(const fs::path &folder, const TakeHead &take_head, const TakeValues &take_values)
-{
-    const std::string name = folder.string();
-    const std::vector<Slice> slices = slices_in(folder);
-    check_series(slices, name);
-    Head head = slices.front().head;
-    const Eigen::Vector3d row = head.direction.col(0), column = head.direction.col(1);
-    head.direction.col(2) = Eigen::Vector3d(row.y() * column.z() - row.z() * column.y(),
-                                            row.z() * column.x() - row.x() * column.z(),
-                                            row.x() * column.y() - row.y() * column.x());
-    std::vector<Eigen::Vector3d> places;
-    std::vector<std::string> names;
-    for (const Slice &slice : slices) {
-        places.push_back(slice.head.origin_mm);
-        names.push_back(slice.name);
-        if (!slice.head.origin_mm.allFinite())
-            throw Fault(slice.file.string() + ": the slice's position is no place: mend (0020,0032)");
-    }
-    const SliceOrder order = order_slices(places, head.direction.col(2), names, name);
-    head.size[2] = static_cast<long>(slices.size());
-    head.spacing_mm[2] = order.distance_mm;
-    head.origin_mm = places[order.order.front()];
-    check_head(head, name);
-    const Volume volume = volume_of(head, name);
-    take_head(volume);
-    const std::size_t pixels = volume.count() / slices.size();
-    for (std::size_t i = 0; i < slices.size(); ++i) {
-        const Slice &slice = slices[order.order[i]];
-        const itk::GDCMImageIO::Pointer io = itk::GDCMImageIO::New();
-        io->SetFileName(slice.file.string());
-        try {
-            check_dicom_length(slice.file);
-            io->ReadImageInformation();
-            read_values(*io, take_values, pixels, slice.file.string());
-        } catch (const itk::ExceptionObject &error) {
-            throw Fault(slice.file.string() + ": cannot be read: " + cause_of(error) +
-                        ": the file is truncated or damaged; export it again");
-        }
-    }
-}
-
-} // namespace
 
 void check_values(const Volume &volume)
 {
@@ -336,10 +176,11 @@ void check_values(const Volume &volume)
         high = std::max(high, value);
     }
     if (high - low < 1)
-        throw Fault(volume.name + ": is empty: all voxels are " + std::to_string(int(low)) + " HU");
+        throw Fault(volume.name + ": is empty: all voxels are " + std::to_string(int(low)) +
+                    ": export it again");
     if (low < -40000 || high > 70000)
         throw Fault(volume.name + ": has values from " + std::to_string(low) + " to " + std::to_string(high) +
-                    ", which are no Hounsfield units: is the byte order right?");
+                    ", which are no Hounsfield units: is the byte order right? Export it again in HU");
 }
 
 void read_volume_here(const fs::path &path, const TakeHead &take_head, const TakeValues &take_values)

@@ -1,0 +1,81 @@
+#include "tools/anatomy/small/stated.hpp"
+#include "tools/anatomy/small/winding.hpp"
+#include "tools/anatomy/vessel_file.hpp"
+#include <algorithm>
+
+namespace anatomy
+{
+
+namespace
+{
+
+const Vessel *with_name(const std::vector<Vessel> &vessels, const std::string &name)
+{
+    const auto found = std::find_if(vessels.begin(), vessels.end(),
+                                    [&](const Vessel &vessel) { return vessel.name == name; });
+    return found == vessels.end() ? nullptr : &*found;
+}
+
+const Vessel *vessel_of(const VesselTree &tree, const std::string &name)
+{
+    const Vessel *vessel = with_name(tree.vessels, name);
+    return vessel ? vessel : with_name(tree.small, name);
+}
+
+Vec3 nearest_point(const Vessel &line, const Vec3 &to)
+{
+    Vec3 best = line.stations.front().position_mm;
+    for (const CurvePoint &point : vessel_curve(line, 1.0))
+        if ((point.position_mm - to).squaredNorm() < (best - to).squaredNorm()) best = point.position_mm;
+    return best;
+}
+
+/* Moves the start of a vessel with its parent. Its far end, which lies in an organ or beside a bone, moves
+ * less: nothing moves 80 mm behind the start. */
+void follow(Vessel &vessel, const Vec3 &moved_mm)
+{
+    constexpr double FADES_MM = 80.0;
+    double arc_mm = 0.0;
+    Vec3 before = vessel.stations.front().position_mm;
+    for (Station &station : vessel.stations) {
+        arc_mm += (station.position_mm - before).norm();
+        before = station.position_mm;
+        station.position_mm += std::max(0.0, 1.0 - arc_mm / FADES_MM) * moved_mm;
+    }
+}
+
+/* Adds the arteries of one shipped file, in the order in which they are given. */
+void add_all(VesselTree &tree, const VesselTree &shipped, const std::vector<Vessel> &arteries,
+             std::uint64_t stream)
+{
+    constexpr double USUAL_WINDING = 1.04;
+    VesselTree straight = shipped;
+    straight.small = arteries;
+    for (Vessel vessel : arteries) {
+        stream++;
+        const Vessel *parent = vessel_of(tree, vessel.parent);
+        if (!parent || vessel_of(tree, vessel.name)) continue;
+        const Vec3 start = vessel.stations.front().position_mm;
+        follow(vessel,
+               nearest_point(*parent, start) - nearest_point(*vessel_of(straight, vessel.parent), start));
+        if (vessel.winding == 0.0) vessel.winding = USUAL_WINDING;
+        tree.small.push_back(wound(vessel, tree.seed.value_or(0), stream));
+    }
+}
+
+} // namespace
+
+void add_stated_branches(VesselTree &tree)
+{
+    constexpr std::uint64_t OWN = 3800, TRUNK = 4000, HEAD = 4200, ARMS = 4400; // streams of chance
+    for (size_t i = 0; i < tree.small.size(); i++)                              // those of a user's file
+        tree.small[i] = wound(tree.small[i], tree.seed.value_or(0), OWN + i);
+    const VesselTree trunk = shipped_vessels("trunk_branches"), head = shipped_vessels("head_branches"),
+                     arms = shipped_vessels("arm_branches");
+    add_all(tree, trunk, trunk.small, TRUNK);
+    const CircleOfWillis circle = tree.seed ? drawn_circle(*tree.seed) : CircleOfWillis{};
+    add_all(tree, head, with_circle(head.small, circle), HEAD);
+    add_all(tree, arms, arms.small, ARMS);
+}
+
+} // namespace anatomy
