@@ -7,6 +7,7 @@
 #include "tools/bake/bake.hpp"
 #include "tools/centreline/formats.hpp"
 #include "tools/lab/ct/commands.hpp"
+#include "tools/lab/ct/patient/naming.hpp"
 #include "tools/lab/ct/patient/unlabelled.hpp"
 #include "tools/lab/ct/patient/vessels.hpp"
 #include "tools/lab/ct/patient/wall.hpp"
@@ -27,7 +28,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-constexpr const char *steps_version = "5"; // another number: every step is made again
+constexpr const char *steps_version = "6"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
@@ -221,6 +222,7 @@ centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &ste
         Findings of_tree;
         const Eigen::Vector3d root_mm = patient.root_mm ? *patient.root_mm : root_of(patient.labels);
         centreline::Tree tree = tree_of(lumen, patient.labels, root_mm, of_tree);
+        if (!patient.has_map) propose_names(tree);
         name_branches(tree, patient.clicks);
         describe_branches(tree, of_tree);
         centreline::write_tree(file, tree);
@@ -230,9 +232,10 @@ centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &ste
     const centreline::Tree tree = centreline::read_tree(file);
     for (const auto &fact : nlohmann::json::parse(read_text_file(notes.string())))
         patient.findings.facts.push_back(fact.get<std::string>());
-    patient.findings.check.push_back(std::string("names of branches are proposals ") +
-                                     (patient.has_map ? "from the label map" : "from their places") +
-                                     ": --click name:x,y,z:NAME changes one");
+    patient.findings.check.push_back(
+        std::string("names of branches are proposals ") +
+        (patient.has_map ? "from the label map" : "from where they leave the aorta") +
+        ": --click name:x,y,z:NAME changes one");
     for (const int axis : {1, 0}) {
         Picture picture(patient.scan, axis, -1, 0, 900, 0.8);
         for (const centreline::Branch &branch : tree.branches) {
