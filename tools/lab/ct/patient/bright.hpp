@@ -8,6 +8,12 @@ namespace crn::ct
 
 constexpr double surroundings_HU = 55;
 
+// What is brighter than `high_HU` is no blood with medium; what is darker than `low_HU`, no vessel.
+struct BrightRange {
+    float low_HU, high_HU;
+};
+BrightRange bright_range(const Contrast &contrast);
+
 struct Bright {
     Mask inside;                // vessels, bones and organs with as much medium
     Widths widths;              // of `inside`

@@ -1,6 +1,7 @@
 // Reads a label map of organs and its table of names, as programs that segment scans write them.
 #pragma once
 #include "tools/lab/ct/volume/volume.hpp"
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -18,6 +19,8 @@ struct LabelMap {
     Volume volume; // whole numbers on the grid of the scan
     NamesTable names;
 
+    int label(std::size_t at) const { return static_cast<int>(std::lround(volume.hu[at])); }
+
     // Returns the numbers of the structures whose name satisfies the rule.
     template <class Rule> std::vector<int> numbers(const Rule &rule) const
     {
@@ -27,6 +30,9 @@ struct LabelMap {
         return found;
     }
 };
+
+// The structure of what a click says is an artery, although the scan does not show it.
+inline constexpr const char *bridge_name = "artery_bridge";
 
 // Arteries belong to the lumen of a scene. Other vessels and chambers may hold contrast medium, too.
 bool is_artery(const std::string &name);

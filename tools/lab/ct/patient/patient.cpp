@@ -7,9 +7,11 @@
 #include "tools/bake/bake.hpp"
 #include "tools/centreline/formats.hpp"
 #include "tools/lab/ct/commands.hpp"
+#include "tools/lab/ct/patient/naming.hpp"
 #include "tools/lab/ct/patient/scan_copy.hpp"
 #include "tools/lab/ct/patient/unlabelled.hpp"
 #include "tools/lab/ct/patient/vessels.hpp"
+#include "tools/lab/ct/patient/wall.hpp"
 #include "tools/lab/ct/patient/xray_pictures.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
@@ -35,7 +37,7 @@ std::string names_checksum(const NamesTable &names)
     return checksum(text.data(), text.size());
 }
 
-constexpr const char *steps_version = "4"; // another number: every step is made again
+constexpr const char *steps_version = "7"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
@@ -169,13 +171,16 @@ void make_picture(Patient &patient, Steps &steps, Page &page)
 bake::Mesh make_lumen(Patient &patient, Steps &steps, Page &page)
 {
     const fs::path file = in(patient, "lumen.ply");
-    patient.findings.assumed.push_back(std::string("the lumen begins as the arteries ") +
-                                       (patient.has_map ? "of the label map" : "that were found") +
-                                       "; a geodesic active contour moves it to the edges of the scan");
+    patient.findings.assumed.push_back(
+        patient.has_map
+            ? "the lumen begins as the arteries of the label map; a geodesic active contour moves it to "
+              "the edges of the scan"
+            : "the wall is half-way between the blood's HU and what is beside it; calcium is no lumen");
     const std::array<fs::path, 3> pictures = {in(patient, "lumen_side.png"), in(patient, "lumen_front.png"),
                                               in(patient, "lumen_slice.png")};
     if (!steps.is_done("lumen", patient.inputs, {file, pictures[0], pictures[1], pictures[2]})) {
-        const Volume level = artery_level(patient.scan, patient.labels, patient.contrast, terminal_report());
+        const auto find_level = patient.has_map ? artery_level : wall_level;
+        const Volume level = find_level(patient.scan, patient.labels, patient.contrast, terminal_report());
         const bake::Mesh mesh = lumen_of(level);
         write_surface(mesh, {}, file);
         Volume around = level.like(0);
@@ -248,6 +253,7 @@ centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &ste
         Findings of_tree;
         const Eigen::Vector3d root_mm = patient.root_mm ? *patient.root_mm : root_of(patient.labels);
         centreline::Tree tree = tree_of(lumen, patient.labels, root_mm, of_tree);
+        if (!patient.has_map) propose_names(tree);
         name_branches(tree, patient.clicks);
         describe_branches(tree, of_tree);
         centreline::write_tree(file, tree);
@@ -257,9 +263,10 @@ centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &ste
     const centreline::Tree tree = centreline::read_tree(file);
     for (const auto &fact : nlohmann::json::parse(read_text_file(notes.string())))
         patient.findings.facts.push_back(fact.get<std::string>());
-    patient.findings.check.push_back(std::string("names of branches are proposals ") +
-                                     (patient.has_map ? "from the label map" : "from their places") +
-                                     ": --click name:x,y,z:NAME changes one");
+    patient.findings.check.push_back(
+        std::string("names of branches are proposals ") +
+        (patient.has_map ? "from the label map" : "from where they leave the aorta") +
+        ": --click name:x,y,z:NAME changes one");
     for (const int axis : {1, 0}) {
         Picture picture(patient.scan, axis, -1, 0, 900, 0.8);
         for (const centreline::Branch &branch : tree.branches) {

@@ -2,6 +2,7 @@
 #include "host/base/format.hpp"
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/centreline/fit/automatic.hpp"
+#include "tools/lab/ct/patient/wall.hpp"
 #include "tools/lab/ct/snake.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include "tools/mesh/fault.hpp"
@@ -18,66 +19,8 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double cube_min_mm = 0.7, cube_max_mm = 1.0, margin_mm = 8.0;
 constexpr int snake_steps = 30;
 constexpr double entry_mm = 15.0; // from the end of the vessel into it
-
-int label_at(const LabelMap &labels, std::size_t at)
-{
-    return static_cast<int>(std::lround(labels.volume.hu[at]));
-}
-
-// Cuts the arteries out of the scan's grid, with a margin, and marks their voxels.
-struct Cut {
-    Volume scan, mask;
-};
-
-Cut cut_arteries(const Volume &scan, const LabelMap &labels)
-{
-    const std::vector<int> wanted = labels.numbers(is_artery);
-    std::array<int, 3> low = scan.size, high = {0, 0, 0};
-    Volume mask = scan.like(0);
-    for (int k = 0; k < scan.size[2]; ++k)
-        for (int j = 0; j < scan.size[1]; ++j)
-            for (int i = 0; i < scan.size[0]; ++i) {
-                const std::size_t at = scan.at(i, j, k);
-                if (std::find(wanted.begin(), wanted.end(), label_at(labels, at)) == wanted.end()) continue;
-                mask.hu[at] = 1;
-                const int here[3] = {i, j, k};
-                for (std::size_t axis = 0; axis < 3; ++axis) {
-                    low[axis] = std::min(low[axis], here[axis]);
-                    high[axis] = std::max(high[axis], here[axis] + 1);
-                }
-            }
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const int more =
-            static_cast<int>(std::ceil(margin_mm / scan.spacing_mm[static_cast<Eigen::Index>(axis)]));
-        low[axis] = std::max(low[axis] - more, 0);
-        high[axis] = std::min(high[axis] + more, scan.size[axis]);
-    }
-    return {cut_out(scan, low, high), cut_out(mask, low, high)};
-}
-
-// Returns the volume on a grid of cubes with the same corners.
-Volume in_cubes(const Volume &from, double cube_mm)
-{
-    Volume cubes;
-    cubes.name = from.name;
-    cubes.origin_mm = from.origin_mm;
-    cubes.direction = from.direction;
-    cubes.spacing_mm = Vector3d::Constant(cube_mm);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double length_mm = from.spacing_mm[static_cast<Eigen::Index>(axis)] * (from.size[axis] - 1);
-        cubes.size[axis] = static_cast<int>(std::floor(length_mm / cube_mm)) + 1;
-    }
-    cubes.hu.resize(cubes.count());
-    for (int k = 0; k < cubes.size[2]; ++k)
-        for (int j = 0; j < cubes.size[1]; ++j)
-            for (int i = 0; i < cubes.size[0]; ++i)
-                cubes.hu[cubes.at(i, j, k)] = static_cast<float>(
-                    from.value((Vector3d(i, j, k) * cube_mm).cwiseQuotient(from.spacing_mm)));
-    return cubes;
-}
 
 // The end of a branch without children.
 bool is_leaf(const centreline::Tree &tree, std::size_t branch)
@@ -95,7 +38,7 @@ std::string structure_of(const centreline::Branch &branch, const LabelMap &label
         const int i = static_cast<int>(std::lround(voxel.x())), j = static_cast<int>(std::lround(voxel.y())),
                   k = static_cast<int>(std::lround(voxel.z()));
         if (!labels.volume.holds(i, j, k)) continue;
-        const auto found = labels.names.find(label_at(labels, labels.volume.at(i, j, k)));
+        const auto found = labels.names.find(labels.label(labels.volume.at(i, j, k)));
         if (found != labels.names.end() && is_artery(found->second)) ++votes[found->second];
     }
     std::string best = "artery";
@@ -112,7 +55,7 @@ Volume artery_level(const Volume &scan, const LabelMap &labels, const Contrast &
 {
     report("cut out arteries", 0);
     const Cut cut = cut_arteries(scan, labels);
-    const double cube_mm = std::clamp(scan.spacing_mm.minCoeff(), cube_min_mm, cube_max_mm);
+    const double cube_mm = cube_of(scan);
     report("cut out arteries", 0.5);
     const Volume level = in_cubes(signed_distance(cut.mask), cube_mm);
     report("cut out arteries", 1);
@@ -145,7 +88,7 @@ Vector3d root_of(const LabelMap &labels)
     for (const auto &[number, name] : labels.names)
         kind[static_cast<std::size_t>(number)] = name == "aorta" ? 1 : name.find("heart") == 0 ? 2 : 0;
     const auto kind_at = [&](int i, int j, int k) {
-        return kind[static_cast<std::size_t>(std::clamp(label_at(labels, grid.at(i, j, k)), 0, 65535))];
+        return kind[static_cast<std::size_t>(std::clamp(labels.label(grid.at(i, j, k)), 0, 65535))];
     };
     std::vector<Vector3d> touching, aorta;
     const int reach = 2;
@@ -205,7 +148,9 @@ centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, const 
                          Findings &findings)
 {
     bake::Progress progress;
-    const centreline::Lumen inside(lumen, {}, progress);
+    centreline::LumenWish voxels;
+    voxels.voxel_mm = 0.6; // two across an artery of 1.2 mm
+    const centreline::Lumen inside(lumen, voxels, progress);
     centreline::AutoWish wish;
     wish.inlet_mm = inside_near(lumen, root_mm);
     wish.shortest_mm = 8.0;

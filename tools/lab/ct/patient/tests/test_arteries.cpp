@@ -1,0 +1,209 @@
+// Tests how arteries are found without a label map, in a virtual CTA whose truth is known. An aorta runs in
+// front of a spine that is as bright as the medium, and gives off four branches: one into a kidney, one with
+// an occlusion, one that touches a bone without a compact shell, and one of 2.4 mm.
+#include "tools/centreline/tree.hpp"
+#include "tools/lab/ct/patient/arteries.hpp"
+#include "tools/lab/ct/patient/wall.hpp"
+#include "tools/lab/ct/surface.hpp"
+#include <algorithm>
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdio>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace crn;
+using namespace crn::ct;
+using Eigen::Vector3d;
+
+namespace
+{
+
+constexpr double blood_HU = 350, tissue_around_HU = 45, spread_HU = 15, trunk_mm = 9, branch_mm = 3,
+                 thin_mm = 1.2;
+
+double tube(const Vector3d &p, const Vector3d &a, const Vector3d &b, double radius_mm)
+{
+    return centreline::tapered_capsule_distance(p, a, radius_mm, b, radius_mm);
+}
+
+// Distance from the wall of the arteries that are connected with the aorta.
+double distance_at(const Vector3d &p)
+{
+    return std::min(
+        {tube(p, {0, -90, -10}, {0, 90, -10}, trunk_mm), tube(p, {0, 20, -10}, {45, 20, -10}, branch_mm),
+         tube(p, {0, -20, -10}, {-25, -20, -10}, branch_mm),
+         tube(p, {0, -45, -10}, {58, -45, -10}, branch_mm), tube(p, {0, 45, -10}, {-45, 45, -10}, thin_mm)});
+}
+
+double vertebra_at(const Vector3d &p)
+{
+    const double in_period = std::fmod(p.y() + 300, 30);
+    const double ends = std::max(in_period - 24, -in_period); // discs of 6 mm
+    const double body = std::max(std::hypot(p.x(), p.z() + 37) - 17, ends);
+    const double process = std::max({std::fabs(p.x()) - 5, std::fabs(p.z() + 62) - 9, ends});
+    return std::min(body, process);
+}
+
+// The value of what fills a body, with an edge of one voxel around the distance 0.
+void fill(double &value, double distance_mm, double inside_HU)
+{
+    value += (inside_HU - value) * std::clamp(0.5 - distance_mm, 0.0, 1.0);
+}
+
+double value_at(const Vector3d &p)
+{
+    double value = -1000;
+    fill(value, (std::hypot(p.x() / 76, (p.z() + 20) / 60) - 1) * 60, tissue_around_HU);
+    const double vertebra = vertebra_at(p);
+    fill(value, vertebra, 700);
+    fill(value, vertebra + 2, blood_HU); // the marrow is as bright as blood
+    fill(value, (p - Vector3d(36, -45, -26.5)).norm() - 14, blood_HU);
+    fill(value, (p - Vector3d(58, 20, -10)).norm() - 15, 280);
+    fill(value, tube(p, {-37, -20, -10}, {-55, -20, -10}, branch_mm), blood_HU);
+    fill(value, distance_at(p), blood_HU);
+    return value;
+}
+
+struct Trunk {
+    Volume scan;
+    Mask body;
+};
+
+const Trunk &trunk()
+{
+    static const Trunk made = [] {
+        Trunk of;
+        of.scan.size = {175, 140, 135};
+        of.scan.spacing_mm = {0.9, 0.9, 1.0};
+        of.scan.origin_mm = {-78.3, -42.5, -67};
+        of.scan.name = "virtual CTA";
+        of.scan.hu.resize(of.scan.count());
+        std::uint32_t state = 1;
+        for (std::size_t at = 0; at < of.scan.count(); ++at) {
+            double lot = 0;
+            for (int n = 0; n < 4; ++n) {
+                state = state * 1664525u + 1013904223u;
+                lot += (state >> 8) / 16777216.0 - 0.5;
+            }
+            of.scan.hu[at] =
+                static_cast<float>(value_at(place_at(of.scan, at)) + lot * spread_HU * std::sqrt(3.0));
+        }
+        of.body = body_of(of.scan);
+        return of;
+    }();
+    return made;
+}
+
+const Report silent = [](const std::string &, double) {};
+
+FoundArteries found_with(const std::vector<Click> &clicks)
+{
+    Findings findings;
+    return find_arteries(trunk().scan, trunk().body, clicks, findings, silent);
+}
+
+void assert_artery(const LabelMap &labels, const Vector3d &p, bool is_expected)
+{
+    const Vector3d voxel = labels.volume.voxel(p);
+    const int label = labels.label(labels.volume.at(static_cast<int>(std::lround(voxel.x())),
+                                                    static_cast<int>(std::lround(voxel.y())),
+                                                    static_cast<int>(std::lround(voxel.z()))));
+    const bool is_found = label != 0 && is_artery(labels.names.at(label));
+    if (is_found != is_expected)
+        fail_msg("(%.0f, %.0f, %.0f) is %s artery", p.x(), p.y(), p.z(), is_found ? "an" : "no");
+}
+
+const FoundArteries &found()
+{
+    static const FoundArteries without_clicks = found_with({});
+    return without_clicks;
+}
+
+} // namespace
+
+static void the_aorta_is_found_beside_a_spine_as_bright(void **)
+{
+    const FoundArteries &of = found();
+    assert_true(of.descending.back().slice - of.descending.front().slice > 120);
+    for (const Disc &disc : of.descending) {
+        const Vector3d middle = place_of(trunk().scan, disc);
+        assert_true(std::hypot(middle.x(), middle.z() + 10) < 1.0);
+    }
+    const Contrast contrast = contrast_of(of.descending);
+    std::printf("# %.0f HU, noise %.0f HU\n", contrast.mean_HU, contrast.noise_HU);
+    assert_true(std::fabs(contrast.mean_HU - blood_HU) < 10);
+}
+
+static void arteries_end_at_bone_kidney_and_gap(void **)
+{
+    const LabelMap &labels = found().labels;
+    for (const Vector3d &inside : {Vector3d(0, 60, -10), Vector3d(30, 20, -10), Vector3d(-20, -20, -10),
+                                   Vector3d(56, -45, -10), Vector3d(-40, 45, -10)})
+        assert_artery(labels, inside, true);
+    assert_artery(labels, {0, 10, -37}, false);    // a vertebra
+    assert_artery(labels, {58, 20, -10}, false);   // the kidney
+    assert_artery(labels, {36, -45, -26}, false);  // the bone without a shell
+    assert_artery(labels, {-45, -20, -10}, false); // behind the gap
+}
+
+static void a_bridge_joins_the_two_ends_of_a_gap(void **)
+{
+    const FoundArteries joined = found_with({click_of("bridge:-31,-20,-10")});
+    const LabelMap &labels = joined.labels;
+    const Volume level = wall_level(trunk().scan, labels, contrast_of(joined.descending), silent);
+    assert_true(level.value(level.voxel({-31, -20, -10})) < 0);
+    for (const double x : {-20.0, -31.0, -45.0}) assert_artery(labels, {x, -20, -10}, true);
+    assert_artery(labels, {36, -45, -26}, false);
+}
+
+static void a_clicked_artery_is_joined_and_a_cut_takes_away(void **)
+{
+    const LabelMap labels = found_with({click_of("artery:-45,-20,-10"), click_of("cut:30,20,-10:5")}).labels;
+    for (const double x : {-31.0, -45.0}) assert_artery(labels, {x, -20, -10}, true);
+    assert_artery(labels, {18, 20, -10}, true);
+    for (const double x : {30.0, 40.0}) assert_artery(labels, {x, 20, -10}, false);
+}
+
+static void the_wall_is_where_the_truth_has_it(void **)
+{
+    const Volume level = wall_level(trunk().scan, found().labels, contrast_of(found().descending), silent);
+    const bake::Mesh mesh = surface_of(level, "wall");
+    struct Part {
+        const char *name;
+        Vector3d low, high;
+        double sum = 0, offset = 0, count = 0;
+    } parts[] = {{"aorta", {-12, -60, -22}, {12, 60, 2}},
+                 {"branch", {16, 10, -20}, {38, 30, 0}},
+                 {"thin branch", {-38, 40, -20}, {-14, 50, 0}}};
+    for (const Vector3d &vertex : mesh.vertices_mm)
+        for (Part &part : parts) {
+            if ((vertex.array() < part.low.array()).any() || (vertex.array() > part.high.array()).any())
+                continue;
+            const double distance_mm = distance_at(vertex);
+            part.sum += std::fabs(distance_mm);
+            part.offset += distance_mm;
+            part.count += 1;
+        }
+    for (const Part &part : parts) {
+        assert_true(part.count > 100);
+        std::printf("# wall of the %s: off by %.3f mm in the mean, %+.3f mm with sign\n", part.name,
+                    part.sum / part.count, part.offset / part.count);
+        assert_true(part.sum / part.count < 0.3); // a third of a voxel
+    }
+}
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(the_aorta_is_found_beside_a_spine_as_bright),
+        cmocka_unit_test(arteries_end_at_bone_kidney_and_gap),
+        cmocka_unit_test(a_bridge_joins_the_two_ends_of_a_gap),
+        cmocka_unit_test(a_clicked_artery_is_joined_and_a_cut_takes_away),
+        cmocka_unit_test(the_wall_is_where_the_truth_has_it),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

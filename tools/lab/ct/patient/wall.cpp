@@ -1,0 +1,156 @@
+#include "tools/lab/ct/patient/wall.hpp"
+#include "tools/lab/ct/patient/blocks.hpp"
+#include "tools/lab/ct/patient/bright.hpp"
+#include "tools/lab/ct/snake.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace crn::ct
+{
+
+namespace
+{
+
+using Eigen::Vector3d;
+
+constexpr double cube_min_mm = 0.7, cube_max_mm = 1.0, margin_mm = 8.0;
+
+// The brightest blood within 2 mm: partial volume makes thin arteries darker. It is at most the mean of the
+// aorta.
+float blood_near(const Cut &cut, const Contrast &contrast, int i, int j, int k)
+{
+    constexpr double reach_mm = 2.0;
+    const int at[3] = {i, j, k};
+    int low[3], high[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const int reach = std::max(1, static_cast<int>(reach_mm / cut.scan.spacing_mm[axis]));
+        low[axis] = std::max(at[axis] - reach, 0);
+        high[axis] = std::min(at[axis] + reach, cut.scan.size[static_cast<std::size_t>(axis)] - 1);
+    }
+    const auto noise_HU = static_cast<float>(contrast.noise_HU),
+               mean_HU = static_cast<float>(contrast.mean_HU);
+    float most_HU = 0.5f * mean_HU + noise_HU;
+    for (int z = low[2]; z <= high[2]; ++z)
+        for (int y = low[1]; y <= high[1]; ++y)
+            for (int x = low[0]; x <= high[0]; ++x) {
+                const std::size_t other = cut.scan.at(x, y, z);
+                if (cut.mask.hu[other] > 0) most_HU = std::max(most_HU, cut.scan.hu[other]);
+            }
+    return std::min(most_HU - noise_HU, mean_HU); // the brightest of some voxels is a noise above their mean
+}
+
+// 1 at the walls of arteries wider than 6 mm, and 0 from some 2 mm outside them on. These walls can be
+// smoothed without closing the mouths of thin branches.
+Volume near_wide(const Volume &depth)
+{
+    constexpr float deep_mm = 3.0f, beyond_mm = 2.5f, over_mm = 1.5f;
+    Volume core = depth;
+    for (float &value : core.hu) value = value < -deep_mm ? 1.0f : 0.0f;
+    if (std::none_of(core.hu.begin(), core.hu.end(), [](float value) { return value > 0; })) return core;
+    Volume near = signed_distance(core);
+    for (float &value : near.hu) value = std::clamp((deep_mm + beyond_mm - value) / over_mm, 0.0f, 1.0f);
+    return near;
+}
+
+} // namespace
+
+Cut cut_arteries(const Volume &scan, const LabelMap &labels)
+{
+    const std::vector<int> wanted = labels.numbers(is_artery),
+                           bridges =
+                               labels.numbers([](const std::string &name) { return name == bridge_name; });
+    std::array<int, 3> low = scan.size, high = {0, 0, 0};
+    Volume mask = scan.like(0);
+    for (int k = 0; k < scan.size[2]; ++k)
+        for (int j = 0; j < scan.size[1]; ++j)
+            for (int i = 0; i < scan.size[0]; ++i) {
+                const std::size_t at = scan.at(i, j, k);
+                if (std::find(wanted.begin(), wanted.end(), labels.label(at)) == wanted.end()) continue;
+                mask.hu[at] = std::count(bridges.begin(), bridges.end(), labels.label(at)) > 0 ? 2.0f : 1.0f;
+                const int here[3] = {i, j, k};
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    low[axis] = std::min(low[axis], here[axis]);
+                    high[axis] = std::max(high[axis], here[axis] + 1);
+                }
+            }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int more =
+            static_cast<int>(std::ceil(margin_mm / scan.spacing_mm[static_cast<Eigen::Index>(axis)]));
+        low[axis] = std::max(low[axis] - more, 0);
+        high[axis] = std::min(high[axis] + more, scan.size[axis]);
+    }
+    return {cut_out(scan, low, high), cut_out(mask, low, high)};
+}
+
+Volume in_cubes(const Volume &from, double cube_mm)
+{
+    Volume cubes;
+    cubes.name = from.name;
+    cubes.origin_mm = from.origin_mm;
+    cubes.direction = from.direction;
+    cubes.spacing_mm = Vector3d::Constant(cube_mm);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double length_mm = from.spacing_mm[static_cast<Eigen::Index>(axis)] * (from.size[axis] - 1);
+        cubes.size[axis] = static_cast<int>(std::floor(length_mm / cube_mm)) + 1;
+    }
+    cubes.hu.resize(cubes.count());
+    for (int k = 0; k < cubes.size[2]; ++k)
+        for (int j = 0; j < cubes.size[1]; ++j)
+            for (int i = 0; i < cubes.size[0]; ++i)
+                cubes.hu[cubes.at(i, j, k)] = static_cast<float>(
+                    from.value((Vector3d(i, j, k) * cube_mm).cwiseQuotient(from.spacing_mm)));
+    return cubes;
+}
+
+double cube_of(const Volume &scan)
+{
+    return std::clamp(scan.spacing_mm.minCoeff(), cube_min_mm, cube_max_mm);
+}
+
+Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &contrast, const Report &report)
+{
+    constexpr float edge_mm = 1.6f, half_mm = 0.8f; // width of the edge, from a scanner's blur
+    constexpr float near_mm = 3.0f;                 // of the labelled voxels' border
+    constexpr float inside_mm = 2.0f;               // deeper, dark voxels are noise or streaks
+    constexpr float air_HU = -200, fat_HU = -50;    // of what is beside: lungs tell nothing about the wall
+    report("find the wall", 0);
+    const Cut cut = cut_arteries(scan, labels);
+    const Volume depth = signed_distance(cut.mask);
+    report("find the wall", 0.4);
+    const BrightRange range = bright_range(contrast);
+    const auto outside_mm = static_cast<float>(std::clamp(0.75 * scan.spacing_mm.maxCoeff(), 0.7, 1.5));
+    const BlockMeans beside(cut.scan, 3.5, 0.02, fat_HU, [&](std::size_t at) {
+        return depth.hu[at] > 1.8f && depth.hu[at] < 5.0f && cut.scan.hu[at] > air_HU &&
+               cut.scan.hu[at] < range.low_HU;
+    });
+    Volume level = depth;
+    for (int k = 0; k < level.size[2]; ++k)
+        for (int j = 0; j < level.size[1]; ++j)
+            for (int i = 0; i < level.size[0]; ++i) {
+                const std::size_t at = level.at(i, j, k);
+                float &value = level.hu[at];
+                value = std::clamp(value, -near_mm, near_mm);
+                if (std::fabs(value) == near_mm) {
+                    value = std::copysign(half_mm, value);
+                    continue;
+                }
+                const float blood = blood_near(cut, contrast, i, j, k), other = beside.at(i, j, k);
+                // Calcium is no lumen: above the blood's range, brighter is farther outside.
+                const float hu = std::min(cut.scan.hu[at], 2 * range.high_HU - cut.scan.hu[at]);
+                const float edge = edge_mm * (0.5f * (blood + other) - hu) / (blood - other);
+                const bool is_shown = cut.mask.hu[at] < 2;
+                if (is_shown) value = std::clamp(edge, value - outside_mm, value + inside_mm);
+                value = std::clamp(value, -half_mm, half_mm); // alike on both sides, for the smoothing
+            }
+    report("find the wall", 0.6);
+    const Volume fine = in_cubes(level, cube_of(scan)), wide = in_cubes(near_wide(depth), cube_of(scan));
+    Volume result = fine;
+    report("find the wall", 0.8);
+    const Volume even = smoothed(fine, 0.8);
+    for (std::size_t at = 0; at < result.count(); ++at)
+        result.hu[at] += wide.hu[at] * (even.hu[at] - result.hu[at]);
+    report("find the wall", 1);
+    return result;
+}
+
+} // namespace crn::ct
