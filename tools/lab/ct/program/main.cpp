@@ -208,14 +208,17 @@ std::vector<std::string> command_of(const PatientOptions &options)
 
 void patient_in_window(const PatientOptions &options, ReviewOptions review)
 {
+    if (!review.runs_at_once && !std::filesystem::exists(options.scan))
+        throw std::runtime_error(options.scan.string() +
+                                 ": there is none: name a folder that `cournand patient new` has made");
     crn::check_output_folder({"--output", options.output.string()});
     std::filesystem::create_directories(options.output);
-    if (!options.clicks.empty()) {
-        const std::filesystem::path file = options.output / "clicks.toml";
-        write_clicks(file, clicks_with(file, options.clicks));
-    }
     review.folder = options.output;
     review.command = command_of(options);
+    // Clicks of the command line belong to the first run; later the file of clicks has them.
+    review.first_command = review.command;
+    for (const std::string &click : options.clicks)
+        review.first_command.insert(review.first_command.end(), {"--click", click});
     switch (review_patient(review)) {
     case ReviewEnd::interrupted:
         throw std::runtime_error("interrupted; finished steps are kept in " + options.output.string());
@@ -243,9 +246,18 @@ void add_patient(CLI::App &app, PatientOptions &options, WindowChoice &window)
         "label map of organs and arteries on the scan's grid; none: the arteries are found");
     labels->needs(command.add_option("--names", options.names, "table of the labels' numbers and names")
                       ->needs(labels));
-    command.add_option("--click", options.clicks,
-                       "mends the arteries: artery, cut, bridge, entry or name, and a place in mm, as in "
-                       "artery:12,-230,4; kept in clicks.toml of the folder");
+    command
+        .add_option("--click", options.clicks,
+                    "mends the arteries: artery, cut, bridge, entry or name, and a place in mm, as in "
+                    "artery:12,-230,4; kept in clicks.toml of the folder")
+        ->check([](const std::string &text) {
+            try {
+                click_of(text);
+                return std::string();
+            } catch (const std::exception &error) {
+                return std::string(error.what());
+            }
+        });
     command.add_option("-o,--output", options.output, "folder of the scene and its report");
     CLI::Option *check = command.add_flag(
         "--check", options.is_check,
