@@ -28,7 +28,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-constexpr const char *steps_version = "6"; // another number: every step is made again
+constexpr const char *steps_version = "7"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
