@@ -37,7 +37,7 @@ std::string names_checksum(const NamesTable &names)
     return checksum(text.data(), text.size());
 }
 
-constexpr const char *steps_version = "7"; // another number: every step is made again
+constexpr const char *steps_version = "8"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
