@@ -65,7 +65,8 @@ class Namer
         shape.radius_mm = median(radii);
         return shape;
     }
-    // A branch that a junction cuts soon has the radius and direction of the widest vessel that it leads to.
+    // A branch that a junction cuts soon has the radius and direction of the long, wide vessel that it leads
+    // to.
     void look_ahead(std::size_t i)
     {
         Shape &shape = shapes_[i];
@@ -80,12 +81,19 @@ class Namer
             }
             const std::vector<std::size_t> &children = shapes_[at].children;
             if (passed_mm >= takeoff_mm || children.empty()) break;
-            at = *std::max_element(children.begin(), children.end(), [&](std::size_t a, std::size_t b) {
-                return shapes_[a].radius_mm < shapes_[b].radius_mm;
-            });
+            at = main_child(at);
             if (at != i && shapes_[i].length_mm < 0.5 * takeoff_mm) shape.radius_mm = shapes_[at].radius_mm;
         }
         shape.leaves = (ahead - tree_.branches[i].spheres.front().centre_mm).normalized();
+    }
+
+    // The child that is longest, with all that it gives off, and widest.
+    std::size_t main_child(std::size_t i) const
+    {
+        const std::vector<std::size_t> &children = shapes_[i].children;
+        return *std::max_element(children.begin(), children.end(), [&](std::size_t a, std::size_t b) {
+            return reach_mm(a) * shapes_[a].radius_mm < reach_mm(b) * shapes_[b].radius_mm;
+        });
     }
 
     // Gives a vessel its name, with a number if it is there already.
@@ -100,13 +108,11 @@ class Namer
         give(i, name);
         for (;;) {
             const Shape &shape = shapes_[i];
-            const std::size_t *next = nullptr;
-            for (const std::size_t &child : shape.children)
-                if (!next || shapes_[child].radius_mm > shapes_[*next].radius_mm) next = &child;
-            if (!next || shapes_[*next].radius_mm < 0.75 * shape.radius_mm ||
-                !tree_.branches[*next].name.empty())
+            if (shape.children.empty()) return;
+            const std::size_t next = main_child(i);
+            if (shapes_[next].radius_mm < 0.75 * shape.radius_mm || !tree_.branches[next].name.empty())
                 return;
-            i = *next;
+            i = next;
             give(i, name);
         }
     }
@@ -183,7 +189,7 @@ class Namer
         std::vector<std::size_t> arch, heart;
         for (const std::size_t i : side_branches()) {
             const Vector3d from = tree_.branches[i].spheres.front().centre_mm;
-            if (from.y() > top - 45 && shapes_[i].end.y() > from.y() + 10 && shapes_[i].leaves.y() > 0)
+            if (from.y() > top - 45 && shapes_[i].leaves.y() > 0.2 && reach_mm(i) > 20)
                 arch.push_back(i);
             else if ((from - root).norm() < 45)
                 heart.push_back(i);
@@ -194,7 +200,8 @@ class Namer
             }));
         if (!arch.empty()) name_brachiocephalic(arch.front());
         if (arch.size() > 2) give_along(arch[1], "left_common_carotid_artery");
-        if (arch.size() > 1) give_along(arch.back(), "left_subclavian_artery");
+        if (arch.size() == 2) name_left_of_arch(arch.back());
+        if (arch.size() > 2) give_along(arch.back(), "left_subclavian_artery");
         std::sort(heart.begin(), heart.end(),
                   [&](std::size_t a, std::size_t b) { return shapes_[a].radius_mm > shapes_[b].radius_mm; });
         for (const std::size_t i : heart) {
@@ -202,6 +209,23 @@ class Namer
                 shapes_[i].end.x() > root.x() ? "left_coronary_artery" : "right_coronary_artery";
             if (!used_.count(name)) give_along(i, name);
         }
+    }
+    // The second of two branches is the subclavian artery, or leads to it and to the carotid artery.
+    void name_left_of_arch(std::size_t i)
+    {
+        std::vector<std::size_t> children;
+        for (const std::size_t child : shapes_[i].children)
+            if (reach_mm(child) > 30) children.push_back(child);
+        if (children.size() < 2 || shapes_[i].length_mm > 20) {
+            give_along(i, "left_subclavian_artery");
+            return;
+        }
+        const auto [right, left] =
+            std::minmax_element(children.begin(), children.end(), [&](std::size_t a, std::size_t b) {
+                return shapes_[a].end.x() < shapes_[b].end.x();
+            });
+        give_along(*left, "left_subclavian_artery");
+        give_along(*right, "left_common_carotid_artery");
     }
     void name_brachiocephalic(std::size_t i)
     {
@@ -212,6 +236,13 @@ class Namer
             std::minmax_element(children.begin(), children.end(), [&](std::size_t a, std::size_t b) {
                 return shapes_[a].end.x() < shapes_[b].end.x();
             });
+        // In the bovine arch, the left carotid artery leaves the brachiocephalic trunk, which goes on.
+        if (shapes_[i].length_mm < 20 && shapes_[*left].end.x() > shapes_[i].start.x() + 10 &&
+            !used_.count("left_common_carotid_artery")) {
+            give_along(*left, "left_common_carotid_artery");
+            name_brachiocephalic(*right);
+            return;
+        }
         give_along(*right, "right_subclavian_artery");
         give_along(*left, "right_common_carotid_artery");
     }
@@ -248,7 +279,7 @@ class Namer
             });
             for (const std::size_t i : sorted) {
                 if (std::fabs(shapes_[i].start.y() - shapes_[sorted.front()].start.y()) > 50) continue;
-                give(i, n == 1 ? "left_renal_artery" : "right_renal_artery");
+                give_along(i, n == 1 ? "left_renal_artery" : "right_renal_artery");
             }
             sum += shapes_[sorted.front()].start.y();
             count += 1;

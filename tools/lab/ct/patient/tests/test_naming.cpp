@@ -62,6 +62,9 @@ static void branches_of_a_usual_aorta_have_their_names(void **)
     const int trunk = add(tree, root, {-15, 95, 18}, 6), left_iliac = add(tree, belly_4, {35, -320, -15}, 5),
               right_iliac = add(tree, belly_4, {-30, -320, -15}, 5),
               coeliac = add(tree, chest, {8, -155, 5}, 3.5);
+    // The right renal artery gives off a short, wide branch upwards at once.
+    const int right_renal = add(tree, belly_2, {-3, -182, -22}, 2.9);
+    add(tree, right_renal, {5, -172, -12}, 2.8);
     const Wanted wanted[] = {{root, "aorta"},
                              {belly_4, "aorta_9"},
                              {trunk, "brachiocephalic_trunk"},
@@ -74,13 +77,14 @@ static void branches_of_a_usual_aorta_have_their_names(void **)
                              {add(tree, coeliac, {-50, -150, 10}, 2.5), "common_hepatic_artery"},
                              {add(tree, belly_1, {5, -250, 20}, 3.3), "superior_mesenteric_artery"},
                              {add(tree, belly_2, {50, -185, -35}, 2.7), "left_renal_artery"},
-                             {add(tree, belly_2, {-45, -190, -35}, 2.7), "right_renal_artery"},
+                             {right_renal, "right_renal_artery"},
+                             {add(tree, right_renal, {-45, -190, -35}, 2.5), "right_renal_artery_2"},
                              {add(tree, belly_3, {12, -270, 10}, 1.8), "inferior_mesenteric_artery"},
                              {left_iliac, "left_common_iliac_artery"},
                              {right_iliac, "right_common_iliac_artery"},
                              {add(tree, left_iliac, {50, -400, 20}, 4), "left_external_iliac_artery"},
                              {add(tree, left_iliac, {40, -370, -60}, 3), "left_internal_iliac_artery"},
-                             {add(tree, belly_3, {4, -225, -45}, 1.3), "branch_1"}};
+                             {add(tree, belly_3, {4, -225, -45}, 1.3), "branch_2"}};
     ct::propose_names(tree);
     for (const Wanted &one : wanted) assert_string_equal(name_of(tree, one.branch).c_str(), one.name);
 }
