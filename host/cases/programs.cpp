@@ -46,15 +46,21 @@ struct Pipe {
     }
 };
 
+std::vector<char *> arguments_of(const std::vector<std::string> &words)
+{
+    std::vector<char *> arguments;
+    for (const std::string &word : words) arguments.push_back(const_cast<char *>(word.c_str()));
+    arguments.push_back(nullptr);
+    return arguments;
+}
+
 [[noreturn]] void become(const std::vector<std::string> &words, const Pipe &said, const Pipe &refused)
 {
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     for (int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(number, SIG_DFL);
     ::dup2(said.ends[1], STDOUT_FILENO);
     ::dup2(refused.ends[1], STDERR_FILENO);
-    std::vector<char *> arguments;
-    for (const std::string &word : words) arguments.push_back(const_cast<char *>(word.c_str()));
-    arguments.push_back(nullptr);
+    std::vector<char *> arguments = arguments_of(words);
     ::execvp(arguments[0], arguments.data());
     ::_exit(127);
 }
@@ -93,7 +99,7 @@ void hear(pid_t process, Pipe &said, Pipe &refused, ProgramResult &result,
 
 } // namespace
 
-std::string sibling_program(const std::string &name)
+std::string sibling_program(const std::string &name, const std::string &remedy)
 {
     std::error_code failure;
     const fs::path folder = fs::read_symlink("/proc/self/exe", failure).parent_path();
@@ -102,7 +108,14 @@ std::string sibling_program(const std::string &name)
         for (const fs::path &path : {above / name, above / "bin" / name})
             if (fs::is_regular_file(path, failure) && ::access(path.c_str(), X_OK) == 0) return path.string();
     throw std::runtime_error("the program '" + name + "' is not beside this one, in " + folder.string() +
-                             ": build it by `make cases`, or install all programs by `make install`");
+                             ": " + remedy);
+}
+
+void become_program(const std::vector<std::string> &words)
+{
+    std::vector<char *> arguments = arguments_of(words);
+    ::execv(arguments[0], arguments.data());
+    throw std::runtime_error(words.at(0) + ": cannot be started: " + std::strerror(errno));
 }
 
 ProgramResult run_program(const std::vector<std::string> &words, const std::function<bool()> &goes_on)

@@ -9,7 +9,14 @@ namespace crn
 
 // Returns the path of a program in the folder of the running program. Throws a std::runtime_error that states
 // the remedy if there is no such program.
-std::string sibling_program(const std::string &name);
+std::string
+sibling_program(const std::string &name,
+                const std::string &remedy = "build it by `make cases`, or install all programs by "
+                                            "`make install`");
+
+// Replaces the running program by another one; the first word is its path. Throws std::runtime_error if it
+// cannot be started.
+[[noreturn]] void become_program(const std::vector<std::string> &words);
 
 struct ProgramResult {
     int code = 0;        // exit code, or 128 and the number of the signal

@@ -6,6 +6,7 @@
 #include "host/cli/parse.hpp"
 #include "host/command/cli_case.hpp"
 #include "host/command/cli_dicom.hpp"
+#include "host/command/cli_patient.hpp"
 #include "host/command/cli_records.hpp"
 #include "host/command/cli_rig.hpp"
 #include "host/command/names.hpp"
@@ -493,6 +494,8 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
     add_dicom_check(app, dicom_check);
     CaseOptions lesson;
     add_case(app, lesson);
+    PatientCommandOptions patient;
+    add_patient(app, patient);
     InfoOptions info;
     add_info(app, info);
     app.footer(
@@ -522,6 +525,7 @@ int command_line(int argc, char **argv, const RunWindow &run_window, const OpenS
         if (app.got_subcommand("rig")) return command_rig(rig);
         if (app.got_subcommand("records")) return command_records(records);
         if (app.got_subcommand("case")) return command_case(app, lesson, run_window);
+        if (app.got_subcommand("patient")) return command_patient(app, patient);
         if (app.got_subcommand("dicom-check")) return command_dicom_check(dicom_check);
         if (info.shows_opengl) return command_info_opengl();
         if (info.file.empty()) throw UsageError("info: name a file, or --opengl");

@@ -358,12 +358,7 @@ void SuiteApp::next_reference()
 void SuiteApp::write_layout()
 {
     if (options_.layout.empty()) return;
-    std::string text;
-    for (const PlacedControl &control : ui_.placed()) {
-        text += formatted("%s\t%.0f\t%.0f\t%.0f\t%.0f", control.name.c_str(), control.place.x,
-                          control.place.y, control.place.width, control.place.height);
-        text += (control.text.empty() ? "" : "\t" + control.text) + "\n";
-    }
+    const std::string text = ui_.layout_text();
     const SuiteClock::time_point now = SuiteClock::now();
     if (text == layout_ || now - layout_written_ < layout_pause) return;
     layout_ = text;

@@ -33,6 +33,17 @@ void Ui::note_last_item(const std::string &name, const std::string &text)
     note(name, {low.x, low.y, high.x - low.x, high.y - low.y}, text);
 }
 
+std::string Ui::layout_text() const
+{
+    std::string text;
+    for (const PlacedControl &control : placed_) {
+        text += formatted("%s\t%.0f\t%.0f\t%.0f\t%.0f", control.name.c_str(), control.place.x,
+                          control.place.y, control.place.width, control.place.height);
+        text += (control.text.empty() ? "" : "\t" + control.text) + "\n";
+    }
+    return text;
+}
+
 std::string Ui::tooltip_of(const Control &control)
 {
     std::string text(control.what);

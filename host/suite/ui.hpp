@@ -73,6 +73,9 @@ class Ui
 
     // Returns the controls that the present screen shows, with their positions in pixels.
     const std::vector<PlacedControl> &placed() const { return placed_; }
+    // Returns them as lines "name TAB x TAB y TAB width TAB height", with TAB and the text where there is
+    // one.
+    std::string layout_text() const;
 
   private:
     void draw_text(ImFont *font, ImU32 colour, const char *format, va_list arguments);

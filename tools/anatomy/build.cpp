@@ -1,4 +1,5 @@
 #include "tools/anatomy/build.hpp"
+#include "tools/anatomy/clutter.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include "tools/anatomy/soft_bodies.hpp"
@@ -116,24 +117,32 @@ std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &finenes
     const double scale = fineness.body_scale;
     const SkeletonShape shape = skeleton_shape(person);
     const SoftShape soft = soft_shape(person);
-    const BoneGroup groups[] = {{"spine", spine_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
-                                {"ribs", rib_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
-                                {"pelvis", pelvis_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-                                {"femurs", femur_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM},
-                                {"shoulders", shoulder_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-                                {"head", head_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-                                {"forearms", forearm_bones(), 1.8, BONE_ERROR_MM, GRAIN_MM}};
+    const BoneGroup groups[] = {
+        {"spine", spine_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
+        {"ribs", rib_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
+        {"pelvis", pelvis_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"femurs", femur_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM},
+        {"shoulders", shoulder_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"head", head_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"forearms", forearm_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM}};
     Solid bones;
     std::vector<Body> skeleton;
     for (const BoneGroup &group : groups) {
         add_bone(skeleton, group, bones, scale);
         bones.add(group.solid);
     }
+    Solid hard = bones;
+    hard.add(cartilage_calcium(shape));
+    const std::vector<Body> clutter = clutter_bodies(person.clutter, soft, hard, scale);
     add_cartilages(skeleton, bones, shape, scale);
+    // Lungs, heart and layers leave space for metal as for bones.
+    if (person.clutter.wires) bones.add(sternal_wires());
+    if (person.clutter.pacemaker) bones.add(pacemaker());
     std::vector<Body> bodies = layer_bodies(soft, bones, scale);
     bodies.insert(bodies.end(), skeleton.begin(), skeleton.end());
     for (const Body &body : chest_bodies(bones, tree, scale)) bodies.push_back(body);
     for (const Body &body : belly_bodies(soft, bones, tree, scale)) bodies.push_back(body);
+    bodies.insert(bodies.end(), clutter.begin(), clutter.end());
     if (tree.coronary_count > 0)
         for (Body &body : bodies)
             if (moves_with_heart(body.name)) body.request.shortest_mm = SHORTEST_MM;

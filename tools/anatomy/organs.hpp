@@ -53,6 +53,7 @@ Solid liver();
 Solid spleen();
 /* Gas of stomach bubble, colon and rectum, expanded by the wall. */
 Solid bowel_gas(const SoftShape &shape, double wall_mm);
+Solid faeces_gas(const SoftShape &shape);            // bubbles in the faeces of the colon
 Solid bowel(const SoftShape &shape, double wall_mm); // stomach, colon, small bowel, that wall around the gas
 
 /* Returns the branching vessels inside one lung. The parameter `lung` is the distance function of the lung in

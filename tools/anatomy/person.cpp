@@ -7,7 +7,7 @@ namespace anatomy
 
 SkeletonShape skeleton_shape(const Person &person)
 {
-    return {person.sex, person.osteophytes, person.cartilage_calcium};
+    return {person.sex, person.osteophytes, person.cartilage_calcium, person.arms, person.age_years};
 }
 
 /* The fat under the skin grows in proportion to the body mass index above 13, at which hardly any is left. Of
@@ -28,6 +28,7 @@ SoftShape soft_shape(const Person &person)
     shape.bowel_seed = person.seed;
     shape.wall_calcium = person.wall_calcium;
     shape.calcium_seed = person.seed + 1;
+    shape.arms = person.arms;
     return shape;
 }
 

@@ -20,6 +20,12 @@ struct SoftShape {
     std::uint32_t bowel_seed = 0; // other pouches; 0: the shipped man's
     double wall_calcium = 0.0;    // plaques on the aorta and the iliac arteries: 0 none, 1 many
     std::uint32_t calcium_seed = 1;
+    Arms arms = Arms::raised;
+};
+
+/* What lies on or in the patient on request (clutter.hpp). */
+struct Clutter {
+    bool leads = false, table = false, wires = false, pacemaker = false;
 };
 
 struct Person {
@@ -29,6 +35,8 @@ struct Person {
     double osteophytes = 0.3, cartilage_calcium = 0.2; // SkeletonShape
     double wall_calcium = 0.25;                        // SoftShape
     double gas = 1.0;
+    Arms arms = Arms::raised;
+    Clutter clutter;
     std::uint32_t seed = 0; // of bowel gas and plaques; 0: the shipped man
 
     double bmi() const { return weight_kg / (height_m * height_m); }

@@ -71,10 +71,10 @@ std::string title_of(const TomlValue &value)
 
 Vec3 position_of(const File &file, const TomlValue &value)
 {
-    static const Solid patient = skin();
+    static const Solid raised = skin(), beside = skin({.arms = Arms::beside});
     const std::array<double, 3> xyz = value.three(POSITION_MAX_MM);
     const Vec3 position(xyz[0], xyz[1], xyz[2]);
-    if (file.is_in_patient && patient.distance(position) > 0.0)
+    if (file.is_in_patient && std::min(raised.distance(position), beside.distance(position)) > 0.0)
         value.fail_key("is outside of the patient's skin: the frame is in mm, +x patient left, +y head, "
                        "+z front, with its origin between T12 and L1");
     return position;

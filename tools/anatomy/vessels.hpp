@@ -1,7 +1,7 @@
 /* A tree of vessels. Each vessel has a centreline through a list of points (stations), and a diameter at
  * every point. The functions in vessel_file.hpp read vessel trees from files. */
 #pragma once
-#include "tools/anatomy/shapes.hpp"
+#include "tools/anatomy/skeleton.hpp"
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,6 +40,7 @@ struct VesselTree {
     bool is_in_patient = true;   // its frame is the modelled patient's; otherwise it is a phantom's own
     std::vector<Vessel> vessels; // the aorta or another inlet first, the coronary arteries last
     size_t coronary_count = 0;
+    Arms arms = Arms::raised;          // where the small arteries of the arms run
     std::optional<std::uint64_t> seed; // of a drawn tree; draws what the small vessels leave to chance
     std::vector<Vessel>
         small;            // picture and flow only; each comes after its parent, which may be a vessel above

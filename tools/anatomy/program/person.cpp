@@ -88,6 +88,15 @@ PersonCommand::PersonCommand(CLI::App &app, void (*add_making)(CLI::App &, Optio
                TORTUOSITY_LEAST, TORTUOSITY_MOST);
     add_number(command, "--calcium", wish_.calcium,
                "Plaques of the aorta and the iliac arteries: 0 none, 1 many", 0, 1);
+    command.add_option("--arms", arms_, "Where the arms lie: raised over the head, or beside the body")
+        ->check(crn::one_of({"raised", "beside"}))
+        ->capture_default_str();
+    command
+        .add_option(
+            "--clutter", clutter_,
+            "What lies on or in the patient, with commas: leads (ECG), table, wires (sternal), pacemaker")
+        ->delimiter(',')
+        ->check(crn::one_of({"leads", "table", "wires", "pacemaker"}));
     command.add_flag("--coronary", wish_.has_coronaries,
                      "With coronary arteries and a heart that beats, in 24 frames");
     add_seed_number(*seeds_, "--from", from_, "The first seed")->capture_default_str();
@@ -108,6 +117,13 @@ std::optional<int> PersonCommand::run()
 int PersonCommand::make()
 {
     if (!sex_.empty()) wish_.sex = sex_ == "f" ? Sex::woman : Sex::man;
+    wish_.arms = arms_ == "beside" ? Arms::beside : Arms::raised;
+    for (const std::string &kind : clutter_) {
+        wish_.clutter.leads |= kind == "leads";
+        wish_.clutter.table |= kind == "table";
+        wish_.clutter.wires |= kind == "wires";
+        wish_.clutter.pacemaker |= kind == "pacemaker";
+    }
     if (arch_ == "bovine")
         wish_.has_common_trunk = true;
     else if (!arch_.empty())
@@ -115,7 +131,6 @@ int PersonCommand::make()
     const DrawnPerson drawn = drawn_person(seed_, wish_);
     VesselTree tree = drawn.tree();
     tree.made_by = "person --seed " + std::to_string(seed_);
-    tree.seed = seed_;
     options_.scale = drawn.person.scale();
     std::vector<Body> bodies;
     if (options_.bodies || wish_.has_coronaries)

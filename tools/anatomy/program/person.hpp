@@ -25,7 +25,8 @@ class PersonCommand
     CLI::App *person_, *seeds_;
     Options options_;
     PersonWish wish_;
-    std::string sex_, arch_;
+    std::string sex_, arch_, arms_ = "raised";
+    std::vector<std::string> clutter_;
     std::uint64_t seed_ = 0, from_ = 0, count_ = 500;
 };
 

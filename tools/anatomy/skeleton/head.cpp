@@ -1,6 +1,5 @@
-/* Makes the skull with jaw and teeth, and the bones of forearms and hands. The size of
- * the head is that of textbooks (183 x 141 mm over the vault, 131 mm over the cheekbones, a man; a woman's 5
- * % less); all courses are assumed. */
+/* Makes the skull with jaw and teeth. The size of the head is that of textbooks (183 x 141 mm over the vault,
+ * 131 mm over the cheekbones, a man; a woman's 5 % less); all courses are assumed. */
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
 
@@ -121,38 +120,6 @@ Solid head_bones()
     solid.add(lower_jaw_part());
     solid.add(teeth_part(396, 26, -1));
     solid.add(teeth_part(363.5, 25, 1));
-    return solid;
-}
-
-Solid forearm_bones()
-{
-    Solid solid;
-    for (double s : {-1.0, 1.0}) {
-        Part ulna(2.0), radius(2.0);
-        ulna.rod({side(s, 300, 553, 2), side(s, 296, 545, 8), side(s, 268, 588, 10), side(s, 218, 652, 16),
-                  side(s, 168, 712, 24)},
-                 {8, 10, 7, 6, 5.5}, 3.0);
-        radius.rod({side(s, 283, 548, 28), side(s, 262, 582, 32), side(s, 212, 650, 36),
-                    side(s, 172, 700, 38), side(s, 158, 718, 38)},
-                   {9, 6.5, 7, 8, 11}, 2.6);
-        solid.add(ulna);
-        solid.add(radius);
-        Part wrist(0.5);
-        for (int row = 0; row < 2; row++)
-            for (int k = 0; k < 4; k++)
-                wrist
-                    .add<Ellipsoid>(
-                        side(s, 164 - 10.5 * row - 9.5 * k + 12, 728 + 11 * row - 5.5 * k + 8, 36),
-                        Vec3(5.6, 5.6, 6.5))
-                    .cortex_mm = 1.0;
-        solid.add(wrist);
-        for (int k = 0; k < 4; k++) { // metacarpals and fingers, close together
-            Part finger(0.5);
-            const Vec3 root = side(s, 154 - 9.0 * k, 748 - 4.5 * k, 38), along = side(s, -0.63, 0.77, 0.06);
-            finger.rod({root, root + 30 * along, root + 56 * along}, {5, 3.6, 5}, 1.6);
-            solid.add(finger);
-        }
-    }
     return solid;
 }
 

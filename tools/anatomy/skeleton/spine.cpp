@@ -12,6 +12,7 @@ SkeletonShape usual_skeleton(Sex sex, double age_years)
     // scans).
     SkeletonShape shape;
     shape.sex = sex;
+    shape.age_years = age_years;
     shape.osteophytes = std::clamp((age_years - 40.0) / 65.0, 0.0, 1.0);
     shape.cartilage_calcium = std::clamp(0.007 * (age_years - 30.0), 0.0, 1.0);
     return shape;

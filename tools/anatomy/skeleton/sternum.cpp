@@ -23,17 +23,24 @@ const SternumLevel STERNUM[] = {
 };
 constexpr double STERNUM_TOP_MM = 247.0, STERNUM_LOW_MM = 74.0, ANGLE_MM = 202.0, XIPHOID_MM = 101.0;
 
-double sternum_distance(const Vec3 &p)
+constexpr double SLOPE = 0.88; // a sternum that slopes by 28 degrees is that much thinner than deep
+
+SternumLevel level_at(double y)
 {
     static const MonotoneCubic width = course_over_height<MonotoneCubic>(STERNUM, &SternumLevel::half_width),
                                thickness =
                                    course_over_height<MonotoneCubic>(STERNUM, &SternumLevel::half_thickness),
                                depth = course_over_height<MonotoneCubic>(STERNUM, &SternumLevel::z);
-    constexpr double SLOPE = 0.88;   // a sternum that slopes by 28 degrees is that much thinner than deep
-    constexpr double JOINT_MM = 1.4; // half of the gap of the manubriosternal joint
+    return {y, width.at(y), thickness.at(y), depth.at(y)};
+}
+
+double sternum_distance(const Vec3 &p)
+{
+    constexpr double JOINT_MM = 1.4;                       // half of the gap of the manubriosternal joint
     constexpr double NOTCH_MM = 6.0, NOTCH_HALF_MM = 14.0; // the jugular notch
-    const double across = std::abs(p.x()) - width.at(p.y());
-    const double along = SLOPE * std::abs(p.z() - depth.at(p.y())) - thickness.at(p.y());
+    const SternumLevel level = level_at(p.y());
+    const double across = std::abs(p.x()) - level.half_width;
+    const double along = SLOPE * std::abs(p.z() - level.z) - level.half_thickness;
     const double notch = NOTCH_MM * std::max(0.0, 1.0 - p.x() * p.x() / (NOTCH_HALF_MM * NOTCH_HALF_MM));
     const double ends = std::max(p.y() - STERNUM_TOP_MM + notch, STERNUM_LOW_MM - p.y());
     const double joint = JOINT_MM - std::abs(p.y() - ANGLE_MM);
@@ -42,6 +49,12 @@ double sternum_distance(const Vec3 &p)
 }
 
 } // namespace
+
+SternumSection sternum_section(double y_mm)
+{
+    const SternumLevel level = level_at(y_mm);
+    return {level.half_width, level.half_thickness / SLOPE, level.z};
+}
 
 Part sternum_part()
 {

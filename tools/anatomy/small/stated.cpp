@@ -71,7 +71,8 @@ void add_stated_branches(VesselTree &tree)
     for (size_t i = 0; i < tree.small.size(); i++)                              // those of a user's file
         tree.small[i] = wound(tree.small[i], tree.seed.value_or(0), OWN + i);
     const VesselTree trunk = shipped_vessels("trunk_branches"), head = shipped_vessels("head_branches"),
-                     arms = shipped_vessels("arm_branches");
+                     arms =
+                         shipped_vessels(tree.arms == Arms::raised ? "arm_branches" : "arm_branches_beside");
     add_all(tree, trunk, trunk.small, TRUNK);
     const CircleOfWillis circle = tree.seed ? drawn_circle(*tree.seed) : CircleOfWillis{};
     add_all(tree, head, with_circle(head.small, circle), HEAD);

@@ -195,6 +195,51 @@ std::vector<Vec3> small_bowel_course()
 
 } // namespace
 
+namespace
+{
+
+/* Two stretches of the colon hold faeces, which a picture shows as a mottle of small bubbles of gas. */
+struct Faeces {
+    std::vector<Vec3> course;
+    double reach_mm; // of the bubbles from the course
+    std::uint32_t seed;
+};
+
+void add_bubbles(Part &part, const Faeces &faeces, std::uint32_t person)
+{
+    constexpr double APART_MM = 5.0, LEAST_MM = 1.8, MOST_MM = 4.6;
+    constexpr int PER_PLACE = 6;
+    std::uint32_t state = faeces.seed * 2654435761u ^ (person * 40503u + 1u);
+    const auto random = [&state] {
+        state = state * 1664525u + 1013904223u;
+        return (state >> 8) / 16777216.0;
+    };
+    const Curve curve = sample_curve(faeces.course, std::vector<double>(faeces.course.size(), 1.0), APART_MM);
+    for (const CurvePoint &point : curve)
+        for (int i = 0; i < PER_PLACE; i++) {
+            const Vec3 way(2 * random() - 1, 2 * random() - 1, 2 * random() - 1);
+            const double r = LEAST_MM + (MOST_MM - LEAST_MM) * random() * random();
+            const Vec3 half(r, r * (0.7 + 0.5 * random()), r * (0.8 + 0.4 * random()));
+            if (way.norm() < 1.0) part.add<Ellipsoid>(point.position_mm + (faeces.reach_mm - r) * way, half);
+        }
+}
+
+} // namespace
+
+Solid faeces_gas(const SoftShape &shape)
+{
+    const Faeces stretches[] = {
+        {{{-110, -196, 43}, {-116, -172, 40}, {-115, -115, 32}, {-113, -70, 33}}, 14.5, 3},
+        {{{119, -60, 1}, {120, -90, 4}, {120, -150, 18}, {112, -196, 29}}, 8.5, 7},
+        {{{0, -272, -40}, {3, -290, -47}}, 8.5, 13},
+    };
+    Part part(0.0);
+    for (const Faeces &faeces : stretches) add_bubbles(part, faeces, shape.bowel_seed);
+    Solid solid;
+    solid.add(part);
+    return solid;
+}
+
 Solid bowel(const SoftShape &shape, double wall_mm)
 {
     Solid solid = bowel_gas(shape, wall_mm);

@@ -341,6 +341,15 @@ std::vector<Body> belly_bodies(const SoftShape &shape, const Solid &bones, const
     const Solid bowels = bowel(shape, WALL_MM);
     add("bowel", "soft", "belly_fat", bowels, 3.0, 0.0);
     add("bowel_gas", "air", "bowel", bowel_gas(shape, 0.0), 2.0, WALL_MM - 0.5);
+    constexpr double BUBBLES_APART_MM = 1.2;
+    const Solid faeces = faeces_gas(shape);
+    bodies.push_back({"faeces_gas",
+                      "air",
+                      "bowel",
+                      {grown(faeces.bounds, 2.0),
+                       clear_of(organ_distance(faeces, belly, before, WALL_MM - 0.5), bowel_gas(shape, 0.0),
+                                BUBBLES_APART_MM),
+                       tight_mm(1.3, scale), 0.12}});
     const std::vector<Plaque> plaques = wall_plaques(tree, shape);
     before.add(bowels);
     before.add(bones);

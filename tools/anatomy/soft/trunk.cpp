@@ -40,6 +40,13 @@ double trunk_distance(const Vec3 &p)
     return (level - 1.0) / slope;
 }
 
+/* Returns 1 in an arm beside the body, and 0 in the trunk. */
+double beside_share(const SoftShape &shape, const Vec3 &p)
+{
+    if (shape.arms == Arms::raised || p.y() > 190.0) return 0.0;
+    return smooth_step(188.0, 222.0, std::abs(p.x())) * smooth_step(190.0, 120.0, p.y());
+}
+
 /* Where fat lies under the skin of the shipped man, at the chest 5 mm and at the belly and hips 14 mm; 2.5 mm
  * at neck, head and arms. A woman's hips and thighs have more. */
 double fat_under_skin_mm(const SoftShape &shape, const Vec3 &p)
@@ -48,7 +55,7 @@ double fat_under_skin_mm(const SoftShape &shape, const Vec3 &p)
     double fat = CHEST_FAT_MM + smooth_step(-110.0, 30.0, -p.y()) * (BELLY_FAT_MM - CHEST_FAT_MM);
     fat -= smooth_step(290.0, 360.0, p.y()) * (CHEST_FAT_MM - HEAD_FAT_MM);
     if (shape.sex == Sex::woman) fat += HIPS_MM * smooth_step(120.0, 230.0, -p.y());
-    return fat;
+    return std::lerp(fat, HEAD_FAT_MM, beside_share(shape, p));
 }
 
 /* Fat that a person has more or less than the shipped man lies in front and at the sides rather than at the
@@ -85,7 +92,7 @@ Part upper_parts()
     return part;
 }
 
-Part arms()
+Part raised_arms()
 {
     Part part(16.0);
     part.is_exact_inside = true;
@@ -100,6 +107,25 @@ Part arms()
                                         {30, 40, 30}, 6.0),
                            side(s, 0.75, 0.6, 0), 0.42);
         hand.bounds.include(side(s, 130, 762, 38), 45.0);
+    }
+    return part;
+}
+
+Part lowered_arms()
+{
+    Part part(16.0);
+    part.is_exact_inside = true;
+    for (double s : {-1.0, 1.0}) {
+        part.rod({side(s, 170, 228, -54), side(s, 194, 160, -54), side(s, 216, 90, -56), side(s, 238, 0, -60),
+                  side(s, 254, -75, -62)},
+                 {52, 50, 46, 42, 38});
+        part.rod({side(s, 254, -75, -62), side(s, 262, -140, -58), side(s, 267, -240, -48),
+                  side(s, 269, -326, -40)},
+                 {38, 42, 34, 28});
+        part.add<Tube>(
+            sample_curve({side(s, 269, -320, -40), side(s, 269, -368, -38), side(s, 270, -430, -38)},
+                         {30, 42, 36}, 6.0),
+            Vec3::UnitX(), 0.42);
     }
     return part;
 }
@@ -119,7 +145,8 @@ double belly_growth_mm(const SoftShape &shape, const Vec3 &p)
 {
     if (shape.belly_mm == 0.0) return 0.0;
     const double along = smooth_step(-130.0, -10.0, -p.y()) * smooth_step(-300.0, -190.0, p.y());
-    return shape.belly_mm * along * (0.25 + 0.75 * smooth_step(-90.0, 70.0, p.z()));
+    return shape.belly_mm * along * (1.0 - beside_share(shape, p)) *
+           (0.25 + 0.75 * smooth_step(-90.0, 70.0, p.z()));
 }
 
 Solid breast_glands(const SoftShape &shape)
@@ -135,18 +162,25 @@ Solid skin(const SoftShape &shape)
                      BREAST_BLEND_MM = 30.0;
     Part shoulders(30.0);
     for (double s : {-1.0, 1.0}) shoulders.add<Ellipsoid>(side(s, 150, 232, -55), Vec3(60, 56, 58));
-    const Part limbs = arms(), upper = upper_parts(), breast = breasts(shape.breast_mm);
+    const bool is_raised = shape.arms == Arms::raised;
+    const Part limbs = is_raised ? raised_arms() : lowered_arms(), upper = upper_parts(),
+               breast = breasts(shape.breast_mm);
     const double more_mm = std::max(0.0, 22.0 * (shape.fat - 1.0)) + std::max(0.0, shape.belly_mm);
     Box where;
     where.include(Vec3(-345 - more_mm, BOTTOM_MM, -160 - more_mm), 0.0);
-    where.include(Vec3(345 + more_mm, 845, 150 + more_mm), 0.0);
+    where.include(Vec3(345 + more_mm, is_raised ? 845 : 610, 150 + more_mm), 0.0);
     Part part(0.0);
     part.add<Formula>(
         [=](const Vec3 &p) {
             constexpr double NECK_MM = 330.0, NECK_RIM_MM = 20.0;
             double inside = smooth_max(trunk_distance(p), p.y() - NECK_MM, NECK_RIM_MM);
-            if (const double limb = distance_near(limbs, p); limb < FAR_MM)
-                inside = smooth_min(inside, smooth_min(shoulders.distance(p), limb, 40.0), SHOULDER_BLEND_MM);
+            if (const double limb = distance_near(limbs, p); limb < FAR_MM) {
+                // Below the armpit, an arm beside the body only touches it.
+                const double width_mm = is_raised
+                                            ? SHOULDER_BLEND_MM
+                                            : std::lerp(8.0, SHOULDER_BLEND_MM, smooth_step(90, 190, p.y()));
+                inside = smooth_min(inside, smooth_min(shoulders.distance(p), limb, 40.0), width_mm);
+            }
             inside = smooth_min(inside, distance_near(upper, p), NECK_BLEND_MM);
             inside -= extra_fat_mm(shape, p) + belly_growth_mm(shape, p);
             if (shape.breast_mm > 0.0) inside = smooth_min(inside, distance_near(breast, p), BREAST_BLEND_MM);

@@ -48,13 +48,25 @@ def the_command_in_person_toml_makes_the_same_person():
 
 
 def an_option_replaces_what_the_seed_draws_and_nothing_else():
-    """Another weight changes neither sex, age, height nor arch, and --calcium only the calcium."""
+    """Another weight changes neither sex, age, height nor arch, and --calcium only the calcium. Arms beside the body
+    move the arteries of the arms, but neither the lumen nor the arteries of the head."""
     with tempfile.TemporaryDirectory() as folder:
         drawn = person(os.path.join(folder, "a"), "--seed", "3")
         heavy = person(os.path.join(folder, "b"), "--seed", "3", "--weight", "70", "--calcium", "0.5")
         changed = {key for key in drawn if drawn[key] != heavy.get(key)}
         print("#", drawn, changed)
-        return heavy["weight_kg"] == "70" and changed == {"weight_kg", "fat", "belly_mm", "wall_calcium"}
+        if heavy["weight_kg"] != "70" or changed != {"weight_kg", "fat", "belly_mm", "wall_calcium"}:
+            return False
+        lowered = person(os.path.join(folder, "c"), "--seed", "3", "--arms", "beside", "--clutter", "leads,wires")
+        lines = [read(folder, name, "small_vessels.csv").decode().splitlines() for name in "ac"]
+        moved = {line.split(",")[0] for line in set(lines[0]) - set(lines[1])}
+        print("#", moved)
+        return (
+            lowered["arms"] == '"beside"'
+            and read(folder, "a", "lumen.ply") == read(folder, "c", "lumen.ply")
+            and "left_radial_artery" in moved
+            and "left_internal_carotid_artery" not in moved
+        )
 
 
 def age_widens_the_arch_and_height_scales_the_tree():
@@ -105,6 +117,7 @@ def wrong_options_are_refused_with_their_range():
             (["--seed", "1", "--age", "7"], "--age: Value 7 not in range"),
             (["--seed", "1", "--sex", "x"], "--sex"),
             (["--seed", "1", "--arch", "IV"], "--arch"),
+            (["--seed", "1", "--clutter", "leads,tabel"], "did you mean 'table'"),
             (["--seed", "1", "--height", "170", "--weight", "170"], "choose --weight 47 to 121"),
             (["--age", "50"], "--seed"),
             (["--seed", "1", "--vessels", "my.toml"], "--vessels"),

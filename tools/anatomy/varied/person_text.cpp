@@ -15,6 +15,17 @@ const char *sex_name(Sex sex)
     return sex == Sex::woman ? "woman" : "man";
 }
 
+std::string clutter_text(const Clutter &clutter)
+{
+    std::string kinds;
+    for (const auto &[is_there, kind] : {std::pair{clutter.leads, "leads"},
+                                         {clutter.table, "table"},
+                                         {clutter.wires, "wires"},
+                                         {clutter.pacemaker, "pacemaker"}})
+        if (is_there) kinds += std::string(kinds.empty() ? "" : ",") + kind;
+    return kinds.empty() ? "" : " --clutter " + kinds;
+}
+
 /* Returns the options that were given, as on the command line. */
 std::string options_text(const DrawnPerson &drawn, const PersonWish &wish)
 {
@@ -28,6 +39,8 @@ std::string options_text(const DrawnPerson &drawn, const PersonWish &wish)
     if (wish.arch) text += std::string(" --arch ") + arch_type_name(*wish.arch);
     if (wish.has_common_trunk) text += " --arch bovine";
     text += number("--tortuosity", wish.tortuosity) + number("--calcium", wish.calcium);
+    if (wish.arms == Arms::beside) text += " --arms beside";
+    text += clutter_text(wish.clutter);
     return text + (wish.has_coronaries ? " --coronary" : "");
 }
 
@@ -73,6 +86,7 @@ std::string person_text(const DrawnPerson &drawn, const PersonWish &wish, const 
     text += line("cartilage_calcium", person.cartilage_calcium, 2, "share of the costal cartilages");
     text +=
         line("wall_calcium", person.wall_calcium, 2, "plaques of aorta and iliac arteries: 0 none, 1 many");
+    text += std::string("arms = \"") + (person.arms == Arms::raised ? "raised" : "beside") + "\"\n";
     text += std::string("arch = \"") + arch_type_name(drawn.aorta.arch.type) + "\"\n";
     text += std::string("common_trunk = ") + (drawn.aorta.arch.has_common_trunk ? "true" : "false") + "\n";
     text += line("arch_width_mm", drawn.arch_width_mm, 1, "between the ascending and the descending aorta");

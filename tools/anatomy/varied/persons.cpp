@@ -102,6 +102,8 @@ Person drawn_body(std::uint64_t seed, const PersonWish &wish)
         std::clamp(usual.cartilage_calcium * chance_of(seed, Stream::cartilage).uniform(0.5, 1.5), 0.0, 1.0),
         0.01);
     person.gas = to_unit(chance_of(seed, Stream::gas).uniform(0.75, 1.1), 0.01);
+    person.arms = wish.arms;
+    person.clutter = wish.clutter;
     person.seed = 1 + static_cast<std::uint32_t>(chance_of(seed, Stream::bowel).uniform(0, 1e9));
     return person;
 }
@@ -159,6 +161,7 @@ DrawnPerson drawn_person(std::uint64_t seed, const PersonWish &wish)
     aorta.arch_width = std::clamp(drawn.arch_width_wanted_mm / drawn.person.scale() / shipped_width_mm,
                                   WIDTH_LEAST, WIDTH_MOST);
     aorta.skeleton = skeleton_shape(drawn.person);
+    aorta.skeleton.arms = Arms::raised; // other arms change no artery of the lumen
     drawn.aorta = drawn_aorta(seed, aorta);
     std::vector<Vessel> vessels;
     for (const GivenVessel &given : drawn.aorta.draft.vessels) vessels.push_back(given.vessel);
@@ -174,6 +177,8 @@ VesselTree DrawnPerson::tree() const
 {
     VesselTree made =
         coronaries ? tree_of(coronaries->draft, "heart.toml") : tree_of(aorta.draft, "aorta.toml");
+    made.arms = person.arms;
+    made.seed = seed;
     made.title =
         crn::formatted("Person %llu: %s, %.0f years, %.0f cm, %.0f kg", static_cast<unsigned long long>(seed),
                        person.sex == Sex::woman ? "woman" : "man", person.age_years, 100 * person.height_m,

@@ -17,6 +17,8 @@ struct PersonWish {
     bool has_common_trunk = false;
     std::optional<double> tortuosity, calcium;
     bool has_coronaries = false;
+    Arms arms = Arms::raised;
+    Clutter clutter;
 };
 
 constexpr double AGE_LEAST = 18, AGE_MOST = 95, HEIGHT_LEAST_CM = 140, HEIGHT_MOST_CM = 205,

@@ -63,8 +63,8 @@ double apart_mm(const Vessel &one, const Curve &curve, const Vessel &other, cons
 Solid trunk_bones(const SkeletonShape &shape)
 {
     Solid solid;
-    for (const Solid &one :
-         {spine_bones(shape), rib_bones(shape), pelvis_bones(shape), femur_bones(shape), shoulder_bones()})
+    for (const Solid &one : {spine_bones(shape), rib_bones(shape), pelvis_bones(shape), femur_bones(shape),
+                             shoulder_bones(shape)})
         solid.add(one);
     return solid;
 }

@@ -30,6 +30,7 @@ OUTPUT_CASES = {
     "cournand instruments": ["./gone.toml"],
     "cournand rig monitor": ["--device", "sim", "--seconds", "1"],
     "cournand rig calibrate": ["--device", "sim"],
+    "cournand patient new": ["--ct", "./gone.nii", "-o", "fine"],
     "anatomy aorta": ["-o", "fine"],
     "anatomy phantom": ["-o", "fine"],
     "anatomy access": ["-o", "fine"],

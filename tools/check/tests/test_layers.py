@@ -328,7 +328,9 @@ ALLOWED = {
         "host/picture/canvas.hpp",
     ],
     "tools/lab/ct/program": COMMAND_LINE
-    + ["tools/lab/ct", "host/base/text.hpp", "tools/lab/reference_rod/truth_options.hpp"],
+    + ["tools/lab/ct", "host/cases/programs.hpp", "host/base/text.hpp", "tools/lab/reference_rod/truth_options.hpp"],
+    # The window of a patient's CT draws with the suite's parts, and runs the command `ct patient`.
+    "tools/lab/ct/review": ["tools/lab/ct/patient", "tools/centreline", "tools/bake", "host"],
     "tools/lab/ct/patient": [
         "tools/lab/ct",
         "tools/centreline",

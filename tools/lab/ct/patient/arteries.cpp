@@ -43,6 +43,7 @@ Mask mask_from(const Volume &scan, const std::vector<Source> &sources)
 // What growing gives: arteries that may be in pieces, and what was taken from them.
 struct Grown {
     Mask artery, leaks, bone;
+    Mask tubes; // where a click says that an artery is
 };
 
 // Grows from the sources through what is bright and not known as an artery already, and over bridges.
@@ -70,7 +71,12 @@ Grown grow_arteries(const Volume &scan, const Bright &bright, const Mask &known,
         sources.push_back({tubes.back().to, bright.widths[tubes.back().to]});
     }
     if (!tubes.empty()) grow();
-    for (const Tube &tube : tubes) mark_tube(scan, tube, grown.artery);
+    grown.tubes.assign(scan.count(), 0);
+    for (const Tube &tube : tubes) mark_tube(scan, tube, grown.tubes);
+    for (std::size_t at = 0; at < scan.count(); ++at) {
+        grown.tubes[at] = grown.tubes[at] && !grown.artery[at];
+        if (grown.tubes[at]) grown.artery[at] = 1;
+    }
     return grown;
 }
 
@@ -79,7 +85,9 @@ LabelMap labels_of(const Volume &scan, const Grown &grown, const Mask &aorta)
     LabelMap labels{scan.like(0), artery_names()};
     labels.volume.name = "arteries";
     for (std::size_t at = 0; at < scan.count(); ++at) {
-        const int label = grown.artery[at]  ? (aorta[at] ? label_aorta : label_artery)
+        const int label = grown.artery[at]  ? (aorta[at]         ? label_aorta
+                                               : grown.tubes[at] ? label_bridge
+                                                                 : label_artery)
                           : grown.leaks[at] ? label_heart
                           : grown.bone[at]  ? label_bone
                                             : 0;
@@ -92,7 +100,11 @@ LabelMap labels_of(const Volume &scan, const Grown &grown, const Mask &aorta)
 
 NamesTable artery_names()
 {
-    return {{label_aorta, "aorta"}, {label_artery, "artery"}, {label_heart, "heart"}, {label_bone, "bone"}};
+    return {{label_aorta, "aorta"},
+            {label_artery, "artery"},
+            {label_heart, "heart"},
+            {label_bone, "bone"},
+            {label_bridge, bridge_name}};
 }
 
 FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vector<Click> &clicks,
@@ -119,7 +131,7 @@ FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vec
     for (const Source &source : sources_of(scan, bright, clicks)) sources.push_back(source);
     Grown grown =
         grow_arteries(scan, bright, {}, std::move(sources), gate_below(scan, found.ascending), clicks);
-    join_clicked(scan, bright, clicks, aorta, grown.artery, findings);
+    join_clicked(scan, bright, clicks, aorta, grown.artery, grown.tubes, findings);
     keep_connected(scan, aorta, grown.artery);
     found.labels = labels_of(scan, grown, aorta);
     found.root_mm =
@@ -142,14 +154,16 @@ void mend_arteries(const Volume &scan, const Mask &body, const Contrast &contras
     take_out(scan, cuts, bright);
     for (const Ball &ball : cuts) for_ball(scan, ball, [&](std::size_t at) { artery[at] = aorta[at] = 0; });
     keep_largest(scan, aorta);
-    artery = grow_arteries(scan, bright, artery, sources_of(scan, bright, clicks), {}, clicks).artery;
-    join_clicked(scan, bright, clicks, aorta, artery, findings);
-    keep_connected(scan, aorta, artery);
+    Grown grown = grow_arteries(scan, bright, artery, sources_of(scan, bright, clicks), {}, clicks);
+    join_clicked(scan, bright, clicks, aorta, grown.artery, grown.tubes, findings);
+    keep_connected(scan, aorta, grown.artery);
     const int added = labels.names.rbegin()->first + 1;
     labels.names[added] = "artery";
-    for (std::size_t at = 0; at < artery.size(); ++at) {
-        if (before[at] && !artery[at]) labels.volume.hu[at] = 0;
-        if (!before[at] && artery[at]) labels.volume.hu[at] = static_cast<float>(added);
+    labels.names[added + 1] = bridge_name;
+    for (std::size_t at = 0; at < before.size(); ++at) {
+        if (before[at] && !grown.artery[at]) labels.volume.hu[at] = 0;
+        if (!before[at] && grown.artery[at])
+            labels.volume.hu[at] = static_cast<float>(grown.tubes[at] ? added + 1 : added);
     }
 }
 

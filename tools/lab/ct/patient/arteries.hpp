@@ -8,7 +8,7 @@
 namespace crn::ct
 {
 
-enum : int { label_aorta = 1, label_artery = 2, label_heart = 3, label_bone = 4 };
+enum : int { label_aorta = 1, label_artery = 2, label_heart = 3, label_bone = 4, label_bridge = 5 };
 
 // The names of these labels.
 NamesTable artery_names();

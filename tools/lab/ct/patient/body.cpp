@@ -1,5 +1,6 @@
 #include "tools/lab/ct/patient/body.hpp"
 #include "host/base/format.hpp"
+#include "tools/lab/ct/patient/scan_copy.hpp"
 #include "tools/mesh/fault.hpp"
 #include <algorithm>
 #include <cmath>
@@ -187,27 +188,20 @@ CtVolume picture_volume(const Volume &scan, const Mask &body, const LabelMap &la
         scan,
         mask_of(labels, labels.numbers([](const std::string &name) { return name.find("heart") == 0; })),
         calcium_HU, vein);
-    CtVolume ct;
-    ct.size = {scan.size[0], scan.size[2], scan.size[1]};
-    ct.spacing_mm = {scan.spacing_mm[0], scan.spacing_mm[2], scan.spacing_mm[1]};
-    // The scan's rows go to the back, the scene's to the front.
-    ct.first_mm = scan.scene({0.0, scan.size[1] - 1.0, 0.0});
-    ct.permille.resize(ct.count());
+    Volume shown = scan;
     double calcium_mm3 = 0.0;
-    for (int k = 0; k < scan.size[2]; ++k)
-        for (int j = 0; j < scan.size[1]; ++j)
-            for (int i = 0; i < scan.size[0]; ++i) {
-                const std::size_t at = scan.at(i, j, k);
-                if (!body[at]) continue;
-                float value = scan.hu[at];
-                // Undiluted medium in the veins and in the right heart is brighter than calcium.
-                if (vein[at] || (filled[at] && value <= calcium_HU))
-                    value = std::min(value, blood_HU);
-                else if (filled[at])
-                    calcium_mm3 += scan.spacing_mm.prod();
-                ct.permille[ct.index(i, k, scan.size[1] - 1 - j)] = static_cast<std::uint16_t>(
-                    std::clamp(value + 1000.5f, 0.0f, static_cast<float>(ct_permille_max)));
-            }
+    for (std::size_t at = 0; at < scan.count(); ++at) {
+        float &value = shown.hu[at];
+        if (!body[at]) {
+            value = -1000;
+            continue;
+        }
+        // Undiluted medium in the veins and in the right heart is brighter than calcium.
+        if (vein[at] || (filled[at] && value <= calcium_HU))
+            value = std::min(value, blood_HU);
+        else if (filled[at])
+            calcium_mm3 += scan.spacing_mm.prod();
+    }
     findings.facts.push_back(
         formatted("brighter than %.0f HU within 2 voxels of vessels and heart (calcium, metal, bone "
                   "beside a vessel): %.1f ml; it stays in the picture",
@@ -216,7 +210,7 @@ CtVolume picture_volume(const Volume &scan, const Mask &body, const LabelMap &la
         formatted("contrast medium up to %.0f HU in vessels and heart is replaced by blood (%.0f HU); "
                   "in kidneys, liver and other organs it stays",
                   static_cast<double>(calcium_HU), static_cast<double>(blood_HU)));
-    return ct;
+    return ct_of(shown);
 }
 
 } // namespace crn::ct

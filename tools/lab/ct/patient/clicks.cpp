@@ -5,6 +5,7 @@
 #include "host/base/toml_reader.hpp"
 #include "tools/centreline/formats.hpp"
 #include "tools/mesh/fault.hpp"
+#include <algorithm>
 #include <cmath>
 
 namespace crn::ct
@@ -148,6 +149,17 @@ Click click_of(const std::string &option)
                                "name:12,-230,4:left_renal_artery");
     }
     return click;
+}
+
+std::vector<Click> clicks_with(const std::filesystem::path &file, const std::vector<std::string> &options)
+{
+    std::vector<Click> clicks = read_clicks(file);
+    for (const std::string &text : options) {
+        const Click click = click_of(text);
+        if (std::none_of(clicks.begin(), clicks.end(), [&](const Click &c) { return c.is_same(click); }))
+            clicks.push_back(click);
+    }
+    return clicks;
 }
 
 void check_clicks(const std::vector<Click> &clicks, const Volume &scan)

@@ -40,6 +40,9 @@ void write_clicks(const std::filesystem::path &file, const std::vector<Click> &c
 // Reads "KIND:x,y,z", "cut:x,y,z:RADIUS" or "name:x,y,z:BRANCH". Throws Fault.
 Click click_of(const std::string &option);
 
+// Reads the clicks of the file, and adds those of the options that it lacks. Throws Fault or FileError.
+std::vector<Click> clicks_with(const std::filesystem::path &file, const std::vector<std::string> &options);
+
 // Throws Fault if a click lies outside the scan or in air, or if there are more than clicks_max.
 void check_clicks(const std::vector<Click> &clicks, const Volume &scan);
 

@@ -7,6 +7,8 @@
 #include "tools/bake/bake.hpp"
 #include "tools/centreline/formats.hpp"
 #include "tools/lab/ct/commands.hpp"
+#include "tools/lab/ct/patient/naming.hpp"
+#include "tools/lab/ct/patient/scan_copy.hpp"
 #include "tools/lab/ct/patient/unlabelled.hpp"
 #include "tools/lab/ct/patient/vessels.hpp"
 #include "tools/lab/ct/patient/wall.hpp"
@@ -27,7 +29,15 @@ namespace
 
 namespace fs = std::filesystem;
 
-constexpr const char *steps_version = "5"; // another number: every step is made again
+// The checksum of a table's text, however its file is written.
+std::string names_checksum(const NamesTable &names)
+{
+    std::string text;
+    for (const auto &[number, name] : names) text += std::to_string(number) + " " + name + "\n";
+    return checksum(text.data(), text.size());
+}
+
+constexpr const char *steps_version = "7"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
@@ -52,13 +62,8 @@ fs::path in(const Patient &patient, const char *name)
 std::vector<Click> clicks_of(const PatientOptions &options, const Volume &scan)
 {
     const fs::path file = options.output / "clicks.toml";
-    std::vector<Click> clicks = read_clicks(file);
-    const std::size_t before = clicks.size();
-    for (const std::string &text : options.clicks) {
-        const Click click = click_of(text);
-        if (std::none_of(clicks.begin(), clicks.end(), [&](const Click &c) { return c.is_same(click); }))
-            clicks.push_back(click);
-    }
+    const std::size_t before = read_clicks(file).size();
+    std::vector<Click> clicks = clicks_with(file, options.clicks);
     check_clicks(clicks, scan);
     if (clicks.size() > before) write_clicks(file, clicks);
     return clicks;
@@ -79,7 +84,7 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
     const std::string scan =
         std::string(steps_version) + " " + checksum(patient.scan) + (patient.has_map ? " map" : " no map");
     if (patient.has_map) {
-        patient.labels = read_labels(options.labels, options.names, patient.scan);
+        keep_labels(patient.labels, options.labels, options.output);
         patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
         mend_arteries(patient.scan, patient.body, patient.contrast, patient.clicks, patient.labels,
                       patient.findings);
@@ -92,16 +97,23 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
         patient.root_mm = found.root_mm;
         patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
     }
-    patient.inputs = scan + " " + checksum(patient.labels.volume) +
-                     (patient.has_map ? " " + checksum(options.names) : std::string());
+    patient.inputs =
+        scan + " " + checksum(patient.labels.volume) + " " + names_checksum(patient.labels.names);
 }
 
+// Reads and checks the scan, or the copy of it that an earlier run has kept. Writes nothing.
 Patient opened_scan(const PatientOptions &options)
 {
     Patient patient;
     patient.folder = options.output;
     patient.has_map = !options.labels.empty();
-    patient.scan = along_patient_axes(read_volume(options.scan));
+    if (is_copy(options.scan)) {
+        ScanCopy copy = read_copy(options.scan);
+        patient.scan = std::move(copy.scan);
+        patient.scan.notes = std::move(copy.notes);
+    } else {
+        patient.scan = along_patient_axes(read_volume(options.scan));
+    }
     for (const std::string &note : patient.scan.notes) patient.findings.check.push_back("the scan " + note);
     check_scan(patient.scan, patient.findings);
     // Only voxels and grid remain of the scan. No tag of a DICOM file goes any further.
@@ -109,9 +121,29 @@ Patient opened_scan(const PatientOptions &options)
     return patient;
 }
 
-Patient read_patient(const PatientOptions &options, Steps &steps, Page &page)
+// A run with the kept copy of the scan also uses the label map that is kept beside it.
+PatientOptions with_kept_labels(PatientOptions options)
 {
+    if (!options.labels.empty() || !is_copy(options.scan)) return options;
+    if (const std::optional<LabelFiles> files = kept_labels(options.scan.parent_path())) {
+        options.labels = files->map;
+        options.names = files->names;
+    }
+    return options;
+}
+
+Patient read_patient(const PatientOptions &given, Steps &steps, Page &page)
+{
+    const PatientOptions options = with_kept_labels(given);
     Patient patient = opened_scan(options);
+    // Inputs are read and checked before anything is written.
+    if (patient.has_map) {
+        patient.labels = read_labels(options.labels, options.names, patient.scan);
+        Findings ignored;
+        contrast_in(patient.scan, patient.labels, ignored);
+    }
+    patient.scan = keep_copy(patient.scan, options.output, steps);
+    if (!patient.has_map) forget_labels(options.output); // of an earlier run
     patient.clicks = clicks_of(options, patient.scan);
     patient.body = body_of(patient.scan);
     find_vessels(options, patient, steps, page);
@@ -221,6 +253,7 @@ centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &ste
         Findings of_tree;
         const Eigen::Vector3d root_mm = patient.root_mm ? *patient.root_mm : root_of(patient.labels);
         centreline::Tree tree = tree_of(lumen, patient.labels, root_mm, of_tree);
+        if (!patient.has_map) propose_names(tree);
         name_branches(tree, patient.clicks);
         describe_branches(tree, of_tree);
         centreline::write_tree(file, tree);
@@ -230,9 +263,10 @@ centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &ste
     const centreline::Tree tree = centreline::read_tree(file);
     for (const auto &fact : nlohmann::json::parse(read_text_file(notes.string())))
         patient.findings.facts.push_back(fact.get<std::string>());
-    patient.findings.check.push_back(std::string("names of branches are proposals ") +
-                                     (patient.has_map ? "from the label map" : "from their places") +
-                                     ": --click name:x,y,z:NAME changes one");
+    patient.findings.check.push_back(
+        std::string("names of branches are proposals ") +
+        (patient.has_map ? "from the label map" : "from where they leave the aorta") +
+        ": --click name:x,y,z:NAME changes one");
     for (const int axis : {1, 0}) {
         Picture picture(patient.scan, axis, -1, 0, 900, 0.8);
         for (const centreline::Branch &branch : tree.branches) {

@@ -148,7 +148,7 @@ void mark_tube(const Volume &scan, const Tube &tube, Mask &mask)
 }
 
 void join_clicked(const Volume &scan, const Bright &bright, const std::vector<Click> &clicks,
-                  const Mask &start, Mask &artery, Findings &findings)
+                  const Mask &start, Mask &artery, Mask &tubes, Findings &findings)
 {
     for (const Click &click : clicks) {
         if (click.kind != ClickKind::artery) continue;
@@ -169,10 +169,13 @@ void join_clicked(const Volume &scan, const Bright &bright, const std::vector<Cl
                           join_most_mm));
             continue;
         }
+        Mask tube(scan.count(), 0);
         mark_tube(scan,
                   tube_between(scan, bright, middle_of(scan, bright, artery, gap.from),
                                middle_of(scan, bright, artery, gap.to)),
-                  artery);
+                  tube);
+        for (std::size_t at = 0; at < tube.size(); ++at)
+            if (tube[at] && !artery[at]) artery[at] = tubes[at] = 1;
         findings.facts.push_back(click.where + formatted(": joined over a gap of %.1f mm", gap.mm));
     }
 }

@@ -26,9 +26,9 @@ Tube bridge_of(const Volume &scan, const Bright &bright, const Mask &artery, con
 void mark_tube(const Volume &scan, const Tube &tube, Mask &mask);
 
 // Joins each clicked piece of the arteries by a tube to the nearest other one, unless it contains a voxel of
-// `start`.
+// `start`. The new voxels are marked in `tubes`, too.
 void join_clicked(const Volume &scan, const Bright &bright, const std::vector<Click> &clicks,
-                  const Mask &start, Mask &artery, Findings &findings);
+                  const Mask &start, Mask &artery, Mask &tubes, Findings &findings);
 
 // Takes away what is not connected with the voxels of `start`.
 void keep_connected(const Volume &scan, const Mask &start, Mask &artery);

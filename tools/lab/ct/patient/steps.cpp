@@ -3,6 +3,7 @@
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"
 #include "shared/wire/wire_frame.h"
+#include <algorithm>
 
 namespace crn::ct
 {
@@ -17,16 +18,26 @@ Steps::Steps(const std::filesystem::path &folder) : file_(folder / "steps.json")
 }
 
 bool Steps::is_done(const std::string &step, const std::string &inputs,
-                    const std::vector<std::filesystem::path> &files) const
+                    const std::vector<std::filesystem::path> &files)
 {
-    for (const std::filesystem::path &file : files)
-        if (!std::filesystem::exists(file)) return false;
-    return done_.contains(step) && done_[step] == inputs;
+    if (!done_.contains(step)) return false;
+    const bool are_there = std::all_of(files.begin(), files.end(), [](const std::filesystem::path &file) {
+        return std::filesystem::exists(file);
+    });
+    if (are_there && done_[step] == inputs) return true;
+    done_.erase(step);
+    write();
+    return false;
 }
 
 void Steps::finish(const std::string &step, const std::string &inputs)
 {
     done_[step] = inputs;
+    write();
+}
+
+void Steps::write() const
+{
     write_whole_file(file_.string(), done_.dump(2) + "\n");
 }
 

@@ -12,12 +12,15 @@ class Steps
 {
   public:
     explicit Steps(const std::filesystem::path &folder);
-    // Whether the step was made from these inputs and its files are there.
+    // Whether the step was made from these inputs and its files are there. A step that must be made again is
+    // taken out of the file, so the file tells what is done while a command runs.
     bool is_done(const std::string &step, const std::string &inputs,
-                 const std::vector<std::filesystem::path> &files) const;
+                 const std::vector<std::filesystem::path> &files);
     void finish(const std::string &step, const std::string &inputs);
 
   private:
+    void write() const;
+
     std::filesystem::path file_;
     nlohmann::json done_ = nlohmann::json::object();
 };

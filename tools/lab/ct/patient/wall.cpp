@@ -56,7 +56,9 @@ Volume near_wide(const Volume &depth)
 
 Cut cut_arteries(const Volume &scan, const LabelMap &labels)
 {
-    const std::vector<int> wanted = labels.numbers(is_artery);
+    const std::vector<int> wanted = labels.numbers(is_artery),
+                           bridges =
+                               labels.numbers([](const std::string &name) { return name == bridge_name; });
     std::array<int, 3> low = scan.size, high = {0, 0, 0};
     Volume mask = scan.like(0);
     for (int k = 0; k < scan.size[2]; ++k)
@@ -64,7 +66,7 @@ Cut cut_arteries(const Volume &scan, const LabelMap &labels)
             for (int i = 0; i < scan.size[0]; ++i) {
                 const std::size_t at = scan.at(i, j, k);
                 if (std::find(wanted.begin(), wanted.end(), labels.label(at)) == wanted.end()) continue;
-                mask.hu[at] = 1;
+                mask.hu[at] = std::count(bridges.begin(), bridges.end(), labels.label(at)) > 0 ? 2.0f : 1.0f;
                 const int here[3] = {i, j, k};
                 for (std::size_t axis = 0; axis < 3; ++axis) {
                     low[axis] = std::min(low[axis], here[axis]);
@@ -136,7 +138,8 @@ Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &co
                 // Calcium is no lumen: above the blood's range, brighter is farther outside.
                 const float hu = std::min(cut.scan.hu[at], 2 * range.high_HU - cut.scan.hu[at]);
                 const float edge = edge_mm * (0.5f * (blood + other) - hu) / (blood - other);
-                value = std::clamp(edge, value - outside_mm, value + inside_mm);
+                const bool is_shown = cut.mask.hu[at] < 2;
+                if (is_shown) value = std::clamp(edge, value - outside_mm, value + inside_mm);
                 value = std::clamp(value, -half_mm, half_mm); // alike on both sides, for the smoothing
             }
     report("find the wall", 0.6);

@@ -6,7 +6,8 @@
 namespace crn::ct
 {
 
-// The arteries with a margin, cut out of the scan's grid. The mask is 1 in their voxels.
+// The arteries with a margin, cut out of the scan's grid. The mask is 1 in their voxels, and 2 in those of
+// bridges.
 struct Cut {
     Volume scan, mask;
 };

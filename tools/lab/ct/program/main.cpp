@@ -1,11 +1,15 @@
 // Command line of `ct` (docs/ct.md).
 #include "host/base/command_values.hpp"
+#include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
 #include "host/base/version.hpp"
+#include "host/cases/programs.hpp"
 #include "tools/lab/ct/commands.hpp"
 #include "tools/lab/ct/cta/cta.hpp"
+#include "tools/lab/ct/patient/clicks.hpp"
 #include "tools/lab/ct/patient/patient.hpp"
+#include "tools/lab/ct/review/review_window.hpp"
 #include "tools/lab/reference_rod/truth_options.hpp"
 
 #include <cstdio>
@@ -200,7 +204,44 @@ void add_segment(CLI::App &app, SegmentCommand &options, std::vector<double> &se
     });
 }
 
-void add_patient(CLI::App &app, PatientOptions &options)
+// The command that the window runs: this one, without its window.
+std::vector<std::string> command_of(const PatientOptions &options)
+{
+    std::vector<std::string> words = {crn::sibling_program("ct"), "patient", options.scan.string()};
+    if (!options.labels.empty())
+        words.insert(words.end(), {"--labels", options.labels.string(), "--names", options.names.string()});
+    words.insert(words.end(), {"--output", options.output.string()});
+    return words;
+}
+
+void patient_in_window(const PatientOptions &options, ReviewOptions review)
+{
+    crn::check_output_folder({"--output", options.output.string()});
+    std::filesystem::create_directories(options.output);
+    if (!options.clicks.empty()) {
+        const std::filesystem::path file = options.output / "clicks.toml";
+        write_clicks(file, clicks_with(file, options.clicks));
+    }
+    review.folder = options.output;
+    review.command = command_of(options);
+    switch (review_patient(review)) {
+    case ReviewEnd::interrupted:
+        throw std::runtime_error("interrupted; finished steps are kept in " + options.output.string());
+    case ReviewEnd::wants_play:
+        crn::become_program({crn::sibling_program("cournand"), "view", "--scene",
+                             (options.output / "patient.scene").string(), "--tool", "j_wire", "--inserted",
+                             "20"});
+    case ReviewEnd::closed:
+        break;
+    }
+}
+
+struct WindowChoice {
+    bool is_wanted = false;
+    ReviewOptions review;
+};
+
+void add_patient(CLI::App &app, PatientOptions &options, WindowChoice &window)
 {
     CLI::App &command = *app.add_subcommand("patient", "a playable scene from a patient's CT");
     command.footer(patient_footer);
@@ -214,12 +255,25 @@ void add_patient(CLI::App &app, PatientOptions &options)
                        "mends the arteries: artery, cut, bridge, entry or name, and a place in mm, as in "
                        "artery:12,-230,4; kept in clicks.toml of the folder");
     command.add_option("-o,--output", options.output, "folder of the scene and its report");
-    command.add_flag(
+    CLI::Option *check = command.add_flag(
         "--check", options.is_check,
         "only reads the inputs, without -o, and says what is wrong with them or must be checked");
-    command.callback([&options] {
+    command
+        .add_flag("--window", window.is_wanted,
+                  "look at every step, mend the arteries by clicks, and play the scene")
+        ->excludes(check);
+    command.add_flag("!--look", window.review.runs_at_once,
+                     "with --window: make nothing until it is asked for");
+    command.add_option("--screenshot", window.review.screenshot, "PNG of the window at its end")
+        ->group("Window");
+    command.add_option("--layout", window.review.layout, "places of the window's controls, for tests")
+        ->group("Window");
+    command.callback([&options, &window] {
         if (!options.is_check && options.output.empty()) throw CLI::RequiredError("--output");
-        command_patient(options);
+        if (window.is_wanted)
+            patient_in_window(options, window.review);
+        else
+            command_patient(options);
     });
 }
 
@@ -270,7 +324,8 @@ int main(int argc, char **argv)
     std::vector<double> seed, mouth, direction;
     add_segment(app, segment, seed, mouth, direction);
     PatientOptions patient;
-    add_patient(app, patient);
+    WindowChoice window;
+    add_patient(app, patient, window);
     CtaOptions cta;
     add_cta(app, cta);
     std::filesystem::path checked;

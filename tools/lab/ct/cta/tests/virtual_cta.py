@@ -39,7 +39,7 @@ def run(program, *arguments):
 
 
 def tour_scene(made, person, target):
-    """Bakes the lumen of a scene without bodies and motion, with the person's entry, so that instruments enter both scenes
+    """Bakes the lumen of a scene without bodies and motion, with the entry of the person: instruments enter both scenes
     at the same place."""
     with open(os.path.join(person, "scene.toml"), encoding="utf-8") as file:
         entry = ENTRY.search(file.read()).group(0)

@@ -152,7 +152,10 @@ static void arteries_end_at_bone_kidney_and_gap(void **)
 
 static void a_bridge_joins_the_two_ends_of_a_gap(void **)
 {
-    const LabelMap labels = found_with({click_of("bridge:-31,-20,-10")}).labels;
+    const FoundArteries joined = found_with({click_of("bridge:-31,-20,-10")});
+    const LabelMap &labels = joined.labels;
+    const Volume level = wall_level(trunk().scan, labels, contrast_of(joined.descending), silent);
+    assert_true(level.value(level.voxel({-31, -20, -10})) < 0);
     for (const double x : {-20.0, -31.0, -45.0}) assert_artery(labels, {x, -20, -10}, true);
     assert_artery(labels, {36, -45, -26}, false);
 }
