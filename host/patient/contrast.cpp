@@ -2,6 +2,7 @@
 #include "host/base/format.hpp"
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/units.hpp"
+#include "host/patient/layering.hpp"
 #include "host/patient/tool_balls.hpp"
 #include <algorithm>
 #include <chrono>
@@ -29,6 +30,7 @@ constexpr double beats_per_min = 70.0;
 constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
 constexpr double stream_radii =
     1.5; // radii of the vessel over which the stream from the tip spreads to fill it
+constexpr double mixing_radii = 2.0;  // over which the medium's upstream end rises; assumed
 constexpr double stream_fades = 0.01; // fading per ms, after the injection
 
 // An artery of the heart does not end where its centreline ends. If no small vessel continues it, its column
@@ -53,6 +55,13 @@ void go_to(SweptCurve &curve, const SweptPoint &point)
                                 from.share + share * (point.share - from.share)});
     }
     curve.points.push_back(point);
+}
+
+// The share of the full concentration at a place before (-1 to 0) or after the face where medium begins, in
+// halves of the mixing length: a straight rise.
+double mixed_share(double halves)
+{
+    return std::clamp(0.5 + 0.5 * halves, 0.0, 1.0);
 }
 
 constexpr double kPa_per_psi = 6.894757;
@@ -126,7 +135,7 @@ std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCo
 PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                                  const Motion *motion, LesionOpening opening)
     : tools_(tools), vessels_(vessels), moved_(vessels, motion, opening), opening_(std::move(opening)),
-      flow_(vessels)
+      flow_(vessels), mean_flows_ml_s_(mean_flows_ml_s(flow_.cells()))
 {
 }
 
@@ -435,6 +444,43 @@ void PatientContrast::add_mouth(SweptCurve &curve, const SweptPoint &first, std:
             {first.at_m - back * first.radius_m * way, width * first.radius_m, first.share});
 }
 
+// Upstream of the catheter's holes, medium ends within a vessel. The jets mix it with blood some way up, so
+// its concentration rises along the vessel over mixing_radii, half of them on each side of the first cell's
+// face. The column holds as much iodine as with a sharp edge.
+void PatientContrast::add_mixed_begin(SweptCurve &curve, const SweptPoint &first, std::size_t cell) const
+{
+    constexpr int pieces = 4;
+    const FlowCells &cells = flow_.cells();
+    const Vector3d way = (cells.last_face_m(cell) - cells.first_face_m(cell)).normalized();
+    const double half_m = 0.5 * mixing_radii * cells[cell].radius_mm * 1e-3;
+    for (int k = pieces; k > 0; --k) {
+        const double back = static_cast<double>(k) / pieces; // 1: where the medium ends
+        curve.points.push_back({first.at_m - back * half_m * way,
+                                first.radius_m * std::sqrt(1.0 - 0.6 * back),
+                                mixed_share(-back) * first.share});
+    }
+}
+
+// The patient lies on the back, so medium settles towards the back. The core column, which has half of the
+// vessel's area, then lies on the lower wall.
+Vector3d PatientContrast::settle(std::size_t cell, double &core_mg_per_ml, double &wall_mg_per_ml) const
+{
+    const FlowCells &cells = flow_.cells();
+    const double mean = 0.5 * (core_mg_per_ml + wall_mg_per_ml), wall = std::min(wall_mg_per_ml, mean);
+    const double above = std::max(core_mg_per_ml - wall_mg_per_ml, 0.0);
+    if (mean < invisible_mg_per_ml || wall <= 0.0) return Vector3d::Zero();
+    // What leaves the whole width is twice as dense in half of it, and nothing is denser than undiluted
+    // medium.
+    const double room = (curves_mg_per_ml_ - above - wall) / wall;
+    const double share = std::min(settled_share(mean, cells[cell].radius_mm, mean_flows_ml_s_[cell]), room);
+    if (share <= 0.0) return Vector3d::Zero();
+    wall_mg_per_ml = (1.0 - share) * wall;
+    core_mg_per_ml = wall_mg_per_ml + above + 2.0 * share * wall;
+    const Vector3d along = (cells.last_face_m(cell) - cells.first_face_m(cell)).normalized();
+    const Vector3d down = -Vector3d::UnitZ() + along.z() * along;
+    return share * (1.0 - std::sqrt(0.5)) * cells[cell].radius_mm * 1e-3 * down;
+}
+
 void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
 {
     const FlowCells &cells = flow_.cells();
@@ -447,13 +493,16 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
     const std::size_t begin = cells.branch_begin(branch), end = cells.branch_begin(branch + 1);
     const bool has_blunt_end =
         cells[end - 1].end_ml_s > 0.0 && vessels_.branches[branch].bed != VesselBed::systemic;
-    double left_mm = 0.0; // from the cell's last face to the end
+    bool is_mixed = false;      // the column begins within the vessel
+    double from_begin_mm = 0.0; // of the column
+    double left_mm = 0.0;       // from the cell's last face to the end
     for (std::size_t i = begin; i < end; ++i) left_mm += cells[i].length_mm;
     for (std::size_t i = begin; i < end; ++i) {
         const double narrowness = stream_at(i, behind_tip_mm);
         left_mm -= cells[i].length_mm;
-        const double core = flow_.core_mg_per_ml(i), wall = flow_.wall_mg_per_ml(i),
-                     mean = 0.5 * (core + wall);
+        double core = flow_.core_mg_per_ml(i), wall = flow_.wall_mg_per_ml(i);
+        const double mean = 0.5 * (core + wall);
+        const Vector3d down_m = settle(i, core, wall);
         double shown = is_core ? std::max(core - wall, 0.0) : std::min(wall, mean);
         if (narrowness > 0.0) shown = is_core ? 0.0 : mean;
         if (shown < invisible_mg_per_ml) {
@@ -463,14 +512,24 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
         const double taper = has_blunt_end ? taper_at(left_mm / cells[i].radius_mm) : 1.0;
         const double radius_m = taper * cells[i].radius_mm * 1e-3 * (is_core ? std::sqrt(0.5) : 1.0);
         SweptPoint point{cells.middle_m(i), radius_m, contrast_share(shown)};
+        if (is_core) point.at_m += down_m;
         if (narrowness > 0.0) point = stream_point(i, narrowness);
         // A column begins and ends at the faces between cells, and not at the middle of a cell.
         if (curve.points.empty()) {
+            is_mixed = i > begin && narrowness < 0.5;
+            from_begin_mm = 0.0;
             SweptPoint first = point;
             first.at_m += column_begin_m(i) - cells.middle_m(i);
             if (i == begin) add_mouth(curve, first, i);
+            if (is_mixed) {
+                add_mixed_begin(curve, first, i);
+                first.share *= mixed_share(0.0);
+            }
             curve.points.push_back(first);
         }
+        from_begin_mm += 0.5 * cells[i].length_mm;
+        if (is_mixed) point.share *= mixed_share(2.0 * from_begin_mm / (mixing_radii * cells[i].radius_mm));
+        from_begin_mm += 0.5 * cells[i].length_mm;
         go_to(curve, point);
         if (i + 1 == end) curve.points.push_back({cells.last_face_m(i), point.radius_m, point.share});
     }

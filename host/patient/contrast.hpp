@@ -122,6 +122,9 @@ class PatientContrast
     void make_curves();
     Eigen::Vector3d column_begin_m(std::size_t cell) const;
     void add_mouth(SweptCurve &curve, const SweptPoint &first, std::size_t cell) const;
+    // Moves the settled part of a cell's medium from the whole width to the core, and the core down.
+    Eigen::Vector3d settle(std::size_t cell, double &core_mg_per_ml, double &wall_mg_per_ml) const;
+    void add_mixed_begin(SweptCurve &curve, const SweptPoint &first, std::size_t cell) const;
     void make_curves_of(std::size_t branch, bool is_core);
     void make_small_curves(const VesselTree &now); // contrast_small.cpp
     void make_small_curve(const VesselBranch &vessel, std::size_t index);
@@ -174,6 +177,7 @@ class PatientContrast
     std::vector<Asked> asked_;
     crn_wire_tick_state last_{};
     std::vector<Refusal> refusals_;
+    std::vector<double> mean_flows_ml_s_; // through each cell, at rest
     std::vector<SweptCurve> curves_;
     // Holds the phases of heart and breath, and the strength of the medium, for which the columns in curves_
     // were made.

@@ -3,6 +3,7 @@
 // were requested. The columns that the X-ray shows must contain as much iodine as the vessels.
 #include "host/base/text.hpp"
 #include "host/patient/contrast.hpp"
+#include "host/patient/layering.hpp"
 #include "host/rig/pedals.hpp"
 #include "host/script/session.hpp"
 #include <cmath>
@@ -179,6 +180,63 @@ void columns_hold_the_iodine_of_the_vessels(void **)
             mg += pi * square * (b.at_m - a.at_m).norm() * 1e6 * 0.5 * (a.share + b.share) * 350.0;
         }
     if (std::fabs(mg - contrast.flow().held_mg()) > 0.02 * mg)
+        fail_msg("curves %.1f mg, vessels %.1f mg", mg, contrast.flow().held_mg());
+}
+
+// After the injection, blood without medium follows from upstream. The column does not begin with a flat face
+// at full strength: over two radii of the vessel, its concentration rises from nothing.
+void the_upstream_end_of_medium_is_soft(void **)
+{
+    PatientContrast contrast(aorta(), wire_and_catheter);
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 1620, 20);
+    assert_false(contrast.curves().empty());
+    const std::vector<SweptPoint> &points = contrast.curves().front().points; // of the vessel's whole width
+    double largest_step = 0.0, most = 0.0;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        most = std::max(most, points[i].share);
+        if ((points[i].at_m - points.front().at_m).norm() < 0.016)
+            largest_step = std::max(largest_step, points[i + 1].share - points[i].share);
+    }
+    assert_true(points.front().share == 0.0 && most > 0.05);
+    assert_true(largest_step < 0.4 * most);
+}
+
+// Undiluted iohexol 350 in an aorta of 20 mm width at 0.2 m/s: Ri = 9.81 * 0.3175 * 0.02 / 0.04 = 1.56, so it
+// settles as far as it can. A tenth of it has Ri = 0.16, and stays mixed; so does a fast vessel.
+void medium_settles_where_buoyancy_beats_the_flow(void **)
+{
+    const double flow_ml_s = 0.2 * pi * 0.01 * 0.01 * 1e6;
+    assert_true(settled_share(350.0, 10.0, flow_ml_s) == 0.9);
+    assert_true(settled_share(35.0, 10.0, flow_ml_s) == 0.0);
+    assert_true(settled_share(350.0, 10.0, 3.0 * flow_ml_s) == 0.0);
+    // Half of it: Ri = 0.778, so (0.778 - 0.25) / 1.25.
+    assert_true(std::fabs(settled_share(175.0, 10.0, flow_ml_s) - 0.423) < 1e-3);
+}
+
+// In a wide and slow aorta, the middle of all iodine lies behind the axis, and its amount is unchanged.
+void settled_medium_lies_at_the_back_of_the_vessel(void **)
+{
+    VesselTree tree = aorta();
+    tree.branches[0].flow_ml_s = 15.0; // 0.075 m/s
+    PatientContrast contrast(tree, wire_and_catheter);
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 2200, 1000);
+    double mg = 0.0, back_m_mg = 0.0;
+    for (const SweptCurve &curve : contrast.curves())
+        for (std::size_t i = 0; i + 1 < curve.points.size(); ++i) {
+            const SweptPoint &a = curve.points[i], &b = curve.points[i + 1];
+            const double square =
+                (a.radius_m * a.radius_m + a.radius_m * b.radius_m + b.radius_m * b.radius_m) / 3;
+            const double piece_mg =
+                pi * square * (b.at_m - a.at_m).norm() * 1e6 * 0.5 * (a.share + b.share) * 350.0;
+            mg += piece_mg;
+            back_m_mg -= piece_mg * 0.5 * (a.at_m.z() + b.at_m.z());
+        }
+    // The middle of a lower half disc lies 0.42 radii below the axis; the core column is 0.29 radii below it.
+    const double back_radii = back_m_mg / mg / 0.008;
+    if (!(back_radii > 0.05 && back_radii < 0.29)) fail_msg("%.3f radii behind the axis", back_radii);
+    if (std::fabs(mg - contrast.flow().held_mg()) > 0.03 * mg)
         fail_msg("curves %.1f mg, vessels %.1f mg", mg, contrast.flow().held_mg());
 }
 
@@ -498,6 +556,9 @@ int main()
         cmocka_unit_test(after_washing_out_no_look_is_wanted),
         cmocka_unit_test(columns_have_no_gap_where_a_vessel_divides),
         cmocka_unit_test(columns_hold_the_iodine_of_the_vessels),
+        cmocka_unit_test(the_upstream_end_of_medium_is_soft),
+        cmocka_unit_test(medium_settles_where_buoyancy_beats_the_flow),
+        cmocka_unit_test(settled_medium_lies_at_the_back_of_the_vessel),
         cmocka_unit_test(what_was_given_between_two_ticks_is_known),
         cmocka_unit_test(blood_around_the_line_takes_its_colour),
         cmocka_unit_test(a_pigtail_gives_medium_through_its_side_holes),
