@@ -1,4 +1,5 @@
 #include "tools/lab/ct/patient/ascending.hpp"
+#include "tools/lab/ct/measures.hpp"
 #include "tools/lab/ct/patient/bright.hpp"
 #include <algorithm>
 #include <cmath>
@@ -29,6 +30,16 @@ bool is_reached_from_above(const Volume &scan, const Growth &growth, const Stack
                        [&](std::size_t at) { return slice_of(scan, at) >= stack.front().slice; });
 }
 
+// Takes away the lowest discs if they are much narrower than the others: the outflow tract of the ventricle.
+Stack without_neck(Stack stack)
+{
+    std::vector<double> radii;
+    for (const Disc &disc : stack) radii.push_back(disc.radius_mm);
+    const double least_mm = 0.75 * median(radii);
+    while (stack.size() > 2 && stack.front().radius_mm < least_mm) stack.erase(stack.begin());
+    return stack;
+}
+
 } // namespace
 
 // The stack of the ascending aorta and, below it, of the root.
@@ -37,9 +48,11 @@ Stack ascending_aorta(const Volume &scan, const Growth &growth, const std::vecto
 {
     const double radius_mm = descending[descending.size() / 2].radius_mm;
     Stack found;
-    for (const Stack &stack : stacks) {
+    for (const Stack &one : stacks) {
+        if (&one == &stacks.front()) continue;
+        const Stack stack = without_neck(one);
         const Disc &top = stack.back(), &bottom = stack.front();
-        if (&stack == &stacks.front() || top.slice > descending.back().slice + 3) continue;
+        if (top.slice > descending.back().slice + 3) continue;
         if (bottom.radius_mm < 0.9 * radius_mm || bottom.radius_mm > 2.5 * radius_mm) continue;
         if (!is_reached_from_above(scan, growth, stack, 0.6 * radius_mm)) continue;
         if (found.empty()) {

@@ -2,6 +2,7 @@
 #include "host/base/format.hpp"
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/centreline/fit/automatic.hpp"
+#include "tools/lab/ct/measures.hpp"
 #include "tools/lab/ct/patient/wall.hpp"
 #include "tools/lab/ct/snake.hpp"
 #include "tools/lab/ct/surface.hpp"
@@ -10,6 +11,7 @@
 #include "tools/mesh/simplify.hpp"
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace crn::ct
 {
@@ -145,6 +147,53 @@ static Vector3d inside_near(const bake::Mesh &lumen, const Vector3d &place_mm)
     return best;
 }
 
+// The distance of the wall from a place inside, along a direction.
+static double wall_along(const bake::TriangleTree &wall, const Vector3d &from, const Vector3d &along,
+                         double most_mm)
+{
+    double at_mm = 0;
+    while (at_mm < most_mm) {
+        const double clear_mm = -wall.nearest(from + at_mm * along).distance_mm;
+        if (clear_mm < 0.02) break;
+        at_mm += clear_mm;
+    }
+    return std::min(at_mm, most_mm);
+}
+
+// The radius of the circle with the area of the section. The largest inscribed sphere is smaller: it touches
+// the nearest bump of the wall.
+static double section_radius(const bake::TriangleTree &wall, const Vector3d &middle, const Vector3d &along,
+                             double inscribed_mm)
+{
+    constexpr int rays = 12;
+    const Vector3d right = along.unitOrthogonal(), up = along.cross(right);
+    std::vector<double> edges;
+    for (int ray = 0; ray < rays; ++ray) {
+        const double angle = 2 * std::numbers::pi * ray / rays;
+        edges.push_back(
+            wall_along(wall, middle, std::cos(angle) * right + std::sin(angle) * up, 2 * inscribed_mm + 1));
+    }
+    const double most = 1.3 * median(edges); // beyond it, a ray looks into a branch
+    double squares = 0;
+    for (const double edge : edges) squares += std::min(edge, most) * std::min(edge, most);
+    return std::max(std::sqrt(squares / rays), inscribed_mm);
+}
+
+static void widen_to_sections(const bake::Mesh &lumen, centreline::Tree &tree)
+{
+    const bake::TriangleTree wall(lumen);
+    std::vector<std::size_t> first;
+    for (std::size_t i = 0; i < tree.branches.size(); ++i)
+        first.push_back(std::max<std::size_t>(centreline::first_own_sphere(tree, i), 1));
+    for (std::size_t i = 0; i < tree.branches.size(); ++i) {
+        std::vector<centreline::Sphere> &spheres = tree.branches[i].spheres;
+        for (std::size_t n = first[i]; n + 1 < spheres.size(); ++n) {
+            const Vector3d along = (spheres[n + 1].centre_mm - spheres[n - 1].centre_mm).normalized();
+            spheres[n].radius_mm = section_radius(wall, spheres[n].centre_mm, along, spheres[n].radius_mm);
+        }
+    }
+}
+
 centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, const Vector3d &root_mm,
                          Findings &findings)
 {
@@ -157,6 +206,7 @@ centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, const 
     wish.shortest_mm = 8.0;
     std::vector<std::string> notes;
     centreline::Tree tree = centreline::fit_automatic(inside, wish, notes, progress);
+    widen_to_sections(lumen, tree);
     // Where a line touches the wall of a thin vessel, its sphere has no radius, which `bake` would refuse.
     for (centreline::Branch &branch : tree.branches)
         for (centreline::Sphere &sphere : branch.spheres)

@@ -62,6 +62,24 @@ def branch_findings(patient):
     return findings
 
 
+def unlabelled_findings(data):
+    """Makes a scene without the label map. The names are proposals by anatomy, so they also test what was found."""
+    patient = os.path.join(FOLDER, "unlabelled")
+    steps = os.path.join(patient, "steps.json")
+    if os.path.exists(steps):
+        os.remove(steps)
+    command = [os.path.join(BUILD, "bin", "ct"), "patient", os.path.join(data, "cxr.nii.gz"), "-o", patient]
+    findings, seconds = run(command)
+    if findings:
+        return findings
+    print("# without a label map, the scene took %.0f s" % seconds)
+    with open(os.path.join(patient, "tree.csv"), encoding="utf-8", newline="") as file:
+        names = {row["name"] for row in csv.DictReader(line for line in file if not line.startswith("#"))}
+    wanted = ["aorta", "brachiocephalic_trunk", "left_common_carotid_artery", "left_subclavian_artery", "coeliac_trunk"]
+    wanted += ["superior_mesenteric_artery", "left_renal_artery", "right_renal_artery"]
+    return ["no branch %s" % name for name in wanted if name not in names]
+
+
 def main():
     report = tree.Report()
     data, patient = fetch(), os.path.join(FOLDER, "patient")
@@ -90,6 +108,7 @@ def main():
     played = os.path.join(FOLDER, "played.json")
     cournand = [os.path.join(BUILD, "bin", "cournand"), "run", "--scene", os.path.join(patient, "patient.scene")]
     cournand += ["--session", SESSION, "--json", played, "--png", os.path.join(FOLDER, "played.png"), "--quiet"]
+    report.check("the arteries are found and named without the label map", unlabelled_findings(data))
     report.check("a pigtail catheter goes from L3 into the arch, and medium fills it", run(cournand)[0])
     report.end()
 
