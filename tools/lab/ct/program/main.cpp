@@ -278,6 +278,9 @@ void add_patient(CLI::App &app, PatientOptions &options, WindowChoice &window)
                      "with --window: make nothing until it is asked for");
     command.add_option("--screenshot", window.review.screenshot, "PNG of the window at its end")
         ->group("Window");
+    command.add_option("--frames", window.review.frames, "end the window after so many frames")
+        ->check(CLI::Range(1, 10000))
+        ->group("Window");
     command.add_option("--layout", window.review.layout, "places of the window's controls, for tests")
         ->group("Window");
     command.callback([&options, &window] {

@@ -36,18 +36,19 @@ ReviewEnd review_patient(const ReviewOptions &options)
     });
     if (options.runs_at_once) state.run(options.first_command);
     std::string layout;
-    int frames = frames_after;
+    int frames = frames_after, drawn = 0;
     while (!wish.ends && !wish.plays && !window.wants_close() && !is_interrupted()) {
         const auto before = std::chrono::steady_clock::now();
         window.poll(frames > 0 ? frame_s : look_s);
         const bool had_event = std::chrono::steady_clock::now() - before <
                                std::chrono::duration<double>(0.9 * (frames > 0 ? frame_s : look_s));
         if (state.look() || had_event) frames = frames_after;
-        if (frames == 0 && !state.is_running()) continue;
+        if (frames == 0 && !state.is_running() && options.frames == 0) continue;
         frames = std::max(frames - 1, 0);
         window.begin_frame();
         take(screen.draw());
         window.end_frame();
+        if (++drawn == options.frames) break;
         if (options.layout.empty()) continue;
         if (const std::string text = ui.layout_text(); text != layout) {
             write_whole_file(options.layout, text);

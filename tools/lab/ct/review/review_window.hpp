@@ -16,7 +16,8 @@ struct ReviewOptions {
     bool runs_at_once = true;               // false: only look at what the folder holds
     std::string screenshot;                 // PNG of the window's last screen; empty: none
     std::string layout;                     // names and places of the controls, for tests; empty: none
-    int width = 1600, height = 900;         // at the start
+    int frames = 0; // end after so many frames, for pictures of the docs; 0: when the user ends it
+    int width = 1600, height = 900; // at the start
 };
 
 enum class ReviewEnd {
