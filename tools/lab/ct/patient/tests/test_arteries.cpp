@@ -203,8 +203,7 @@ static void a_kidney_keeps_its_medium_in_the_picture(void **)
     assert_artery(found().labels, kidney, false);
     Findings findings;
     const Contrast contrast = contrast_in(trunk().scan, found().labels, findings);
-    const CtVolume picture =
-        picture_volume(trunk().scan, trunk().body, found().labels, contrast, findings);
+    const CtVolume picture = picture_volume(trunk().scan, trunk().body, found().labels, contrast, findings);
     const auto HU_at = [&](const Vector3d &p) {
         const Vector3d voxel = (p - picture.first_mm).cwiseQuotient(picture.spacing_mm);
         return picture.permille[picture.index(static_cast<int>(std::lround(voxel.x())),
