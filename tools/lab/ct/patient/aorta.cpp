@@ -222,10 +222,11 @@ std::vector<Stack> round_stacks(const Volume &scan, double least_mm)
 Stack descending_aorta(const std::vector<Stack> &stacks, const std::string &name)
 {
     if (stacks.empty())
-        throw Fault(name +
-                    ": no aorta is found: no bright round vessel of 40 mm goes through the axial slices. "
-                    "Either the scan has no arterial contrast medium, or the aorta is not in it; click "
-                    "into an artery (--click artery:x,y,z), or give a label map (--labels, --names)");
+        throw Fault(
+            name +
+            ": no aorta is found: no bright round vessel goes through 12 mm of axial slices. Either the "
+            "scan has no arterial contrast medium, or the aorta is not in it: give another series, or "
+            "a label map (--labels, --names)");
     return stacks.front();
 }
 

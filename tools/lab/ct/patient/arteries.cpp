@@ -69,8 +69,8 @@ Grown grow_arteries(const Volume &scan, const Bright &bright, const Mask &known,
         if (click.kind != ClickKind::bridge) continue;
         tubes.push_back(bridge_of(scan, bright, grown.artery, click));
         sources.push_back({tubes.back().to, bright.widths[tubes.back().to]});
+        grow(); // the next bridge may lead on from what this one reaches
     }
-    if (!tubes.empty()) grow();
     grown.tubes.assign(scan.count(), 0);
     for (const Tube &tube : tubes) mark_tube(scan, tube, grown.tubes);
     for (std::size_t at = 0; at < scan.count(); ++at) {
@@ -78,6 +78,19 @@ Grown grow_arteries(const Volume &scan, const Bright &bright, const Mask &known,
         if (grown.tubes[at]) grown.artery[at] = 1;
     }
     return grown;
+}
+
+constexpr unsigned char heart_mark = 2; // among the leaks
+
+// Marks the leaks that reach the root of the aorta.
+void mark_heart(const Volume &scan, const Eigen::Vector3d &root_mm, Mask &leaks)
+{
+    constexpr double reach_mm = 30.0; // from the lowest disc of the ascending aorta over the sinuses
+    std::vector<std::size_t> queue;
+    for_ball(scan, {root_mm, reach_mm}, [&](std::size_t at) {
+        if (leaks[at] == 1) queue.push_back(at);
+    });
+    flood_diagonally(scan, leaks, std::move(queue), 1, heart_mark);
 }
 
 LabelMap labels_of(const Volume &scan, const Grown &grown, const Mask &aorta)
@@ -88,7 +101,7 @@ LabelMap labels_of(const Volume &scan, const Grown &grown, const Mask &aorta)
         const int label = grown.artery[at]  ? (aorta[at]         ? label_aorta
                                                : grown.tubes[at] ? label_bridge
                                                                  : label_artery)
-                          : grown.leaks[at] ? label_heart
+                          : grown.leaks[at] ? (grown.leaks[at] == heart_mark ? label_heart : label_organ)
                           : grown.bone[at]  ? label_bone
                                             : 0;
         labels.volume.hu[at] = static_cast<float>(label);
@@ -100,11 +113,8 @@ LabelMap labels_of(const Volume &scan, const Grown &grown, const Mask &aorta)
 
 NamesTable artery_names()
 {
-    return {{label_aorta, "aorta"},
-            {label_artery, "artery"},
-            {label_heart, "heart"},
-            {label_bone, "bone"},
-            {label_bridge, bridge_name}};
+    return {{label_aorta, "aorta"}, {label_artery, "artery"},    {label_heart, "heart"},
+            {label_bone, "bone"},   {label_bridge, bridge_name}, {label_organ, "organ"}};
 }
 
 FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vector<Click> &clicks,
@@ -133,9 +143,10 @@ FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vec
         grow_arteries(scan, bright, {}, std::move(sources), gate_below(scan, found.ascending), clicks);
     join_clicked(scan, bright, clicks, aorta, grown.artery, grown.tubes, findings);
     keep_connected(scan, aorta, grown.artery);
-    found.labels = labels_of(scan, grown, aorta);
     found.root_mm =
         place_of(scan, found.ascending.empty() ? found.descending.back() : found.ascending.front());
+    if (!found.ascending.empty()) mark_heart(scan, found.root_mm, grown.leaks);
+    found.labels = labels_of(scan, grown, aorta);
     report("separate arteries", 1);
     return found;
 }

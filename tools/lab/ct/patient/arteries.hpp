@@ -8,13 +8,22 @@
 namespace crn::ct
 {
 
-enum : int { label_aorta = 1, label_artery = 2, label_heart = 3, label_bone = 4, label_bridge = 5 };
+enum : int {
+    label_aorta = 1,
+    label_artery = 2,
+    label_heart = 3,
+    label_bone = 4,
+    label_bridge = 5,
+    label_organ = 6
+};
 
 // The names of these labels.
 NamesTable artery_names();
 
 struct FoundArteries {
-    LabelMap labels; // aorta, artery, heart (wide regions behind a neck: chambers, kidneys), and bone
+    // Aorta, artery, bone, and wide regions behind a neck: the heart if they reach the aortic root, else an
+    // organ, such as a kidney, which keeps its contrast medium in the picture.
+    LabelMap labels;
     Eigen::Vector3d
         root_mm; // where the blood enters: the lower end of the ascending aorta, or the aorta's top
     Stack descending, ascending; // the latter may be empty

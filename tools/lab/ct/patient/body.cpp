@@ -78,6 +78,12 @@ void check_scan(const Volume &scan, Findings &findings)
         throw Fault(scan.name +
                     formatted(": it covers %.0f mm of the body, less than %.0f: give the whole series",
                               stretch_mm, stretch_min_mm));
+    for (int axis = 0; axis < 3; ++axis)
+        if (scan.size[static_cast<std::size_t>(axis)] > ct_size_max)
+            throw Fault(scan.name +
+                        formatted(": has %d voxels in a row, more than %d: cut it to the body, or "
+                                  "reconstruct it with fewer pixels",
+                                  scan.size[static_cast<std::size_t>(axis)], ct_size_max));
     std::size_t air = 0, tissue = 0, metal = 0;
     for (const float value : scan.hu) {
         air += value < -800;
@@ -104,6 +110,20 @@ void check_scan(const Volume &scan, Findings &findings)
             formatted("%.1f ml are brighter than %.0f HU (metal, or dense contrast medium): look for "
                       "streaks in the arteries",
                       metal_ml, static_cast<double>(metal_HU)));
+}
+
+void recentre(Volume &scan, Findings &findings)
+{
+    constexpr double far_mm = 1000;
+    const Eigen::Vector3d last(scan.size[0] - 1.0, scan.size[1] - 1.0, scan.size[2] - 1.0);
+    const double reach_mm =
+        std::max(scan.lps({0, 0, 0}).cwiseAbs().maxCoeff(), scan.lps(last).cwiseAbs().maxCoeff());
+    if (reach_mm <= far_mm) return;
+    const Eigen::Vector3d middle = scan.lps(0.5 * last).array().round();
+    scan.origin_mm -= middle;
+    findings.assumed.push_back(formatted("the scan lies up to %.0f mm from its origin, so places are counted "
+                                         "from its middle",
+                                         reach_mm));
 }
 
 Mask body_of(const Volume &scan)

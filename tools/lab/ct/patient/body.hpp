@@ -22,6 +22,9 @@ Volume along_patient_axes(Volume volume);
 // another modality, slices too far apart, too short a stretch of the body. Notes metal.
 void check_scan(const Volume &scan, Findings &findings);
 
+// Counts places from the middle of the scan if it lies far from its origin, as scans of a long table do.
+void recentre(Volume &scan, Findings &findings);
+
 // Returns the mask of the body: the largest piece of tissue with all that it encloses.
 Mask body_of(const Volume &scan);
 

@@ -93,6 +93,7 @@ std::vector<Click> read_clicks(const std::filesystem::path &file)
                        " clicks: segment by another program, or leave some out");
         clicks.push_back(click_in(table.inside(place)));
         const TomlValue at = table["at_mm"];
+        clicks.back().label = place;
         clicks.back().where = file.string() + formatted(":%d:%d: %s", at.line(), at.column(), place.c_str());
     }
     return clicks;
@@ -155,7 +156,8 @@ std::vector<Click> clicks_with(const std::filesystem::path &file, const std::vec
 {
     std::vector<Click> clicks = read_clicks(file);
     for (const std::string &text : options) {
-        const Click click = click_of(text);
+        Click click = click_of(text);
+        click.label = "click " + std::to_string(clicks.size() + 1);
         if (std::none_of(clicks.begin(), clicks.end(), [&](const Click &c) { return c.is_same(click); }))
             clicks.push_back(click);
     }

@@ -26,7 +26,8 @@ struct Click {
     Eigen::Vector3d at_mm = Eigen::Vector3d::Zero(); // the scene's axes
     double radius_mm = 0.0;                          // only for cut; 0: cut_radius_mm
     std::string branch;                              // only for name
-    std::string where;                               // "FILE:LINE:COLUMN: click 2", for messages
+    std::string where; // "FILE:LINE:COLUMN: click 2", for messages; it goes into no output
+    std::string label; // "click 2", for outputs
 
     bool is_same(const Click &other) const;
 };

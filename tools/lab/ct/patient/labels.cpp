@@ -133,6 +133,27 @@ NamesTable read_names(const fs::path &file)
     return names;
 }
 
+namespace
+{
+
+// Numbers the structures that are present 1, 2, ..., so that every file of labels can hold them.
+void renumber(const std::set<int> &present, LabelMap &labels)
+{
+    std::map<int, int> number_of;
+    NamesTable names;
+    for (const int number : present) {
+        if (number == 0) continue;
+        const int next = static_cast<int>(number_of.size()) + 1;
+        number_of[number] = next;
+        names[next] = labels.names[number];
+    }
+    for (float &value : labels.volume.hu)
+        if (value != 0.0f) value = static_cast<float>(number_of[static_cast<int>(value)]);
+    labels.names = std::move(names);
+}
+
+} // namespace
+
 LabelMap read_labels(const fs::path &map, const fs::path &table, const Volume &scan)
 {
     LabelMap labels{along_patient_axes(read_volume(map)), read_names(table)};
@@ -157,6 +178,7 @@ LabelMap read_labels(const fs::path &map, const fs::path &table, const Volume &s
     if (!has_aorta)
         throw Fault(map.string() + ": no structure is named 'aorta' in " + table.string() +
                     ": segment the arteries, or give the table with TotalSegmentator's names");
+    renumber(present, labels);
     return labels;
 }
 

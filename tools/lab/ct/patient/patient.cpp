@@ -37,7 +37,7 @@ std::string names_checksum(const NamesTable &names)
     return checksum(text.data(), text.size());
 }
 
-constexpr const char *steps_version = "8"; // another number: every step is made again
+constexpr const char *steps_version = "9"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
@@ -58,15 +58,9 @@ fs::path in(const Patient &patient, const char *name)
     return patient.folder / name;
 }
 
-// Reads the clicks of the folder, and adds those of the command line to it.
-std::vector<Click> clicks_of(const PatientOptions &options, const Volume &scan)
+fs::path clicks_file(const PatientOptions &options)
 {
-    const fs::path file = options.output / "clicks.toml";
-    const std::size_t before = read_clicks(file).size();
-    std::vector<Click> clicks = clicks_with(file, options.clicks);
-    check_clicks(clicks, scan);
-    if (clicks.size() > before) write_clicks(file, clicks);
-    return clicks;
+    return options.output / "clicks.toml";
 }
 
 // The text of the clicks of some kinds: the part of a step's inputs that they are.
@@ -142,11 +136,20 @@ Patient read_patient(const PatientOptions &given, Steps &steps, Page &page)
         Findings ignored;
         contrast_in(patient.scan, patient.labels, ignored);
     }
+    recentre(patient.scan, patient.findings);
+    patient.clicks = clicks_with(clicks_file(options), options.clicks);
+    check_clicks(patient.clicks, patient.scan);
     patient.scan = keep_copy(patient.scan, options.output, steps);
+    // The map was checked against the scan's own grid; from here on both have that of the copy.
+    patient.labels.volume.origin_mm = patient.scan.origin_mm;
+    patient.labels.volume.spacing_mm = patient.scan.spacing_mm;
+    patient.labels.volume.direction = patient.scan.direction;
     if (!patient.has_map) forget_labels(options.output); // of an earlier run
-    patient.clicks = clicks_of(options, patient.scan);
     patient.body = body_of(patient.scan);
     find_vessels(options, patient, steps, page);
+    // A click that could not be obeyed is not kept.
+    if (patient.clicks.size() > read_clicks(clicks_file(options)).size())
+        write_clicks(clicks_file(options), patient.clicks);
     return patient;
 }
 
@@ -241,7 +244,12 @@ void make_scene(Patient &patient, const centreline::Tree &tree, Steps &steps)
     options.points = 20000;
     options.poses = 1000;
     bake::Progress progress;
-    write_whole_file(in(patient, "bake.txt").string(), bake::bake(options, progress));
+    // The name of the folder may be that of the patient, so no output repeats it.
+    std::string text = bake::bake(options, progress);
+    const std::string folder = (patient.folder / "").string();
+    for (std::size_t at = 0; (at = text.find(folder, at)) != std::string::npos;)
+        text.erase(at, folder.size());
+    write_whole_file(in(patient, "bake.txt").string(), text);
     steps.finish("scene", inputs);
 }
 

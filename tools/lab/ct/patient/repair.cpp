@@ -163,7 +163,7 @@ void join_clicked(const Volume &scan, const Bright &bright, const std::vector<Cl
         const Gap gap = shortest_gap(scan, piece);
         if (gap.mm >= join_most_mm) {
             findings.check.push_back(
-                click.where +
+                click.label +
                 formatted(": its artery ends more than %.0f mm from the others and is left out: "
                           "add a bridge",
                           join_most_mm));
@@ -176,7 +176,7 @@ void join_clicked(const Volume &scan, const Bright &bright, const std::vector<Cl
                   tube);
         for (std::size_t at = 0; at < tube.size(); ++at)
             if (tube[at] && !artery[at]) artery[at] = tubes[at] = 1;
-        findings.facts.push_back(click.where + formatted(": joined over a gap of %.1f mm", gap.mm));
+        findings.facts.push_back(click.label + formatted(": joined over a gap of %.1f mm", gap.mm));
     }
 }
 

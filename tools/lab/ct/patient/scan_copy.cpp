@@ -86,7 +86,12 @@ Volume keep_copy(const Volume &scan, const fs::path &folder, Steps &steps)
     Volume kept = volume_of(ct);
     kept.name = scan.name;
     const std::string inputs = "2 " + checksum(kept);
-    if (!steps.is_done("scan", inputs, {folder / scan_name, folder / notes_name})) {
+    const std::vector<fs::path> files = {folder / scan_name, folder / notes_name};
+    if (!steps.has("scan", inputs, files) && fs::exists(folder / scan_name) &&
+        fs::exists(folder / "clicks.toml"))
+        throw Fault((folder / "clicks.toml").string() +
+                    ": holds clicks for another scan: give another folder, or remove this file");
+    if (!steps.is_done("scan", inputs, files)) {
         const nlohmann::json text = {{"notes", scan.notes}};
         write_whole_file((folder / notes_name).string(), text.dump(2) + "\n");
         write_ct_volume((folder / scan_name).string(), ct);

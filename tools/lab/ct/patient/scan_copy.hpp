@@ -23,7 +23,8 @@ struct ScanCopy {
 };
 // Reads the copy, and the notes beside it. Throws Fault.
 ScanCopy read_copy(const std::filesystem::path &file);
-// Writes the copy into the folder, unless it is there, and returns the scan as the copy holds it.
+// Writes the copy into the folder, unless it is there, and returns the scan as the copy holds it. Throws
+// Fault if the folder has clicks for another scan.
 Volume keep_copy(const Volume &scan, const std::filesystem::path &folder, Steps &steps);
 
 // The label map of the folder, with its table; empty: none was given.

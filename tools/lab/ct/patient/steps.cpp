@@ -8,6 +8,13 @@
 namespace crn::ct
 {
 
+namespace
+{
+
+const std::string order[] = {"scan", "arteries", "picture", "lumen", "tree", "scene"};
+
+} // namespace
+
 Steps::Steps(const std::filesystem::path &folder) : file_(folder / "steps.json")
 {
     try {
@@ -17,15 +24,20 @@ Steps::Steps(const std::filesystem::path &folder) : file_(folder / "steps.json")
     if (!done_.is_object()) done_ = nlohmann::json::object();
 }
 
+bool Steps::has(const std::string &step, const std::string &inputs,
+                const std::vector<std::filesystem::path> &files) const
+{
+    return done_.contains(step) && done_[step] == inputs &&
+           std::all_of(files.begin(), files.end(),
+                       [](const std::filesystem::path &file) { return std::filesystem::exists(file); });
+}
+
 bool Steps::is_done(const std::string &step, const std::string &inputs,
                     const std::vector<std::filesystem::path> &files)
 {
-    if (!done_.contains(step)) return false;
-    const bool are_there = std::all_of(files.begin(), files.end(), [](const std::filesystem::path &file) {
-        return std::filesystem::exists(file);
-    });
-    if (are_there && done_[step] == inputs) return true;
-    done_.erase(step);
+    if (has(step, inputs, files)) return true;
+    const auto first = std::find(std::begin(order), std::end(order), step);
+    for (auto later = first; later != std::end(order); ++later) done_.erase(*later);
     write();
     return false;
 }

@@ -13,9 +13,12 @@ class Steps
   public:
     explicit Steps(const std::filesystem::path &folder);
     // Whether the step was made from these inputs and its files are there. A step that must be made again is
-    // taken out of the file, so the file tells what is done while a command runs.
+    // taken out of the file with all later steps, so the file tells what is done while a command runs.
     bool is_done(const std::string &step, const std::string &inputs,
                  const std::vector<std::filesystem::path> &files);
+    // The same question, which changes nothing.
+    bool has(const std::string &step, const std::string &inputs,
+             const std::vector<std::filesystem::path> &files) const;
     void finish(const std::string &step, const std::string &inputs);
 
   private:

@@ -86,7 +86,12 @@ Unlabelled unlabelled_arteries(const Volume &scan, const Mask &body, const std::
     std::vector<fs::path> files = {map, notes};
     for (const Shot &shot : shots) files.push_back(page.folder() / shot.name);
     Unlabelled result;
-    if (!steps.is_done("arteries", inputs, files)) {
+    // A map or notes that somebody has changed are made again.
+    const auto with_files = [&] {
+        return fs::exists(map) && fs::exists(notes) ? inputs + " " + checksum(map) + " " + checksum(notes)
+                                                    : inputs;
+    };
+    if (!steps.is_done("arteries", with_files(), files)) {
         Findings own;
         FoundArteries found = find_arteries(scan, body, clicks, own, terminal_report());
         describe(scan, found, own);
@@ -99,7 +104,7 @@ Unlabelled unlabelled_arteries(const Volume &scan, const Mask &body, const std::
             {"assumed", own.assumed},
             {"check", own.check}};
         write_whole_file(notes.string(), text.dump(2) + "\n");
-        steps.finish("arteries", inputs);
+        steps.finish("arteries", with_files());
         result.labels = std::move(found.labels);
     } else {
         result.labels = {along_patient_axes(read_volume(map)), artery_names()};

@@ -22,6 +22,7 @@ namespace
 using Eigen::Vector3d;
 
 constexpr int snake_steps = 30;
+constexpr double least_radius_mm = 0.1;
 constexpr double entry_mm = 15.0; // from the end of the vessel into it
 
 // The end of a branch without children.
@@ -206,6 +207,10 @@ centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, const 
     std::vector<std::string> notes;
     centreline::Tree tree = centreline::fit_automatic(inside, wish, notes, progress);
     widen_to_sections(lumen, tree);
+    // Where a line touches the wall of a thin vessel, its sphere has no radius, which `bake` would refuse.
+    for (centreline::Branch &branch : tree.branches)
+        for (centreline::Sphere &sphere : branch.spheres)
+            sphere.radius_mm = std::max(sphere.radius_mm, least_radius_mm);
     double all_mm = 0.0;
     for (const centreline::Branch &branch : tree.branches) all_mm += centreline::length_mm(branch);
     if (all_mm < 30.0)
@@ -270,17 +275,25 @@ static Entry inside_end(const centreline::Branch &branch)
     throw Fault("tree: the branch " + branch.name + " has a single place");
 }
 
+// Beside the femoral artery, its deep branch often ends lower, so the widest of the low ends is taken.
 Entry entry_of(const centreline::Tree &tree, const std::string &name)
 {
-    const centreline::Branch *lowest = nullptr;
+    constexpr double low_mm = 60.0;
+    const auto end_mm = [](const centreline::Branch &branch) { return branch.spheres.back().centre_mm.y(); };
+    const auto radius_mm = [](const centreline::Branch &branch) {
+        return branch.spheres[branch.spheres.size() / 2].radius_mm;
+    };
+    double lowest_mm = 1e9;
+    for (std::size_t i = 0; i < tree.branches.size(); ++i)
+        if (is_leaf(tree, i)) lowest_mm = std::min(lowest_mm, end_mm(tree.branches[i]));
+    const centreline::Branch *widest = nullptr;
     for (std::size_t i = 0; i < tree.branches.size(); ++i) {
         const centreline::Branch &branch = tree.branches[i];
-        if (!is_leaf(tree, i)) continue;
-        if (!lowest || branch.spheres.back().centre_mm.y() < lowest->spheres.back().centre_mm.y())
-            lowest = &branch;
+        if (!is_leaf(tree, i) || end_mm(branch) > lowest_mm + low_mm) continue;
+        if (!widest || radius_mm(branch) > radius_mm(*widest)) widest = &branch;
     }
-    if (!lowest) throw Fault(name + ": the arteries have no end");
-    return inside_end(*lowest);
+    if (!widest) throw Fault(name + ": the arteries have no end");
+    return inside_end(*widest);
 }
 
 Entry entry_near(const centreline::Tree &tree, const Vector3d &place_mm)

@@ -6,6 +6,7 @@
 #include "host/base/version.hpp"
 #include "host/cases/programs.hpp"
 #include "tools/lab/ct/commands.hpp"
+#include "tools/lab/ct/cta/cta.hpp"
 #include "tools/lab/ct/patient/clicks.hpp"
 #include "tools/lab/ct/patient/patient.hpp"
 #include "tools/lab/ct/review/review_window.hpp"
@@ -81,6 +82,13 @@ constexpr const char *patient_footer =
     "index.html.\n"
     "Nothing of the scan but its voxels and its grid is kept. docs/own_ct.md says what is assumed and "
     "checked.\n";
+
+constexpr const char *cta_footer =
+    "Examples:\n"
+    "  anatomy person --seed 7 -o seven && ct cta seven -o cta.nii.gz        from the groins to the arch\n"
+    "  ct cta seven -o series --slice-mm 2 --noise-HU 30 --pulse-mm 2        a DICOM series, noisier\n"
+    "  ct cta seven -o cta.nrrd --labels map.nrrd --truth truth.csv          with the true arteries\n"
+    "docs/own_ct.md, \"Virtual angiograms\", says what is modelled.\n";
 
 constexpr const char *check_footer = "Example:\n"
                                      "  ct check out/case      after ct segment; exit code 1 where a mean or "
@@ -208,14 +216,17 @@ std::vector<std::string> command_of(const PatientOptions &options)
 
 void patient_in_window(const PatientOptions &options, ReviewOptions review)
 {
+    if (!review.runs_at_once && !std::filesystem::exists(options.scan))
+        throw std::runtime_error(options.scan.string() +
+                                 ": there is none: name a folder that `cournand patient new` has made");
     crn::check_output_folder({"--output", options.output.string()});
     std::filesystem::create_directories(options.output);
-    if (!options.clicks.empty()) {
-        const std::filesystem::path file = options.output / "clicks.toml";
-        write_clicks(file, clicks_with(file, options.clicks));
-    }
     review.folder = options.output;
     review.command = command_of(options);
+    // Clicks of the command line belong to the first run; later the file of clicks has them.
+    review.first_command = review.command;
+    for (const std::string &click : options.clicks)
+        review.first_command.insert(review.first_command.end(), {"--click", click});
     switch (review_patient(review)) {
     case ReviewEnd::interrupted:
         throw std::runtime_error("interrupted; finished steps are kept in " + options.output.string());
@@ -243,9 +254,18 @@ void add_patient(CLI::App &app, PatientOptions &options, WindowChoice &window)
         "label map of organs and arteries on the scan's grid; none: the arteries are found");
     labels->needs(command.add_option("--names", options.names, "table of the labels' numbers and names")
                       ->needs(labels));
-    command.add_option("--click", options.clicks,
-                       "mends the arteries: artery, cut, bridge, entry or name, and a place in mm, as in "
-                       "artery:12,-230,4; kept in clicks.toml of the folder");
+    command
+        .add_option("--click", options.clicks,
+                    "mends the arteries: artery, cut, bridge, entry or name, and a place in mm, as in "
+                    "artery:12,-230,4; kept in clicks.toml of the folder")
+        ->check([](const std::string &text) {
+            try {
+                click_of(text);
+                return std::string();
+            } catch (const std::exception &error) {
+                return std::string(error.what());
+            }
+        });
     command.add_option("-o,--output", options.output, "folder of the scene and its report");
     CLI::Option *check = command.add_flag(
         "--check", options.is_check,
@@ -269,6 +289,34 @@ void add_patient(CLI::App &app, PatientOptions &options, WindowChoice &window)
     });
 }
 
+void add_cta(CLI::App &app, CtaOptions &options)
+{
+    CLI::App &command =
+        *app.add_subcommand("cta", "a virtual CT angiogram of a person whom `anatomy person` has made");
+    command.footer(cta_footer);
+    const auto number = [&](const char *name, double &value, const char *what, double low, double high) {
+        command.add_option(name, value, what)->check(CLI::Range(low, high))->capture_default_str();
+    };
+    command.add_option("PERSON", options.person, "the folder that `anatomy person` has made")->required();
+    command.add_option("-o,--output", options.output, "the volume")->required();
+    command.add_option("--labels", options.labels,
+                       "also a label map of the true arteries, and beside it a table, .csv");
+    command.add_option("--truth", options.truth, "also a table of the true centrelines and radii, .csv");
+    number("--pixel-mm", options.pixel_mm, "side of a pixel", 0.3, 2);
+    number("--slice-mm", options.slice_mm, "distance and thickness of slices", 0.3, 5);
+    number("--low-mm", options.low_mm, "lower end, in the scene's heights; equal to --high-mm: the groins",
+           -900, 900);
+    number("--high-mm", options.high_mm, "upper end; equal to --low-mm: above the arch", -900, 900);
+    number("--artery-HU", options.artery_HU, "medium in the arteries", 60, 800);
+    number("--blur-mm", options.blur_mm, "sigma of the point spread in a slice", 0, 3);
+    number("--blur-slice-mm", options.blur_slice_mm, "sigma across it", 0, 5);
+    number("--noise-HU", options.noise_HU, "standard deviation", 0, 200);
+    number("--breath-mm", options.breath_mm, "by which breath moves slices up and down", 0, 10);
+    number("--pulse-mm", options.pulse_mm, "by which the heart moves slices to the sides", 0, 10);
+    command.add_option("--seed", options.seed, "of the noise")->capture_default_str();
+    command.callback([&options] { command_cta(options); });
+}
+
 } // namespace
 
 int main(int argc, char **argv)
@@ -290,6 +338,8 @@ int main(int argc, char **argv)
     PatientOptions patient;
     WindowChoice window;
     add_patient(app, patient, window);
+    CtaOptions cta;
+    add_cta(app, cta);
     std::filesystem::path checked;
     bool is_good = true;
     CLI::App &check =

@@ -39,13 +39,16 @@ bool PatientFolder::look()
         watched.is_there = is_there;
         watched.time = time;
         has_changed = true;
-        trouble.clear();
+        watched.trouble.clear();
         try {
             read(watched.name);
         } catch (const std::exception &error) {
-            trouble = error.what();
+            watched.trouble = error.what();
         }
     }
+    trouble.clear();
+    for (const Watched &watched : watched_)
+        if (trouble.empty()) trouble = watched.trouble;
     return has_changed;
 }
 
@@ -91,7 +94,8 @@ std::vector<ReviewStep> PatientFolder::steps() const
 
 bool PatientFolder::has_scene() const
 {
-    return std::filesystem::exists(file("patient.scene"));
+    return std::find(done_.begin(), done_.end(), "scene") != done_.end() &&
+           std::filesystem::exists(file("patient.scene"));
 }
 
 } // namespace crn::ct

@@ -27,7 +27,7 @@ class PatientFolder
 
     std::filesystem::path file(const char *name) const { return path_ / name; }
     std::vector<ReviewStep> steps() const;
-    bool has_scene() const;
+    bool has_scene() const; // and it was made from what the folder holds now
 
     CtVolume scan;         // empty: not read yet
     bake::Mesh lumen;      // empty: not found yet
@@ -40,6 +40,7 @@ class PatientFolder
         const char *name;
         std::filesystem::file_time_type time{}; // of the version that was read
         bool is_there = false;
+        std::string trouble{}; // why it could not be read
     };
     void read(const std::string &name);
 

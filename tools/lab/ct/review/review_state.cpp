@@ -1,5 +1,6 @@
 #include "tools/lab/ct/review/review_state.hpp"
 #include "host/base/format.hpp"
+#include "tools/centreline/formats.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -27,8 +28,22 @@ std::string last_line(const std::string &text)
 ReviewState::ReviewState(std::filesystem::path folder, std::vector<std::string> command)
     : folder_(std::move(folder)), command_(std::move(command))
 {
-    clicks_ = read_clicks(folder_.file("clicks.toml"));
     look();
+    read_clicks_file();
+    std::error_code no_clicks, no_report;
+    const auto clicked = std::filesystem::last_write_time(folder_.file("clicks.toml"), no_clicks),
+               reported = std::filesystem::last_write_time(folder_.file("report.json"), no_report);
+    clicks_changed_ = !no_clicks && (no_report || clicked > reported);
+}
+
+// A file that a person has damaged stays as it is until the first click replaces it.
+void ReviewState::read_clicks_file()
+{
+    try {
+        clicks_ = read_clicks(folder_.file("clicks.toml"));
+    } catch (const std::exception &error) {
+        trouble_ = error.what();
+    }
 }
 
 bool ReviewState::look()
@@ -53,20 +68,24 @@ bool ReviewState::look()
                            ? formatted("the command ended with exit code %d", result->code)
                            : last_line(result->refused);
         task_.reset();
+        const std::string trouble = trouble_;
+        read_clicks_file(); // the command may have added those of its options
+        if (!trouble.empty()) trouble_ = trouble;
         has_changed = true;
     }
     return has_changed;
 }
 
-void ReviewState::run()
+void ReviewState::run(const std::vector<std::string> &other)
 {
     if (is_running() || command_.empty()) return;
     trouble_.clear();
     clicks_changed_ = false;
     began_ = std::chrono::steady_clock::now();
-    task_ = std::make_unique<BackgroundTask<ProgramResult>>([command = command_](TaskProgress &progress) {
-        return run_program(command, [&progress] { return progress.goes_on(); });
-    });
+    task_ = std::make_unique<BackgroundTask<ProgramResult>>(
+        [command = other.empty() ? command_ : other](TaskProgress &progress) {
+            return run_program(command, [&progress] { return progress.goes_on(); });
+        });
 }
 
 void ReviewState::stop()
@@ -136,6 +155,8 @@ bool ReviewState::add_click(ClickKind kind, const std::string &branch)
         return refused(formatted("there are %zu clicks, and no more can be kept: remove some", clicks_max));
     if (kind == ClickKind::name && branch.empty())
         return refused("type the name of the branch before the click");
+    if (kind == ClickKind::name && branch != centreline::plain_name(branch))
+        return refused("the name of a branch may have letters, digits, blanks and _-.()");
     Click click;
     click.kind = kind;
     for (int axis = 0; axis < 3; ++axis) click.at_mm[axis] = std::round(cross_mm_[axis] * 10) / 10;
@@ -149,6 +170,7 @@ bool ReviewState::add_click(ClickKind kind, const std::string &branch)
 void ReviewState::remove_click(std::size_t number)
 {
     if (number >= clicks_.size()) return;
+    trouble_.clear();
     clicks_.erase(clicks_.begin() + static_cast<std::ptrdiff_t>(number));
     save_clicks();
 }

@@ -29,8 +29,8 @@ class ReviewState
     // anything has changed.
     bool look();
 
-    // Runs the command, unless it runs already.
-    void run();
+    // Runs the command, or another one for this run, unless one runs already.
+    void run(const std::vector<std::string> &other = {});
     void stop();
     bool is_running() const { return task_ && !task_->is_done(); }
     double running_s() const; // since the command began
@@ -71,6 +71,7 @@ class ReviewState
     View &view(Section section);
     void renew();
     void save_clicks();
+    void read_clicks_file();
 
     PatientFolder folder_;
     std::vector<std::string> command_;

@@ -34,7 +34,7 @@ ReviewEnd review_patient(const ReviewOptions &options)
     window.on_key([&](int key, int action, int) {
         if (action == GLFW_PRESS) take(screen.press(key));
     });
-    if (options.runs_at_once) state.run();
+    if (options.runs_at_once) state.run(options.first_command);
     std::string layout;
     int frames = frames_after;
     while (!wish.ends && !wish.plays && !window.wants_close() && !is_interrupted()) {

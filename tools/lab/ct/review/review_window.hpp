@@ -10,12 +10,13 @@ namespace crn::ct
 {
 
 struct ReviewOptions {
-    std::filesystem::path folder;     // of the patient
-    std::vector<std::string> command; // `ct patient ...`, the words of the command that makes the scene
-    bool runs_at_once = true;         // false: only look at what the folder holds
-    std::string screenshot;           // PNG of the window's last screen; empty: none
-    std::string layout;               // names and places of the controls, for tests; empty: none
-    int width = 1600, height = 900;   // at the start
+    std::filesystem::path folder;           // of the patient
+    std::vector<std::string> command;       // `ct patient ...`, the words of the command that makes the scene
+    std::vector<std::string> first_command; // the same for the first run; empty: no other
+    bool runs_at_once = true;               // false: only look at what the folder holds
+    std::string screenshot;                 // PNG of the window's last screen; empty: none
+    std::string layout;                     // names and places of the controls, for tests; empty: none
+    int width = 1600, height = 900;         // at the start
 };
 
 enum class ReviewEnd {

@@ -34,7 +34,7 @@ void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spa
     if (voxels > static_cast<double>(volume_voxels_max))
         throw Fault(what + ": " + formatted("%.0f", voxels * 1e-6) + " million voxels are more than the " +
                     formatted("%.0f", static_cast<double>(volume_voxels_max) * 1e-6) +
-                    " million that are read: cut the volume to the phantom");
+                    " million that are read: cut the volume to the body or the phantom");
     for (int axis = 0; axis < 3; ++axis)
         if (!(spacing_mm[axis] >= spacing_min_mm && spacing_mm[axis] <= spacing_max_mm))
             throw Fault(what + ": spacing " +

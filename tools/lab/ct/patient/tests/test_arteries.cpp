@@ -196,9 +196,29 @@ static void the_wall_is_where_the_truth_has_it(void **)
     }
 }
 
+// The kidney behind its artery is bright, but neither an artery nor a chamber of the heart.
+static void a_kidney_keeps_its_medium_in_the_picture(void **)
+{
+    const Vector3d kidney(62, 20, -10);
+    assert_artery(found().labels, kidney, false);
+    Findings findings;
+    const Contrast contrast = contrast_in(trunk().scan, found().labels, findings);
+    const CtVolume picture = picture_volume(trunk().scan, trunk().body, found().labels, contrast, findings);
+    const auto HU_at = [&](const Vector3d &p) {
+        const Vector3d voxel = (p - picture.first_mm).cwiseQuotient(picture.spacing_mm);
+        return picture.permille[picture.index(static_cast<int>(std::lround(voxel.x())),
+                                              static_cast<int>(std::lround(voxel.y())),
+                                              static_cast<int>(std::lround(voxel.z())))] -
+               1000.0;
+    };
+    assert_true(std::fabs(HU_at(kidney) - 280) < 4 * spread_HU);
+    assert_true(HU_at({0, 0, -10}) < 100); // blood in the aorta
+}
+
 int main()
 {
     const CMUnitTest tests[] = {
+        cmocka_unit_test(a_kidney_keeps_its_medium_in_the_picture),
         cmocka_unit_test(the_aorta_is_found_beside_a_spine_as_bright),
         cmocka_unit_test(arteries_end_at_bone_kidney_and_gap),
         cmocka_unit_test(a_bridge_joins_the_two_ends_of_a_gap),

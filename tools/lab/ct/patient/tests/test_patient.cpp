@@ -309,6 +309,26 @@ static void a_nifti_file_with_a_rescale_offset_is_read(void **)
     assert_true(read.hu[middle] == scan.hu[middle] - 1024.0f);
 }
 
+// The deep femoral artery may end lower than the femoral artery beside it.
+static void instruments_enter_the_widest_of_the_low_ends(void **)
+{
+    const auto line = [](const char *name, int parent, double x_mm, double from_mm, double to_mm,
+                         double radius_mm) {
+        centreline::Branch branch;
+        branch.name = name;
+        branch.parent = parent;
+        for (int i = 0; i <= 20; ++i)
+            branch.spheres.push_back({Vector3d(x_mm, from_mm + (to_mm - from_mm) * i / 20.0, 0), radius_mm});
+        return branch;
+    };
+    centreline::Tree tree;
+    tree.branches = {line("aorta", -1, 0, 100, 0, 9), line("deep", 0, 20, 0, -100, 2),
+                     line("femoral", 0, 25, 0, -80, 4)};
+    const Entry entry = entry_of(tree, "scan");
+    assert_string_equal(entry.branch.c_str(), "femoral");
+    assert_true(std::fabs(entry.place_mm.y() + 65) < 5 && entry.direction.y() > 0.99);
+}
+
 int main()
 {
     const CMUnitTest tests[] = {
@@ -318,6 +338,7 @@ int main()
         cmocka_unit_test(scans_that_cannot_serve_are_named),
         cmocka_unit_test(every_order_of_voxels_becomes_that_of_the_patient),
         cmocka_unit_test(a_nifti_file_with_a_rescale_offset_is_read),
+        cmocka_unit_test(instruments_enter_the_widest_of_the_low_ends),
         cmocka_unit_test(arteries_that_vanish_are_named),
         cmocka_unit_test(a_label_map_needs_the_scans_grid_names_and_an_aorta),
     };

@@ -137,6 +137,7 @@ static void a_click_is_saved_and_asks_for_another_run(void **)
         assert_true(state.add_click(ClickKind::bridge));
         assert_true(state.needs_run());
         assert_false(state.add_click(ClickKind::name)); // without a name
+        assert_false(state.add_click(ClickKind::name, "a/b"));
         assert_true(state.add_click(ClickKind::name, "left_renal_artery"));
         state.set_cross(place_of(volume, {0, 0, 0}));
         assert_false(state.add_click(ClickKind::artery)); // in air
@@ -147,6 +148,7 @@ static void a_click_is_saved_and_asks_for_another_run(void **)
     assert_true(again.clicks()[0].kind == ClickKind::bridge);
     assert_true((again.clicks()[0].at_mm - place_of(volume, {10, 15, 20})).norm() < 1e-9);
     assert_true(again.clicks()[1].branch == "left_renal_artery");
+    assert_true(again.needs_run()); // nobody has made the scene with them
     again.remove_click(0);
     assert_int_equal(read_clicks(folder.file("clicks.toml")).size(), 1);
 }
@@ -160,6 +162,8 @@ static void a_damaged_file_of_the_folder_is_named(void **)
     write_whole_file(folder.file("scan.ct"), bytes);
     ReviewState state(folder.path, {});
     assert_false(state.has_scan());
+    write_whole_file(folder.file("steps.json"), "{}\n"); // a good file does not hide the damaged one
+    assert_true(state.look());
     assert_true(state.folder().trouble.find("scan.ct") != std::string::npos);
     state.set_cross({0, 0, 0}); // nothing to look at, and no crash
     assert_false(state.add_click(ClickKind::artery));
@@ -177,7 +181,8 @@ static void finished_steps_and_findings_are_read(void **)
         assert_int_equal(step.is_done, std::string(step.name) == "scan" || std::string(step.name) == "lumen");
     assert_int_equal(read.check.size(), 2);
     assert_int_equal(read.facts.size(), 0); // no text
-    assert_false(read.has_scene());
+    write_whole_file(folder.file("patient.scene"), "of an earlier run");
+    assert_false(read.has_scene()); // its step is not done
     std::filesystem::remove(folder.file("steps.json"));
     assert_true(read.look());
     for (const ReviewStep &step : read.steps()) assert_false(step.is_done);

@@ -7,7 +7,7 @@ set -u
 . "$(dirname "$0")/../../../../../host/suite/tests/controls.sh"
 export XDG_STATE_HOME="$work/state" XDG_DATA_HOME="$work/data" XDG_CACHE_HOME="$work/cache" program work
 python3 "$(dirname "$0")/phantom.py" "$work/Doe_John.nii" # the name of a patient must go nowhere
-export patient="$work/patient"
+export patient="$work/Doe_John_patient" # nor the name of the folder
 
 # The window is `ct patient --window`; the words of `cournand patient` are tested in test_cli_patient.cpp.
 cat >"$work/new.sh" <<'SH'

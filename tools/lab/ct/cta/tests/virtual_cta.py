@@ -1,0 +1,145 @@
+"""Makes a person, a CT angiogram of this person, and a scene of the angiogram without a click; compares the scene's
+centrelines and the forces of a session with the truth. The tests test_virtual_cta.py and test_ten_ctas.py import this
+module; run as a program, it prints the rows of the seeds that are its arguments."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [os.path.join(HERE, "..", "..", "..", "..", "check"), HERE]
+import compare  # noqa: E402
+import tree  # noqa: E402
+
+BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
+LEAST_RADIUS_MM, WIDE_RADIUS_MM = 1.0, 2.0
+LIMIT_S = 1800
+ENTRY = re.compile(r"position_mm = .*\ndirection = .*\n")
+
+
+def run(program, *arguments):
+    """Returns the processor time in seconds. A program that fails ends the test with its message."""
+    before = os.times()
+    done = subprocess.run(
+        [os.path.join(BUILD, "bin", program)] + list(arguments),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+        cwd=tree.ROOT,
+    )
+    if done.returncode != 0:
+        raise RuntimeError("%s %s: %s" % (program, arguments[0], (done.stderr or done.stdout)[-600:]))
+    after = os.times()
+    return after.children_user + after.children_system - before.children_user - before.children_system
+
+
+def tour_scene(made, person, target):
+    """Bakes the lumen of a scene without bodies and motion, with the entry of the person: instruments enter both scenes
+    at the same place."""
+    with open(os.path.join(person, "scene.toml"), encoding="utf-8") as file:
+        entry = ENTRY.search(file.read()).group(0)
+    with open(os.path.join(made, "scene.toml"), encoding="utf-8") as file:
+        text = ENTRY.sub(entry, file.read().split("[[body]]")[0])
+    scene = os.path.join(made, "tour.toml")
+    with open(scene, "w", encoding="utf-8") as file:
+        file.write(re.sub(r"\n\[motion\][^\[]*", "\n", text))
+    run("bake", scene, "-o", target)
+
+
+def forces(scene):
+    """Plays the tour; returns the greatest force on the wall in N and its integral over time in N s."""
+    report = scene + ".json"
+    run(
+        "cournand",
+        "run",
+        "--scene",
+        scene,
+        "--session",
+        os.path.join(HERE, "tour.session"),
+        "--json",
+        report,
+        "--png",
+        scene + ".png",
+        "--quiet",
+    )
+    with open(report, encoding="utf-8") as file:
+        contact = json.load(file)["contact"]
+    return contact["force_max_N"], contact["impulse_N_s"]
+
+
+def row_of(seed, folder, options=()):
+    """Returns the figures of one person."""
+    person, found = os.path.join(folder, "person"), os.path.join(folder, "found")
+    scan, truth = os.path.join(folder, "cta.nii.gz"), os.path.join(folder, "truth.csv")
+    os.makedirs(folder, exist_ok=True)
+    run("anatomy", "person", "--seed", str(seed), "-o", person)
+    made_s = run("ct", "cta", person, "-o", scan, "--truth", truth, "--seed", str(seed), *options)
+    begin = time.monotonic()
+    cpu_s = run("ct", "patient", scan, "-o", found)
+    wall_s = time.monotonic() - begin
+    rows = compare.compare(
+        compare.read_truth(truth, LEAST_RADIUS_MM), compare.read_tree(os.path.join(found, "tree.csv"))
+    )
+    wide = [row for row in rows if row[5] >= WIDE_RADIUS_MM]
+    scenes = [os.path.join(folder, name) for name in ("true.scene", "found.scene")]
+    tour_scene(person, person, scenes[0])
+    tour_scene(found, person, scenes[1])
+    true_force, found_force = map(forces, scenes)
+    with open(os.path.join(folder, "vessels.json"), "w", encoding="utf-8") as file:
+        json.dump(rows, file, indent=1)
+    return {
+        "seed": seed,
+        "vessels": len(rows),
+        "all": compare.summary(rows),
+        "wide": compare.summary(wide),
+        "wide_vessels": len(wide),
+        "cta_s": made_s,
+        "cpu_s": cpu_s,
+        "wall_s": wall_s,
+        "clicks": 0,
+        "force": [f / t - 1 for f, t in zip(found_force, true_force)],
+        "true_force": true_force,
+    }
+
+
+def text_of(row):
+    return (
+        "| %d | %d of %d | %.0f %% | %.2f mm | %.1f %% | %.0f %% | %.2f mm | %.1f %% | %.0f s | %+.0f %%, %+.0f %% |"
+        % (
+            (
+                row["seed"],
+                row["wide_vessels"],
+                row["vessels"],
+                100 * row["wide"][0],
+                row["wide"][1],
+                100 * row["wide"][2],
+                100 * row["all"][0],
+                row["all"][1],
+                100 * row["all"][2],
+                row["cpu_s"],
+            )
+            + tuple(100 * f for f in row["force"])
+        )
+    )
+
+
+if __name__ == "__main__":
+    for number in sys.argv[1:]:
+        try:
+            print(
+                text_of(
+                    row_of(
+                        int(number),
+                        os.path.join(BUILD, "virtual_cta", number),
+                        ("--pixel-mm", "0.9", "--slice-mm", "1.25"),
+                    )
+                ),
+                flush=True,
+            )
+        except RuntimeError as error:
+            print("| %s | %s |" % (number, error), flush=True)
