@@ -11,7 +11,6 @@
 #include "tools/lab/ct/patient/scan_copy.hpp"
 #include "tools/lab/ct/patient/unlabelled.hpp"
 #include "tools/lab/ct/patient/vessels.hpp"
-#include "tools/lab/ct/patient/wall.hpp"
 #include "tools/lab/ct/patient/xray_pictures.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
@@ -37,7 +36,7 @@ std::string names_checksum(const NamesTable &names)
     return checksum(text.data(), text.size());
 }
 
-constexpr const char *steps_version = "9"; // another number: every step is made again
+constexpr const char *steps_version = "10"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
@@ -175,15 +174,11 @@ bake::Mesh make_lumen(Patient &patient, Steps &steps, Page &page)
 {
     const fs::path file = in(patient, "lumen.ply");
     patient.findings.assumed.push_back(
-        patient.has_map
-            ? "the lumen begins as the arteries of the label map; a geodesic active contour moves it to "
-              "the edges of the scan"
-            : "the wall is half-way between the blood's HU and what is beside it; calcium is no lumen");
+        "the wall is half-way between the blood's HU and what is beside it; calcium is no lumen");
     const std::array<fs::path, 3> pictures = {in(patient, "lumen_side.png"), in(patient, "lumen_front.png"),
                                               in(patient, "lumen_slice.png")};
     if (!steps.is_done("lumen", patient.inputs, {file, pictures[0], pictures[1], pictures[2]})) {
-        const auto find_level = patient.has_map ? artery_level : wall_level;
-        const Volume level = find_level(patient.scan, patient.labels, patient.contrast, terminal_report());
+        const Volume level = artery_level(patient.scan, patient.labels, patient.contrast, terminal_report());
         const bake::Mesh mesh = lumen_of(level);
         write_surface(mesh, {}, file);
         Volume around = level.like(0);

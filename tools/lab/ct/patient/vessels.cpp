@@ -21,7 +21,6 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr int snake_steps = 30;
 constexpr double least_radius_mm = 0.1;
 constexpr double entry_mm = 15.0; // from the end of the vessel into it
 
@@ -56,21 +55,14 @@ std::string structure_of(const centreline::Branch &branch, const LabelMap &label
 Volume artery_level(const Volume &scan, const LabelMap &labels, const Contrast &contrast,
                     const Report &report)
 {
+    constexpr double least_HU = 150.0; // below it, noise hides the edges of the blood
+    if (contrast.mean_HU >= least_HU) return wall_level(scan, labels, contrast, report);
     report("cut out arteries", 0);
     const Cut cut = cut_arteries(scan, labels);
-    const double cube_mm = cube_of(scan);
     report("cut out arteries", 0.5);
-    const Volume level = in_cubes(signed_distance(cut.mask), cube_mm);
+    const Volume level = smoothed(in_cubes(signed_distance(cut.mask), cube_of(scan)), 0.7);
     report("cut out arteries", 1);
-    if (contrast.mean_HU < 150.0) return smoothed(level, 0.7);
-    report("move the wall to the edges", 0);
-    // The edge between blood and its surroundings has half the difference within a voxel or two.
-    const double edge_HU_per_mm = (contrast.mean_HU - 50.0) / (4.0 * scan.spacing_mm.maxCoeff());
-    const Volume speed =
-        speed_of(gradient_magnitude(in_cubes(cut.scan, cube_mm), 1.0), edge_HU_per_mm, edge_HU_per_mm / 3.0);
-    const Volume moved = evolve_snake(smoothed(level, 0.7), speed, {0, 0.1, 1, snake_steps});
-    report("move the wall to the edges", 1);
-    return smoothed(moved, 0.7); // steps of the slices would hold up instruments
+    return level;
 }
 
 bake::Mesh lumen_of(const Volume &level)

@@ -10,8 +10,8 @@
 namespace crn::ct
 {
 
-// Returns the level set of the arteries that are connected with the aorta, on a grid of cubic voxels around
-// them. The wall is moved to the edges of the scan by a geodesic active contour.
+// Returns the level set of the labelled arteries, on a grid of cubic voxels around them: their wall in the
+// scan, or without contrast medium the smoothed surface of the labels.
 Volume artery_level(const Volume &scan, const LabelMap &labels, const Contrast &contrast,
                     const Report &report);
 

@@ -215,9 +215,26 @@ static void a_kidney_keeps_its_medium_in_the_picture(void **)
     assert_true(HU_at({0, 0, -10}) < 100); // blood in the aorta
 }
 
+// A label map that has the aorta alone, as those without visceral arteries, and a click into a branch.
+static void a_click_adds_a_branch_to_a_label_map(void **)
+{
+    const Volume &scan = trunk().scan;
+    LabelMap labels{scan.like(0), {{7, "aorta"}}};
+    for (std::size_t at = 0; at < scan.count(); ++at)
+        if (tube(place_at(scan, at), {0, -90, -10}, {0, 90, -10}, trunk_mm) < 0) labels.volume.hu[at] = 7;
+    Findings findings;
+    const Contrast contrast = contrast_in(scan, labels, findings);
+    mend_arteries(scan, trunk().body, contrast, {click_of("artery:30,20,-10")}, labels, findings);
+    assert_artery(labels, {30, 20, -10}, true);
+    assert_artery(labels, {62, 20, -10}, false); // not on into the kidney
+    const Volume level = wall_level(scan, labels, contrast, silent);
+    for (const double x : {12.0, 20.0, 30.0}) assert_true(level.value(level.voxel({x, 20, -10})) < 0);
+}
+
 int main()
 {
     const CMUnitTest tests[] = {
+        cmocka_unit_test(a_click_adds_a_branch_to_a_label_map),
         cmocka_unit_test(a_kidney_keeps_its_medium_in_the_picture),
         cmocka_unit_test(the_aorta_is_found_beside_a_spine_as_bright),
         cmocka_unit_test(arteries_end_at_bone_kidney_and_gap),

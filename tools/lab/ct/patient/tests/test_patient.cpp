@@ -138,7 +138,7 @@ static void the_lumen_tree_and_entry_are_those_of_the_truth(void **)
     }
     const double mean_mm = sum / static_cast<double>(lumen.vertices_mm.size());
     std::printf("# lumen against truth: mean %.3f mm, most %.2f mm\n", mean_mm, most);
-    assert_true(mean_mm < 0.4);
+    assert_true(mean_mm < 0.25); // three times the measured error, as below
     const centreline::Tree tree = tree_of(lumen, of.labels, root_of(of.labels), findings);
     double line_mm = 0, radius_share = 0, count = 0;
     for (const centreline::Branch &branch : tree.branches)
@@ -154,8 +154,8 @@ static void the_lumen_tree_and_entry_are_those_of_the_truth(void **)
     std::printf("# %.0f spheres: centreline off by %.3f mm, radius by %.2f %%\n", count, line_mm / count,
                 100 * radius_share / count);
     assert_true(count > 10);
-    assert_true(line_mm / count < 0.1); // three times the measured error; the goal is 0.3 mm
-    assert_true(radius_share / count < 0.08);
+    assert_true(line_mm / count < 0.1); // the goal is 0.3 mm
+    assert_true(radius_share / count < 0.04);
     std::vector<std::string> names;
     for (const centreline::Branch &branch : tree.branches) names.push_back(branch.name);
     std::sort(names.begin(), names.end());
