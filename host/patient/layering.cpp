@@ -5,6 +5,30 @@
 namespace crn
 {
 
+namespace
+{
+
+void even_out(const FlowCells &cells, std::size_t begin, std::size_t end, const std::vector<double> &flows,
+              std::vector<double> &even)
+{
+    constexpr double reach_radii = 3.0;
+    for (std::size_t i = begin; i < end; ++i) {
+        double sum = flows[i] * cells[i].length_mm, length_mm = cells[i].length_mm;
+        const auto add = [&](std::size_t at, double &left_mm) {
+            const double part_mm = std::min(left_mm, cells[at].length_mm);
+            sum += flows[at] * part_mm;
+            length_mm += part_mm;
+            left_mm -= part_mm;
+        };
+        double up_mm = reach_radii * cells[i].radius_mm, down_mm = up_mm;
+        for (std::size_t at = i; at > begin && up_mm > 0.0; --at) add(at - 1, up_mm);
+        for (std::size_t at = i + 1; at < end && down_mm > 0.0; ++at) add(at, down_mm);
+        even[i] = sum / length_mm;
+    }
+}
+
+} // namespace
+
 std::vector<double> mean_flows_ml_s(const FlowCells &cells)
 {
     std::vector<double> flows(cells.size(), 0.0);
@@ -12,7 +36,10 @@ std::vector<double> mean_flows_ml_s(const FlowCells &cells)
         flows[i] += cells[i].outlet_ml_s;
         if (cells[i].upstream >= 0) flows[static_cast<std::size_t>(cells[i].upstream)] += flows[i];
     }
-    return flows;
+    std::vector<double> even = flows;
+    for (std::size_t branch = 0; branch < cells.branch_count(); ++branch)
+        even_out(cells, cells.branch_begin(branch), cells.branch_begin(branch + 1), flows, even);
+    return even;
 }
 
 double settled_share(double iodine_mg_per_ml, double radius_mm, double flow_ml_s)

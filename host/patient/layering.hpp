@@ -6,7 +6,8 @@
 namespace crn
 {
 
-// Returns the mean flow through each cell at rest: the flows of all ends behind it, ml/s.
+// Returns the mean flow through each cell at rest, ml/s: the flows of all ends behind it, averaged over three
+// radii of its branch to both sides, because layers do not change at once where a branch leaves.
 std::vector<double> mean_flows_ml_s(const FlowCells &cells);
 
 // Returns the share (0 to 0.9) of the medium in a vessel that lies in the lower half of its lumen, for a mean
