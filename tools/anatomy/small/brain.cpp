@@ -60,7 +60,7 @@ bool feeds_brain(const Vessel &artery)
 
 std::vector<SmallVessel> brain_arteries(const VesselTree &tree)
 {
-    constexpr double STEP_MM = 4.0, FIRST_MM = 30.0; // A1 and P1 end so far behind the artery's beginning
+    constexpr double STEP_MM = 4.0, FIRST_MM = 30.0; // over A1 and P1, which give off only deep branches
     const std::uint64_t seed = tree.seed.value_or(0);
     std::vector<Vessel> stems;
     std::copy_if(tree.small.begin(), tree.small.end(), std::back_inserter(stems), feeds_brain);

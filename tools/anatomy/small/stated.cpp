@@ -1,4 +1,5 @@
 #include "tools/anatomy/small/stated.hpp"
+#include "tools/anatomy/small/twigs.hpp"
 #include "tools/anatomy/small/winding.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>
@@ -9,17 +10,10 @@ namespace anatomy
 namespace
 {
 
-const Vessel *with_name(const std::vector<Vessel> &vessels, const std::string &name)
-{
-    const auto found = std::find_if(vessels.begin(), vessels.end(),
-                                    [&](const Vessel &vessel) { return vessel.name == name; });
-    return found == vessels.end() ? nullptr : &*found;
-}
-
 const Vessel *vessel_of(const VesselTree &tree, const std::string &name)
 {
-    const Vessel *vessel = with_name(tree.vessels, name);
-    return vessel ? vessel : with_name(tree.small, name);
+    const Vessel *vessel = named(tree.vessels, name);
+    return vessel ? vessel : named(tree.small, name);
 }
 
 Vec3 nearest_point(const Vessel &line, const Vec3 &to)

@@ -198,7 +198,7 @@ std::vector<Vec3> small_bowel_course()
 namespace
 {
 
-/* Two stretches of the colon hold faeces, which a picture shows as a mottle of small bubbles of gas. */
+/* Three stretches of the colon hold faeces, which a picture shows as a mottle of small bubbles of gas. */
 struct Faeces {
     std::vector<Vec3> course;
     double reach_mm; // of the bubbles from the course

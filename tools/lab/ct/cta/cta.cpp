@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 
 constexpr double air_mm = 15.0;         // around the body
 constexpr double labelled_m = 1e-3;     // radius from which a vessel without lumen is labelled
-constexpr double whole_above_mm = 60.0; // of the stretch: over the top of the arch, and below the entry
+constexpr double whole_above_mm = 60.0; // of the stretch: over the top of the arch
 
 // Only the arteries that are labelled have exactly the HU of the options, so that their samples can be
 // counted.
@@ -45,6 +45,8 @@ Eigen::AlignedBox3d box_of(const bake::Mesh &mesh, double low_mm, double high_mm
 // The stretch from the groins to the top of the aorta.
 void choose_stretch(const Person &person, CtaOptions &options)
 {
+    if (options.low_mm > options.high_mm)
+        throw UsageError("--low-mm and --high-mm: give both ends of the stretch, the lower one first");
     if (options.low_mm != options.high_mm) return;
     const VesselBranch &aorta = person.tree.branches.front();
     double low_m = 1e9, high_m = -1e9;
@@ -115,9 +117,7 @@ void paint_plane(const Scene &scene, const CtaOptions &options, double height_mm
     };
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const PersonBody &body = scene.person.bodies[i];
-        if (!is_lumen_painted && body.mesh.name.find("calcium_") != std::string::npos &&
-            body.mesh.name.find("cartilage") == std::string::npos)
-            paint_arteries();
+        if (!is_lumen_painted && body.is_plaque) paint_arteries();
         const auto hu = body.hu == artery ? static_cast<std::int16_t>(artery - 1) : body.hu;
         scene.bodies[i].paint(samples, grid, height, body.beats ? shift : still, hu);
     }
@@ -223,6 +223,13 @@ void add_noise(Volume &volume, const CtaOptions &options)
 }
 
 // The structure of a voxel is that of the centreline whose tube reaches farthest over it.
+// The table of a label map: map.csv of map.nii.gz.
+std::filesystem::path table_of(std::filesystem::path map)
+{
+    while (map.has_extension()) map.replace_extension();
+    return map.string() + ".csv";
+}
+
 void write_labels(const Scene &scene, const Volume &lumen, const CtaOptions &options)
 {
     std::map<std::string, int> numbers;
@@ -249,9 +256,7 @@ void write_labels(const Scene &scene, const Volume &lumen, const CtaOptions &opt
     write_volume(map, options.labels);
     std::string table = "id,structure\n";
     for (const auto &[name, number] : numbers) table += std::to_string(number) + "," + name + "\n";
-    std::filesystem::path file = options.labels;
-    while (file.has_extension()) file.replace_extension();
-    write_whole_file(file.string() + ".csv", table);
+    write_whole_file(table_of(options.labels).string(), table);
 }
 
 void write_truth(const Scene &scene, const CtaOptions &options)
@@ -293,6 +298,13 @@ Scene scene_of(Person person, const CtaOptions &options)
 void command_cta(const CtaOptions &given)
 {
     CtaOptions options = given;
+    std::vector<NamedPath> outputs = {{"--output", options.output.string()}};
+    if (!options.labels.empty()) {
+        outputs.push_back({"--labels", options.labels.string()});
+        outputs.push_back({"the table of --labels", table_of(options.labels).string()});
+    }
+    if (!options.truth.empty()) outputs.push_back({"--truth", options.truth.string()});
+    check_outputs({{"PERSON", (options.person / "scene.toml").string()}}, outputs);
     const Report report = terminal_report();
     Person person = read_person(options.person);
     choose_stretch(person, options);

@@ -29,8 +29,9 @@ std::int16_t hu_of(const bake::BodyText &body)
                                                                {"coronaries_right", 350},
                                                                {"heart", 100}};
     static const std::map<std::string, std::int16_t> materials = {
-        {"air", -1000}, {"lung", -850}, {"adipose", -100},        {"soft", 40},           {"soft_tissue", 40},
-        {"muscle", 60}, {"blood", 50},  {"trabecular_bone", 220}, {"cortical_bone", 1200}};
+        {"air", -1000},          {"lung", -850},  {"adipose", -100}, {"soft", 40},
+        {"soft_tissue", 40},     {"muscle", 60},  {"blood", 50},     {"trabecular_bone", 220},
+        {"cortical_bone", 1200}, {"steel", 3071}, {"polymer", 100}};
     const auto organ = organs.find(body.name);
     if (organ != organs.end()) return organ->second;
     const auto material = materials.find(body.material);
@@ -84,7 +85,8 @@ Person read_person(const std::filesystem::path &folder)
         return depth_of(around, a->name) < depth_of(around, b->name);
     });
     for (const bake::BodyText *body : ordered) {
-        PersonBody made{bake::load_mesh(body->mesh), hu_of(*body), body->moves};
+        PersonBody made{bake::load_mesh(body->mesh), hu_of(*body), body->moves,
+                        body->name.rfind("calcium_", 0) == 0};
         if (body->name == "heart") {
             Eigen::AlignedBox3d box;
             for (const Eigen::Vector3d &vertex : made.mesh.vertices_mm) box.extend(vertex);
@@ -107,6 +109,7 @@ std::string structure_name(const std::string &branch)
     for (const char *word : trunks)
         if (branch.find(word) != std::string::npos) return branch;
     // The coronary arteries have names of capitals and digits.
+    if (branch.empty()) return ""; // a grown twig
     if (std::none_of(branch.begin(), branch.end(), [](char c) { return c >= 'a' && c <= 'z'; }))
         return "coronary_arteries";
     return branch + artery;

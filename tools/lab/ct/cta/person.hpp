@@ -11,7 +11,8 @@ namespace crn::ct
 struct PersonBody {
     bake::Mesh mesh;
     std::int16_t hu = 0;
-    bool beats = false; // moves with the heart
+    bool beats = false;     // moves with the heart
+    bool is_plaque = false; // calcium in the wall of an artery
 };
 
 struct Person {
@@ -25,7 +26,8 @@ struct Person {
 // Throws Fault.
 Person read_person(const std::filesystem::path &folder);
 
-// Returns the name that TotalSegmentator or its users would give to an artery of `anatomy`.
+// Returns the name that TotalSegmentator or its users would give to an artery of `anatomy`; a twig without a
+// name has none.
 std::string structure_name(const std::string &branch);
 
 } // namespace crn::ct

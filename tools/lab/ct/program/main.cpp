@@ -357,6 +357,9 @@ int main(int argc, char **argv)
         return is_good ? 0 : 1;
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
+    } catch (const crn::UsageError &error) {
+        crn::say(stderr, "ct: %s\n", error.what());
+        return 2;
     } catch (const std::invalid_argument &error) {
         crn::say(stderr, "ct: %s\n", error.what());
         return 2;

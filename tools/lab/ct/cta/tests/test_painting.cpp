@@ -1,6 +1,7 @@
 // These tests check the painting of solids for virtual angiograms: the area of a cut through a mesh and
 // through balls, its place, and that of a solid inside another.
 #include "tools/lab/ct/cta/painting.hpp"
+#include "tools/lab/ct/cta/person.hpp"
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -124,9 +125,19 @@ static void balls_along_a_line_make_a_tube(void **)
     assert_near("x", cut_of(samples, 349).middle_mm.x(), 3, 0.06);
 }
 
+static void arteries_have_the_names_of_label_maps(void **)
+{
+    assert_string_equal(structure_name("aorta").c_str(), "aorta");
+    assert_string_equal(structure_name("brachiocephalic_artery").c_str(), "brachiocephalic_trunk");
+    assert_string_equal(structure_name("left_renal_artery").c_str(), "renal_artery_left");
+    assert_string_equal(structure_name("LAD").c_str(), "coronary_arteries");
+    assert_string_equal(structure_name("").c_str(), ""); // a grown twig
+}
+
 int main()
 {
     const CMUnitTest tests[] = {
+        cmocka_unit_test(arteries_have_the_names_of_label_maps),
         cmocka_unit_test(the_cut_of_a_cylinder_has_its_area_and_place),
         cmocka_unit_test(nothing_is_painted_beyond_the_ends_of_a_solid),
         cmocka_unit_test(a_solid_inside_another_replaces_it),
