@@ -122,6 +122,9 @@ def meshes_by_hand():
         ("brackets.gltf", b"[" * 10 ** 6 + b"]" * 10 ** 6), ("open_brackets.gltf", b'{"a":' * 10 ** 6),
         ("offset.gltf", gltf(offset=99)), ("offset_even.gltf", gltf(offset=96)), ("count.gltf", gltf(position=9)),
         ("index_count.gltf", gltf(index=4000000000)), ("buffer.gltf", gltf(bytes=10 ** 12)),
+        ("primitives.gltf", gltf().replace(b'"primitives"', b'"primitkves"', 1)),
+        ("far.stl", stl(True).replace(b"vertex 10 0 0", b"vertex 99999999999999999999 0 0", 1)),
+        ("far.obj", obj().replace(b"v 10 0 0", b"v 99999999999999999999 0 0", 1)),
         ("length.glb", glb()[:8] + b"\xff\xff\xff\x7f" + glb()[12:]),
         ("offset.glb", glb(gltf_root(offset=99))), ("cut.glb", glb()[:-20])]
 

@@ -236,7 +236,8 @@ class Gltf
     void check_mesh(std::size_t number) const
     {
         const json &mesh = list("meshes")[number];
-        for (const json &primitive : mesh.value("primitives", json::array())) {
+        if (!mesh.contains("primitives")) fail("mesh " + std::to_string(number) + " has no 'primitives'");
+        for (const json &primitive : mesh["primitives"]) {
             const std::string place = "mesh " + std::to_string(number);
             if (whole(primitive, "mode", place, 0, 4) > 6) fail(place + ": mode is over 6");
             const json attributes = primitive.value("attributes", json::object());

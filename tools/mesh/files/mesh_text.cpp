@@ -4,6 +4,7 @@
 #include "tools/mesh/files/mesh_words.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace crn::bake
@@ -12,6 +13,7 @@ namespace
 {
 
 constexpr std::size_t stl_head_bytes = 84, stl_facet_bytes = 50;
+constexpr double farthest = 1e9; // of a coordinate in any unit; assimp reads numbers of 20 digits as others
 
 std::int64_t binary_facets(std::string_view bytes)
 {
@@ -35,6 +37,7 @@ void numbers(Words &words, int count)
     for (int i = 0; i < count; ++i) {
         const std::string_view word = words.word();
         if (!is_number(word, value)) words.fail(shown(word) + " is no number: export the mesh again");
+        if (std::fabs(value) > farthest) words.fail(shown(word) + " is too far away: export the mesh again");
     }
 }
 
@@ -130,6 +133,8 @@ class Obj
             if (!is_number(number, value))
                 words_.fail_at(line_, shown(number) +
                                           " is no coordinate: a point is v x y z; export the mesh again");
+            if (std::fabs(value) > farthest)
+                words_.fail_at(line_, shown(number) + " is too far away: export the mesh again");
         }
     }
 
