@@ -323,6 +323,10 @@ void check_packed(const DeclaredVolume &declared, std::uint64_t bytes, const fs:
                     " bytes that its header promises " + std::to_string(unpacked) +
                     (result == Z_STREAM_END ? " are there" : " can be unpacked") +
                     ": copy or export it again");
+    if (declared.packed_bytes > 0 && declared.packed_bytes != zip.total_in)
+        throw Fault(file + ": its CompressedDataSize is " + std::to_string(declared.packed_bytes) +
+                    ", but its compressed values have " + std::to_string(zip.total_in) +
+                    " bytes: copy or export it again");
 }
 
 } // namespace
@@ -406,7 +410,8 @@ DeclaredVolume declared_meta(std::string_view head, const std::string &file)
     declared.is_deflated = is_true(fields.find("CompressedData"));
     if (declared.is_deflated) {
         declared.bytes_per_file_byte = deflate_growth;
-        fields.need("CompressedDataSize").whole(1, 1e12); // without it, ITK reads zeros
+        // Without it, ITK reads zeros.
+        declared.packed_bytes = static_cast<std::uint64_t>(fields.need("CompressedDataSize").whole(1, 1e12));
     }
     if (const Field *binary = fields.find("BinaryData"))
         if (!is_true(binary)) declared.bytes_per_file_byte = 4;

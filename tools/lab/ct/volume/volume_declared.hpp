@@ -19,6 +19,7 @@ struct DeclaredVolume {
     Eigen::Vector3d spacing_mm = Eigen::Vector3d::Zero();
     std::uint64_t value_bytes = 0;  // size of all voxels, unpacked
     bool is_deflated = false;       // by zlib, from head_bytes on
+    std::uint64_t packed_bytes = 0; // stated size of the deflated values; 0: not stated
     double bytes_per_file_byte = 1; // upper limit, given by the kind of packing
     std::uint64_t head_bytes = 0;   // bytes before the values, where they are in the same file
     std::string data_file;          // empty: the same file
