@@ -17,8 +17,13 @@ Neighbours::Neighbours(const Volume &grid) : all{}, size(grid.size)
                                 Eigen::Vector3d(i, j, k).cwiseProduct(grid.spacing_mm).norm()};
 }
 
-std::size_t flood(const Volume &grid, Mask &mask, std::vector<std::size_t> queue, unsigned char from,
-                  unsigned char mark)
+namespace
+{
+
+// Marks what is connected with the start over the neighbours that `each(voxel, use)` gives.
+template <class Each>
+std::size_t flood_over(const Each &each, Mask &mask, std::vector<std::size_t> queue, unsigned char from,
+                       unsigned char mark)
 {
     std::size_t count = 0;
     for (std::size_t start : queue) mask[start] = mark;
@@ -26,7 +31,7 @@ std::size_t flood(const Volume &grid, Mask &mask, std::vector<std::size_t> queue
         const std::size_t at = queue.back();
         queue.pop_back();
         ++count;
-        for_neighbours(grid, at, [&](std::size_t next) {
+        each(at, [&](std::size_t next) {
             if (mask[next] != from) return;
             mask[next] = mark;
             queue.push_back(next);
@@ -35,23 +40,23 @@ std::size_t flood(const Volume &grid, Mask &mask, std::vector<std::size_t> queue
     return count;
 }
 
+} // namespace
+
+std::size_t flood(const Volume &grid, Mask &mask, std::vector<std::size_t> queue, unsigned char from,
+                  unsigned char mark)
+{
+    return flood_over([&](std::size_t at, const auto &use) { for_neighbours(grid, at, use); }, mask,
+                      std::move(queue), from, mark);
+}
+
 std::size_t flood_diagonally(const Volume &grid, Mask &mask, std::vector<std::size_t> queue,
                              unsigned char from, unsigned char mark)
 {
     const Neighbours neighbours(grid);
-    std::size_t count = 0;
-    for (std::size_t start : queue) mask[start] = mark;
-    while (!queue.empty()) {
-        const std::size_t at = queue.back();
-        queue.pop_back();
-        ++count;
-        neighbours.each(at, [&](std::size_t next, std::size_t) {
-            if (mask[next] != from) return;
-            mask[next] = mark;
-            queue.push_back(next);
-        });
-    }
-    return count;
+    const auto each = [&](std::size_t at, const auto &use) {
+        neighbours.each(at, [&](std::size_t next, std::size_t) { use(next); });
+    };
+    return flood_over(each, mask, std::move(queue), from, mark);
 }
 
 void keep_largest(const Volume &grid, Mask &mask)

@@ -220,31 +220,34 @@ class Namer
             give_along(i, "left_subclavian_artery");
             return;
         }
+        const auto [right, left] = outermost(children);
+        give_along(left, "left_subclavian_artery");
+        give_along(right, "left_common_carotid_artery");
+    }
+    // Those whose ends lie farthest to the patient's right and left.
+    std::pair<std::size_t, std::size_t> outermost(const std::vector<std::size_t> &branches) const
+    {
         const auto [right, left] =
-            std::minmax_element(children.begin(), children.end(), [&](std::size_t a, std::size_t b) {
+            std::minmax_element(branches.begin(), branches.end(), [&](std::size_t a, std::size_t b) {
                 return shapes_[a].end.x() < shapes_[b].end.x();
             });
-        give_along(*left, "left_subclavian_artery");
-        give_along(*right, "left_common_carotid_artery");
+        return {*right, *left};
     }
     void name_brachiocephalic(std::size_t i)
     {
         give(i, "brachiocephalic_trunk");
         const std::vector<std::size_t> &children = shapes_[i].children;
         if (children.size() < 2) return;
-        const auto [right, left] =
-            std::minmax_element(children.begin(), children.end(), [&](std::size_t a, std::size_t b) {
-                return shapes_[a].end.x() < shapes_[b].end.x();
-            });
+        const auto [right, left] = outermost(children);
         // In the bovine arch, the left carotid artery leaves the brachiocephalic trunk, which goes on.
-        if (shapes_[i].length_mm < 20 && shapes_[*left].end.x() > shapes_[i].start.x() + 10 &&
+        if (shapes_[i].length_mm < 20 && shapes_[left].end.x() > shapes_[i].start.x() + 10 &&
             !used_.count("left_common_carotid_artery")) {
-            give_along(*left, "left_common_carotid_artery");
-            name_brachiocephalic(*right);
+            give_along(left, "left_common_carotid_artery");
+            name_brachiocephalic(right);
             return;
         }
-        give_along(*right, "right_subclavian_artery");
-        give_along(*left, "right_common_carotid_artery");
+        give_along(right, "right_subclavian_artery");
+        give_along(left, "right_common_carotid_artery");
     }
 
     // Below the arch: renal arteries leave sideways; coeliac trunk, superior and inferior mesenteric artery
@@ -305,12 +308,9 @@ class Namer
         give(i, "coeliac_trunk");
         const std::vector<std::size_t> &children = shapes_[i].children;
         if (children.size() < 2) return;
-        const auto [right, left] =
-            std::minmax_element(children.begin(), children.end(), [&](std::size_t a, std::size_t b) {
-                return shapes_[a].end.x() < shapes_[b].end.x();
-            });
-        give_along(*right, "common_hepatic_artery");
-        give_along(*left, "splenic_artery");
+        const auto [right, left] = outermost(children);
+        give_along(right, "common_hepatic_artery");
+        give_along(left, "splenic_artery");
     }
 
     // Each common iliac artery divides into the internal one, to the back, and the external one, which goes

@@ -78,7 +78,6 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
         std::string(steps_version) + " " + checksum(patient.scan) + (patient.has_map ? " map" : " no map");
     if (patient.has_map) {
         keep_labels(patient.labels, options.labels, options.output);
-        patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
         mend_arteries(patient.scan, patient.body, patient.contrast, patient.clicks, patient.labels,
                       patient.findings);
     } else {
@@ -132,8 +131,7 @@ Patient read_patient(const PatientOptions &given, Steps &steps, Page &page)
     // Inputs are read and checked before anything is written.
     if (patient.has_map) {
         patient.labels = read_labels(options.labels, options.names, patient.scan);
-        Findings ignored;
-        contrast_in(patient.scan, patient.labels, ignored);
+        patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
     }
     recentre(patient.scan, patient.findings);
     patient.clicks = clicks_with(clicks_file(options), options.clicks);

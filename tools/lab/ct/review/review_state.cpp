@@ -120,14 +120,7 @@ void ReviewState::step(Section section, int steps)
 
 double ReviewState::cross_HU() const
 {
-    if (!has_scan()) return 0;
-    const CtVolume &scan = folder_.scan;
-    int at[3];
-    for (int axis = 0; axis < 3; ++axis)
-        at[axis] = std::clamp(
-            static_cast<int>(std::lround((cross_mm_[axis] - scan.first_mm[axis]) / scan.spacing_mm[axis])), 0,
-            scan.size[static_cast<std::size_t>(axis)] - 1);
-    return scan.permille[scan.index(at[0], at[1], at[2])] - 1000.0;
+    return has_scan() ? permille_near(folder_.scan, cross_mm_) - 1000.0 : 0.0;
 }
 
 void ReviewState::set_slab(double slab_mm)

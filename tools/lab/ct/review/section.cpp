@@ -84,6 +84,11 @@ Brightest brightest_on(const CtVolume &volume, Eigen::Vector3d voxel, int normal
 
 } // namespace
 
+double permille_near(const CtVolume &volume, const Eigen::Vector3d &place_mm)
+{
+    return nearest(volume, voxel_of(volume, place_mm));
+}
+
 SectionAxes axes_of(Section section)
 {
     const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(),

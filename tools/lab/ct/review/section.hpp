@@ -32,6 +32,9 @@ struct SectionPicture {
     Eigen::Vector2d pixel(const Eigen::Vector3d &place_mm) const;
 };
 
+// The value of the voxel nearest to a place, in thousandths of that of water; outside, that of the border.
+double permille_near(const CtVolume &volume, const Eigen::Vector3d &place_mm);
+
 // Draws the section through `centre_mm`. A slab of thickness 0 mm is a single plane, interpolated between
 // voxels. Outside the volume the picture is black.
 SectionPicture section_of(const CtVolume &volume, Section section, const Eigen::Vector3d &centre_mm,
