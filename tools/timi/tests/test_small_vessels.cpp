@@ -176,6 +176,37 @@ void medium_passes_the_circle_of_willis(void **)
     assert_true(carotid[1] > 0.02 && carotid[1] < 0.3 && carotid[2] > 0.02 && carotid[2] < 0.3);
 }
 
+// Aorta and proximal large vessels store about half of a stroke in systole and give it off in diastole (Belz
+// 1995, Cardiovasc Drugs Ther 9:73); no blood flows back in arteries of inner organs and of the brain (Bogren
+// and Buonocore 1994, J Magn Reson Imaging 4:119). Measured: 0.46. The mean flow is that of the stated flows,
+// and 1 % is three times what is missing.
+void the_aorta_stores_half_of_a_stroke(void **)
+{
+    constexpr std::uint32_t beat_ms = 857; // 70 /min
+    crn::ContrastFlow flow(heart_tree());
+    const crn::FlowCells &cells = flow.cells();
+    double stated_ml_s = 0.0, out_ml = 0.0, in_diastole_ml = 0.0, least_ml_s = 1e9;
+    for (size_t i = 0; i < cells.size(); i++) stated_ml_s += cells[i].outlet_ml_s;
+    for (std::uint32_t ms = 0; ms < 6 * beat_ms; ms++) {
+        const crn::BeatPhase phase = crn::steady_beat(ms, 60e3 / beat_ms);
+        flow.step(crn::flow_drive(phase), {});
+        if (ms < 2 * beat_ms) continue;
+        for (size_t run = 0; run < flow.network().runs().size(); run++) {
+            const double ml = 1e-3 * flow.network().outflow_ml_s(run);
+            out_ml += ml;
+            if (phase.since_opening_s >= phase.systole_s) in_diastole_ml += ml;
+        }
+        for (size_t b = 1; b < heart_tree().branches.size(); b++)
+            least_ml_s = std::min(least_ml_s,
+                                  flow.network().inflow_ml_s(flow.network().run_of(cells.branch_begin(b))));
+    }
+    const double mean_ml_s = out_ml / (4e-3 * beat_ms), share = in_diastole_ml / out_ml;
+    print_message("flow %.2f ml/s, stated %.2f; %.3f of it in diastole\n", mean_ml_s, stated_ml_s, share);
+    assert_true(std::fabs(share - 0.5) < 0.1);
+    assert_true(least_ml_s > 0.0);
+    assert_true(std::fabs(mean_ml_s / stated_ml_s - 1.0) < 0.01);
+}
+
 } // namespace
 
 int main()
@@ -185,6 +216,7 @@ int main()
                                        cmocka_unit_test(the_speed_of_the_injection_hardly_matters),
                                        cmocka_unit_test(orders_of_the_lad_are_those_of_morphometry),
                                        cmocka_unit_test(iodine_is_conserved_with_all_small_vessels),
-                                       cmocka_unit_test(medium_passes_the_circle_of_willis)};
+                                       cmocka_unit_test(medium_passes_the_circle_of_willis),
+                                       cmocka_unit_test(the_aorta_stores_half_of_a_stroke)};
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
