@@ -24,6 +24,10 @@ struct BeatPhase {
 
 struct FlowDrive {
     double pressure_mmHg = mean_pressure_mmHg; // at the inlet above the veins
+    // Of an aorta that begins at the heart: the pressure that stretches it, divided by its mean, and whether
+    // the heart ejects.
+    double aortic_pressure = 1.0;
+    bool is_valve_open = true;
     // Holds the conductances of the vascular beds behind the outlets, divided by their means over the beat;
     // the index is the kind of vascular bed (VesselBed).
     std::array<double, vessel_bed_count> openness = {1.0, 1.0, 1.0, 1.0, 1.0};
@@ -32,6 +36,17 @@ struct FlowDrive {
 };
 
 FlowDrive flow_drive(const BeatPhase &phase);
+
+// The arteries as a windkessel: 1.05 mmHg s/ml times 1.35 ml/mmHg, as in the trace of the aortic pressure
+// (pulse.hpp). The small arteries behind the outlets store a part of it themselves; this part is assumed.
+inline constexpr double windkessel_s = 1.05 * 1.35, windkessel_beyond_s = 0.4;
+
+// Returns the pressure in a windkessel of a regular heartbeat, divided by its mean, and its change per
+// second.
+struct WindkesselPressure {
+    double pressure = 1.0, per_s = 0.0;
+};
+WindkesselPressure windkessel_pressure(double since_opening_s, double systole_s, double beat_s);
 
 // Returns the phase of the core's own heartbeat (docs/heart.md) from the state of a tick. Systole begins with
 // the QRS and lasts 540 ms - 2.1 ms x heart rate (in beats per minute). The aortic valve opens after 24 % of

@@ -13,6 +13,41 @@ using std::numbers::pi;
 constexpr double step_s = 1e-3;
 constexpr double sinus_s = 0.35;     // mean time that refluxed medium stays in the sinus: assumed
 constexpr double emptied_max = 0.95; // share of a layer that may leave its cell in one substep
+constexpr double root_radius_min_m = 11e-3,
+                 root_length_m = 40e-3; // an aorta that begins at the heart is so wide there
+constexpr double stretch_max = 0.6;
+constexpr double stretch_step_max = 2.5e-3; // of a volume in a step; a regular beat needs 1.4e-3
+constexpr double lowest_pressure = 0.5;     // of the mean
+constexpr double empty_mg = 0.02;           // so little in the lumen counts as none
+
+// The root of the tree begins at the heart if it is as wide there as an ascending aorta.
+bool begins_at_heart(const VesselTree &tree)
+{
+    if (tree.branches.empty()) return false;
+    const VesselBranch &root = tree.branches[0];
+    double arc_m = 0.0, widest_m = root.radii_m[0];
+    for (std::size_t i = 1; i < root.points_m.size(); ++i) {
+        arc_m += (root.points_m[i] - root.points_m[i - 1]).norm();
+        if (arc_m > root_length_m) break;
+        widest_m = std::max(widest_m, root.radii_m[i]);
+    }
+    return widest_m >= root_radius_min_m;
+}
+
+double leaving_in_diastole_ml(const FlowCells &cells, BeatPhase beat)
+{
+    std::array<double, vessel_bed_count> flow_ml_s{};
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        flow_ml_s[static_cast<std::size_t>(cells[i].bed)] += cells[i].outlet_ml_s;
+    double sum_ml = 0.0;
+    for (beat.since_opening_s = beat.systole_s; beat.since_opening_s < beat.beat_s;
+         beat.since_opening_s += step_s) {
+        const FlowDrive drive = flow_drive(beat);
+        for (std::size_t bed = 0; bed < vessel_bed_count; ++bed)
+            sum_ml += flow_ml_s[bed] * drive.openness[bed] * step_s;
+    }
+    return sum_ml;
+}
 
 } // namespace
 
@@ -21,6 +56,7 @@ ContrastFlow::ContrastFlow(const VesselTree &tree, const ContrastSettings &setti
 {
     const std::size_t count = cells_.size();
     for (std::size_t i = 0; i < count; ++i) volume_ml_.push_back(cells_[i].volume_ml);
+    find_stretch(tree);
     take_volumes();
     tool_mm_.assign(count, 0.0);
     core_mg_.assign(count, 0.0);
@@ -35,6 +71,33 @@ ContrastFlow::ContrastFlow(const VesselTree &tree, const ContrastSettings &setti
                                  VesselBed::systemic);
 }
 
+// The wall's compliance per length is in proportion to the cube of the radius, as measured
+// (docs/contrast.md), so that a volume grows in proportion to its radius. At 70 beats per minute, the aorta
+// stores in systole what leaves the vessels in diastole.
+void ContrastFlow::find_stretch(const VesselTree &tree)
+{
+    if (!begins_at_heart(tree)) return;
+    const BeatPhase beat = steady_beat(0, 70.0);
+    const double closing = windkessel_pressure(beat.systole_s, beat.systole_s, beat.beat_s).pressure,
+                 opening = windkessel_pressure(0.0, beat.systole_s, beat.beat_s).pressure;
+    const std::size_t aorta = cells_.branch_begin(1);
+    double weight = 0.0, widest_mm = 0.0;
+    for (std::size_t i = 0; i < aorta; ++i) {
+        weight += cells_[i].radius_mm * cells_[i].volume_ml;
+        widest_mm = std::max(widest_mm, cells_[i].radius_mm);
+    }
+    const double per_mm = std::min(leaving_in_diastole_ml(cells_, beat) / (weight * (closing - opening)),
+                                   stretch_max / widest_mm);
+    for (std::size_t i = 0; i < aorta; ++i) stretch_.push_back(per_mm * cells_[i].radius_mm);
+}
+
+// Returns the volume that a cell has at the present pressure.
+double ContrastFlow::wanted_ml(std::size_t cell) const
+{
+    const double stretch = cell < stretch_.size() ? stretch_[cell] * (aortic_pressure_ - 1.0) : 0.0;
+    return cells_[cell].volume_ml * (1.0 + stretch);
+}
+
 void ContrastFlow::take_volumes()
 {
     per_volume_.resize(cells_.size());
@@ -47,7 +110,10 @@ void ContrastFlow::take_volumes()
         // radius r.
         mixing_[i] = 1e3 / (pi * radius_mm * radius_mm * radius_mm * settings_.mixing_radii);
     }
-    network_.set_volumes(volume_ml_);
+    least_ml_ = volume_ml_;
+    for (std::size_t i = 0; i < stretch_.size(); ++i)
+        least_ml_[i] = cells_[i].volume_ml * (1.0 - (1.0 - lowest_pressure) * stretch_[i]);
+    network_.set_volumes(least_ml_);
 }
 
 void ContrastFlow::reshape(const VesselTree &opened, int steps)
@@ -89,8 +155,12 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     for (const CellSource &mouth : mouths_)
         if (fluid.flow_ml_s > 0.0) sources_.push_back({mouth.cell, mouth.flow_ml_s * fluid.flow_ml_s});
     injecting_ = sources_.size();
+    aortic_pressure_ = drive.aortic_pressure;
     find_widening();
-    network_.solve(drive, sources_);
+    const bool has_valve = !stretch_.empty(), is_shut = has_valve && !drive.is_valve_open;
+    network_.solve(drive, sources_, is_shut);
+    // The aortic valve lets no blood back.
+    if (has_valve && !is_shut && network_.inflow_ml_s(0) < 0.0) network_.solve(drive, sources_, true);
     out_mg_.resize(network_.runs().size());
     const double parts = parts_of_step();
     for (int part = 0; part < static_cast<int>(parts); ++part) {
@@ -111,10 +181,20 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
 // spread evenly over the remaining time steps.
 void ContrastFlow::find_widening()
 {
+    const double lumen_mg = budget_.injected_mg - budget_.out_mg - budget_.reflux_mg;
+    for (std::size_t i = 0; i < stretch_.size() && widening_steps_ == 0; ++i) {
+        // After a pause of the simulation the volumes are those of another moment of the beat.
+        const double most_ml = stretch_step_max * volume_ml_[i];
+        if (lumen_mg < empty_mg && std::fabs(wanted_ml(i) - volume_ml_[i]) > most_ml) {
+            volume_ml_[i] = wanted_ml(i);
+            per_volume_[i] = 2.0 / volume_ml_[i];
+        }
+        sources_.push_back({i, -std::clamp(wanted_ml(i) - volume_ml_[i], -most_ml, most_ml) / step_s});
+    }
     if (widening_steps_ == 0) return;
     least_ml_.resize(cells_.size());
     for (std::size_t i = 0; i < cells_.size(); ++i) {
-        const double missing_ml = cells_[i].volume_ml - volume_ml_[i];
+        const double missing_ml = wanted_ml(i) - volume_ml_[i];
         least_ml_[i] = volume_ml_[i] + std::min(missing_ml, 0.0) / widening_steps_;
         if (missing_ml != 0.0) sources_.push_back({i, -missing_ml / (widening_steps_ * step_s)});
     }
@@ -125,10 +205,10 @@ void ContrastFlow::end_widening()
 {
     if (--widening_steps_ > 0) return;
     for (const CellSource &source : std::span(sources_).subspan(injecting_)) {
-        volume_ml_[source.cell] = cells_[source.cell].volume_ml;
+        volume_ml_[source.cell] = wanted_ml(source.cell);
         per_volume_[source.cell] = 2.0 / volume_ml_[source.cell];
     }
-    network_.set_volumes(volume_ml_);
+    take_volumes();
 }
 
 // Each layer of blood has received its fraction of the flows, but must grow by half of the cell's growth.
@@ -312,9 +392,9 @@ void ContrastFlow::archive(StateArchive &state)
     state.reals(sinus_mg_);
     state.integer(widening_steps_, 0, 1000);
     for (std::size_t i = 0; i < cells_.size(); ++i) {
-        // A cell that is not being widened has the volume that follows from its shape.
+        // A cell that is not being widened has the volume that follows from its shape, and from the pressure.
         const double shape_ml = cells_[i].volume_ml;
-        const double widest = widening_steps_ > 0 ? 1e4 : 1.0;
+        const double widest = widening_steps_ > 0 ? 1e4 : i < stretch_.size() ? 10.0 : 1.0;
         state.real(volume_ml_[i], shape_ml / widest, shape_ml * widest);
         const double most_mg = 0.5 * mg_per_ml_max * shape_ml * widest;
         state.real(core_mg_[i], -most_mg, most_mg);

@@ -110,6 +110,8 @@ class ContrastFlow
 
   private:
     void take_volumes();
+    void find_stretch(const VesselTree &tree);
+    double wanted_ml(std::size_t cell) const;
     void find_widening();
     void widen(double dt_s);
     void end_widening();
@@ -123,8 +125,12 @@ class ContrastFlow
     FlowCells cells_;
     FlowNetwork network_;
     DistalFlow distal_;
-    std::vector<double> volume_ml_;  // present volumes of the cells
-    int widening_steps_ = 0;         // steps until they equal those of cells_
+    std::vector<double> volume_ml_; // present volumes of the cells
+    int widening_steps_ = 0;        // steps until they equal those of cells_
+    // Of the aorta's cells, if it begins at the heart: growth of the volume, in shares of it, while the
+    // pressure grows by its mean. The aorta's cells are the first ones.
+    std::vector<double> stretch_;
+    double aortic_pressure_ = 1.0;   // of this step, divided by its mean
     std::vector<double> per_volume_; // 1 / (volume of a layer), 1/ml
     std::vector<double> mixing_;     // mixing rate per flow, 1/ml
     std::vector<double> tool_mm_;    // thickest tool in the cell

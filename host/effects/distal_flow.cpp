@@ -47,7 +47,8 @@ class DistalFlow::Builder
   public:
     Builder(DistalFlow &flow, const VesselTree &tree, const FlowCells &cells)
         : flow_(flow), tree_(tree), cells_(cells), flows_ml_s_(small_vessel_flows_ml_s(tree)),
-          continued_(small_vessels_continued(tree)), children_(tree.small.size()), roots_(cells.size())
+          continued_(small_vessels_continued(tree)), children_(tree.small.size()),
+          joining_(tree.small.size()), roots_(cells.size())
     {
     }
 
@@ -59,13 +60,14 @@ class DistalFlow::Builder
         for (std::size_t i = 0; i < cells_.size(); ++i) {
             if (!(cells_[i].outlet_ml_s > 0.0)) continue;
             flow_.outlet_of_cell_[i] = static_cast<std::uint32_t>(flow_.outlets_.size());
-            flow_.outlets_.push_back({cells_[i].outlet_ml_s, flow_.volumes_.size(), 0});
-            mean_ml_s_ = cells_[i].outlet_ml_s;
-            for (std::size_t vessel : roots_[i]) add_vessel(vessel, -1, mean_ml_s_);
+            const double mean_ml_s = cells_[i].outlet_ml_s;
+            flow_.outlets_.push_back({mean_ml_s, flow_.volumes_.size(), 0});
+            for (std::size_t vessel : roots_[i]) add_vessel(vessel, -1, mean_ml_s);
             if (cells_[i].end_ml_s > 0.0)
-                add_bed(cells_[i].branch, cells_[i].bed, -1, mean_ml_s_, cells_[i].end_ml_s);
+                add_bed(cells_[i].branch, cells_[i].bed, -1, mean_ml_s, cells_[i].end_ml_s);
             flow_.outlets_.back().end = flow_.volumes_.size();
         }
+        add_joints();
     }
 
   private:
@@ -77,6 +79,8 @@ class DistalFlow::Builder
             const VesselBranch &vessel = tree_.small[v];
             flow_.is_vein_.push_back(vessel.is_vein ? 1 : 0);
             if (vessel.is_vein) continue;
+            if (vessel.joins >= 0)
+                joining_[static_cast<std::size_t>(vessel.joins) - tree_.branches.size()].push_back(v);
             const auto parent = static_cast<std::size_t>(vessel.parent);
             if (is_small(vessel.parent))
                 children_[parent - tree_.branches.size()].push_back(v);
@@ -105,16 +109,16 @@ class DistalFlow::Builder
         }
     }
 
-    std::size_t add_volume(int from, double from_ml_s, double through_ml_s, double volume_ml)
+    // `come_ml_s` comes from the volume `from`, through which `from_ml_s` flow.
+    std::size_t add_volume(int from, double from_ml_s, double come_ml_s, double volume_ml)
     {
         flow_.volumes_.push_back(
-            {from, through_ml_s / from_ml_s, through_ml_s / (mean_ml_s_ * volume_ml), -1, false});
-        flow_.passing_.push_back(through_ml_s / mean_ml_s_);
+            {from, from_ml_s > 0.0 ? come_ml_s / from_ml_s : 0.0, 1.0 / volume_ml, -1, false});
         flow_.piece_ml_.push_back(volume_ml);
         return flow_.volumes_.size() - 1;
     }
 
-    // The flow in a vessel falls where others leave it.
+    // The flow in a vessel falls where others leave it, and grows where others join it.
     void add_vessel(std::size_t v, int from, double from_ml_s)
     {
         const VesselBranch &vessel = tree_.small[v];
@@ -123,10 +127,13 @@ class DistalFlow::Builder
         for (std::size_t child : children_[v]) leaving_ml_s[piece_before(child)] += flows_ml_s_[child];
         double through_ml_s = flows_ml_s_[v];
         flow_.first_piece_[v] = static_cast<int>(flow_.volumes_.size());
-        std::vector<double> through(pieces, 0.0);
+        std::vector<double> through(pieces, 0.0), joining_ml_s(pieces, 0.0); // at the beginning of each piece
+        for (std::size_t other : joining_[v])
+            joining_ml_s[piece_behind(other)] += tree_.small[other].flow_ml_s;
         for (std::size_t piece = 0; piece < pieces; ++piece) {
             from =
                 static_cast<int>(add_volume(from, from_ml_s, through_ml_s, piece_volume_ml(vessel, piece)));
+            through_ml_s += joining_ml_s[piece];
             from_ml_s = through[piece] = through_ml_s;
             through_ml_s -= leaving_ml_s[piece];
         }
@@ -135,9 +142,35 @@ class DistalFlow::Builder
             const std::size_t piece = piece_before(child);
             add_vessel(child, first + static_cast<int>(piece), through[piece]);
         }
-        if (continued_[v]) return;
+        // More may join a vessel than its branches need; the rest goes into a bed at its end.
+        const bool has_rest = !joining_[v].empty() && through_ml_s > 1e-6;
+        if (continued_[v] && !has_rest) return;
         const double end_ml_s = std::max(through_ml_s, 0.0);
         add_bed(static_cast<int>(tree_.branches.size() + v), vessel.bed, from, from_ml_s, end_ml_s);
+    }
+
+    // Returns the piece of the joined vessel that begins where this one joins it.
+    std::size_t piece_behind(std::size_t v) const
+    {
+        const VesselBranch &vessel = tree_.small[v];
+        return std::min(tree_.joined_point(vessel),
+                        tree_.numbered(static_cast<std::size_t>(vessel.joins)).points_m.size() - 2);
+    }
+
+    void add_joints()
+    {
+        for (std::size_t v = 0; v < tree_.small.size(); ++v) {
+            if (tree_.small[v].joins < 0) continue;
+            const std::size_t joined = static_cast<std::size_t>(tree_.small[v].joins) - tree_.branches.size();
+            if (flow_.first_piece_[v] < 0) continue;
+            const std::size_t from =
+                static_cast<std::size_t>(flow_.first_piece_[v]) + tree_.small[v].points_m.size() - 2;
+            if (flow_.first_piece_[joined] < 0)
+                flow_.volumes_[from].is_last = true; // nothing flows there: the blood is gone
+            else
+                flow_.joints_.push_back(
+                    {from, static_cast<std::size_t>(flow_.first_piece_[joined]) + piece_behind(v)});
+        }
     }
 
     std::size_t piece_before(std::size_t child) const
@@ -181,8 +214,7 @@ class DistalFlow::Builder
     const FlowCells &cells_;
     std::vector<double> flows_ml_s_;
     std::vector<bool> continued_;
-    std::vector<std::vector<std::size_t>> children_, roots_;
-    double mean_ml_s_ = 0.0; // of the present outlet
+    std::vector<std::vector<std::size_t>> children_, joining_, roots_;
 };
 
 DistalFlow::DistalFlow(const VesselTree &tree, const FlowCells &cells)
@@ -191,7 +223,7 @@ DistalFlow::DistalFlow(const VesselTree &tree, const FlowCells &cells)
     waiting_mg_.assign(outlets_.size(), 0.0);
     waiting_ml_ = waiting_mg_;
     mg_.assign(volumes_.size(), 0.0);
-    out_mg_ = mg_;
+    out_mg_ = out_ml_ = joined_mg_ = joined_ml_ = mg_;
     vein_mg_.assign(veins_.size(), 0.0);
     vein_in_mg_ = vein_in_ml_ = vein_mg_;
 }
@@ -210,14 +242,20 @@ void DistalFlow::advance_arteries()
 {
     std::fill(vein_in_mg_.begin(), vein_in_mg_.end(), 0.0);
     std::fill(vein_in_ml_.begin(), vein_in_ml_.end(), 0.0);
+    for (const Joint &joint : joints_) {
+        joined_mg_[joint.to] += joint.mg;
+        joined_ml_[joint.to] += joint.ml;
+    }
     for (std::size_t o = 0; o < outlets_.size(); ++o) {
         const double entering_mg = waiting_mg_[o], ml = waiting_ml_[o];
         waiting_mg_[o] = waiting_ml_[o] = 0.0;
         entered_mg_ += entering_mg;
         for (std::size_t i = outlets_[o].first; i < outlets_[o].end; ++i) {
             const Volume &volume = volumes_[i];
-            const double come_mg = volume.split * (volume.from < 0 ? entering_mg : out_mg_[volume.from]);
-            const double turns = ml * volume.per_ml, all_mg = mg_[i] + come_mg;
+            const double come_mg =
+                volume.split * (volume.from < 0 ? entering_mg : out_mg_[volume.from]) + joined_mg_[i];
+            out_ml_[i] = volume.split * (volume.from < 0 ? ml : out_ml_[volume.from]) + joined_ml_[i];
+            const double turns = out_ml_[i] * volume.per_ml, all_mg = mg_[i] + come_mg;
             out_mg_[i] = all_mg * (turns / (1.0 + turns));
             mg_[i] = all_mg - out_mg_[i];
             if (!volume.is_last) continue;
@@ -225,9 +263,14 @@ void DistalFlow::advance_arteries()
                 gone_mg_ += out_mg_[i];
             } else {
                 vein_in_mg_[volume.vein] += out_mg_[i];
-                vein_in_ml_[volume.vein] += ml * passing_[i];
+                vein_in_ml_[volume.vein] += out_ml_[i];
             }
         }
+    }
+    for (Joint &joint : joints_) {
+        joint.mg = out_mg_[joint.from];
+        joint.ml = out_ml_[joint.from];
+        joined_mg_[joint.to] = joined_ml_[joint.to] = 0.0;
     }
 }
 
@@ -275,6 +318,7 @@ DistalIodine DistalFlow::iodine() const
     for (double mg : mg_) sum.small_mg += mg;
     for (std::size_t bed = 0; bed < beds_.size(); ++bed) sum.beds_mg += bed_mg(bed);
     sum.small_mg -= sum.beds_mg;
+    for (const Joint &joint : joints_) sum.small_mg += joint.mg;
     for (double mg : vein_mg_) sum.veins_mg += mg;
     for (double mg : waiting_mg_) {
         sum.entered_mg += mg;
@@ -288,6 +332,7 @@ double DistalFlow::held_mg() const
     double sum = 0.0;
     for (const std::vector<double> *part : {&mg_, &vein_mg_, &waiting_mg_})
         for (double mg : *part) sum += mg;
+    for (const Joint &joint : joints_) sum += joint.mg;
     return sum;
 }
 
@@ -299,6 +344,8 @@ void DistalFlow::archive(StateArchive &state)
     state.real(gone_mg_);
     for (std::vector<double> *part : {&waiting_mg_, &waiting_ml_, &mg_, &vein_mg_})
         state.reals(*part, -most_mg, most_mg);
+    for (Joint &joint : joints_)
+        for (double *value : {&joint.ml, &joint.mg}) state.real(*value, -most_mg, most_mg);
 }
 
 } // namespace crn

@@ -8,7 +8,8 @@
 //   distal.piece_mg_per_ml(vessel, piece);
 //
 // The resistance of small vessels counts as part of their bed's, so that the flow divides among them in fixed
-// proportions. Each piece of a small vessel is one well-mixed volume, and a bed is a few of them in series.
+// proportions. An artery that joins another one, as in the circle of Willis, passes on its stated share.
+// Each piece of a small vessel is one well-mixed volume, and a bed is a few of them in series.
 // All volumes are advanced together every few milliseconds, by an implicit step that never makes iodine
 // negative.
 #pragma once
@@ -73,13 +74,19 @@ class DistalFlow
     struct Volume {
         int from = -1;       // -1: the outlet
         double split = 1.0;  // its share of what leaves `from`
-        double per_ml = 0.0; // of the outlet's flow: the share that passes here, over the volume
+        double per_ml = 0.0; // 1 / volume
         int vein = -1;       // of the last volume of a bed: vein piece into which it drains; -1: gone
         bool is_last = false;
     };
     struct VeinPiece {
         int to = -1; // piece towards the heart; -1: blood leaves there
         double volume_ml = 0.0;
+    };
+    // The last volume of an artery that joins another one, and the volume that its blood enters. The blood
+    // enters with the next advance, so that volumes need no other order than by their outlets.
+    struct Joint {
+        std::size_t from = 0, to = 0;
+        double ml = 0.0, mg = 0.0; // on the way
     };
     class Builder;
 
@@ -89,7 +96,7 @@ class DistalFlow
     std::vector<std::uint32_t> outlet_of_cell_;
     std::vector<Outlet> outlets_;
     std::vector<Volume> volumes_;
-    std::vector<double> passing_;  // of each volume: its share of the outlet's flow
+    std::vector<Joint> joints_;
     std::vector<double> piece_ml_; // volumes of the pieces of small arteries
     std::vector<Bed> beds_;
     std::vector<std::size_t> bed_first_, bed_end_;
@@ -100,7 +107,8 @@ class DistalFlow
     std::vector<double> mg_, vein_mg_;
     int waited_ms_ = 0;
     double entered_mg_ = 0.0, gone_mg_ = 0.0;
-    std::vector<double> out_mg_, vein_in_mg_, vein_in_ml_; // working memory
+    // Working memory: what leaves a volume, and what comes into it through joints; what comes into veins.
+    std::vector<double> out_mg_, out_ml_, joined_mg_, joined_ml_, vein_in_mg_, vein_in_ml_;
 };
 
 } // namespace crn

@@ -201,13 +201,14 @@ double FlowNetwork::pressure_mmHg(std::size_t cell) const
 // conductance g between them, the flow s into this cell, and the conductance c from this cell to the veins,
 // the balance of flows is g (u - p) + s = c p. Seen from upstream, the run therefore acts as a conductance of
 // g c / (g + c) with an injected flow of g s / (g + c).
-void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources)
+void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources, bool is_inlet_shut)
 {
     const bool is_divided =
         std::equal(sources.begin(), sources.end(), source_cells_.begin(), source_cells_.end(),
                    [](const CellSource &source, std::size_t cell) { return source.cell == cell; });
     if (!is_divided) divide(sources);
     add_throats();
+    if (is_inlet_shut && !rows_.empty()) rows_[0].way = 0.0;
     for (std::size_t r = 0; r < runs_.size(); ++r) {
         const std::size_t last = runs_[r].end - 1;
         const double outlet = outlet_[last] > 0.0 ? outlet_[last] * drive.of(bed_[last]) : 0.0;

@@ -45,7 +45,8 @@ class FlowNetwork
     void set_volumes(std::span<const double> volume_ml); // of the cells
     // Sets the radius of the thickest tool in each cell, in mm; 0 means that the cell contains no tool.
     void set_tools(std::span<const double> tool_radius_mm);
-    void solve(const FlowDrive &drive, std::span<const CellSource> sources);
+    // If `is_inlet_shut`, no blood passes the inlet, and the sources alone drive the flow.
+    void solve(const FlowDrive &drive, std::span<const CellSource> sources, bool is_inlet_shut = false);
     // Repeats the solution until the flows through the stenoses agree with the stenoses' resistances, which
     // depend on these flows.
     void settle(const FlowDrive &drive);

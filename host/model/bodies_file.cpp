@@ -52,6 +52,7 @@ VesselBranch read_branch(const crn_scene_branch_view &view, double flow_unit_ml_
     branch.bed = static_cast<VesselBed>(view.bed);
     branch.flow_ml_s = view.flow_mm3_per_s * flow_unit_ml_s;
     branch.is_vein = (view.flags & CRN_SCENE_BRANCH_IS_VEIN) != 0;
+    if ((view.flags & CRN_SCENE_BRANCH_JOINS) != 0) branch.joins = static_cast<int>(view.joins);
     read_points(view.points, view.point_count, branch.points_m, branch.radii_m);
     return branch;
 }

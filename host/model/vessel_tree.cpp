@@ -29,6 +29,14 @@ std::string fault_of(const VesselTree &tree, std::size_t index)
             return "point " + std::to_string(i) + " lies on the one before it";
     }
     if (!(branch.flow_ml_s >= 0.0 && branch.flow_ml_s <= 1000.0)) return "its flow is not 0 to 1000 ml/s";
+    if (branch.joins == -1) return "";
+    const std::size_t all = tree.branches.size() + tree.small.size();
+    const auto joined = static_cast<std::size_t>(branch.joins);
+    if (index < tree.branches.size() || branch.is_vein) return "only a small artery can join another one";
+    if (branch.joins < static_cast<int>(tree.branches.size()) || joined >= all || joined == index ||
+        tree.numbered(joined).is_vein)
+        return "it joins no other small artery";
+    if (!(branch.flow_ml_s > 0.0)) return "it joins another vessel, so its flow must be stated";
     return "";
 }
 
@@ -67,6 +75,19 @@ VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_
         if (radii < foot.radii) foot = {radii, i, share};
     }
     return foot;
+}
+
+std::size_t VesselTree::joined_point(const VesselBranch &small_artery) const
+{
+    const std::vector<Eigen::Vector3d> &points_m =
+        numbered(static_cast<std::size_t>(small_artery.joins)).points_m;
+    const auto square = [&](const Eigen::Vector3d &point_m) {
+        return (point_m - small_artery.points_m.back()).squaredNorm();
+    };
+    const auto nearest =
+        std::min_element(points_m.begin(), points_m.end(),
+                         [&](const auto &a, const auto &b) { return square(a) < square(b); });
+    return static_cast<std::size_t>(nearest - points_m.begin());
 }
 
 double VesselLesion::length_m() const

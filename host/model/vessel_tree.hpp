@@ -26,6 +26,8 @@ struct VesselBranch {
     VesselBed bed = VesselBed::systemic;
     double flow_ml_s = 0.0; // mean flow out of its end, as stated; 0: not stated
     bool is_vein = false;   // of a small vessel: blood flows from its end to its first point
+    int joins =
+        -1; // of a small artery: the small artery that its end passes its blood to, numbered as parents
 };
 
 // Describes a stretch of a branch that disease has narrowed. Inside a lesion, the points of the branch itself
@@ -54,6 +56,8 @@ struct VesselTree {
     {
         return index < branches.size() ? branches[index] : small[index - branches.size()];
     }
+    // Returns the point of the joined vessel at which the blood of this small artery enters it.
+    std::size_t joined_point(const VesselBranch &small_artery) const;
     // Returns the point of the branch at which the lesion has narrowed the lumen most, relative to the
     // healthy radius.
     std::size_t throat(const VesselLesion &lesion) const;

@@ -25,8 +25,8 @@ enum {
     CRN_SCENE_MAJOR = 1,
     /* minor version; files get the lowest that covers their contents: 1 for a body that moves, a TREE; 2 for
        LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER; 6 for an ENTRY with a start length;
-       7 for SMALL */
-    CRN_SCENE_MINOR = 7,
+       7 for SMALL; 8 for a small vessel that joins another one */
+    CRN_SCENE_MINOR = 8,
     CRN_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     CRN_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     CRN_SCENE_HEADER_BYTES = 32,
@@ -55,6 +55,7 @@ enum {
     CRN_SCENE_BRANCH_NAME_BYTES = 32,
     CRN_SCENE_SMALL_MAX = 20000,  /* vessels that are picture and flow only */
     CRN_SCENE_BRANCH_IS_VEIN = 1, /* flag of a small vessel: blood flows from its end to its beginning */
+    CRN_SCENE_BRANCH_JOINS = 2,   /* flag of a small artery: its end passes its blood to another one */
     CRN_SCENE_TREE_POINT_BYTES = 16,
     CRN_SCENE_TREE_POINT_MAX = 200000, /* of all branches */
     CRN_SCENE_PARTNER_BYTES = 8,
@@ -229,7 +230,8 @@ typedef struct crn_scene_branch_view {
     uint32_t point_count;  /* at least 2 */
     crn_scene_bed bed;
     uint32_t flow_mm3_per_s; /* mean flow out of its end; 0: not stated; of a small vessel in nl/s */
-    uint32_t flags;          /* of a small vessel: CRN_SCENE_BRANCH_IS_VEIN */
+    uint32_t flags;          /* of a small vessel: CRN_SCENE_BRANCH_IS_VEIN or CRN_SCENE_BRANCH_JOINS */
+    uint32_t joins;          /* with CRN_SCENE_BRANCH_JOINS: another small vessel, numbered as parents */
     const uint8_t *points;   /* i32 x 3 in um and u32 radius in um each */
 } crn_scene_branch_view;
 

@@ -10,7 +10,7 @@ enum {
     BED_AT = 48,
     FLOW_AT = 52,
     FLAGS_AT = 56,
-    ZERO_AT = 60
+    JOINS_AT = 60
 };
 
 static const uint8_t *branch_at(const uint8_t *tree, uint32_t index)
@@ -29,6 +29,7 @@ static crn_scene_branch_view view_of(const uint8_t *table, uint32_t count, uint3
     view.bed = (crn_scene_bed)crn_scene_u32(branch + BED_AT);
     view.flow_mm3_per_s = crn_scene_u32(branch + FLOW_AT);
     view.flags = crn_scene_u32(branch + FLAGS_AT);
+    view.joins = crn_scene_u32(branch + JOINS_AT);
     view.points =
         branch_at(table, count) + (size_t)crn_scene_u32(branch + FIRST_AT) * CRN_SCENE_TREE_POINT_BYTES;
     return view;
@@ -87,6 +88,22 @@ static bool parent_fits(const branch_table *table, int32_t parent, uint32_t inde
     return whole_index > 0 && parent >= 0 && (uint32_t)parent < whole_index;
 }
 
+/* Only an artery joins another vessel, which is a small one, too. Without the flag the field is 0. */
+static crn_scene_status check_joining(crn_scene_check *check, const branch_table *table, uint32_t index,
+                                      uint32_t flags, size_t where)
+{
+    const uint32_t joins = crn_scene_u32(check->bytes + where + JOINS_AT);
+    if ((flags & CRN_SCENE_BRANCH_JOINS) == 0)
+        return joins == 0 ? CRN_SCENE_OK : crn_scene_fault_at(check, CRN_SCENE_RESERVED, where + JOINS_AT);
+    const bool fits = (flags & CRN_SCENE_BRANCH_IS_VEIN) == 0 && joins >= table->count_before &&
+                      joins - table->count_before < table->count && joins - table->count_before != index;
+    if (!fits) return crn_scene_fault_at(check, CRN_SCENE_TREE_BRANCH, where + JOINS_AT);
+    const uint8_t *other = branch_at(table->bytes, joins - table->count_before);
+    if ((crn_scene_u32(other + FLAGS_AT) & CRN_SCENE_BRANCH_IS_VEIN) != 0)
+        return crn_scene_fault_at(check, CRN_SCENE_TREE_BRANCH, where + JOINS_AT);
+    return CRN_SCENE_OK;
+}
+
 static uint32_t points_of_parent(const branch_table *table, int32_t parent)
 {
     if (parent < 0) return 1;
@@ -124,11 +141,7 @@ static crn_scene_status check_branch(crn_scene_check *check, const branch_table 
         return crn_scene_fault_at(check, CRN_SCENE_TREE_BRANCH, where + BED_AT);
     if (crn_scene_u32(branch + FLOW_AT) > table->flow_max)
         return crn_scene_fault_at(check, CRN_SCENE_TREE_BRANCH, where + FLOW_AT);
-    for (size_t k = 0; k < 4; k++) {
-        if (branch[ZERO_AT + k] != 0)
-            return crn_scene_fault_at(check, CRN_SCENE_RESERVED, where + ZERO_AT + k);
-    }
-    return CRN_SCENE_OK;
+    return check_joining(check, table, index, flags, where);
 }
 
 static crn_scene_status check_table(crn_scene_check *check, crn_scene_span span, branch_table *table,
@@ -179,7 +192,7 @@ crn_scene_status crn_scene_check_small(crn_scene_check *check, crn_scene_span sp
                           .count_before = scene->branch_count,
                           .bed_count = CRN_SCENE_BED_COUNT,
                           .flow_max = CRN_SCENE_SMALL_FLOW_MAX_nl_per_s,
-                          .flags_allowed = CRN_SCENE_BRANCH_IS_VEIN};
+                          .flags_allowed = CRN_SCENE_BRANCH_IS_VEIN | CRN_SCENE_BRANCH_JOINS};
     crn_scene_status status = check_table(check, span, &table, CRN_SCENE_SMALL_MAX);
     if (status == CRN_SCENE_OK) *small_count = table.count;
     return status;

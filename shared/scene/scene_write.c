@@ -30,10 +30,22 @@ size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count)
     return (size_t)padded(total);
 }
 
+static bool has_joining_vessel(const crn_scene_part *small)
+{
+    const uint32_t count = small->size < CRN_SCENE_TREE_HEADER_BYTES ? 0 : crn_scene_u32(small->bytes);
+    for (uint32_t i = 0; i < count; i++) {
+        const size_t at = CRN_SCENE_TREE_HEADER_BYTES + (size_t)i * CRN_SCENE_BRANCH_BYTES;
+        if (at + CRN_SCENE_BRANCH_BYTES > small->size) return false;
+        if ((crn_scene_u32(small->bytes + at + CRN_SCENE_BRANCH_BYTES - 8) & CRN_SCENE_BRANCH_JOINS) != 0)
+            return true;
+    }
+    return false;
+}
+
 /* Returns the first minor version of the scene format that can contain the given section. */
 static uint16_t minor_of_part(const crn_scene_part *part)
 {
-    if (part->type == CRN_SCENE_SMALL) return 7;
+    if (part->type == CRN_SCENE_SMALL) return has_joining_vessel(part) ? 8 : 7;
     if (part->type == CRN_SCENE_ENTRY && part->size == CRN_SCENE_ENTRY_START_BYTES) return 6;
     if (part->type == CRN_SCENE_PARTNER) return 5;
     if (part->type == CRN_SCENE_MOTION || part->type == CRN_SCENE_BREATH) return 4;

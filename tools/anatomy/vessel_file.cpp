@@ -21,8 +21,8 @@ using crn::TomlTable;
 using crn::TomlValue;
 
 constexpr int FORMAT = 1;
-constexpr size_t STATIONS_MAX = 200, FILES_MAX = 8, NAME_BYTES_MAX = 40, TITLE_BYTES_MAX = 80,
-                 TEXT_BYTES_MAX = 300;
+constexpr size_t STATIONS_MAX = 200, FILES_MAX = 8, NAME_BYTES_MAX = 40, VESSEL_NAME_BYTES_MAX = 31,
+                 TITLE_BYTES_MAX = 80, TEXT_BYTES_MAX = 300;
 constexpr double POSITION_MAX_MM = 1000.0, APART_MIN_MM = 0.5, LENGTH_MAX_MM = 3000.0, TURN_MAX_DEG = 90.0;
 constexpr NumberRange Y_MM = {-POSITION_MAX_MM, POSITION_MAX_MM}, DIAMETER_MM = {1, 60},
                       CORONARY_DIAMETER_MM = {1, 10}, SMALL_DIAMETER_MM = {0.1, 60},
@@ -49,7 +49,7 @@ std::string line_of(const TomlValue &value, size_t bytes_max)
  * text. */
 std::string vessel_name(const TomlValue &value)
 {
-    const std::string name = line_of(value, NAME_BYTES_MAX);
+    const std::string name = line_of(value, VESSEL_NAME_BYTES_MAX);
     const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
     const auto is_allowed = [&](char c) {
         return is_letter(c) || (c >= '0' && c <= '9') || c == ' ' || c == '-' || c == '_';
@@ -230,6 +230,7 @@ GivenVessel read_vessel(const File &file, const TomlValue &value, bool is_corona
     known.push_back(is_coronary ? "side" : "tissue");
     known.push_back("lumen");
     known.push_back("winding");
+    known.push_back("joins");
     table.check_keys(known);
     vessel.is_lumen = !table.has("lumen") || table["lumen"].truth();
     if (table.has("winding")) {
@@ -243,6 +244,11 @@ GivenVessel read_vessel(const File &file, const TomlValue &value, bool is_corona
     if (given.has_side)
         vessel.bed =
             table["side"].one_of({"left", "right"}) == "left" ? Bed::left_coronary : Bed::right_coronary;
+    if (table.has("joins")) {
+        if (vessel.is_lumen) table["joins"].fail_key("belongs to a vessel with lumen = false");
+        if (!table.has("flow_ml_min")) table["joins"].fail_key("needs the flow that passes: 'flow_ml_min'");
+        vessel.joins = table.words("joins");
+    }
     if (table.has("flow_ml_min")) vessel.flow_ml_min = table.sourced("flow_ml_min", FLOW_ML_MIN);
     vessel.stations = course_of(table, read_stations(file, table, is_coronary, vessel.is_lumen));
     return given;

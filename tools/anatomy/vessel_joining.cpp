@@ -139,6 +139,20 @@ void check_lumen(const TreeDraft &draft, const GivenVessel &given)
              "its parent '" + given.vessel.parent + "' has lumen = false: write lumen = false here, too");
 }
 
+/* An artery may join one that is stated later. */
+void check_joins(const TreeDraft &draft, const GivenVessel &given)
+{
+    const std::string &joins = given.vessel.joins;
+    if (joins.empty()) return;
+    std::vector<std::string> small;
+    for (const GivenVessel &other : draft.vessels)
+        if (!other.vessel.is_lumen && &other != &given) small.push_back(other.vessel.name);
+    if (std::find(small.begin(), small.end(), joins) == small.end())
+        fail(given.place, given.vessel.name,
+             "joins '" + joins + "', but there is no other vessel of this name with lumen = false" +
+                 crn::suggestion(joins, small));
+}
+
 void set_entry(const GivenEntry &entry, VesselTree &tree)
 {
     const std::vector<Vessel> vessels = body_vessels(tree);
@@ -199,6 +213,7 @@ VesselTree tree_of(TreeDraft draft, const std::string &file)
     for (const GivenVessel &given : draft.vessels) {
         check_begins_in_parent(draft, given, file);
         check_lumen(draft, given);
+        check_joins(draft, given);
         if (!given.vessel.is_lumen) {
             tree.small.push_back(given.vessel);
             continue;

@@ -29,6 +29,7 @@ struct Vessel {
     double flow_ml_min = 0;        // mean flow out of its end; 0: not stated
     bool is_lumen = true;          // false: picture and flow only, and no part of the lumen
     double winding = 0;            // of a small vessel: length over that of its stated course; 0: not stated
+    std::string joins = {}; // of a small artery: the small artery that its end passes its blood to; "": none
 };
 
 /* Describes a tree of vessels, with the point where a guidewire enters the tree from the introducer sheath.

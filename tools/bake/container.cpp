@@ -151,8 +151,9 @@ Bytes branches_section(const std::vector<VesselBranch> &branches, double flow_un
         put_u32(bytes, count);
         put_u32(bytes, static_cast<std::uint32_t>(branch.bed));
         put_u32(bytes, static_cast<std::uint32_t>(std::lround(branch.flow_ml_s / flow_unit_ml_s)));
-        put_u32(bytes, branch.is_vein ? CRN_SCENE_BRANCH_IS_VEIN : 0);
-        bytes.resize(bytes.size() + 4);
+        const bool joins = branch.joins >= 0;
+        put_u32(bytes, joins ? CRN_SCENE_BRANCH_JOINS : branch.is_vein ? CRN_SCENE_BRANCH_IS_VEIN : 0);
+        put_u32(bytes, joins ? static_cast<std::uint32_t>(branch.joins) : 0);
         first += count;
     }
     for (const VesselBranch &branch : branches)

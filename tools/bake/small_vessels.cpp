@@ -42,6 +42,12 @@ class Reader
     void end()
     {
         finish();
+        for (const Joint &joint : joints_) {
+            const auto other = numbers_.find(joint.other);
+            line_ = joint.line;
+            if (other == numbers_.end()) fail("there is no vessel '" + joint.other + "' that it could join");
+            tree_.small[joint.vessel].joins = other->second;
+        }
         std::string error;
         if (!check_vessel_tree(tree_, error)) throw Fault(file_ + ": " + error);
     }
@@ -84,7 +90,10 @@ class Reader
         if (tree_.small.size() >= CRN_SCENE_SMALL_MAX)
             fail("there are over " + std::to_string(int{CRN_SCENE_SMALL_MAX}) + " small vessels");
         VesselBranch vessel;
-        if (!is_number) vessel.name = name_.substr(0, CRN_SCENE_BRANCH_NAME_BYTES - 1);
+        if (!is_number) vessel.name = name_;
+        if (vessel.name.size() >= CRN_SCENE_BRANCH_NAME_BYTES)
+            fail("the name '" + name_ + "' has over " + std::to_string(CRN_SCENE_BRANCH_NAME_BYTES - 1) +
+                 " letters: give a shorter one");
         read_bed(fields[2], vessel);
         if (!fields[3].empty()) vessel.flow_ml_s = 1e-3 * number(fields[3], "flow_ul_s", 0.0, 1e5);
         const auto parent = numbers_.find(std::string(fields[1]));
@@ -96,9 +105,13 @@ class Reader
         tree_.small.push_back(std::move(vessel));
     }
 
-    void read_bed(std::string_view text, VesselBranch &vessel) const
+    void read_bed(std::string_view text, VesselBranch &vessel)
     {
-        constexpr std::string_view vein = "_vein";
+        constexpr std::string_view vein = "_vein", into = "into ";
+        if (text.starts_with(into)) {
+            joints_.push_back({tree_.small.size(), std::string(text.substr(into.size())), line_});
+            return;
+        }
         vessel.is_vein = text.ends_with(vein);
         if (vessel.is_vein) text.remove_suffix(vein.size());
         for (std::size_t i = 0; i < beds.size(); ++i)
@@ -108,7 +121,7 @@ class Reader
             }
         fail("'" + std::string(text) +
              "' in column 'bed' is none of systemic, left_coronary, right_coronary, "
-             "kidney and gut, with or without _vein");
+             "kidney and gut, with or without _vein, nor 'into' and the name of an artery");
     }
 
     // Rounds to the precision of the body file; a point on the one before it is left out.
@@ -141,8 +154,16 @@ class Reader
         }
     }
 
+    // A vessel that joins another one, which may come later in the file.
+    struct Joint {
+        std::size_t vessel;
+        std::string other;
+        int line;
+    };
+
     const std::string &file_;
     VesselTree &tree_;
+    std::vector<Joint> joints_;
     std::map<std::string, int> numbers_;
     std::string name_;
     int line_ = 0;

@@ -64,7 +64,8 @@ class HandInjection
         const double beat_ms = 60e3 / now_.rate_per_min;
         crn::FlowDrive drive = crn::flow_drive(crn::steady_beat(
             static_cast<std::uint32_t>(ms + std::lround(now_.start_share * beat_ms)), now_.rate_per_min));
-        for (double &openness : drive.openness) openness *= now_.flow;
+        for (const crn::VesselBed bed : {crn::VesselBed::left_coronary, crn::VesselBed::right_coronary})
+            drive.openness[static_cast<std::size_t>(bed)] *= now_.flow;
         flow.step(drive, {ml_s, IODINE_MG_PER_ML});
     }
 

@@ -291,8 +291,8 @@ void a_pigtail_gives_medium_through_its_side_holes(void **)
     assert_true((mouths[0].place_m - Vector3d(0, -0.15, 0)).norm() < 1e-12);
     assert_true((mouths[20].place_m - Vector3d(0, -0.208, 0)).norm() < 1e-12);
     PatientContrast contrast(aorta(), {tool("wire", 0), pigtail});
-    contrast.command(0, inject_6_ml);
-    go_on(contrast, 0, 41, 20); // one look, then 1 ms: the injected medium is still where it entered
+    contrast.command(400, inject_6_ml); // in diastole, when blood is slow
+    go_on(contrast, 400, 441, 20);      // one look, then 1 ms: the injected medium is still where it entered
     const FlowCells &cells = contrast.flow().cells();
     double ahead_mg = 0.0, all_mg = 0.0;
     for (std::size_t i = 0; i < cells.size(); ++i) {

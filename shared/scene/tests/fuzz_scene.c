@@ -49,6 +49,8 @@ static void walk_small(const crn_scene *scene, uint32_t index, const uint8_t *en
     promise(strlen(vessel.name) < CRN_SCENE_BRANCH_NAME_BYTES && vessel.bed < CRN_SCENE_BED_COUNT);
     promise(vessel.parent < (int32_t)(scene->branch_count + index));
     promise(vessel.parent >= 0 || (vessel.flags & CRN_SCENE_BRANCH_IS_VEIN) != 0);
+    promise((vessel.flags & CRN_SCENE_BRANCH_JOINS) == 0 ||
+            (vessel.joins >= scene->branch_count && vessel.joins - scene->branch_count < scene->small_count));
     promise(vessel.point_count >= 2 &&
             vessel.points + CRN_SCENE_TREE_POINT_BYTES * (size_t)vessel.point_count <= end);
 }

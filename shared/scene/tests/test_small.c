@@ -92,10 +92,38 @@ static void small_vessels_must_hang_on_the_tree(void **state)
     expect_status(VEIN_AT + 32, 2, CRN_SCENE_OK);                       /* the small vessel before it */
     expect_status(VEIN_AT + 48, CRN_SCENE_BED_COUNT, CRN_SCENE_TREE_BRANCH);
     expect_status(ARTERY_AT + 52, CRN_SCENE_SMALL_FLOW_MAX_nl_per_s + 1, CRN_SCENE_TREE_BRANCH);
-    expect_status(VEIN_AT + 56, 2, CRN_SCENE_RESERVED);
+    expect_status(VEIN_AT + 56, 4, CRN_SCENE_RESERVED);
     expect_status(VEIN_AT + 60, 1, CRN_SCENE_RESERVED);
     expect_status(0, 0, CRN_SCENE_TREE_SIZE);
     expect_status(144 + 12, 9, CRN_SCENE_TREE_POINT);
+}
+
+/* The vein becomes an artery, and the first artery joins it. Numbers 0 and 1 are the tree's branches. */
+static void small_arteries_join_only_other_small_arteries(void **state)
+{
+    (void)state;
+    const struct {
+        uint32_t joins, flags, flags_of_other;
+        crn_scene_status wanted;
+    } cases[] = {{3, CRN_SCENE_BRANCH_JOINS, 0, CRN_SCENE_OK},
+                 {2, CRN_SCENE_BRANCH_JOINS, 0, CRN_SCENE_TREE_BRANCH}, /* itself */
+                 {1, CRN_SCENE_BRANCH_JOINS, 0, CRN_SCENE_TREE_BRANCH}, /* a vessel of the lumen */
+                 {4, CRN_SCENE_BRANCH_JOINS, 0, CRN_SCENE_TREE_BRANCH}, /* not there */
+                 {3, CRN_SCENE_BRANCH_JOINS, CRN_SCENE_BRANCH_IS_VEIN, CRN_SCENE_TREE_BRANCH},
+                 {3, CRN_SCENE_BRANCH_JOINS | CRN_SCENE_BRANCH_IS_VEIN, 0, CRN_SCENE_TREE_BRANCH},
+                 {3, 0, 0, CRN_SCENE_RESERVED}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        make_small();
+        crn_scene_put_u32(small + VEIN_AT + 32, 1); /* a parent */
+        crn_scene_put_u32(small + VEIN_AT + 56, cases[i].flags_of_other);
+        crn_scene_put_u32(small + ARTERY_AT + 56, cases[i].flags);
+        crn_scene_put_u32(small + ARTERY_AT + 60, cases[i].joins);
+        crn_scene scene;
+        assert_int_equal(crn_scene_open(file, write_file(0), &scene, NULL), cases[i].wanted);
+        if (cases[i].wanted != CRN_SCENE_OK) continue;
+        assert_int_equal(crn_scene_u16(file + 10), 8); /* minor version */
+        assert_int_equal(crn_scene_small(&scene, 0).joins, 3);
+    }
 }
 
 static void small_vessels_stand_between_tree_and_lesions(void **state)
@@ -111,6 +139,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(small_vessels_give_back_what_was_written),
         cmocka_unit_test(small_vessels_must_hang_on_the_tree),
+        cmocka_unit_test(small_arteries_join_only_other_small_arteries),
         cmocka_unit_test(small_vessels_stand_between_tree_and_lesions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -47,12 +47,20 @@ std::vector<TissuePlace> scattered(double side, int layer, std::uint64_t seed)
     return places;
 }
 
+/* Names such as "right anterior division" occur in the pelvis, too. */
+bool is_in_head(const VesselTree &tree, const Vessel &artery)
+{
+    for (const Vessel *one = &artery; one; one = named(tree.small, one->parent))
+        if (one->name == "basilar artery" || one->name.ends_with("internal carotid artery")) return true;
+    return false;
+}
+
 /* Those that run over the brain; the short arteries of the circle feed nothing here. */
 bool feeds_brain(const Vessel &artery)
 {
     for (const char *part : {"division", "frontal branch", "parietal", "temporal branch", "callosomarginal",
                              "frontopolar", "anterior cerebral artery", "posterior cerebral artery"})
-        if (artery.name.find(part) != std::string::npos) return !artery.name.ends_with("stump");
+        if (artery.name.find(part) != std::string::npos) return true;
     return false;
 }
 
@@ -63,7 +71,8 @@ std::vector<SmallVessel> brain_arteries(const VesselTree &tree)
     constexpr double STEP_MM = 4.0, FIRST_MM = 30.0; // over A1 and P1, which give off only deep branches
     const std::uint64_t seed = tree.seed.value_or(0);
     std::vector<Vessel> stems;
-    std::copy_if(tree.small.begin(), tree.small.end(), std::back_inserter(stems), feeds_brain);
+    std::copy_if(tree.small.begin(), tree.small.end(), std::back_inserter(stems),
+                 [&](const Vessel &artery) { return feeds_brain(artery) && is_in_head(tree, artery); });
     std::vector<SmallVessel> vessels;
     if (stems.empty()) return vessels;
     Growth growth(

@@ -22,13 +22,14 @@ Vessel &named_in(std::vector<Vessel> &arteries, const std::string &name)
 }
 
 /* Divides an artery at one of its points. What lies beyond keeps its name, and begins at the end of `feeder`;
- * what lies before becomes a narrow artery of its own. */
+ * what lies before becomes a narrow artery of its own, which joins it. */
 void feed_from(std::vector<Vessel> &arteries, const std::string &name, size_t point,
-               const std::string &feeder)
+               const std::string &feeder, const std::string &narrow_name)
 {
     Vessel &artery = named_in(arteries, name);
     Vessel stump = artery;
-    stump.name += " stump";
+    stump.name = narrow_name;
+    stump.joins = name;
     stump.flow_ml_min = 1.0;
     stump.winding = 1.0;
     stump.stations.resize(point + 1);
@@ -58,15 +59,16 @@ void change_front(std::vector<Vessel> &arteries, CircleOfWillis::Front front)
         bridge.parent = cerebral(1 - narrow);
     }
     bridge.flow_ml_min = 0.0; // it is continued
+    bridge.joins.clear();
     for (Station &station : bridge.stations) station.diameter_mm = 2.0;
-    feed_from(arteries, cerebral(narrow), END_OF_A1, joint);
+    feed_from(arteries, cerebral(narrow), END_OF_A1, joint, std::string(SIDES[narrow]) + " narrow A1");
 }
 
 void change_back(std::vector<Vessel> &arteries, size_t side, Communicating variant)
 {
     constexpr size_t END_OF_P1 = 1;
     constexpr double FETAL_MM = 2.0;
-    const std::string joint = std::string(SIDES[side]) + " posterior communicating artery";
+    const std::string joint = std::string(SIDES[side]) + " posterior communicating";
     if (variant == Communicating::usual) return;
     if (variant == Communicating::absent) {
         std::erase_if(arteries, [&](const Vessel &one) { return one.name == joint; });
@@ -74,8 +76,10 @@ void change_back(std::vector<Vessel> &arteries, size_t side, Communicating varia
     }
     Vessel &bridge = named_in(arteries, joint);
     bridge.flow_ml_min = 0.0;
+    bridge.joins.clear();
     for (Station &station : bridge.stations) station.diameter_mm = FETAL_MM;
-    feed_from(arteries, std::string(SIDES[side]) + " posterior cerebral artery", END_OF_P1, joint);
+    feed_from(arteries, std::string(SIDES[side]) + " posterior cerebral artery", END_OF_P1, joint,
+              std::string(SIDES[side]) + " narrow P1");
 }
 
 /* Puts each artery behind its parent. Parents that are not in the list are vessels of the lumen. */

@@ -157,7 +157,8 @@ std::vector<SmallVessel> given_vessels(const VesselTree &tree)
     std::vector<SmallVessel> vessels;
     for (const Vessel &vessel : tree.small)
         vessels.push_back({file_stem(vessel.name), file_stem(vessel.parent), vessel.bed, false,
-                           vessel.flow_ml_min * 1e3 / 60.0, vessel_curve(vessel, STEP_MM)});
+                           vessel.flow_ml_min * 1e3 / 60.0, vessel_curve(vessel, STEP_MM),
+                           vessel.joins.empty() ? "" : file_stem(vessel.joins)});
     return vessels;
 }
 
@@ -176,6 +177,13 @@ const char *bed_name(Bed bed)
         break;
     }
     return "systemic";
+}
+
+/* What lies behind the vessel's end: tissue, or another artery. */
+std::string bed_text(const SmallVessel &vessel)
+{
+    if (!vessel.joins.empty()) return "into " + vessel.joins;
+    return std::string(bed_name(vessel.bed)) + (vessel.is_vein ? "_vein" : "");
 }
 
 } // namespace
@@ -204,8 +212,8 @@ std::string small_vessels_text(const std::vector<SmallVessel> &vessels)
         for (size_t i = 0; i < vessel.points.size(); i++) {
             const CurvePoint &point = vessel.points[i];
             text += vessel.name;
-            text += i == 0 ? "," + vessel.parent + "," + bed_name(vessel.bed) +
-                                 (vessel.is_vein ? "_vein," : ",") + crn::decimals_text(vessel.flow_ul_s, 3)
+            text += i == 0 ? "," + vessel.parent + "," + bed_text(vessel) + "," +
+                                 crn::decimals_text(vessel.flow_ul_s, 3)
                            : ",,,";
             for (int axis = 0; axis < 3; axis++) text += "," + crn::decimals_text(point.position_mm[axis], 3);
             text += "," + crn::decimals_text(point.radius_mm, 3) + "\n";

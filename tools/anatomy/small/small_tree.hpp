@@ -13,6 +13,7 @@ struct SmallVessel {
     bool is_vein = false;
     double flow_ul_s = 0; // out of its end; 0: not stated
     Curve points;
+    std::string joins = {}; // the artery that its end passes its blood to; "": none
 };
 
 /* Returns the small vessels in an order in which each one comes after its parent. */

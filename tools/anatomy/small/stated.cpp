@@ -57,6 +57,22 @@ void add_all(VesselTree &tree, const VesselTree &shipped, const std::vector<Vess
     }
 }
 
+/* Moves the end of an artery that joins another one onto it. Nothing moves 30 mm before the end. */
+void reach_joined(Vessel &artery, const Vessel &joined)
+{
+    constexpr double FADES_MM = 30.0;
+    const Vec3 moved_mm =
+        nearest_point(joined, artery.stations.back().position_mm) - artery.stations.back().position_mm;
+    double arc_mm = 0.0;
+    Vec3 behind = artery.stations.back().position_mm;
+    for (size_t i = artery.stations.size(); i-- > 1;) { // the first one stays in its parent
+        Vec3 &at = artery.stations[i].position_mm;
+        arc_mm += (at - behind).norm();
+        behind = at;
+        at += std::max(0.0, 1.0 - arc_mm / FADES_MM) * moved_mm;
+    }
+}
+
 } // namespace
 
 void add_stated_branches(VesselTree &tree)
@@ -71,6 +87,8 @@ void add_stated_branches(VesselTree &tree)
     const CircleOfWillis circle = tree.seed ? drawn_circle(*tree.seed) : CircleOfWillis{};
     add_all(tree, head, with_circle(head.small, circle), HEAD);
     add_all(tree, arms, arms.small, ARMS);
+    for (Vessel &artery : tree.small)
+        if (const Vessel *joined = named(tree.small, artery.joins)) reach_joined(artery, *joined);
 }
 
 } // namespace anatomy

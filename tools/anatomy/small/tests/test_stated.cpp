@@ -1,6 +1,8 @@
 // These tests check the arteries whose courses files state: the circle of Willis, the order of the arteries,
 // and their winding.
+#include "tools/anatomy/small/brain.hpp"
 #include "tools/anatomy/small/stated.hpp"
+#include "tools/anatomy/small/twigs.hpp"
 #include "tools/anatomy/small/winding.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>
@@ -62,6 +64,42 @@ void every_artery_begins_on_its_parent(void **)
     }
 }
 
+// An artery that joins another one ends in it. 0.5 mm: as above.
+void every_joining_artery_ends_in_the_one_that_it_joins(void **)
+{
+    for (std::uint64_t seed = 0; seed < 40; seed++) {
+        VesselTree tree = shipped_vessels("aorta");
+        tree.seed = seed;
+        add_stated_branches(tree);
+        int joining = 0;
+        for (const Vessel &artery : tree.small) {
+            if (artery.joins.empty()) continue;
+            joining++;
+            const Vessel *joined = named(tree.small, artery.joins);
+            if (!joined) fail_msg("seed %d: %s joins nothing", int(seed), artery.name.c_str());
+            double off_mm = 1e9;
+            for (const CurvePoint &point : vessel_curve(*joined, 1.0))
+                off_mm = std::min(off_mm, (point.position_mm - artery.stations.back().position_mm).norm() -
+                                              point.radius_mm);
+            if (off_mm > 0.5)
+                fail_msg("seed %d: %s ends %.2f mm beside %s", int(seed), artery.name.c_str(), off_mm,
+                         artery.joins.c_str());
+        }
+        assert_true(joining >= 1);
+    }
+}
+
+// The two divisions of the internal iliac artery have names like those of the middle cerebral artery.
+void arteries_of_the_brain_grow_only_in_the_head(void **)
+{
+    VesselTree tree = shipped_vessels("aorta");
+    add_stated_branches(tree);
+    for (const SmallVessel &artery : brain_arteries(tree)) {
+        assert_true(artery.points.front().position_mm.y() > 420.0);
+        assert_true(artery.points.back().position_mm.y() > 420.0);
+    }
+}
+
 // A straight artery of 200 mm becomes as much longer as is asked for. The waves' lengths are drawn from 0.8
 // to 1.25 of their mean and the waves fade at both ends, so a third of the added length may be missing or too
 // much.
@@ -84,6 +122,8 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(the_circle_of_willis_is_complete_as_often_as_published),
         cmocka_unit_test(every_artery_begins_on_its_parent),
+        cmocka_unit_test(every_joining_artery_ends_in_the_one_that_it_joins),
+        cmocka_unit_test(arteries_of_the_brain_grow_only_in_the_head),
         cmocka_unit_test(an_artery_winds_as_much_as_is_asked_for),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
