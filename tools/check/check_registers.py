@@ -17,6 +17,7 @@ import tree
 
 PORT = "firmware/port/imxrt1062/"
 HEADER = PORT + "imxrt1062_registers.h"
+MODEL = "hil_tests/rt1062/registers.h"  # of the emulated board: docs/rt1062.md
 ACCESS = re.compile(r"\bR(16|32)\(\s*([^,()]+(?:\([^()]*\))?[^,()]*),\s*([A-Z][A-Z0-9]*(?:_[A-Z0-9]+)+)")
 HEADER_OF_MACROS = ("CRN_", "R16", "R32", "LOAD", "STORE", "BITS", "MASK", "SET_FIELD")
 
@@ -209,6 +210,11 @@ def main():
         (f for path in paths for f in check_access(path, sources[path], header, description)),
     )
     report.check("every register of the header is used", used_names(text, sources.values()))
+    bases = "".join(line for line in text.splitlines(True) if line.startswith("#define BASE_"))
+    report.check(
+        "the emulated board's further registers (%s) are what the chip's description says" % MODEL,
+        check_header(bases + tree.read(MODEL), description),
+    )
     if report.failed == 0:
         register_stamp.write("%s %s" % (register_description.CRATE, register_description.VERSION))
         print("# written: " + register_stamp.STAMP)

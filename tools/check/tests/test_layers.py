@@ -399,13 +399,8 @@ ALLOWED = {
         "host/link",
     ],
     "hil_tests/cases": [
-        "hil_tests/plant",
-        "hil_tests/l0",
-        "hil_tests/l1",
-        "host",
-        "shared",
-        "firmware/tests/reference",
-    ],
+        "hil_tests/" + part for part in ("plant", "l0", "l1")
+    ] + ["host", "shared", "firmware/tests/reference"],
     "hil_tests/cases/tests": ["hil_tests", "host", "firmware/tests/reference/long_run.h"],
     "hil_tests/campaign": ["hil_tests/cases", "hil_tests/l0", "hil_tests/l1", "hil_tests/plant", "host", "shared"],
     "hil_tests/campaign/tests": ["hil_tests"],
@@ -437,6 +432,8 @@ ALLOWED = {
     "hil_tests/l3": ["hil_tests/usb"],
     "hil_tests/l4": ["shared/wire", "firmware/tests/reference"],
     "hil_tests/library": ["shared/wire", "firmware/tests/reference"],
+    "hil_tests/rt1062": ["firmware/port", "hil_tests/plant", "hil_tests/usb", "hil_tests/cases", "host/link", "shared"],
+    "hil_tests/rt1062/tests": ["hil_tests/rt1062"],
     "hil_tests/usb": ["shared", "firmware/app", "firmware/port"],
 }
 
