@@ -109,6 +109,7 @@ RunFrame RoomScreen::frame_of(const RoomEvent &pulse, const XrayPicture &picture
     frame.tube_voltage_kV = pulse.exposure.technique.tube_voltage_kV;
     frame.tube_current_mA = pulse.exposure.technique.tube_current_mA;
     frame.pulse_ms = pulse.exposure.technique.pulse_ms;
+    if (pulse.request.beam.scatter) frame.raw_open = picture.photons_open * picture.raw_per_photon;
     frame.raw = picture.raw;
     return frame;
 }
@@ -245,10 +246,11 @@ void RoomScreen::roadmap_from_run(StoredRun &stored)
 {
     const int size = stored.run.size;
     std::vector<float> mask, live, density;
-    smooth_log2(mean_frame(stored.run, stored.run.mask->frames), size, roadmap_.reference);
+    const std::vector<std::uint16_t> still = mean_frame(stored.run, stored.run.mask->frames);
+    primary_log2(stored.run.frames.front(), still, size, roadmap_.reference);
     shift_picture(roadmap_.reference, size, stored.run.mask->shift_x_px, -stored.run.mask->shift_y_px, mask);
     for (const RunFrame &frame : stored.run.frames) {
-        smooth_log2(frame.raw, size, live);
+        primary_log2(frame, frame.raw, size, live);
         subtract(mask, live, density);
         hold_peak(density, roadmap_.peak);
     }
@@ -261,7 +263,7 @@ void RoomScreen::roadmap_from_run(StoredRun &stored)
 void RoomScreen::collect_roadmap(const RunFrame &frame, int size)
 {
     std::vector<float> live, density;
-    smooth_log2(frame.raw, size, live);
+    primary_log2(frame, frame.raw, size, live);
     if (roadmap_.reference.size() != live.size() || !is_same_geometry(frame.carm, roadmap_.carm)) {
         roadmap_.reference = live;
         roadmap_.peak.clear();

@@ -10,7 +10,7 @@ namespace crn
 namespace
 {
 
-constexpr float dsa_window_doublings = 2.0f; // of attenuation, from white to black
+constexpr float dsa_window_doublings = 3.0f; // of attenuation, from white to black
 constexpr std::uint8_t dsa_background = 160;
 
 bool is_near(double a, double b, double tolerance)
@@ -41,12 +41,12 @@ RoomScreen::Source RoomScreen::shown() const
             const int frame = loop_frame(*stored);
             const auto at = static_cast<std::size_t>(frame);
             return {&stored->run.frames[at].raw, &stored->grey[at], stored, frame, stored->run.size,
-                    &stored->run.frames[at].carm};
+                    &stored->run.frames[at]};
         }
     }
     if (!has_held_) return {};
     StoredRun *stored = held_run_ > 0 ? store_.find(held_run_) : nullptr;
-    return {&held_frame_.raw, &held_grey_, stored, held_index_, held_size_, &held_frame_.carm};
+    return {&held_frame_.raw, &held_grey_, stored, held_index_, held_size_, &held_frame_};
 }
 
 // Every frame of a subtraction run (DSA) is shown subtracted. A frame that alone forms the mask is shown
@@ -73,13 +73,14 @@ void RoomScreen::compose_subtracted(const Source &source, std::vector<std::uint8
         mask_cache_.mask.shift_x_px != mask.shift_x_px || mask_cache_.mask.shift_y_px != mask.shift_y_px ||
         mask_cache_.log2_values.size() != source.raw->size()) {
         std::vector<float> still;
-        smooth_log2(mean_frame(source.run->run, mask.frames), source.size, still);
+        primary_log2(source.run->run.frames.front(), mean_frame(source.run->run, mask.frames), source.size,
+                     still);
         shift_picture(still, source.size, mask.shift_x_px, -mask.shift_y_px, mask_cache_.log2_values);
         mask_cache_.run = source.run;
         mask_cache_.mask = mask;
     }
     std::vector<float> live, density;
-    smooth_log2(*source.raw, source.size, live);
+    primary_log2(*source.pulse, *source.raw, source.size, live);
     subtract(mask_cache_.log2_values, live, density);
     const RunCollimator &open = source.run->run.collimator;
     std::vector<std::uint8_t> inside(source.raw->size(), 0);
@@ -129,7 +130,7 @@ bool RoomScreen::compose_stored(int run, int frame, std::vector<std::uint8_t> &g
         is_loop ? frame_at(*stored, std::max<std::int64_t>(room_.tick(), 0)) : std::min(frame, last);
     const auto at = static_cast<std::size_t>(shown);
     const Source source{&stored->run.frames[at].raw, &stored->grey[at], stored, shown, stored->run.size,
-                        &stored->run.frames[at].carm};
+                        &stored->run.frames[at]};
     RoomStatus now;
     now.source = is_loop ? ScreenSource::loop : ScreenSource::still;
     fill_run(source, now);
@@ -161,7 +162,7 @@ RoomStatus RoomScreen::status() const
 void RoomScreen::fill_shown(RoomStatus &status) const
 {
     const Source source = shown();
-    status.picture_carm = source.carm ? *source.carm : status.carm;
+    status.picture_carm = source.pulse ? source.pulse->carm : status.carm;
     if (!source.grey) return;
     status.source = room_.is_beam_on() ? ScreenSource::live : ScreenSource::held;
     if (review_.is_on && source.run)

@@ -81,7 +81,7 @@ class RoomScreen
         StoredRun *run = nullptr; // nullptr: fluoroscopy that is not kept
         int frame = 0;
         int size = 0;
-        const CArm *carm = nullptr; // of the frame's pulse
+        const RunFrame *pulse = nullptr;
     };
     struct Roadmap {
         RoadmapState state = RoadmapState::off;

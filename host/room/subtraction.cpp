@@ -1,4 +1,6 @@
 #include "host/room/subtraction.hpp"
+#include "host/room/scatter_estimate.hpp"
+#include "host/xray/coarse.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>
 #include <cmath>
@@ -8,7 +10,7 @@ namespace crn
 namespace
 {
 
-constexpr float roadmap_grey_per_doubling = 130.0f;
+constexpr float roadmap_grey_per_doubling = 90.0f;
 constexpr int roadmap_rim = 3; // pixels along the blades that are half dark and only noise
 
 struct Neighbour {
@@ -37,20 +39,27 @@ bool is_near_blades(const std::vector<std::uint8_t> &grey, int size, int x, int 
 
 } // namespace
 
-void smooth_log2(std::span<const std::uint16_t> raw, int size, std::vector<float> &log2_values)
+void primary_log2(const RunFrame &frame, std::span<const std::uint16_t> raw, int size,
+                  std::vector<float> &log2_values)
 {
+    constexpr float primary_least = 0.1f; // of the signal
     log2_values.resize(raw.size());
+    const std::vector<float> scatter_cells = estimated_scatter(frame, raw, size);
+    std::vector<float> scatter(static_cast<std::size_t>(size), 0.0f);
     std::vector<float> column(static_cast<std::size_t>(size));
     for (int y = 0; y < size; ++y) {
         const std::uint16_t *above = raw.data() + static_cast<std::size_t>(std::max(y - 1, 0)) * size;
         const std::uint16_t *here = raw.data() + static_cast<std::size_t>(y) * size;
         const std::uint16_t *below = raw.data() + static_cast<std::size_t>(std::min(y + 1, size - 1)) * size;
+        if (!scatter_cells.empty()) slow_row(scatter_cells, size, y, scatter.data());
         for (int x = 0; x < size; ++x) column[x] = static_cast<float>(above[x] + 2 * here[x] + below[x]);
         float *out = log2_values.data() + static_cast<std::size_t>(y) * size;
         for (int x = 0; x < size; ++x) {
             const float sum =
                 column[std::max(x - 1, 0)] + 2.0f * column[x] + column[std::min(x + 1, size - 1)];
-            out[x] = log2_positive(std::max(sum * 0.0625f, 0.5f));
+            const float signal = sum * 0.0625f;
+            const float primary = std::max(signal - scatter[x], primary_least * signal);
+            out[x] = log2_positive(std::max(primary, 0.5f));
         }
     }
 }
@@ -135,7 +144,7 @@ void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vec
                 for (int dx = -1; dx <= 1; ++dx)
                     sum += peak[static_cast<std::size_t>(std::clamp(y + dy, 0, size - 1)) * size +
                                 static_cast<std::size_t>(std::clamp(x + dx, 0, size - 1))];
-            const float density = std::clamp(sum * (1.0f / 9.0f) - floor, 0.0f, 2.0f);
+            const float density = std::clamp(sum * (1.0f / 9.0f) - floor, 0.0f, 3.0f);
             std::uint8_t &pixel = grey[static_cast<std::size_t>(y) * size + static_cast<std::size_t>(x)];
             const float value = static_cast<float>(pixel) + roadmap_grey_per_doubling * density;
             pixel = static_cast<std::uint8_t>(std::min(value, 255.0f));

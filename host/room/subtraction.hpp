@@ -11,9 +11,11 @@
 namespace crn
 {
 
-// Computes log2 of raw values, smoothed by the display's filter [1 2 1]/4 in both directions; the raw value 0
-// counts as 1/2.
-void smooth_log2(std::span<const std::uint16_t> raw, int size, std::vector<float> &log2_values);
+// Computes log2 of the primary radiation in the raw values, smoothed by the display's filter [1 2 1]/4 in
+// both directions; the value 0 counts as 1/2. `frame` states how the picture was taken. The estimated scatter
+// is subtracted first, but never more than 0.9 of a value.
+void primary_log2(const RunFrame &frame, std::span<const std::uint16_t> raw, int size,
+                  std::vector<float> &log2_values);
 
 // Returns the mean of the raw values of the frames that the mask names; frames that do not exist are left
 // out. The returned mask is empty if none of the frames that the mask names exists.

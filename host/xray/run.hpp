@@ -37,6 +37,7 @@ struct RunFrame {
     double pulse_ms = 0.0;          // width of the pulse
     double air_kerma_uGy = 0.0;     // at the reference point, 15 cm from the isocentre toward the tube
     double kap_Gy_cm2 = 0.0;        // kerma times area, the same at every distance
+    double raw_open = 0.0;          // raw value of the open beam, by calibration; 0: not known, or no scatter
     std::vector<std::uint16_t> raw; // size*size, row 0 on top
 };
 

@@ -9,7 +9,6 @@ namespace crn
 namespace
 {
 
-constexpr float scatter_per_neper = 0.70f;
 constexpr double spread_mm = 60.0;
 
 // Computes the mean over 2 reach + 1 cells; the cells outside the grid count as 0.
@@ -25,15 +24,9 @@ void box(const float *in, int count, int step, int reach, float *out, std::vecto
 
 } // namespace
 
-std::vector<float> scatter_part(const CoarseSums &primary, int cells, double cell_mm)
+void spread_scatter(std::vector<float> &grid, int cells, double cell_mm)
 {
-    std::vector<float> grid(primary.sum.size()), before;
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-        if (!(primary.count[i] > 0.0f)) continue;
-        const float mean = std::clamp(primary.sum[i] / primary.count[i], 1e-12f, 1.0f);
-        const float open_share = primary.count[i] * (1.0f / (coarse_cell * coarse_cell));
-        grid[i] = scatter_per_neper * open_share * mean * -log2_positive(mean) * 0.69314718f;
-    }
+    std::vector<float> before;
     // Three box blurs of w cells, applied one after another, have the variance (w^2 - 1)/4 together.
     const double spread_cells = spread_mm / cell_mm;
     const int reach =
@@ -45,6 +38,18 @@ std::vector<float> scatter_part(const CoarseSums &primary, int cells, double cel
         }
         for (int x = 0; x < cells; ++x) box(grid.data() + x, cells, cells, reach, grid.data() + x, before);
     }
+}
+
+std::vector<float> scatter_part(const CoarseSums &primary, int cells, double cell_mm)
+{
+    std::vector<float> grid(primary.sum.size());
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+        if (!(primary.count[i] > 0.0f)) continue;
+        const float mean = std::clamp(primary.sum[i] / primary.count[i], 1e-12f, 1.0f);
+        const float open_share = primary.count[i] * (1.0f / (coarse_cell * coarse_cell));
+        grid[i] = scatter_per_neper * open_share * mean * -log2_positive(mean) * 0.69314718f;
+    }
+    spread_scatter(grid, cells, cell_mm);
     return grid;
 }
 

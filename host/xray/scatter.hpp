@@ -23,6 +23,12 @@ namespace crn
 // Gives the fraction of scattered photons that the anti-scatter grid transmits, divided by the fraction of
 // primary photons.
 inline constexpr float grid_scatter_to_primary = 0.21f / 0.706f;
+inline constexpr float scatter_per_neper =
+    0.70f; // in front of the grid, behind plates wider than the Gaussian
+
+// Spreads what each cell of the coarse grid scatters by the Gaussian G; the cells outside of the grid scatter
+// nothing.
+void spread_scatter(std::vector<float> &grid, int cells, double cell_mm);
 
 // Returns the scattered signal in each cell of the coarse grid in front of the anti-scatter grid, in the
 // units of the primary sums (1 is the open beam).

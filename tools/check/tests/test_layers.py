@@ -275,6 +275,7 @@ ALLOWED = {
     + CORE_PUBLIC,
     # Frame counts need the anatomy's vessels as a tree of blood flow, which `bake` makes.
     "tools/timi": ["tools/anatomy", "tools/bake", "host/effects", "host/model"],
+    "tools/chip": ["host", "shared", "firmware/bench/budget_case.h"],
     # One program calls the readers of all tools for `make importers`.
     "tools/importers": [
         "host/base/version.hpp",

@@ -54,7 +54,7 @@ Grown grow_arteries(const Volume &scan, const Bright &bright, const Mask &known,
     for (std::size_t at = 0; at < known.size(); ++at) inside[at] = inside[at] && !known[at];
     Grown grown;
     const auto grow = [&] {
-        Growth growth = grow_apart(scan, inside, bright.widths, sources, bright.pieces);
+        Growth growth = grow_apart(scan, inside, bright.widths, bright.tubes, sources, bright.pieces);
         grown.leaks = cut_leaks(scan, bright.widths, gates, {}, growth);
         grown.artery = known.empty() ? Mask(scan.count(), 0) : known;
         grown.bone.assign(scan.count(), 0);
@@ -132,9 +132,9 @@ FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vec
     report("separate arteries", 0.3);
     std::vector<Source> sources;
     add_stack(scan, bright, found.descending, sources);
-    found.ascending =
-        ascending_aorta(scan, grow_apart(scan, bright.inside, bright.widths, sources, bright.pieces), stacks,
-                        found.descending);
+    found.ascending = ascending_aorta(
+        scan, grow_apart(scan, bright.inside, bright.widths, bright.tubes, sources, bright.pieces), stacks,
+        found.descending);
     add_stack(scan, bright, found.ascending, sources);
     const Mask aorta = mask_from(scan, sources);
     report("separate arteries", 0.6);

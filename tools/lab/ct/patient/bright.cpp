@@ -1,5 +1,7 @@
 #include "tools/lab/ct/patient/bright.hpp"
 #include "tools/lab/ct/patient/blocks.hpp"
+#include "tools/lab/ct/patient/tubes.hpp"
+#include "tools/lab/ct/snake.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -48,6 +50,7 @@ BrightRange bright_range(const Contrast &contrast)
 
 Bright bright_of(const Volume &scan, const Mask &body, const Contrast &contrast)
 {
+    constexpr double even_mm = 1.0;
     const auto [low_HU, high_HU] = bright_range(contrast);
     const auto mean_HU = static_cast<float>(contrast.mean_HU), share = static_cast<float>(small_share);
     // A neighbourhood that is mostly air, fat or blood tells little.
@@ -55,15 +58,24 @@ Bright bright_of(const Volume &scan, const Mask &body, const Contrast &contrast)
         return body[at] && scan.hu[at] >= 0 && scan.hu[at] <= low;
     });
     Bright bright;
-    bright.inside.assign(scan.count(), 0);
-    for (int k = 0; k < scan.size[2]; ++k)
-        for (int j = 0; j < scan.size[1]; ++j)
-            for (int i = 0; i < scan.size[0]; ++i) {
-                const std::size_t at = scan.at(i, j, k);
-                if (!body[at] || scan.hu[at] <= low_HU) continue;
-                const float around_HU = std::max(tissue.at(i, j, k), static_cast<float>(surroundings_HU));
-                bright.inside[at] = scan.hu[at] > around_HU + share * (mean_HU - around_HU);
-            }
+    // Keeps the voxels of the body that are bright in this volume.
+    const auto keep = [&, low = low_HU](const Volume &volume, Mask &mask, const Mask &always) {
+        for (int k = 0; k < scan.size[2]; ++k)
+            for (int j = 0; j < scan.size[1]; ++j)
+                for (int i = 0; i < scan.size[0]; ++i) {
+                    const std::size_t at = scan.at(i, j, k);
+                    if (!mask[at] || (!always.empty() && always[at])) continue;
+                    const float around_HU = std::max(tissue.at(i, j, k), static_cast<float>(surroundings_HU));
+                    mask[at] =
+                        volume.hu[at] > low && volume.hu[at] > around_HU + share * (mean_HU - around_HU);
+                }
+    };
+    bright.inside = body;
+    keep(scan, bright.inside, {});
+    bright.tubes = tubes_of(scan, bright.inside, contrast);
+    Volume even = scan;
+    for (float &hu : even.hu) hu = std::clamp(hu, 0.0f, high_HU);
+    keep(smoothed(even, even_mm), bright.inside, grown(scan, bright.tubes, 1));
     bright.widths = widths_in(scan, bright.inside);
     bright.pieces = pieces_of(scan, body, high_HU);
     return bright;

@@ -17,6 +17,7 @@ BrightRange bright_range(const Contrast &contrast);
 struct Bright {
     Mask inside;                // vessels, bones and organs with as much medium
     Widths widths;              // of `inside`
+    Mask tubes;                 // what is shaped like a thin artery
     std::vector<Source> pieces; // brighter than arteries: bone, metal, undiluted medium
 };
 

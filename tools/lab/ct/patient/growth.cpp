@@ -71,7 +71,7 @@ Widths widths_in(const Volume &grid, const Mask &inside)
     return widths;
 }
 
-Growth grow_apart(const Volume &grid, const Mask &inside, const Widths &widths,
+Growth grow_apart(const Volume &grid, const Mask &inside, const Widths &widths, const Mask &tubes,
                   const std::vector<Source> &artery, const std::vector<Source> &other)
 {
     const Neighbours neighbours(grid);
@@ -95,7 +95,9 @@ Growth grow_apart(const Volume &grid, const Mask &inside, const Widths &widths,
         if (growth.is_artery(at)) growth.order.push_back(at);
         neighbours.each(at, [&](std::size_t next, std::size_t n) {
             if (!inside[next] || done[next]) return;
-            const std::uint16_t neck = std::min(width, widths[next]);
+            const bool is_foreign = tubes[next] && !growth.is_artery(at);
+            const std::uint16_t neck = std::min<std::uint16_t>(
+                width, static_cast<std::uint16_t>(widths[next] / (is_foreign ? 2 : 1)));
             if (neck <= growth.neck[next]) return;
             growth.neck[next] = neck;
             growth.side[next] = growth.side[at];

@@ -36,8 +36,9 @@ struct Source {
     std::uint16_t width; // of the paths that begin here
 };
 
-// Grows from both sides through the mask.
-Growth grow_apart(const Volume &grid, const Mask &inside, const Widths &widths,
+// Grows from both sides through the mask. For the other side, a voxel that is shaped like a thin artery is
+// half as wide: a bone that touches an artery does not claim it.
+Growth grow_apart(const Volume &grid, const Mask &inside, const Widths &widths, const Mask &tubes,
                   const std::vector<Source> &artery, const std::vector<Source> &other);
 
 // A region is wide if its width is more than `factor` times the neck and `more_mm`.

@@ -195,7 +195,7 @@ centreline::Tree tree_of(const bake::Mesh &lumen, const LabelMap &labels, const 
     const centreline::Lumen inside(lumen, voxels, progress);
     centreline::AutoWish wish;
     wish.inlet_mm = inside_near(lumen, root_mm);
-    wish.shortest_mm = 8.0;
+    wish.shortest_mm = 5.0;
     std::vector<std::string> notes;
     centreline::Tree tree = centreline::fit_automatic(inside, wish, notes, progress);
     widen_to_sections(lumen, tree);

@@ -2,14 +2,16 @@
 this module."""
 
 import csv
+import itertools
 import math
 
 CELL_MM = 4.0
+WIDER = 1.05  # a vessel that goes on as another one has the same radius
 
 
 def read_truth(path, least_radius_mm):
     """Returns the points of the true vessels, every 1 mm, as {(name, number): [(place, radius)]}, without those thinner
-    than the limit."""
+    than the limit, and without those inside a wider vessel: a branch begins at the parent's wall."""
     vessels, number, before = {}, 0, None
     with open(path, encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
@@ -19,7 +21,23 @@ def read_truth(path, least_radius_mm):
             place = tuple(float(row[axis]) for axis in ("x_mm", "y_mm", "z_mm"))
             vessels.setdefault((row["name"], number), []).append((place, float(row["radius_mm"])))
     dense = {name: resampled(points) for name, points in vessels.items()}
-    kept = {name: [p for p in points if p[1] >= least_radius_mm] for name, points in dense.items()}
+    spheres = [(place, radius, name) for name, points in dense.items() for place, radius in points if radius > 1.5]
+    cells = {}
+    for sphere in spheres:
+        place, radius, _ = sphere
+        spans = [range(int((v - radius) // CELL_MM), int((v + radius) // CELL_MM) + 1) for v in place]
+        for cell in itertools.product(*spans):
+            cells.setdefault(cell, []).append(sphere)
+
+    def is_own(name, place, radius):
+        near = cells.get(tuple(int(v // CELL_MM) for v in place), ())
+        return not any(
+            other != name and wide > WIDER * radius and math.dist(place, middle) < wide for middle, wide, other in near
+        )
+
+    kept = {
+        name: [p for p in points if p[1] >= least_radius_mm and is_own(name, *p)] for name, points in dense.items()
+    }
     return {name: points for name, points in kept.items() if len(points) >= 5}
 
 

@@ -1,8 +1,10 @@
 // Tests how arteries are found without a label map, in a virtual CTA whose truth is known. An aorta runs in
 // front of a spine that is as bright as the medium, and gives off four branches: one into a kidney, one with
-// an occlusion, one that touches a bone without a compact shell, and one of 2.4 mm.
+// an occlusion, one that touches a bone without a compact shell, and one of 2.4 mm that divides. One of its
+// ends runs along a bone and touches it.
 #include "tools/centreline/tree.hpp"
 #include "tools/lab/ct/patient/arteries.hpp"
+#include "tools/lab/ct/patient/bright.hpp"
 #include "tools/lab/ct/patient/wall.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include <algorithm>
@@ -36,7 +38,8 @@ double distance_at(const Vector3d &p)
     return std::min(
         {tube(p, {0, -90, -10}, {0, 90, -10}, trunk_mm), tube(p, {0, 20, -10}, {45, 20, -10}, branch_mm),
          tube(p, {0, -20, -10}, {-25, -20, -10}, branch_mm),
-         tube(p, {0, -45, -10}, {58, -45, -10}, branch_mm), tube(p, {0, 45, -10}, {-45, 45, -10}, thin_mm)});
+         tube(p, {0, -45, -10}, {58, -45, -10}, branch_mm), tube(p, {0, 45, -10}, {-45, 45, -10}, thin_mm),
+         tube(p, {-22, 45, -10}, {-22, 64, -10}, thin_mm), tube(p, {-22, 64, -10}, {-58, 64, -10}, thin_mm)});
 }
 
 double vertebra_at(const Vector3d &p)
@@ -63,6 +66,7 @@ double value_at(const Vector3d &p)
     fill(value, vertebra + 2, blood_HU); // the marrow is as bright as blood
     fill(value, (p - Vector3d(36, -45, -26.5)).norm() - 14, blood_HU);
     fill(value, (p - Vector3d(58, 20, -10)).norm() - 15, 280);
+    fill(value, tube(p, {-36, 64, -15.9}, {-70, 64, -15.9}, 4.5), 900);
     fill(value, tube(p, {-37, -20, -10}, {-55, -20, -10}, branch_mm), blood_HU);
     fill(value, distance_at(p), blood_HU);
     return value;
@@ -148,6 +152,40 @@ static void arteries_end_at_bone_kidney_and_gap(void **)
     assert_artery(labels, {58, 20, -10}, false);   // the kidney
     assert_artery(labels, {36, -45, -26}, false);  // the bone without a shell
     assert_artery(labels, {-45, -20, -10}, false); // behind the gap
+}
+
+static void a_bone_that_touches_an_artery_does_not_claim_it(void **)
+{
+    for (const double x : {-30.0, -38.0, -46.0, -54.0}) assert_artery(found().labels, {x, 64, -10}, true);
+    for (const double x : {-38.0, -46.0, -60.0}) assert_artery(found().labels, {x, 64, -16}, false);
+}
+
+// Blood with little medium, such as that of the pulmonary artery, and much noise: a tenth of the voxels are
+// as bright as arteries, and would be connected over all 26 neighbours.
+static void noise_in_pale_blood_makes_no_vessel(void **)
+{
+    Volume scan;
+    scan.size = {60, 60, 60};
+    scan.spacing_mm = {0.9, 0.9, 1.25};
+    scan.name = "pale blood";
+    scan.hu.resize(scan.count());
+    std::uint32_t state = 1;
+    for (float &hu : scan.hu) {
+        double lot = 0;
+        for (int n = 0; n < 4; ++n) {
+            state = state * 1664525u + 1013904223u;
+            lot += (state >> 8) / 16777216.0 - 0.5;
+        }
+        hu = static_cast<float>(171 + lot * 45 * std::sqrt(3.0));
+    }
+    const Mask body(scan.count(), 1);
+    Contrast contrast;
+    contrast.mean_HU = 350;
+    contrast.noise_HU = 20;
+    const Bright bright = bright_of(scan, body, contrast);
+    const auto count = std::count(bright.inside.begin(), bright.inside.end(), 1);
+    std::printf("# %.2f %% of the voxels are bright\n", 100.0 * double(count) / double(scan.count()));
+    assert_true(double(count) < 0.02 * double(scan.count()));
 }
 
 static void a_bridge_joins_the_two_ends_of_a_gap(void **)
@@ -238,6 +276,8 @@ int main()
         cmocka_unit_test(a_kidney_keeps_its_medium_in_the_picture),
         cmocka_unit_test(the_aorta_is_found_beside_a_spine_as_bright),
         cmocka_unit_test(arteries_end_at_bone_kidney_and_gap),
+        cmocka_unit_test(a_bone_that_touches_an_artery_does_not_claim_it),
+        cmocka_unit_test(noise_in_pale_blood_makes_no_vessel),
         cmocka_unit_test(a_bridge_joins_the_two_ends_of_a_gap),
         cmocka_unit_test(a_clicked_artery_is_joined_and_a_cut_takes_away),
         cmocka_unit_test(the_wall_is_where_the_truth_has_it),
