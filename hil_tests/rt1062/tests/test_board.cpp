@@ -48,8 +48,10 @@ void fault_line_that_was_cut_before_power_up_is_over_current(void **)
     } catch (const std::exception &error) {
         said = error.what();
     }
-    const std::string refusal = "a check fails (detail: fault code) [" + std::to_string(CRN_FAULT_CODE_OVER_CURRENT);
-    const bool is_told = said.find("OVER_CURRENT") != std::string::npos || said.find(refusal) != std::string::npos;
+    const std::string refusal =
+        "a check fails (detail: fault code) [" + std::to_string(CRN_FAULT_CODE_OVER_CURRENT);
+    const bool is_told =
+        said.find("OVER_CURRENT") != std::string::npos || said.find(refusal) != std::string::npos;
     if (!is_told) fail_msg("%s", said.c_str());
 }
 
