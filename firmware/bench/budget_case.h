@@ -52,6 +52,9 @@ static inline bool budget_build(const budget_case *c, crn_lumen *lumen, crn_mode
         .index = (const uint16_t *)(const void *)field,
         .children = (const uint16_t *)(const void *)(field + budget_padded(c->index_bytes)),
         .samples = (const int8_t *)(field + budget_padded(c->index_bytes) + budget_padded(c->children_bytes)),
+        .motion = NULL,
+        .lesion_count = 0,
+        .lesions = NULL,
     };
     crn_build_place place;
     return c->magic == BUDGET_MAGIC && c->state_bytes == crn_state_bytes() &&

@@ -71,6 +71,7 @@ static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *cont
         chip->core.cycles += (engine->stop_at - chip->now) / chip->clocks.instants_per_cycle;
         chip->now = engine->stop_at;
         chip->usb.idle_polls = 0;
+        engine->idle_jumps++;
     }
 }
 
@@ -213,6 +214,16 @@ rt_stop rt_engine_run_us(rt_engine *engine, double us)
 }
 
 /* --- for reports and tests --- */
+rt_chip *rt_engine_chip(rt_engine *engine)
+{
+    return engine->chip;
+}
+
+uint64_t rt_engine_idle_jumps(const rt_engine *engine)
+{
+    return engine->idle_jumps;
+}
+
 uint64_t rt_engine_instructions(const rt_engine *engine)
 {
     return engine->instructions;

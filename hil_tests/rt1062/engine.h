@@ -26,7 +26,10 @@ rt_stop rt_engine_run_us(rt_engine *engine, double us);
 /* Cuts the power and switches it on again. */
 void rt_engine_power_cycle(rt_engine *engine);
 
+rt_chip *rt_engine_chip(rt_engine *engine);
 uint64_t rt_engine_instructions(const rt_engine *engine);
+/* How often the image had nothing to do, so that time jumped to the next event. */
+uint64_t rt_engine_idle_jumps(const rt_engine *engine);
 /* Why the engine has locked up, or an empty text. */
 const char *rt_engine_trouble(const rt_engine *engine);
 /* The address of a symbol, 0 if there is none; and the function at an address, for reports (rt_name_place).

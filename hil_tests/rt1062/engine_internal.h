@@ -42,7 +42,7 @@ struct rt_engine {
     rt_map maps[RT_MAPS_MAX];
     uint32_t map_count;
     rt_emulated guard, psram;
-    uint64_t run_end, stop_at, instructions;
+    uint64_t run_end, stop_at, instructions, idle_jumps;
     struct {
         uint32_t address;
         uint16_t bytes, count;

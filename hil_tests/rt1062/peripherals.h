@@ -127,6 +127,8 @@ void rt_wdog_write(struct rt_chip *chip, uint32_t offset, uint32_t value);
 uint32_t rt_rtwdog_read(struct rt_chip *chip, uint32_t offset);
 void rt_rtwdog_write(struct rt_chip *chip, uint32_t offset, uint32_t value);
 uint64_t rt_watchdogs_run_due(struct rt_chip *chip);
+/* A debugger halts the processor for a time: with WDBG the watchdog stands meanwhile. */
+void rt_watchdogs_halt(struct rt_chip *chip, uint64_t instants);
 uint32_t rt_src_read(struct rt_chip *chip, uint32_t offset);
 void rt_src_write(struct rt_chip *chip, uint32_t offset, uint32_t value);
 uint32_t rt_ocotp_read(struct rt_chip *chip, uint32_t offset);

@@ -100,6 +100,13 @@ uint64_t rt_watchdogs_run_due(rt_chip *chip)
     return dogs->wdog_bites < dogs->rtwdog_bites ? dogs->wdog_bites : dogs->rtwdog_bites;
 }
 
+void rt_watchdogs_halt(rt_chip *chip, uint64_t instants)
+{
+    rt_watchdogs *dogs = &chip->watchdogs;
+    bool stands = (dogs->wcr & MASK(WDOG_WCR_WDBG)) != 0 && dogs->wdog_bites != RT_NEVER;
+    if (stands) dogs->wdog_bites += instants;
+}
+
 uint32_t rt_src_read(rt_chip *chip, uint32_t offset)
 {
     if (offset == SRC_SRSR) return chip->watchdogs.srsr;

@@ -2,13 +2,15 @@
 """Measures the instructions, stack and memory of the core's tick on a Cortex-M7, and compares them with
 firmware/bench/budget.tsv (docs/bench.md).
 
-  budget.py --build build [--accept] [--profile CASE]
+  budget.py --build build [--accept] [--search] [--jobs N] [--profile CASE]
 
 QEMU with -icount shift=0 counts each instruction as one nanosecond. The stack of a tick is the largest sum of stack
 bytes along a path through the compiler's call graph. The sizes of code and data come from the object files. The exit
 code is 1 when a measured value is more than 3 % above its row in budget.tsv, when budget.tsv lacks a row, or when the
 image calls a forbidden helper function. Soft-float helpers, divide helpers and heap functions are forbidden. The option
---accept writes the measured values into budget.tsv. The option --profile only prints, for each function, how many
+--accept writes the measured values into budget.tsv. The program prices the same cases, sessions that ship, and ticks
+that a search found in cycles of three boards (chip_budget.py, docs/budget.md); the option --search only searches for
+such ticks anew. The option --profile only prints, for each function, how many
 instructions two ticks of a case execute.
 """
 
@@ -21,6 +23,8 @@ import re
 import subprocess
 import sys
 import tempfile
+
+import chip_budget
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BUDGET = os.path.join("firmware", "bench", "budget.tsv")
@@ -96,9 +100,13 @@ def emulate(image, case_file):
     return {line.split()[0]: int(line.split()[1]) for line in text.splitlines()}
 
 
+def case_path(folder, number):
+    return os.path.join(folder, "case%d" % number)
+
+
 def measure_case(make, image, number, context, folder):
     """Measures one benchmark case and yields its rows of the budget."""
-    path = os.path.join(folder, "case%d" % number)
+    path = case_path(folder, number)
     words = run([make, "make", str(number), path]).split()
     counted = emulate(image, path)
     if words[:1] == ["second_solves"]:
@@ -376,10 +384,26 @@ def measure(build, folder):
     return list(instructions(build, folder)) + list(stack(build)) + list(sizes(build)) + list(memory_sizes())
 
 
+def chip_cases(rows, folder):
+    """Returns the cases whose instructions `rows` state, for chip_budget.measure; the files are still in `folder`."""
+    counted = [row for row in rows if row[0] in ("rod.m7_instructions", "rod.m7_instructions_worst")]
+    return [
+        (
+            case_path(folder, number),
+            key_of(context),
+            chip_budget.MOST if name.endswith("worst") else chip_budget.MEAN,
+            value,
+        )
+        for number, (name, value, _, context) in enumerate(counted)
+    ]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build", help="build folder (default: build)")
     parser.add_argument("--accept", action="store_true", help="write what was measured to " + BUDGET)
+    parser.add_argument("--search", action="store_true", help="look for dear ticks anew: " + chip_budget.FOUND)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="programs at once")
     parser.add_argument("--profile", metavar="CASE", help="where the instructions of a case go")
     options = parser.parse_args()
     failed = 0
@@ -388,7 +412,11 @@ def main():
             if options.profile:
                 profile(options.build, options.profile, folder)
                 return 0
+            if options.search:
+                chip_budget.search_all(options.build, options.jobs)
+                return 0
             rows = measure(options.build, folder)
+            rows += chip_budget.measure(options.build, folder, chip_cases(rows, folder), options.jobs)
         budget = read_budget()
         for row in rows:
             wrong = "" if options.accept else judge(row, budget)
@@ -407,7 +435,7 @@ def main():
             )
         )
         print_estimates(options.build)
-    except CannotMeasure as problem:
+    except (CannotMeasure, chip_budget.CannotPrice) as problem:
         print("budget: %s" % problem, file=sys.stderr)
         return 1
     if options.accept:

@@ -1,10 +1,12 @@
 # Targets that developers of the product run.
 ##@ For developers
 .PHONY: all scene coverage bench format fuzz fuzz-coverage fuzz-corpus compilers matrix budget
-.PHONY: budget-docs docs-tables docs-cases docs-pictures gallery dissector sbom
+.PHONY: budget-docs budget-search docs-tables docs-cases docs-pictures gallery dissector sbom
 .PHONY: notice programs-list bars flakes screenshots bench-suite
 N     ?= 30
 LOAD  ?= 4
+# Scenes whose ticks `make budget` prices (tools/bench/chip_budget.py).
+CHIP_SCENES := $(SCENE) $(HEART) out/lad_pci.scene out/renal_pci.scene
 
 all: packages-build+tools ## build every program of the product into build/bin
 	$(call build,release,run$(comma)tools,all)
@@ -48,13 +50,21 @@ bench: packages-build+tools+bench+matrix
 	$(again) $(SCENE) $(HEART) $(DEMO_OUT)
 	@tools/bench/run_bench.py --build $(BUILD) $(if $(QUICK),--quick) --cases '$(CASES)'
 
-budget: ## count the Cortex-M7's instructions, stack and bytes; fails at +3 % (ACCEPT=1: new budget)
-budget: packages-build+matrix+budget
-	$(call build,release,run$(comma)tools,budget_make)
-	$(call build,m7,run,budget_image)
-	@tools/bench/budget.py --build $(BUILD) $(if $(ACCEPT),--accept)
+budget: ## price the core's tick on Cortex-M7 boards, with stack and bytes; fails at +3 % (ACCEPT=1: new budget)
+budget: packages-build+tools+matrix+budget
+	$(call build,release,run$(comma)tools$(comma)chip,budget_make chip cournand anatomy bake)
+	$(call build,m7,run,budget_image chip_case chip_device)
+	$(again) $(CHIP_SCENES)
+	@tools/bench/budget.py --build $(BUILD) --jobs $(JOBS) $(if $(ACCEPT),--accept)
 
-budget-docs: ## write the column "now" of docs/bench.md from firmware/bench/budget.tsv
+budget-search: ## look for the dearest ticks anew, in an hour of one core: firmware/bench/chip/found.tsv
+budget-search: packages-build+tools+matrix+budget
+	$(call build,release,run$(comma)tools$(comma)chip,chip anatomy bake)
+	$(call build,m7,run,chip_device)
+	$(again) $(CHIP_SCENES)
+	@tools/bench/budget.py --build $(BUILD) --jobs $(JOBS) --search
+
+budget-docs: ## write the tables of docs/bench.md, budget.md, porting.md from firmware/bench/budget.tsv
 	@tools/bench/budget_docs.py --write
 
 bars: ## check every limit that an issue has set, as one table: out/bars.tsv (docs/bars.md)

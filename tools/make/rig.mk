@@ -2,7 +2,7 @@
 ##@ For rig builders
 .PHONY: firmware firmware-board registers install-udev hil hil-full hil-faults hil-loop hil-emulator
 .PHONY: hil-machines hil-mock hil-guest hil-rig
-.PHONY: hil-passivity hil-lies soak
+.PHONY: hil-board hil-passivity hil-lies soak
 IMAGE_ARGS   = -DCRN_USB_ID=$(USB_ID)
 
 firmware: ## build the images for the emulated Cortex-M7 and a real board, and check them: build/firmware
@@ -78,6 +78,13 @@ hil-mock: ## run level L2: libusb and hidapi see the device by umockdev, on a ma
 hil-guest: ## run level L3: the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
 hil-machines: packages-build+matrix ## run level L4: one hash on five machines, and the app with its wire there
 	@tools/check/matrix.py --short --jobs $(JOBS) && hil_tests/l4/wire_everywhere.sh
+
+hil-board: ## run the board's own image on its emulated chip: the cases, then the aorta session to the host's hash
+hil-board: $(HIL_PACKAGES)
+	$(call build,release,run$(comma)tools$(comma)tests,hil_rt1062)
+	$(call build,m7,run,cournand-imxrt1062)
+	$(again) $(SCENE)
+	@$(BUILD)/hil/hil_rt1062 && $(BUILD)/hil/hil_rt1062 --aorta --scene $(SCENE)
 
 hil-rig: ## run the cases that need no plant on a physical rig: make hil-rig SERIAL=...
 hil-rig: packages-build+tools+test+usb

@@ -1,4 +1,5 @@
 #include "tools/anatomy/small/stated.hpp"
+#include "tools/anatomy/small/beside_bones.hpp"
 #include "tools/anatomy/small/twigs.hpp"
 #include "tools/anatomy/small/winding.hpp"
 #include "tools/anatomy/vessel_file.hpp"
@@ -38,9 +39,9 @@ void follow(Vessel &vessel, const Vec3 &moved_mm)
     }
 }
 
-/* Adds the arteries of one shipped file, in the order in which they are given. */
+/* Adds the arteries of one shipped file, in the order in which they are given, beside the bones. */
 void add_all(VesselTree &tree, const VesselTree &shipped, const std::vector<Vessel> &arteries,
-             std::uint64_t stream)
+             std::uint64_t stream, const Solid &bones)
 {
     constexpr double USUAL_WINDING = 1.04;
     VesselTree straight = shipped;
@@ -53,7 +54,7 @@ void add_all(VesselTree &tree, const VesselTree &shipped, const std::vector<Vess
         follow(vessel,
                nearest_point(*parent, start) - nearest_point(*vessel_of(straight, vessel.parent), start));
         if (vessel.winding == 0.0) vessel.winding = USUAL_WINDING;
-        tree.small.push_back(wound(vessel, tree.seed.value_or(0), stream));
+        tree.small.push_back(beside_bones(wound(vessel, tree.seed.value_or(0), stream), bones));
     }
 }
 
@@ -83,10 +84,11 @@ void add_stated_branches(VesselTree &tree)
     const VesselTree trunk = shipped_vessels("trunk_branches"), head = shipped_vessels("head_branches"),
                      arms =
                          shipped_vessels(tree.arms == Arms::raised ? "arm_branches" : "arm_branches_beside");
-    add_all(tree, trunk, trunk.small, TRUNK);
+    const Solid bones = bones_beside(tree.arms);
+    add_all(tree, trunk, trunk.small, TRUNK, bones);
     const CircleOfWillis circle = tree.seed ? drawn_circle(*tree.seed) : CircleOfWillis{};
-    add_all(tree, head, with_circle(head.small, circle), HEAD);
-    add_all(tree, arms, arms.small, ARMS);
+    add_all(tree, head, with_circle(head.small, circle), HEAD, bones);
+    add_all(tree, arms, arms.small, ARMS, bones);
     for (Vessel &artery : tree.small)
         if (const Vessel *joined = named(tree.small, artery.joins)) reach_joined(artery, *joined);
 }

@@ -1,0 +1,157 @@
+// This is the program hil_rt1062. It runs the board's image on the emulated chip: alone, with what its
+// console says; with the test cases of hil_tests/cases; or with the aorta session, whose hash must be the
+// host's.
+#include "hil_tests/cases/aorta_session.hpp"
+#include "hil_tests/cases/cases.hpp"
+#include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/rt1062/board_bench.hpp"
+#include "host/base/version.hpp"
+#include "host/link/sim_transport.hpp"
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+namespace
+{
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+    std::string image = "build/firmware/cournand-imxrt1062.elf", case_name;
+    hil::AortaFiles files;
+    std::uint32_t ticks_max = UINT32_MAX;
+    double boot_ms = 1000;
+    bool lists = false, boots = false, runs_aorta = false;
+};
+
+double seconds_since(Clock::time_point begin)
+{
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+int boot(const Options &options)
+{
+    const Clock::time_point begin = Clock::now();
+    hil::BoardBench bench({}, options.image);
+    rt_chip *chip = rt_engine_chip(&bench.engine());
+    const double enumerated_s = seconds_since(begin);
+    bench.advance(static_cast<std::uint32_t>(options.boot_ms));
+    std::printf("%.*s", static_cast<int>(chip->uart.text_bytes), chip->uart.text);
+    std::printf("enumerated after %.2f s of wall time; %.1f ms of the chip's time and %.1f million "
+                "instructions run\n",
+                enumerated_s, static_cast<double>(chip->now) / (RT_INSTANTS_PER_us * 1e3),
+                static_cast<double>(rt_engine_instructions(&bench.engine())) * 1e-6);
+    return rt_report(chip, stdout, rt_engine_place, &bench.engine()) == 0 ? 0 : 1;
+}
+
+// Prints a line of TAP.
+void print_result(int number, const std::string &name, const std::string &failure, double seconds)
+{
+    std::printf("%s %d - %s (%.1f s)\n", failure.empty() ? "ok" : "not ok", number, name.c_str(), seconds);
+    if (!failure.empty()) std::printf("# %s\n", failure.c_str());
+    std::fflush(stdout);
+}
+
+int run_aorta(const Options &options)
+{
+    crn::SimTransport host;
+    const hil::AortaRun expected = hil::run_aorta(host, options.files, options.ticks_max);
+    const Clock::time_point begin = Clock::now();
+    hil::BoardLevel level(options.image);
+    const auto bench = level.make({});
+    auto &board = dynamic_cast<hil::BoardBench &>(*bench);
+    const hil::AortaRun run = hil::run_aorta(bench->pipe(), options.files, options.ticks_max);
+    const rt_chip *chip = rt_engine_chip(&board.engine());
+    const bool is_equal = run.hash == expected.hash && run.ticks == expected.ticks;
+    const std::string figures = hil::text(
+        "aorta_session: %u ticks, hash %016llx, host-only %016llx, %.1f s of the chip's time", run.ticks,
+        static_cast<unsigned long long>(run.hash), static_cast<unsigned long long>(expected.hash),
+        static_cast<double>(chip->now) / RT_INSTANTS_PER_s);
+    print_result(1, figures, is_equal ? "" : "the hashes differ", seconds_since(begin));
+    board.check_report();
+    std::printf("# final hash %016llx\n", static_cast<unsigned long long>(run.hash));
+    return is_equal ? 0 : 1;
+}
+
+// Cases that a rig of metal with this board cannot pass, and why.
+struct Unfit {
+    const char *name, *why;
+};
+constexpr Unfit unfit_cases[] = {
+    {"a_free_run_closes_the_loop_as_at_level_0", "the board's force sensor has coarser counts than level 0"},
+    {"pedals_syringe_and_inflator_reach_the_host",
+     "the case inflates to 60 bar, and the board measures up to 41"},
+    {"every_fault_of_the_rig_is_safe_in_5_ms_and_latched",
+     "one of its faults turns an encoder by half a turn in a millisecond, which no input filter lets pass"},
+};
+
+const char *why_unfit(const char *name)
+{
+    for (const Unfit &unfit : unfit_cases)
+        if (std::string(unfit.name) == name) return unfit.why;
+    return nullptr;
+}
+
+int run_cases(const Options &options)
+{
+    hil::BoardLevel level(options.image);
+    int failed = 0, count = 0;
+    for (const hil::Case &one : hil::all_cases()) {
+        if (!options.case_name.empty() && options.case_name != one.name) continue;
+        if (options.case_name.empty() && why_unfit(one.name) != nullptr) {
+            std::printf("# left out: %s: %s\n", one.name, why_unfit(one.name));
+            continue;
+        }
+        hil::Report report;
+        std::string failure;
+        const Clock::time_point begin = Clock::now();
+        try {
+            one.run(level, {.pause_s = 0.2, .spread = 4}, report);
+        } catch (const std::exception &error) {
+            failure = error.what();
+        }
+        count++;
+        failed += !failure.empty();
+        print_result(count, one.name + (": " + report.text), failure, seconds_since(begin));
+    }
+    if (count > 0) std::printf("1..%d\n", count);
+    if (count > 0) return failed == 0 ? 0 : 1;
+    std::fprintf(stderr, "hil_rt1062: no case '%s'; --list names them\n", options.case_name.c_str());
+    return 2;
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    Options options;
+    CLI::App app("The board's image on the emulated i.MX RT1062 (docs/rt1062.md)");
+    app.add_option("--image", options.image, "Image of the board")->capture_default_str();
+    app.add_option("--case", options.case_name, "Only this case");
+    app.add_flag("--list", options.lists, "Names of the cases");
+    app.add_flag("--boot", options.boots,
+                 "Only boot, enumerate, and print the console and the model's report");
+    app.add_option("--boot-ms", options.boot_ms, "With --boot: milliseconds after the enumeration")
+        ->capture_default_str();
+    app.add_flag("--aorta", options.runs_aorta, "Only the aorta session, to the hash of the host alone");
+    app.add_option("--aorta-ticks", options.ticks_max, "Only so many ticks of it");
+    app.add_option("--scene", options.files.scene, "Scene of the aorta session")->capture_default_str();
+    app.footer("Examples:\n  hil_rt1062 --boot\n  hil_rt1062 --aorta --aorta-ticks 2000");
+    app.set_version_flag("--version", crn::version_of("hil_rt1062"));
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError &error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    try {
+        if (options.lists) {
+            for (const hil::Case &one : hil::all_cases()) std::printf("%s\n", one.name);
+            return 0;
+        }
+        return options.boots ? boot(options) : options.runs_aorta ? run_aorta(options) : run_cases(options);
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "hil_rt1062: %s\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,17 @@
+// The figures of many priced ticks, as lines "name value" for tools/bench/budget.py.
+#pragma once
+#include "tools/chip/pricer.hpp"
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace chip
+{
+
+// The value that the given share of the values does not exceed (nearest rank); `values` is not empty.
+double percentile(std::vector<double> values, double share);
+
+// Prints mean, 99.9th percentile and largest value of every quantity of these ticks.
+void print_figures(const std::vector<TickPrice> &ticks);
+
+} // namespace chip

@@ -1,0 +1,128 @@
+#include "tools/chip/pricer.hpp"
+#include "tools/chip/pipeline.hpp"
+#include <algorithm>
+
+namespace chip
+{
+
+namespace
+{
+
+constexpr std::uint32_t brick_bytes = 1000;    // CRN_LUMEN_BRICK_SAMPLES
+constexpr std::uint32_t motion_row_bytes = 52; // CRN_MOTION_ROW numbers of 16 bits
+constexpr std::uint32_t code_bytes = 192 << 10;
+constexpr std::uint32_t stack_bytes = 4096; // stays in tightly coupled memory on every board
+
+} // namespace
+
+double TickPrice::cycles(const Board &board) const
+{
+    const double per_ns = board.core_MHz * 1e-3;
+    const bool is_state_cached = board.state_line_ns > 0.0;
+    return core_cycles + (is_state_cached ? scene_misses : misses) * board.line_ns * per_ns +
+           (is_state_cached ? state_misses * board.state_line_ns * per_ns : 0.0);
+}
+
+Pricer::Pricer(const Processor &processor, const std::map<std::uint32_t, Instruction> &code,
+               const std::string &step)
+    : processor_(processor), code_(code), step_(processor.address_of(step)),
+      block_by_address_(code_bytes / 2, none), lines_(Processor::scene_bytes / line_bytes),
+      bricks_(Processor::scene_bytes / brick_bytes + 1),
+      motion_(Processor::scene_bytes / motion_row_bytes + 1)
+{
+}
+
+std::uint32_t Pricer::block_at(std::uint32_t address, std::uint32_t bytes)
+{
+    std::uint32_t &known = block_by_address_.at(address / 2);
+    if (known != none && blocks_[known].bytes == bytes) return known;
+    Block block{address, bytes, address, Flow::straight, false, {}, {}};
+    Pipeline pipeline;
+    for (std::uint32_t at = address; at < address + bytes;) {
+        const auto one = code_.find(at);
+        if (one == code_.end())
+            throw PriceError("the disassembler shows no instruction where the processor ran one");
+        block.code.push_back(one->second);
+        pipeline.issue(one->second);
+        block.last = at;
+        block.flow = one->second.flow;
+        at += one->second.bytes;
+    }
+    block.knows_flags_early = pipeline.since_flags() >= 3;
+    known = static_cast<std::uint32_t>(blocks_.size());
+    blocks_.push_back(std::move(block));
+    return known;
+}
+
+// The cycles that a block adds to the block before it: the difference between both together and the first.
+std::uint32_t Pricer::straight_cycles(std::uint32_t before, std::uint32_t now)
+{
+    for (const Predecessor &known : blocks_[now].predecessors)
+        if (known.block == before) return known.cycles;
+    Pipeline pipeline;
+    if (before != none) {
+        for (const Instruction &one : blocks_[before].code) pipeline.issue(one);
+        if (blocks_[before].address + blocks_[before].bytes != blocks_[now].address) pipeline.end_pair();
+    }
+    const std::int64_t begin = pipeline.cycles();
+    for (const Instruction &one : blocks_[now].code) pipeline.issue(one);
+    const auto cycles = static_cast<std::uint32_t>(pipeline.cycles() - begin);
+    blocks_[now].predecessors.push_back({before, cycles});
+    return cycles;
+}
+
+void Pricer::begin_tick()
+{
+    is_in_step_ = true;
+    return_address_ = processor_.return_address();
+    tick_ = {};
+    lines_.begin();
+    bricks_.begin();
+    motion_.begin();
+}
+
+void Pricer::end_tick()
+{
+    is_in_step_ = false;
+    tick_.lines = lines_.count();
+    tick_.bricks = bricks_.count();
+    tick_.motion_rows = motion_.count();
+    ticks_.push_back(tick_);
+}
+
+void Pricer::block(std::uint32_t address, std::uint32_t bytes)
+{
+    if (is_in_step_ && address == return_address_) end_tick();
+    if (!is_in_step_ && address == step_) begin_tick();
+    const std::uint32_t now = block_at(address, bytes);
+    TickPrice &price = is_in_step_ ? tick_ : rest_;
+    price.instructions += static_cast<std::uint32_t>(blocks_[now].code.size());
+    price.core_cycles += straight_cycles(before_, now);
+    if (before_ != none && blocks_[before_].flow != Flow::straight) {
+        const Block &last = blocks_[before_];
+        const std::uint32_t cycles = branches_.cycles(
+            {last.last, address, last.address + last.bytes != address, last.flow, last.knows_flags_early});
+        price.core_cycles += cycles;
+        price.branch_cycles += cycles;
+    }
+    before_ = now;
+}
+
+void Pricer::access(std::uint32_t address, std::uint32_t, bool)
+{
+    if (!is_in_step_) return;
+    const bool is_scene = address >= Processor::scene_address;
+    const std::uint32_t state_end = Processor::state_address + Processor::state_bytes - stack_bytes;
+    const bool is_state = address >= Processor::state_address && address < state_end;
+    if (is_state) tick_.state_misses += shared_cache_.misses(address);
+    if (!is_scene) return;
+    lines_.take((address - Processor::scene_address) / line_bytes);
+    tick_.misses += scene_cache_.misses(address);
+    tick_.scene_misses += shared_cache_.misses(address);
+    if (address >= scene_.samples && address - scene_.samples < scene_.brick_count * brick_bytes)
+        bricks_.take((address - scene_.samples) / brick_bytes);
+    if (address >= scene_.motion && address - scene_.motion < scene_.motion_bytes)
+        motion_.take((address - scene_.motion) / motion_row_bytes);
+}
+
+} // namespace chip

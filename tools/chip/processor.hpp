@@ -1,0 +1,66 @@
+// A Cortex-M7 with the memories of the i.MX RT1062, in which the functions of an image are called one by one.
+// An observer sees every block that runs and every access to memory.
+#pragma once
+#include "tools/chip/instruction.hpp"
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+struct uc_struct;
+
+namespace chip
+{
+
+// What a priced call reports.
+class Observer
+{
+  public:
+    virtual ~Observer() = default;
+    virtual void block(std::uint32_t address, std::uint32_t bytes) = 0;
+    virtual void access(std::uint32_t address, std::uint32_t bytes, bool is_write) = 0;
+};
+
+class Processor
+{
+  public:
+    static constexpr std::uint32_t scene_address = 0x70000000, scene_bytes = 16 << 20;
+    static constexpr std::uint32_t state_address = 0x20000000, state_bytes = 320 << 10;
+
+    // Throws PriceError when the image is missing or is no image for this board.
+    explicit Processor(const std::string &image);
+    ~Processor();
+    Processor(const Processor &) = delete;
+    Processor &operator=(const Processor &) = delete;
+
+    // Calls a function of the image and returns its result. With an observer, the call is priced.
+    std::uint32_t call(const std::string &function, std::uint32_t argument = 0, Observer *observer = nullptr);
+    std::uint32_t address_of(const std::string &symbol) const;
+    // The memory of a variable of the image.
+    std::span<std::uint8_t> memory_of(const std::string &symbol);
+    std::uint32_t return_address() const; // of the function that begins now; only in Observer::block
+    std::uint32_t word_of(const std::string &symbol);
+
+    Observer *observer() const { return observer_; }
+
+  private:
+    struct Memory {
+        std::uint32_t address;
+        std::vector<std::uint8_t> bytes;
+    };
+    struct Symbol {
+        std::uint32_t address = 0, bytes = 0;
+    };
+    void load(const std::string &image);
+    void open();
+    std::uint8_t *at(std::uint32_t address, std::uint32_t bytes);
+
+    std::vector<Memory> memories_;
+    std::map<std::string, Symbol> symbols_;
+    Observer *observer_ = nullptr;
+    uc_struct *emulator_ = nullptr;
+};
+
+} // namespace chip
