@@ -82,6 +82,7 @@ void ContrastFlow::find_stretch(const VesselTree &tree)
                  opening = windkessel_pressure(0.0, beat.systole_s, beat.beat_s).pressure;
     const std::size_t aorta = cells_.branch_begin(1);
     double weight = 0.0, widest_mm = 0.0;
+    for (std::size_t i = 0; i < cells_.size(); ++i) mean_ml_s_ += cells_[i].outlet_ml_s;
     for (std::size_t i = 0; i < aorta; ++i) {
         weight += cells_[i].radius_mm * cells_[i].volume_ml;
         widest_mm = std::max(widest_mm, cells_[i].radius_mm);
@@ -306,13 +307,16 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
     }
 }
 
-// The aorta's blood washes refluxed medium out of the sinuses.
+// The aorta's blood washes refluxed medium out of the sinuses, the faster it flows the sooner: in diastole
+// the medium stays.
 void ContrastFlow::empty_sinuses(double dt_s)
 {
     for (std::size_t branch = 0; branch < sinus_mg_.size(); ++branch) {
         if (!(sinus_mg_[branch] > 0.0)) continue;
         const auto aorta = static_cast<std::size_t>(cells_[cells_.branch_begin(branch)].upstream);
-        const double leaving_mg = sinus_mg_[branch] * (dt_s / sinus_s);
+        const double flow_ml_s = std::fabs(network_.inflow_ml_s(network_.run_of(aorta)));
+        const double washing = stretch_.empty() ? 1.0 : flow_ml_s / mean_ml_s_;
+        const double leaving_mg = sinus_mg_[branch] * std::min(dt_s / sinus_s * washing, 1.0);
         sinus_mg_[branch] -= leaving_mg;
         core_mg_[aorta] += 0.5 * leaving_mg;
         wall_mg_[aorta] += 0.5 * leaving_mg;

@@ -131,6 +131,7 @@ class ContrastFlow
     // pressure grows by its mean. The aorta's cells are the first ones.
     std::vector<double> stretch_;
     double aortic_pressure_ = 1.0;   // of this step, divided by its mean
+    double mean_ml_s_ = 0.0;         // into such an aorta
     std::vector<double> per_volume_; // 1 / (volume of a layer), 1/ml
     std::vector<double> mixing_;     // mixing rate per flow, 1/ml
     std::vector<double> tool_mm_;    // thickest tool in the cell
