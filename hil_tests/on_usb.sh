@@ -7,6 +7,7 @@
 #   on_usb.sh L2|L3 free_run     the rig leads for $SECONDS s, with power; the host replays the recording bit for bit
 #   on_usb.sh L2|L3 checks       libusb and both back ends of hidapi against a rig that sends everything back
 #   on_usb.sh L2|L3 app          a session with the whole app, in a process and on the image
+#   on_usb.sh L2|L3 board        the same with the board's own image on its emulated chip (docs/rt1062.md)
 #   on_usb.sh L2|L3 two          two rigs at once, distinguished by their serial numbers
 #   on_usb.sh L2|L3 unplug       the cable is pulled in a session, which continues to the same hash
 #   on_usb.sh L2|L3 rig          make hil-rig, with the emulated rig in the place of a real one
@@ -21,7 +22,7 @@ trap 'rm -rf "$folder"' EXIT
 case "$level" in
 L2) place="$folder" ;;
 L3) place=/mnt ;;
-*) echo "usage: on_usb.sh L2|L3 cases|aorta|free_run|checks|app|two|unplug|rig" >&2 && exit 2 ;;
+*) echo "usage: on_usb.sh L2|L3 cases|aorta|free_run|checks|app|board|two|unplug|rig" >&2 && exit 2 ;;
 esac
 
 # bus DEVICES... -- COMMAND: runs the command with access to the devices
@@ -69,6 +70,10 @@ checks)
 app)
     bus --app -- "$hil/app_check" || exit 1
     in_rig --live
+    bus --mailbox '{mailbox}' -- "$hil/app_check"
+    ;;
+board)
+    before="$URGENT $hil/hil_rt1062 --image $build/firmware/cournand-imxrt1062.elf --"
     bus --mailbox '{mailbox}' -- "$hil/app_check"
     ;;
 two)

@@ -16,6 +16,7 @@ class BoardBench final : public Bench, private crn::Transport
     ~BoardBench() override;
     crn::Transport &pipe() override { return *this; }
     rt_engine &engine() { return *engine_; }
+    RigPins &pins() { return pins_; }
     // Throws with the model's report if a wait was never answered, or if there are findings.
     void check_report();
 

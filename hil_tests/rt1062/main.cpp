@@ -5,6 +5,7 @@
 #include "hil_tests/cases/cases.hpp"
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/rt1062/board_bench.hpp"
+#include "hil_tests/rt1062/serve.hpp"
 #include "host/base/version.hpp"
 #include "host/link/sim_transport.hpp"
 #include <CLI/CLI.hpp>
@@ -23,6 +24,7 @@ struct Options {
     std::uint32_t ticks_max = UINT32_MAX;
     double boot_ms = 1000;
     bool lists = false, boots = false, runs_aorta = false;
+    std::vector<std::string> command;
 };
 
 double seconds_since(Clock::time_point begin)
@@ -137,7 +139,11 @@ int main(int argc, char **argv)
     app.add_flag("--aorta", options.runs_aorta, "Only the aorta session, to the hash of the host alone");
     app.add_option("--aorta-ticks", options.ticks_max, "Only so many ticks of it");
     app.add_option("--scene", options.files.scene, "Scene of the aorta session")->capture_default_str();
-    app.footer("Examples:\n  hil_rt1062 --boot\n  hil_rt1062 --aorta --aorta-ticks 2000");
+    app.add_option(
+        "command", options.command,
+        "A command that runs beside the board in real time; {mailbox} becomes the place of its USB tokens");
+    app.footer("Examples:\n  hil_rt1062 --boot\n  hil_rt1062 --aorta --aorta-ticks 2000\n  hil_rt1062 -- "
+               "bridge --mailbox {mailbox} ...");
     app.set_version_flag("--version", crn::version_of("hil_rt1062"));
     try {
         app.parse(argc, argv);
@@ -149,6 +155,7 @@ int main(int argc, char **argv)
             for (const hil::Case &one : hil::all_cases()) std::printf("%s\n", one.name);
             return 0;
         }
+        if (!options.command.empty()) return hil::serve_board(options.image, options.command);
         return options.boots ? boot(options) : options.runs_aorta ? run_aorta(options) : run_cases(options);
     } catch (const std::exception &error) {
         std::fprintf(stderr, "hil_rt1062: %s\n", error.what());

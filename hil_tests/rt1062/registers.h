@@ -23,7 +23,6 @@
 #define GPIO_DR 0x0u
 
 #define PWM_SMVAL0_0 0xau
-#define PWM_FSTS0_FFPIN 8, 4
 #define PWM_FSTS0_FHALF 12, 4
 
 #define FLEXSPI_INTR_AHBCMDERR 4, 1

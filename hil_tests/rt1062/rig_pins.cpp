@@ -90,7 +90,8 @@ void RigPins::put(const crn_port_inputs &inputs)
         any_over_current = any_over_current || track.over_current;
     }
     turn(syringe, inputs.syringe_counts, inputs.syringe_sensor == CRN_PORT_SENSOR_OK);
-    put_level(RT_PIN_FAULT, !any_over_current);
+    const rt_level fault_line = is_fault_line_cut_ ? RT_OPEN : any_over_current ? RT_LOW : RT_HIGH;
+    rt_pin_drive(&chip_, RT_PIN_FAULT, fault_line, chip_.now);
     const bool has_pressure = inputs.inflator_sensor == CRN_PORT_SENSOR_OK;
     put_analog(RT_PIN_PRESSURE, has_pressure ? std::max(inputs.inflator_raw, pressure_least_raw) : 0);
     put_analog(RT_PIN_SUPPLY, inputs.supply_good ? supply_good_raw : 0);
@@ -99,6 +100,12 @@ void RigPins::put(const crn_port_inputs &inputs)
     rt_pin_drive(&chip_, RT_PIN_PEDAL_CINE, (inputs.buttons & 2u) != 0 ? RT_LOW : RT_OPEN, chip_.now);
     rt_pin_drive(&chip_, RT_PIN_UNLOCK, inputs.local_unlock ? RT_LOW : RT_OPEN, chip_.now);
     put_level(RT_PIN_STAGE, inputs.stage_on);
+}
+
+void RigPins::cut_fault_line()
+{
+    is_fault_line_cut_ = true;
+    rt_pin_drive(&chip_, RT_PIN_FAULT, RT_OPEN, chip_.now);
 }
 
 crn_port_outputs RigPins::outputs()

@@ -22,6 +22,8 @@ class RigPins
     // millisecond that has just passed.
     void put(const crn_port_inputs &inputs);
     crn_port_outputs outputs();
+    // The cable between the motor drivers' fault outputs and the board is broken.
+    void cut_fault_line();
 
   private:
     struct Encoder {
@@ -35,6 +37,7 @@ class RigPins
 
     rt_chip &chip_;
     std::array<Encoder, 7> encoders_{};
+    bool is_fault_line_cut_ = false;
 };
 
 } // namespace hil

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <map>
 #include <numeric>
 #include <string>
 
@@ -43,6 +45,28 @@ void print_figures(const std::vector<TickPrice> &ticks)
     for (const Board &board : boards)
         print("cycles_" + std::string(board.name), ticks,
               [&](const TickPrice &t) { return t.cycles(board); });
+}
+
+void print_functions(const Processor &processor, const std::vector<Spent> &spent, std::size_t ticks)
+{
+    const double miss_cycles = boards[0].line_ns * boards[0].core_MHz * 1e-3;
+    std::map<std::string, Spent> by_name;
+    for (const Spent &block : spent) {
+        Spent &sum = by_name[processor.function_at(block.address)];
+        sum.cycles += block.cycles;
+        sum.misses += block.misses;
+    }
+    std::vector<std::pair<double, std::string>> order;
+    for (const auto &[name, sum] : by_name)
+        order.emplace_back(static_cast<double>(sum.cycles) + static_cast<double>(sum.misses) * miss_cycles,
+                           name);
+    std::sort(order.rbegin(), order.rend());
+    for (const auto &[cycles, name] : order)
+        if (cycles > 0.0)
+            std::printf("%-32s %9.0f cycles, %8.0f of them without misses, %6.1f misses\n", name.c_str(),
+                        cycles / static_cast<double>(ticks),
+                        static_cast<double>(by_name[name].cycles) / static_cast<double>(ticks),
+                        static_cast<double>(by_name[name].misses) / static_cast<double>(ticks));
 }
 
 } // namespace chip

@@ -2,7 +2,6 @@
 #pragma once
 #include "tools/chip/pricer.hpp"
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace chip
@@ -13,5 +12,8 @@ double percentile(std::vector<double> values, double share);
 
 // Prints mean, 99.9th percentile and largest value of every quantity of these ticks.
 void print_figures(const std::vector<TickPrice> &ticks);
+
+// Prints cycles and misses of a tick for each function, the dearest on the first board first.
+void print_functions(const Processor &processor, const std::vector<Spent> &spent, std::size_t ticks);
 
 } // namespace chip

@@ -20,6 +20,7 @@ using namespace chip;
 struct Options {
     std::string image, recording, case_file, scene;
     std::vector<std::string> tools;
+    bool shows_functions = false;
     std::uint32_t samples = 1000, seed = 1, seeds = 1, ticks = 12000, tick = 0;
 };
 
@@ -49,6 +50,7 @@ void price_case(const Options &options)
     std::vector<TickPrice> ticks = pricer.take_ticks();
     ticks.erase(ticks.begin());
     print_figures(ticks);
+    if (options.shows_functions) print_functions(processor, pricer.spent(), head.ticks);
 }
 
 void price_recorded(const Options &options)
@@ -69,6 +71,7 @@ void price_recorded(const Options &options)
     for (const TickPrice &price : around) app.push_back(price.core_cycles);
     std::printf("app_cycles %.0f\n", percentile(app, 0.999));
     std::printf("scene_bytes %u\n", recording.header.scene_bytes);
+    if (options.shows_functions) print_functions(chip.processor(), chip.pricer().spent(), prices.size());
 }
 
 TwinSetUp set_up_of(const Options &options)
@@ -159,6 +162,8 @@ int main(int argc, char **argv)
     CLI::App app("Prices ticks of the core on a Cortex-M7 (docs/budget.md)", "chip");
     app.require_subcommand(1);
     app.add_option("--image", options.image, "chip_device.elf, or chip_case.elf for a case")->required();
+    app.add_flag("--functions", options.shows_functions,
+                 "Print what each function takes of a case or session");
     CLI::App *one_case = app.add_subcommand("case", "A case of the budget");
     one_case->add_option("file", options.case_file, "Written by `budget_make make`")->required();
     CLI::App *session = app.add_subcommand("session", "Ticks of a recording, at equal distances");

@@ -36,7 +36,7 @@ std::uint32_t Pricer::block_at(std::uint32_t address, std::uint32_t bytes)
 {
     std::uint32_t &known = block_by_address_.at(address / 2);
     if (known != none && blocks_[known].bytes == bytes) return known;
-    Block block{address, bytes, address, Flow::straight, false, {}, {}};
+    Block block{address, bytes, address, Flow::straight, false, {}, {}, {address}};
     Pipeline pipeline;
     for (std::uint32_t at = address; at < address + bytes;) {
         const auto one = code_.find(at);
@@ -71,6 +71,15 @@ std::uint32_t Pricer::straight_cycles(std::uint32_t before, std::uint32_t now)
     return cycles;
 }
 
+// The cycles that the way from the block before to this address takes beyond its instructions.
+std::uint32_t Pricer::branch_cycles(std::uint32_t address)
+{
+    if (before_ == none || blocks_[before_].flow == Flow::straight) return 0;
+    const Block &last = blocks_[before_];
+    return branches_.cycles(
+        {last.last, address, last.address + last.bytes != address, last.flow, last.knows_flags_early});
+}
+
 void Pricer::begin_tick()
 {
     is_in_step_ = true;
@@ -97,14 +106,10 @@ void Pricer::block(std::uint32_t address, std::uint32_t bytes)
     const std::uint32_t now = block_at(address, bytes);
     TickPrice &price = is_in_step_ ? tick_ : rest_;
     price.instructions += static_cast<std::uint32_t>(blocks_[now].code.size());
-    price.core_cycles += straight_cycles(before_, now);
-    if (before_ != none && blocks_[before_].flow != Flow::straight) {
-        const Block &last = blocks_[before_];
-        const std::uint32_t cycles = branches_.cycles(
-            {last.last, address, last.address + last.bytes != address, last.flow, last.knows_flags_early});
-        price.core_cycles += cycles;
-        price.branch_cycles += cycles;
-    }
+    const std::uint32_t straight = straight_cycles(before_, now), branch = branch_cycles(address);
+    price.core_cycles += straight + branch;
+    price.branch_cycles += branch;
+    if (is_in_step_ && is_spent_kept_) blocks_[now].spent.cycles += straight + branch;
     before_ = now;
 }
 
@@ -117,12 +122,21 @@ void Pricer::access(std::uint32_t address, std::uint32_t, bool)
     if (is_state) tick_.state_misses += shared_cache_.misses(address);
     if (!is_scene) return;
     lines_.take((address - Processor::scene_address) / line_bytes);
-    tick_.misses += scene_cache_.misses(address);
+    const bool is_missing = scene_cache_.misses(address);
+    tick_.misses += is_missing;
+    if (is_spent_kept_) blocks_[before_].spent.misses += is_missing;
     tick_.scene_misses += shared_cache_.misses(address);
     if (address >= scene_.samples && address - scene_.samples < scene_.brick_count * brick_bytes)
         bricks_.take((address - scene_.samples) / brick_bytes);
     if (address >= scene_.motion && address - scene_.motion < scene_.motion_bytes)
         motion_.take((address - scene_.motion) / motion_row_bytes);
+}
+
+std::vector<Spent> Pricer::spent() const
+{
+    std::vector<Spent> all;
+    for (const Block &block : blocks_) all.push_back(block.spent);
+    return all;
 }
 
 } // namespace chip

@@ -31,6 +31,12 @@ struct SceneLayout {
     std::uint32_t motion = 0, motion_bytes = 0; // 0: the vessel does not move
 };
 
+// What the priced ticks spent in the code of one block.
+struct Spent {
+    std::uint32_t address = 0;
+    std::uint64_t cycles = 0, misses = 0; // cycles without misses
+};
+
 class Pricer final : public Observer
 {
   public:
@@ -46,6 +52,10 @@ class Pricer final : public Observer
     // Price of everything that ran outside of `step`, since the last call.
     TickPrice take_rest() { return std::exchange(rest_, {}); }
 
+    // By block, over all ticks that ran while it was kept, as it is from the beginning.
+    std::vector<Spent> spent() const;
+    void keep_spent(bool is_kept) { is_spent_kept_ = is_kept; }
+
   private:
     struct Predecessor {
         std::uint32_t block, cycles;
@@ -56,11 +66,13 @@ class Pricer final : public Observer
         bool knows_flags_early;
         std::vector<Instruction> code;
         std::vector<Predecessor> predecessors;
+        Spent spent;
     };
     static constexpr std::uint32_t none = UINT32_MAX;
 
     std::uint32_t block_at(std::uint32_t address, std::uint32_t bytes);
     std::uint32_t straight_cycles(std::uint32_t before, std::uint32_t now);
+    std::uint32_t branch_cycles(std::uint32_t address);
     void begin_tick();
     void end_tick();
 
@@ -74,7 +86,7 @@ class Pricer final : public Observer
     BranchPredictor branches_;
     Cache scene_cache_{cache_bytes}, shared_cache_{cache_bytes};
     Distinct lines_, bricks_, motion_;
-    bool is_in_step_ = false;
+    bool is_in_step_ = false, is_spent_kept_ = true;
     TickPrice tick_, rest_;
     std::vector<TickPrice> ticks_;
 };

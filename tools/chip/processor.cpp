@@ -86,7 +86,8 @@ void Processor::load(const std::string &image)
         const auto *symbols = reinterpret_cast<const Elf32_Sym *>(bytes.data() + sections[i].sh_offset);
         const char *names = bytes.data() + sections[sections[i].sh_link].sh_offset;
         for (std::size_t k = 0; k < sections[i].sh_size / sizeof *symbols; k++)
-            symbols_[names + symbols[k].st_name] = {symbols[k].st_value, symbols[k].st_size};
+            symbols_[names + symbols[k].st_name] = {symbols[k].st_value, symbols[k].st_size,
+                                                    ELF32_ST_TYPE(symbols[k].st_info) == STT_FUNC};
     }
 }
 
@@ -104,6 +105,13 @@ std::uint32_t Processor::address_of(const std::string &symbol) const
     if (known == symbols_.end())
         throw PriceError("the image has no '" + symbol + "'; build it anew by `make budget`");
     return known->second.address & ~1u;
+}
+
+std::string Processor::function_at(std::uint32_t address) const
+{
+    for (const auto &[name, symbol] : symbols_)
+        if (symbol.is_function && address - (symbol.address & ~1u) < symbol.bytes) return name;
+    return "?";
 }
 
 std::span<std::uint8_t> Processor::memory_of(const std::string &symbol)

@@ -38,6 +38,7 @@ class Processor
     // Calls a function of the image and returns its result. With an observer, the call is priced.
     std::uint32_t call(const std::string &function, std::uint32_t argument = 0, Observer *observer = nullptr);
     std::uint32_t address_of(const std::string &symbol) const;
+    std::string function_at(std::uint32_t address) const;
     // The memory of a variable of the image.
     std::span<std::uint8_t> memory_of(const std::string &symbol);
     std::uint32_t return_address() const; // of the function that begins now; only in Observer::block
@@ -52,6 +53,7 @@ class Processor
     };
     struct Symbol {
         std::uint32_t address = 0, bytes = 0;
+        bool is_function = false;
     };
     void load(const std::string &image);
     void open();

@@ -35,9 +35,11 @@ std::optional<PricedTick> Twin::price(const crn_wire_tick_input &before, const c
     }
     there_.continue_at(here_.tick());
     chip_.price(true);
+    chip_.pricer().keep_spent(false);
     there_.step({&before, 1}, false);
     chip_.pricer().take_ticks();
     chip_.pricer().take_rest();
+    chip_.pricer().keep_spent(true);
     PricedTick result{there_.step({&input, 1}, false).front(), {}, {}};
     chip_.price(false);
     const std::vector<TickPrice> prices = chip_.pricer().take_ticks();

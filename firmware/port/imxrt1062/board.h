@@ -114,8 +114,8 @@ sensors_sample sensors_read(void);
 /* motors.c */
 void motors_start(void);
 void motors_write(const crn_port_motor motors[CRN_PORT_TOOL_MAX]);
-void motors_off(void);   /* can be called in any state of the processor */
-bool motors_fault(void); /* the fault input has turned the outputs off since the last motors_clear_fault */
+void motors_off(void);         /* can be called in any state of the processor */
+bool motors_fault(void);       /* the fault line is low, or was since the last motors_clear_fault */
 void motors_clear_fault(void); /* no effect while the input still reports the fault */
 
 /* rig.c */

@@ -226,6 +226,7 @@
 #define PWM_FSTS0 0x18eu
 #define PWM_FSTS0_FFLAG 0, 4
 #define PWM_FSTS0_FFULL 4, 4
+#define PWM_FSTS0_FFPIN 8, 4
 #define PWM_FFILT0 0x190u
 #define PWM_FFILT0_FILT_PER 0, 8
 #define PWM_FFILT0_FILT_CNT 8, 3

@@ -121,8 +121,10 @@ void motors_off(void)
 
 bool motors_fault(void)
 {
+    /* An edge of the line sets the flag. A line that has been low since before motors_start() makes no edge,
+     * so its level counts, too. */
     uint32_t flags = R16(BASE_PWM2, PWM_FSTS0) | R16(BASE_PWM3, PWM_FSTS0);
-    return (flags & BITS(PWM_FSTS0_FFLAG, FAULT_INPUT)) != 0;
+    return (flags & (BITS(PWM_FSTS0_FFLAG, FAULT_INPUT) | BITS(PWM_FSTS0_FFPIN, FAULT_INPUT))) != 0;
 }
 
 static void clear_fault(uint32_t base)

@@ -8,7 +8,7 @@ namespace anatomy
 namespace
 {
 
-constexpr double CLEARANCE_MM = 0.5;
+constexpr double CLEARANCE_MM = 1.5;
 
 /* How far the wall must move away from the bones at a point. */
 double lack_mm(const Solid &bones, const Vec3 &at, double radius_mm)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Tests that the program `chip` prices a case of the budget as firmware/bench/budget.tsv says, and refuses a damaged
-case by its name. Prints TAP."""
+case by its name; that every searched scene has a found tick. Prints TAP."""
 
 import os
 import subprocess
@@ -51,8 +51,16 @@ def a_damaged_case_is_refused():
     return with_case(use)
 
 
+def every_searched_scene_has_a_found_tick_and_a_row():
+    found = {(scene, tools) for scene, tools, _, _ in chip_budget.found_ticks()}
+    rows = budget.read_budget()
+    contexts = ["found scene=%s tools=%s" % (scene, ",".join(tools)) for scene, tools in chip_budget.SEARCHED]
+    return found == set(chip_budget.SEARCHED) and all(("chip.cycles", context) in rows for context in contexts)
+
+
 TESTS = (
     a_case_is_priced_as_the_budget_says,
     a_damaged_case_is_refused,
+    every_searched_scene_has_a_found_tick_and_a_row,
 )
 tap.run(TESTS)

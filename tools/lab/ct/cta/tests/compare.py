@@ -6,6 +6,7 @@ import itertools
 import math
 
 CELL_MM = 4.0
+LEAST_MM = 10  # less is a stub where the scan ends, or before it gets thinner
 WIDER = 1.05  # a vessel that goes on as another one has the same radius
 
 
@@ -38,7 +39,7 @@ def read_truth(path, least_radius_mm):
     kept = {
         name: [p for p in points if p[1] >= least_radius_mm and is_own(name, *p)] for name, points in dense.items()
     }
-    return {name: points for name, points in kept.items() if len(points) >= 5}
+    return {name: points for name, points in kept.items() if len(points) >= LEAST_MM}
 
 
 def read_tree(path):

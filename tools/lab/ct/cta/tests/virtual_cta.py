@@ -17,6 +17,7 @@ import tree  # noqa: E402
 BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
 LEAST_RADIUS_MM, WIDE_RADIUS_MM = 1.0, 2.0
 LIMIT_S = 1800
+STARTS_MM = (5, 6, 7, 8, 9, 10, 11, 12)
 ENTRY = re.compile(r"position_mm = .*\ndirection = .*\n")
 
 
@@ -52,24 +53,23 @@ def tour_scene(made, person, target):
 
 
 def forces(scene):
-    """Plays the tour; returns the greatest force on the wall in N and its integral over time in N s."""
-    report = scene + ".json"
-    run(
-        "cournand",
-        "run",
-        "--scene",
-        scene,
-        "--session",
-        os.path.join(HERE, "tour.session"),
-        "--json",
-        report,
-        "--png",
-        scene + ".png",
-        "--quiet",
-    )
-    with open(report, encoding="utf-8") as file:
-        contact = json.load(file)["contact"]
-    return contact["force_max_N"], contact["impulse_N_s"]
+    """Plays the tour from several starts, because the greatest force of one tour depends on chance: on where a tip
+    catches. Returns the means over the tours of the force's integral over time in N s, of the force that 95 % of the
+    time stays below in N, and of the greatest force in N."""
+    with open(os.path.join(HERE, "tour.session"), encoding="utf-8") as file:
+        tour = file.read()
+    session, report, sums = scene + ".session", scene + ".json", [0.0, 0.0, 0.0]
+    for start_mm in STARTS_MM:
+        with open(session, "w", encoding="utf-8") as file:
+            file.write(tour.replace("begin wire inserted 5 mm", "begin wire inserted %d mm" % start_mm))
+        options = ("--json", report, "--png", scene + ".png", "--quiet")
+        run("cournand", "run", "--scene", scene, "--session", session, *options)
+        with open(report, encoding="utf-8") as file:
+            contact = json.load(file)["contact"]
+        ordered = sorted(contact["force_N"])
+        figures = (contact["impulse_N_s"], ordered[int(0.95 * len(ordered))], contact["force_max_N"])
+        sums = [a + b for a, b in zip(sums, figures)]
+    return [a / len(STARTS_MM) for a in sums]
 
 
 def row_of(seed, folder, options=()):
@@ -109,7 +109,7 @@ def row_of(seed, folder, options=()):
 
 def text_of(row):
     return (
-        "| %d | %d of %d | %.0f %% | %.2f mm | %.1f %% | %.0f %% | %.2f mm | %.1f %% | %.0f s | %+.0f %%, %+.0f %% |"
+        "| %d | %d of %d | %.0f %% | %.2f mm | %.1f %% | %.0f %% | %.2f mm | %.1f %% | %.0f s | %+.1f %%, %+.1f %%, %+.0f %% |"
         % (
             (
                 row["seed"],

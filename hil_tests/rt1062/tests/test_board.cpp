@@ -1,0 +1,66 @@
+// Claim: the board's port reports broken wiring that the simulated rig of the other levels cannot have,
+// because that rig ends at the port's functions and not at pins.
+#include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/rt1062/board_bench.hpp"
+#include "host/link/link.hpp"
+#include <csetjmp>
+#include <cstdarg>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+std::string image()
+{
+    const char *build = std::getenv("BUILD");
+    return std::string(build != nullptr ? build : "build") + "/firmware/cournand-imxrt1062.elf";
+}
+
+// The fault line's cable was broken before the power came. The PWM unit then keeps its outputs off, and there
+// is no edge that could set its flag. The device must not arm its motors as if all were well.
+void fault_line_that_was_cut_before_power_up_is_over_current(void **)
+{
+    std::string said;
+    try {
+        hil::BoardLevel level(image());
+        const std::unique_ptr<hil::Bench> bench = level.make({});
+        auto &board = dynamic_cast<hil::BoardBench &>(*bench);
+        board.pins().cut_fault_line();
+        bench->brown_out(10);
+        try {
+            crn::Link(bench->pipe()).hello();
+        } catch (const crn::LinkError &) { // once: it has started again
+        }
+        bench->advance(100);
+        crn::Link link(bench->pipe());
+        hil::set_up(link);
+        hil::start_free_run(*bench, link);
+        hil::keep_running(link, 40);
+        const crn_wire_status status = link.read_status();
+        said = std::string("the device is ") + crn_wire_state_name(status.state) + ", fault " +
+               crn_wire_fault_name(status.fault_code);
+    } catch (const std::exception &error) {
+        said = error.what();
+    }
+    const std::string refusal =
+        "a check fails (detail: fault code) [" + std::to_string(CRN_FAULT_CODE_OVER_CURRENT);
+    const bool is_told =
+        said.find("OVER_CURRENT") != std::string::npos || said.find(refusal) != std::string::npos;
+    if (!is_told) fail_msg("%s", said.c_str());
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(fault_line_that_was_cut_before_power_up_is_over_current),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
