@@ -118,6 +118,7 @@ static bool boot(rt_engine *engine)
         snprintf(engine->trouble, sizeof engine->trouble, "the boot ROM refuses the flash: %s", refusal);
         return false;
     }
+    rt_cache_clear(&engine->cache);
     engine->fault = 0;
     engine->returns = engine->is_held = false;
     rt_engine_set_register(engine, UC_ARM_REG_XPSR, 1u << 24);
@@ -141,7 +142,8 @@ rt_engine *rt_engine_create(rt_chip *chip, const char *elf_path, const char **er
         *error = "the image is missing or is no ELF file for this flash: run `make firmware-board`";
     } else if (uc_open(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS, &engine->uc) != UC_ERR_OK ||
                uc_ctl_set_cpu_model(engine->uc, UC_CPU_ARM_CORTEX_M7) != UC_ERR_OK ||
-               !rt_engine_map_registers(engine) || !rt_engine_add_hooks(engine) ||
+               !rt_engine_map_registers(engine) || !rt_engine_count_lines(engine) ||
+               !rt_engine_add_hooks(engine) ||
                uc_hook_add(engine->uc, &block, UC_HOOK_BLOCK, (void *)(uintptr_t)on_block, engine, 1, 0) !=
                    UC_ERR_OK) {
         *error = "libunicorn does not provide a Cortex-M7";
@@ -227,6 +229,17 @@ uint64_t rt_engine_idle_jumps(const rt_engine *engine)
 uint64_t rt_engine_instructions(const rt_engine *engine)
 {
     return engine->instructions;
+}
+
+uint64_t rt_engine_cache_misses(const rt_engine *engine)
+{
+    return engine->cache.misses;
+}
+
+double rt_engine_busy_cycles(const rt_engine *engine)
+{
+    double waited = (double)engine->cache.instants / (double)engine->chip->clocks.instants_per_cycle;
+    return (double)engine->instructions + waited;
 }
 
 const char *rt_engine_trouble(const rt_engine *engine)

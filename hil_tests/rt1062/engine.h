@@ -30,6 +30,10 @@ rt_chip *rt_engine_chip(rt_engine *engine);
 uint64_t rt_engine_instructions(const rt_engine *engine);
 /* How often the image had nothing to do, so that time jumped to the next event. */
 uint64_t rt_engine_idle_jumps(const rt_engine *engine);
+/* Lines that the data cache has fetched from the PSRAM since the last start. */
+uint64_t rt_engine_cache_misses(const rt_engine *engine);
+/* Cycles in which the processor executed or waited for lines, without the time that jumped by. */
+double rt_engine_busy_cycles(const rt_engine *engine);
 /* Why the engine has locked up, or an empty text. */
 const char *rt_engine_trouble(const rt_engine *engine);
 /* The address of a symbol, 0 if there is none; and the function at an address, for reports (rt_name_place).

@@ -3,6 +3,7 @@
 #ifndef CRN_RT1062_ENGINE_INTERNAL_H
 #define CRN_RT1062_ENGINE_INTERNAL_H
 
+#include "hil_tests/rt1062/cache.h"
 #include "hil_tests/rt1062/engine.h"
 #include <stddef.h>
 #include <unicorn/unicorn.h>
@@ -42,6 +43,7 @@ struct rt_engine {
     rt_map maps[RT_MAPS_MAX];
     uint32_t map_count;
     rt_emulated guard, psram;
+    rt_cache cache;
     uint64_t run_end, stop_at, instructions, idle_jumps;
     struct {
         uint32_t address;
@@ -57,6 +59,7 @@ struct rt_engine {
 uint8_t *rt_engine_memory(const rt_engine *engine, uint32_t address); /* NULL: none there */
 void rt_engine_map(rt_engine *engine);
 bool rt_engine_map_registers(rt_engine *engine);
+bool rt_engine_count_lines(rt_engine *engine);
 
 /* engine_exceptions.c */
 void rt_engine_set_fault(rt_engine *engine, int exception, uint32_t status);

@@ -105,6 +105,23 @@ bool rt_engine_map_registers(rt_engine *engine)
     return error == UC_ERR_OK;
 }
 
+/* --- the cache's time --- */
+static void on_psram(uc_engine *uc, uc_mem_type type, uint64_t address, int bytes, int64_t value,
+                     void *context)
+{
+    (void)uc, (void)bytes, (void)value;
+    rt_engine *engine = context;
+    if (!rt_core_has_data_cache(engine->chip)) return;
+    rt_cache_access(&engine->cache, engine->chip, (uint32_t)address, type == UC_MEM_WRITE);
+}
+
+bool rt_engine_count_lines(rt_engine *engine)
+{
+    uc_hook hook;
+    return uc_hook_add(engine->uc, &hook, UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE, (void *)(uintptr_t)on_psram,
+                       engine, RT_PSRAM_BEGIN, RT_PSRAM_BEGIN + RT_PSRAM_BYTES - 1) == UC_ERR_OK;
+}
+
 /* --- memories --- */
 static uint32_t rights_of(const rt_chip *chip, uint32_t address)
 {

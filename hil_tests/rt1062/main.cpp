@@ -11,7 +11,9 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <string>
+#include <vector>
 
 namespace
 {
@@ -23,7 +25,7 @@ struct Options {
     hil::AortaFiles files;
     std::uint32_t ticks_max = UINT32_MAX;
     double boot_ms = 1000;
-    bool lists = false, boots = false, runs_aorta = false;
+    bool lists = false, boots = false, runs_aorta = false, counts = false;
     std::vector<std::string> command;
 };
 
@@ -55,6 +57,19 @@ void print_result(int number, const std::string &name, const std::string &failur
     std::fflush(stdout);
 }
 
+// Cycles of a tick with its USB traffic: instructions, and the waiting for lines of the PSRAM.
+void print_counts(const hil::AortaRun &run, const std::vector<double> &misses)
+{
+    std::vector<double> of_tick;
+    for (std::size_t i = 0; i + 1 < misses.size(); i += 2) of_tick.push_back(misses[i + 1] - misses[i]);
+    std::printf(
+        "#- cycles a tick: median %.0f, p99.9 %.0f, most %.0f; misses a tick: median %.0f, p99.9 %.0f, "
+        "most %.0f\n",
+        hil::quantile_of(run.tick_instructions, 0.5), hil::quantile_of(run.tick_instructions, 0.999),
+        hil::quantile_of(run.tick_instructions, 1.0), hil::quantile_of(of_tick, 0.5),
+        hil::quantile_of(of_tick, 0.999), hil::quantile_of(of_tick, 1.0));
+}
+
 int run_aorta(const Options &options)
 {
     crn::SimTransport host;
@@ -63,7 +78,13 @@ int run_aorta(const Options &options)
     hil::BoardLevel level(options.image);
     const auto bench = level.make({});
     auto &board = dynamic_cast<hil::BoardBench &>(*bench);
-    const hil::AortaRun run = hil::run_aorta(bench->pipe(), options.files, options.ticks_max);
+    std::vector<double> misses; // at the begin and at the end of every tick
+    const auto busy_cycles = [&] {
+        misses.push_back(static_cast<double>(rt_engine_cache_misses(&board.engine())));
+        return rt_engine_busy_cycles(&board.engine());
+    };
+    const hil::AortaRun run = hil::run_aorta(bench->pipe(), options.files, options.ticks_max,
+                                             options.counts ? busy_cycles : std::function<double()>{});
     const rt_chip *chip = rt_engine_chip(&board.engine());
     const bool is_equal = run.hash == expected.hash && run.ticks == expected.ticks;
     const std::string figures = hil::text(
@@ -71,6 +92,7 @@ int run_aorta(const Options &options)
         static_cast<unsigned long long>(run.hash), static_cast<unsigned long long>(expected.hash),
         static_cast<double>(chip->now) / RT_INSTANTS_PER_s);
     print_result(1, figures, is_equal ? "" : "the hashes differ", seconds_since(begin));
+    if (options.counts) print_counts(run, misses);
     board.check_report();
     std::printf("# final hash %016llx\n", static_cast<unsigned long long>(run.hash));
     return is_equal ? 0 : 1;
@@ -137,6 +159,8 @@ int main(int argc, char **argv)
     app.add_option("--boot-ms", options.boot_ms, "With --boot: milliseconds after the enumeration")
         ->capture_default_str();
     app.add_flag("--aorta", options.runs_aorta, "Only the aorta session, to the hash of the host alone");
+    app.add_flag("--counts", options.counts,
+                 "With --aorta: one tick a request, and the cycles and cache misses of a tick");
     app.add_option("--aorta-ticks", options.ticks_max, "Only so many ticks of it");
     app.add_option("--scene", options.files.scene, "Scene of the aorta session")->capture_default_str();
     app.add_option(

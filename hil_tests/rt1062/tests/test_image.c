@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-enum { BOOT_ms = 200, UNDEFINED_INSTRUCTION = 0xde00 };
+enum { BOOT_ms = 200, STEP_ms = 5, UNDEFINED_INSTRUCTION = 0xde00 };
 
 typedef struct rt_board {
     rt_chip *chip;
@@ -157,20 +157,30 @@ static const struct {
      "ADC2_GC CAL: the converter's clock stands or is over 40 MHz"},
 };
 
+static char *report_of(rt_board *board)
+{
+    char *text = NULL;
+    size_t bytes = 0;
+    FILE *report = open_memstream(&text, &bytes);
+    rt_report(board->chip, report, rt_engine_place, board->engine);
+    fclose(report);
+    return text;
+}
+
+/* The reasons in the table never pass with time, so the run ends when one is named. */
 static void judge_wrong(size_t i)
 {
     rt_board board;
-    char *text = NULL;
-    size_t bytes = 0;
+    bool is_named = false;
     open_board(&board);
     rt_chip_tamper(board.chip, wrongs[i].address, wrongs[i].clear, wrongs[i].set);
-    run_ms(&board, BOOT_ms);
-    FILE *report = open_memstream(&text, &bytes);
-    rt_report(board.chip, report, rt_engine_place, board.engine);
-    fclose(report);
-    bool is_named = strstr(text, wrongs[i].named) != NULL;
-    if (!is_named) print_error("%s: the report is\n%s", wrongs[i].what, text);
-    free(text);
+    for (int ms = 0; ms < BOOT_ms && !is_named; ms += STEP_ms) {
+        run_ms(&board, STEP_ms);
+        char *text = report_of(&board);
+        is_named = strstr(text, wrongs[i].named) != NULL;
+        if (!is_named && ms + STEP_ms >= BOOT_ms) print_error("%s: the report is\n%s", wrongs[i].what, text);
+        free(text);
+    }
     close_board(&board);
     assert_true(is_named);
 }

@@ -1,6 +1,7 @@
 /* Claim: every peripheral of the model becomes ready only when it was programmed rightly and its time has
  * passed, and names what is missing otherwise. Each test uses the registers as an image would, without a
  * processor. */
+#include "hil_tests/rt1062/cache.h"
 #include "hil_tests/rt1062/chip.h"
 #include <math.h>
 #include <setjmp.h>
@@ -232,6 +233,32 @@ static void locked_look_up_table_keeps_its_words(void **state)
     expect_finding(chip, "while the table is locked");
 }
 
+/* A line takes 84 clocks of 79.2 MHz. The fifth line of a set takes the place of the one not used for
+ * longest; if the processor has changed that one, it is written first. */
+static void cache_takes_the_time_of_its_lines(void **state)
+{
+    rt_chip *chip = *state;
+    static rt_cache cache;
+    const double line_us = 84 / 79.2;
+    const uint32_t way_bytes = RT_CACHE_SETS * RT_CACHE_LINE_BYTES;
+    start_memory(chip, 6);
+    assert_true(ip_command(chip, 2));
+    rt_cache_clear(&cache);
+    uint64_t begin = chip->now;
+    rt_cache_access(&cache, chip, RT_PSRAM_BEGIN, true);
+    rt_cache_access(&cache, chip, RT_PSRAM_BEGIN + 28, false); /* the same line */
+    for (uint32_t way = 1; way < 4; way++)
+        rt_cache_access(&cache, chip, RT_PSRAM_BEGIN + way * way_bytes, false);
+    assert_int_equal(cache.misses, 4);
+    rt_cache_access(&cache, chip, RT_PSRAM_BEGIN + 4 * way_bytes, false); /* the changed line leaves */
+    assert_int_equal(cache.misses, 5);
+    assert_int_equal(cache.writes, 1);
+    rt_cache_access(&cache, chip, RT_PSRAM_BEGIN + 2 * way_bytes, false); /* still there */
+    assert_int_equal(cache.hits, 2);
+    double us = (double)(chip->now - begin) / RT_INSTANTS_PER_us;
+    assert_true(fabs(us - 6 * line_us) < 0.01);
+}
+
 /* --- timers and watchdogs --- */
 static void pit_makes_an_edge_every_millisecond(void **state)
 {
@@ -441,6 +468,7 @@ int main(void)
         ON(psram_with_wrong_waiting_clocks_is_not_sound),
         ON(command_without_a_data_pin_never_ends),
         ON(locked_look_up_table_keeps_its_words),
+        ON(cache_takes_the_time_of_its_lines),
         ON(pit_makes_an_edge_every_millisecond),
         ON(gpt_counts_microseconds),
         ON(watchdog_bites_two_seconds_after_the_last_service),
