@@ -137,8 +137,9 @@ VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double 
             if (std::abs(wanted[i] - arcs[point]) < std::abs(wanted[best] - arcs[point])) best = i;
         return point + 1 == arcs.size() ? wanted.size() - 1 : best;
     };
-    for (VesselBranch &other : tree.branches)
-        if (other.parent == static_cast<int>(index)) other.parent_point = now_at(other.parent_point);
+    for (std::vector<VesselBranch> *vessels : {&tree.branches, &tree.small})
+        for (VesselBranch &other : *vessels)
+            if (other.parent == static_cast<int>(index)) other.parent_point = now_at(other.parent_point);
     for (VesselLesion &other : tree.lesions)
         if (other.branch == index && other.first_point > lesion.first_point)
             other.first_point = now_at(other.first_point);

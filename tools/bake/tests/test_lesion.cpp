@@ -84,11 +84,17 @@ void the_channel_is_the_cosine_of_the_text(void **)
     for (double healthy : lesion.healthy_radii_m) assert_true(std::abs(healthy - radius_mm * 1e-3) < 1e-9);
 }
 
+// Small vessels, too: septal arteries had left before the lesion instead of behind it.
 void side_branches_still_leave_where_they_left(void **)
 {
     VesselTree tree = tree_of_tube();
+    VesselBranch septal = tree.branches[1];
+    septal.parent_point = 10;
+    septal.points_m = {{0, 50e-3, 0}, {0, 50e-3, -20e-3}};
+    tree.small.push_back(septal);
     place_lesions(tree, {plaque()});
     assert_true(std::abs(tree.branches[0].points_m[tree.branches[1].parent_point].y() - 45e-3) < 1e-9);
+    assert_true(std::abs(tree.branches[0].points_m[tree.small[0].parent_point].y() - 50e-3) < 1e-9);
     std::string error;
     assert_true(check_vessel_tree(tree, error));
 }

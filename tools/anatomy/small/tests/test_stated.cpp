@@ -101,8 +101,9 @@ void arteries_of_the_brain_grow_only_in_the_head(void **)
     }
 }
 
-// An artery in a bone shows as a bright tube in the marrow. Walls keep 1.5 mm from the bones at points 3 mm apart, and
-// lie up to 0.4 mm in one between them, of 1 mm that two bodies may share. Vertebral arteries run in openings that their bones lack.
+// An artery in a bone shows as a bright tube in the marrow. Walls keep 1.5 mm from the bones at points 3 mm
+// apart, and lie up to 0.4 mm in one between them, of 1 mm that two bodies may share. Vertebral arteries run
+// in openings that their bones lack.
 void no_artery_runs_through_a_bone(void **)
 {
     for (const Arms arms : {Arms::raised, Arms::beside}) {
