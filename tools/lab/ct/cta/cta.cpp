@@ -21,8 +21,11 @@ namespace
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double air_mm = 15.0;         // around the body
-constexpr double labelled_m = 1e-3;     // radius from which a vessel without lumen is labelled
+constexpr double air_mm = 15.0;     // around the body
+constexpr double labelled_m = 1e-3; // radius from which a vessel without lumen is labelled
+// An artery beside a lung runs under the pleura, and never bare in air.
+constexpr double sheath_mm = 1.2;
+constexpr std::int16_t sheath_HU = 30, lung_most_HU = -500;
 constexpr double whole_above_mm = 60.0; // of the stretch: over the top of the arch
 
 // Only the arteries that are labelled have exactly the HU of the options, so that their samples can be
@@ -32,6 +35,7 @@ struct Scene {
     std::vector<CutMesh> bodies;
     CutMesh lumen;
     CutBalls wide, small; // vessels without lumen, from the labelled radius on, and below it
+    CutBalls sheath;      // wall and fat around them
 };
 
 Eigen::AlignedBox3d box_of(const bake::Mesh &mesh, double low_mm, double high_mm)
@@ -110,6 +114,7 @@ void paint_plane(const Scene &scene, const CtaOptions &options, double height_mm
     std::fill(samples.begin(), samples.end(), std::int16_t{-1000});
     bool is_lumen_painted = false;
     const auto paint_arteries = [&] {
+        scene.sheath.paint(samples, grid, height, shift, sheath_HU, lung_most_HU);
         scene.small.paint(samples, grid, height, shift, static_cast<std::int16_t>(artery - 1));
         scene.wide.paint(samples, grid, height, shift, artery);
         scene.lumen.paint(samples, grid, height, shift, artery);
@@ -279,16 +284,19 @@ void write_truth(const Scene &scene, const CtaOptions &options)
 Scene scene_of(Person person, const CtaOptions &options)
 {
     const double low = options.low_mm - 10, high = options.high_mm + 10;
-    Scene scene{std::move(person), {}, CutMesh({}, low, high), CutBalls(low, high), CutBalls(low, high)};
+    Scene scene{std::move(person),  {}, CutMesh({}, low, high), CutBalls(low, high), CutBalls(low, high),
+                CutBalls(low, high)};
     for (const PersonBody &body : scene.person.bodies) scene.bodies.emplace_back(body.mesh, low, high);
     scene.lumen = CutMesh(scene.person.lumen, low, high);
     for (std::size_t i = scene.person.with_lumen; i < scene.person.tree.branches.size(); ++i) {
         const VesselBranch &branch = scene.person.tree.branches[i];
         if (branch.is_vein) continue;
-        for (std::size_t j = 1; j < branch.points_m.size(); ++j)
-            (std::min(branch.radii_m[j - 1], branch.radii_m[j]) < labelled_m ? scene.small : scene.wide)
-                .add(branch.points_m[j - 1] * 1e3, branch.radii_m[j - 1] * 1e3, branch.points_m[j] * 1e3,
-                     branch.radii_m[j] * 1e3);
+        for (std::size_t j = 1; j < branch.points_m.size(); ++j) {
+            const Vector3d from_mm = branch.points_m[j - 1] * 1e3, to_mm = branch.points_m[j] * 1e3;
+            const double from = branch.radii_m[j - 1] * 1e3, to = branch.radii_m[j] * 1e3;
+            (std::min(from, to) < labelled_m * 1e3 ? scene.small : scene.wide).add(from_mm, from, to_mm, to);
+            scene.sheath.add(from_mm, from + sheath_mm, to_mm, to + sheath_mm);
+        }
     }
     return scene;
 }

@@ -16,13 +16,15 @@ std::size_t bins_between(double low_mm, double high_mm, double bin_mm)
     return static_cast<std::size_t>(std::max(0.0, std::ceil((high_mm - low_mm) / bin_mm))) + 1;
 }
 
-void fill(Samples &samples, const SampleGrid &grid, int row, double from_mm, double to_mm, std::int16_t hu)
+void fill(Samples &samples, const SampleGrid &grid, int row, double from_mm, double to_mm, std::int16_t hu,
+          std::int16_t below_hu = INT16_MAX)
 {
     const int begin = std::max(0, static_cast<int>(std::ceil((from_mm - grid.left_mm) / grid.step_mm))),
               end =
                   std::min(grid.samples, static_cast<int>(std::ceil((to_mm - grid.left_mm) / grid.step_mm)));
     const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.samples);
-    for (int i = begin; i < end; ++i) samples[at + static_cast<std::size_t>(i)] = hu;
+    for (int i = begin; i < end; ++i)
+        if (std::int16_t &sample = samples[at + static_cast<std::size_t>(i)]; sample < below_hu) sample = hu;
 }
 
 } // namespace
@@ -103,7 +105,7 @@ void CutBalls::add(const Vector3d &from_mm, double from_radius_mm, const Vector3
 }
 
 void CutBalls::paint(Samples &samples, const SampleGrid &grid, double height_mm, const Vector2d &shift_mm,
-                     std::int16_t hu) const
+                     std::int16_t hu, std::int16_t below_hu) const
 {
     const double bin = std::floor((height_mm - low_mm_) / bin_mm);
     if (bin < 0 || bin >= static_cast<double>(bins_.size())) return;
@@ -118,7 +120,7 @@ void CutBalls::paint(Samples &samples, const SampleGrid &grid, double height_mm,
             const double z = grid.front_mm - row * grid.row_mm - z_middle;
             if (z < -disc) break;
             const double half = std::sqrt(std::max(0.0, disc * disc - z * z)), x = centre.x() + shift_mm.x();
-            fill(samples, grid, row, x - half, x + half, hu);
+            fill(samples, grid, row, x - half, x + half, hu, below_hu);
         }
     }
 }

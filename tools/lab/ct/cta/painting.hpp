@@ -45,8 +45,9 @@ class CutBalls
     // Adds the tapered tube between two points.
     void add(const Eigen::Vector3d &from_mm, double from_radius_mm, const Eigen::Vector3d &to_mm,
              double to_radius_mm);
+    // Paints only over samples that are below `below_hu`.
     void paint(Samples &samples, const SampleGrid &grid, double height_mm, const Eigen::Vector2d &shift_mm,
-               std::int16_t hu) const;
+               std::int16_t hu, std::int16_t below_hu = INT16_MAX) const;
 
   private:
     static constexpr double bin_mm = 1.0;

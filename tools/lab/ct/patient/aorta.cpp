@@ -225,8 +225,9 @@ Stack descending_aorta(const std::vector<Stack> &stacks, const std::string &name
         throw Fault(
             name +
             ": no aorta is found: no bright round vessel goes through 12 mm of axial slices. Either the "
-            "scan has no arterial contrast medium, or the aorta is not in it: give another series, or "
-            "a label map (--labels, --names)");
+            "scan has no arterial contrast medium, or the aorta is not in it: give another series, a "
+            "label map (--labels, --names), or a click into an artery of 3 mm or more (--click "
+            "artery:x,y,z)");
     return stacks.front();
 }
 

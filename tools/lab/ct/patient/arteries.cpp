@@ -109,6 +109,23 @@ LabelMap labels_of(const Volume &scan, const Grown &grown, const Mask &aorta)
     return labels;
 }
 
+// Whether blood at a click is brighter than what was taken for the aorta, which is then none: the marrow of a
+// long bone is as round. A thin artery is darker than the aorta, by partial volume.
+bool is_other_blood(const std::vector<Stack> &stacks, const Stack &clicked)
+{
+    constexpr double brighter = 1.2;
+    return stacks.empty() || contrast_of(clicked).mean_HU > brighter * contrast_of(stacks.front()).mean_HU;
+}
+
+// Without an aorta, the blood enters where the arteries are widest.
+Eigen::Vector3d widest_place(const Volume &scan, const Bright &bright, const Mask &artery)
+{
+    std::size_t widest = 0;
+    for (std::size_t at = 1; at < artery.size(); ++at)
+        if (artery[at] && (!artery[widest] || bright.widths[at] > bright.widths[widest])) widest = at;
+    return place_at(scan, widest);
+}
+
 } // namespace
 
 NamesTable artery_names()
@@ -123,7 +140,9 @@ FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vec
     report("find the aorta", 0);
     const std::vector<Stack> stacks = round_stacks(scan, stack_least_mm);
     FoundArteries found;
-    found.descending = descending_aorta(stacks, scan.name);
+    found.descending = clicked_start(scan, clicks);
+    found.has_aorta = found.descending.empty() || !is_other_blood(stacks, found.descending);
+    if (found.has_aorta) found.descending = descending_aorta(stacks, scan.name);
     const Contrast contrast = contrast_of(found.descending);
     report("find the aorta", 1);
     report("separate arteries", 0);
@@ -132,21 +151,23 @@ FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vec
     report("separate arteries", 0.3);
     std::vector<Source> sources;
     add_stack(scan, bright, found.descending, sources);
-    found.ascending = ascending_aorta(
-        scan, grow_apart(scan, bright.inside, bright.widths, bright.tubes, sources, bright.pieces), stacks,
-        found.descending);
+    if (found.has_aorta)
+        found.ascending = ascending_aorta(
+            scan, grow_apart(scan, bright.inside, bright.widths, bright.tubes, sources, bright.pieces),
+            stacks, found.descending);
     add_stack(scan, bright, found.ascending, sources);
-    const Mask aorta = mask_from(scan, sources);
+    const Mask start = mask_from(scan, sources);
     report("separate arteries", 0.6);
     for (const Source &source : sources_of(scan, bright, clicks)) sources.push_back(source);
     Grown grown =
         grow_arteries(scan, bright, {}, std::move(sources), gate_below(scan, found.ascending), clicks);
-    join_clicked(scan, bright, clicks, aorta, grown.artery, grown.tubes, findings);
-    keep_connected(scan, aorta, grown.artery);
-    found.root_mm =
-        place_of(scan, found.ascending.empty() ? found.descending.back() : found.ascending.front());
+    join_clicked(scan, bright, clicks, start, grown.artery, grown.tubes, findings);
+    keep_connected(scan, start, grown.artery);
+    found.root_mm = found.has_aorta ? place_of(scan, found.ascending.empty() ? found.descending.back()
+                                                                             : found.ascending.front())
+                                    : widest_place(scan, bright, grown.artery);
     if (!found.ascending.empty()) mark_heart(scan, found.root_mm, grown.leaks);
-    found.labels = labels_of(scan, grown, aorta);
+    found.labels = labels_of(scan, grown, found.has_aorta ? start : Mask(scan.count(), 0));
     report("separate arteries", 1);
     return found;
 }

@@ -27,9 +27,11 @@ struct FoundArteries {
     Eigen::Vector3d
         root_mm; // where the blood enters: the lower end of the ascending aorta, or the aorta's top
     Stack descending, ascending; // the latter may be empty
+    bool has_aorta = true;       // false: `descending` is the disc at the first click into an artery
 };
 
-// The clicks of the kinds artery, cut and bridge are obeyed. Throws Fault where there is no aorta.
+// The clicks of the kinds artery, cut and bridge are obeyed. Where there is no aorta, the arteries begin at
+// the first click into one. Throws Fault where there is neither.
 FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vector<Click> &clicks,
                             Findings &findings, const Report &report);
 

@@ -166,15 +166,15 @@ Mask mask_of(const LabelMap &labels, const std::vector<int> &numbers)
     return mask;
 }
 
-Contrast contrast_in(const Volume &scan, const LabelMap &labels, Findings &findings)
+namespace
 {
-    const Mask aorta =
-        mask_of(labels, labels.numbers([](const std::string &name) { return name == "aorta"; }));
-    std::vector<float> values;
-    for (std::size_t at = 0; at < aorta.size(); ++at)
-        if (aorta[at]) values.push_back(scan.hu[at]);
+
+// The values of blood with medium and wall in `structure`, in any order.
+Contrast contrast_of_values(std::vector<float> values, const LabelMap &labels, const std::string &structure,
+                            Findings &findings)
+{
     if (values.size() < 100)
-        throw Fault(labels.volume.name + ": the aorta has " + std::to_string(values.size()) +
+        throw Fault(labels.volume.name + ": the " + structure + " has " + std::to_string(values.size()) +
                     " voxels: the segmentation failed; segment again");
     std::sort(values.begin(), values.end());
     const auto share = [&](double part) {
@@ -184,14 +184,39 @@ Contrast contrast_in(const Volume &scan, const LabelMap &labels, Findings &findi
     // The wall is darker and calcium is brighter than blood, so the quartiles above the middle tell the
     // noise.
     Contrast contrast{share(0.5), std::max((share(0.75) - share(0.5)) / 0.674, 5.0)};
-    findings.facts.push_back(
-        formatted("aorta: median %.0f HU, noise %.0f HU", contrast.mean_HU, contrast.noise_HU));
+    findings.facts.push_back(formatted("%s: median %.0f HU, noise %.0f HU", structure.c_str(),
+                                       contrast.mean_HU, contrast.noise_HU));
     if (contrast.mean_HU < least_contrast_HU)
         findings.check.push_back(
-            formatted("the aorta has %.0f HU, less than %.0f: no arterial contrast medium, so that the "
+            formatted("the %s has %.0f HU, less than %.0f: no arterial contrast medium, so that the "
                       "lumen is only as good as the label map",
-                      contrast.mean_HU, least_contrast_HU));
+                      structure.c_str(), contrast.mean_HU, least_contrast_HU));
     return contrast;
+}
+
+} // namespace
+
+Contrast contrast_in(const Volume &scan, const LabelMap &labels, Findings &findings)
+{
+    const Mask aorta =
+        mask_of(labels, labels.numbers([](const std::string &name) { return name == "aorta"; }));
+    std::vector<float> values;
+    for (std::size_t at = 0; at < aorta.size(); ++at)
+        if (aorta[at]) values.push_back(scan.hu[at]);
+    return contrast_of_values(std::move(values), labels, "aorta", findings);
+}
+
+Contrast contrast_in_arteries(const Volume &scan, const LabelMap &labels, Findings &findings)
+{
+    const Mask arteries = mask_of(labels, labels.numbers(is_artery));
+    std::vector<float> values;
+    for (std::size_t at = 0; at < arteries.size(); ++at) {
+        bool is_inside = arteries[at] != 0;
+        if (is_inside)
+            for_neighbours(scan, at, [&](std::size_t other) { is_inside = is_inside && arteries[other]; });
+        if (is_inside) values.push_back(scan.hu[at]);
+    }
+    return contrast_of_values(std::move(values), labels, "artery", findings);
 }
 
 CtVolume picture_volume(const Volume &scan, const Mask &body, const LabelMap &labels,

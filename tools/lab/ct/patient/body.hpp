@@ -37,6 +37,8 @@ struct Contrast {
     double mean_HU = 0, noise_HU = 0;
 };
 Contrast contrast_in(const Volume &scan, const LabelMap &labels, Findings &findings);
+// The same where there is no aorta: from the voxels whose neighbours are arteries, too.
+Contrast contrast_in_arteries(const Volume &scan, const LabelMap &labels, Findings &findings);
 
 // Makes the CT for the picture, from a scan along the patient's axes: outside the body there is air, and
 // contrast medium in vessels and heart is replaced by blood. Calcium stays.

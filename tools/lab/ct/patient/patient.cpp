@@ -36,7 +36,7 @@ std::string names_checksum(const NamesTable &names)
     return checksum(text.data(), text.size());
 }
 
-constexpr const char *steps_version = "10"; // another number: every step is made again
+constexpr const char *steps_version = "11"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
@@ -50,6 +50,7 @@ struct Patient {
     std::string inputs; // checksum of scan, labels and names
 
     bool has_map = false; // a label map was given
+    bool has_aorta = true;
 };
 
 fs::path in(const Patient &patient, const char *name)
@@ -87,7 +88,9 @@ void find_vessels(const PatientOptions &options, Patient &patient, Steps &steps,
                                                scan + mends, page, patient.findings);
         patient.labels = std::move(found.labels);
         patient.root_mm = found.root_mm;
-        patient.contrast = contrast_in(patient.scan, patient.labels, patient.findings);
+        patient.has_aorta = found.has_aorta;
+        patient.contrast = (found.has_aorta ? contrast_in : contrast_in_arteries)(
+            patient.scan, patient.labels, patient.findings);
     }
     patient.inputs =
         scan + " " + checksum(patient.labels.volume) + " " + names_checksum(patient.labels.names);
@@ -254,7 +257,7 @@ centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &ste
         Findings of_tree;
         const Eigen::Vector3d root_mm = patient.root_mm ? *patient.root_mm : root_of(patient.labels);
         centreline::Tree tree = tree_of(lumen, patient.labels, root_mm, of_tree);
-        if (!patient.has_map) propose_names(tree);
+        if (!patient.has_map && patient.has_aorta) propose_names(tree);
         name_branches(tree, patient.clicks);
         describe_branches(tree, of_tree);
         centreline::write_tree(file, tree);
@@ -264,10 +267,11 @@ centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &ste
     const centreline::Tree tree = centreline::read_tree(file);
     for (const auto &fact : nlohmann::json::parse(read_text_file(notes.string())))
         patient.findings.facts.push_back(fact.get<std::string>());
-    patient.findings.check.push_back(
-        std::string("names of branches are proposals ") +
-        (patient.has_map ? "from the label map" : "from where they leave the aorta") +
-        ": --click name:x,y,z:NAME changes one");
+    patient.findings.check.push_back(std::string("names of branches are ") +
+                                     (!patient.has_aorta ? "only numbers, without an aorta"
+                                      : patient.has_map  ? "proposals from the label map"
+                                                         : "proposals from where they leave the aorta") +
+                                     ": --click name:x,y,z:NAME changes one");
     for (const int axis : {1, 0}) {
         Picture picture(patient.scan, axis, -1, 0, 900, 0.8);
         for (const centreline::Branch &branch : tree.branches) {

@@ -95,6 +95,34 @@ std::vector<Ball> cuts_of(const std::vector<Click> &clicks)
     return cuts;
 }
 
+Stack clicked_start(const Volume &scan, const std::vector<Click> &clicks)
+{
+    constexpr double radius_mm = 1.5, least_HU = 130.0;
+    const auto click = std::find_if(clicks.begin(), clicks.end(),
+                                    [](const Click &one) { return one.kind == ClickKind::artery; });
+    if (click == clicks.end()) return {};
+    std::size_t brightest = scan.count();
+    for_ball(scan, {click->at_mm, click_mm}, [&](std::size_t at) {
+        if (brightest == scan.count() || scan.hu[at] > scan.hu[brightest]) brightest = at;
+    });
+    std::vector<double> values;
+    if (brightest < scan.count())
+        for_ball(scan, {place_at(scan, brightest), radius_mm},
+                 [&](std::size_t at) { values.push_back(static_cast<double>(scan.hu[at])); });
+    const double mean_HU = values.empty() ? -1000.0 : median(values);
+    if (mean_HU < least_HU) return {};
+    for (double &value : values) value = std::fabs(value - mean_HU);
+    const Vector3d voxel = scan.voxel(place_at(scan, brightest));
+    Disc disc;
+    disc.slice = static_cast<int>(std::lround(voxel.z()));
+    disc.middle = voxel.head<2>();
+    disc.radius_mm = radius_mm;
+    disc.mean_HU = mean_HU;
+    disc.noise_HU = 1.48 * median(values); // of a normal distribution
+    disc.share = 1.0;
+    return {disc};
+}
+
 std::vector<Source> sources_of(const Volume &scan, const Bright &bright, const std::vector<Click> &clicks)
 {
     std::vector<Source> sources;

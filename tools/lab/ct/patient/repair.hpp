@@ -10,6 +10,10 @@ namespace crn::ct
 // The balls that the cuts take out of the arteries.
 std::vector<Ball> cuts_of(const std::vector<Click> &clicks);
 
+// The disc at the first click into an artery, for scans without an aorta: its brightness is that of the
+// blood. Empty without such a click, and where nothing there is as bright as blood with medium.
+Stack clicked_start(const Volume &scan, const std::vector<Click> &clicks);
+
 // The widest bright voxel near each click into an artery. Throws Fault where nothing there is bright.
 std::vector<Source> sources_of(const Volume &scan, const Bright &bright, const std::vector<Click> &clicks);
 

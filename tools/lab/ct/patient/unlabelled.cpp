@@ -66,9 +66,14 @@ void describe(const Volume &scan, const FoundArteries &found, Findings &findings
             name, stack.size(), low.x(), low.y(), low.z(), high.x(), high.y(), high.z(),
             stack.front().radius_mm, stack.back().radius_mm));
     };
-    tell("descending aorta", found.descending);
+    if (found.has_aorta)
+        tell("descending aorta", found.descending);
+    else
+        findings.facts.push_back("no aorta is in the scan: the arteries begin at the first click into one");
     if (!found.ascending.empty()) tell("ascending aorta", found.ascending);
-    findings.assumed.push_back("the longest bright round vessel through the axial slices is the aorta");
+    findings.assumed.push_back(found.has_aorta
+                                   ? "the longest bright round vessel through the axial slices is the aorta"
+                                   : "blood enters where the arteries are widest");
     findings.assumed.push_back(
         "a bright region that is 1.5 times as wide as the narrowest place before it, and 1 mm, is no artery: "
         "the arteries end at that place (heart, kidney, vein, bone)");
@@ -100,6 +105,7 @@ Unlabelled unlabelled_arteries(const Volume &scan, const Mask &body, const std::
         const nlohmann::json text = {
             {"names", {{"1", "aorta"}, {"2", "artery"}, {"3", "heart"}, {"4", "bone"}}},
             {"root_mm", list_of(found.root_mm)},
+            {"has_aorta", found.has_aorta},
             {"facts", own.facts},
             {"assumed", own.assumed},
             {"check", own.check}};
@@ -119,6 +125,7 @@ Unlabelled unlabelled_arteries(const Volume &scan, const Mask &body, const std::
     add("check", findings.check);
     for (int axis = 0; axis < 3; ++axis)
         result.root_mm[axis] = text.at("root_mm").at(static_cast<std::size_t>(axis)).get<double>();
+    result.has_aorta = text.at("has_aorta").get<bool>();
     for (const Shot &shot : shots) page.add(shot.name, shot.what);
     return result;
 }

@@ -11,6 +11,7 @@ namespace crn::ct
 struct Unlabelled {
     LabelMap labels;
     Eigen::Vector3d root_mm; // where the blood enters
+    bool has_aorta = true;   // false: the arteries begin at a click
 };
 
 // Finds the arteries, or reads them again if nothing has changed: arteries.nii.gz, arteries.json and

@@ -82,6 +82,19 @@ void assert_near(const char *what, double value, double expected, double allowed
 
 } // namespace
 
+// Around a vessel, only air is painted: half of the plane is tissue.
+static void balls_paint_only_over_what_is_below_a_value(void **)
+{
+    Samples samples = empty();
+    for (int row = 0; row < grid.rows; ++row)
+        for (int i = 0; i < grid.samples / 2; ++i)
+            samples[static_cast<std::size_t>(row * grid.samples + i)] = 40;
+    CutBalls balls(-30, 30);
+    balls.add({0, -10, 0}, 5, {0, 10, 0}, 5);
+    balls.paint(samples, grid, 0.0, {0, 0}, 30, -500);
+    assert_near("area", cut_of(samples, 30).area_mm2, std::numbers::pi * 25 / 2, 0.5); // edges of 0.1 mm
+}
+
 static void the_cut_of_a_cylinder_has_its_area_and_place(void **)
 {
     const CutMesh mesh(cylinder(radius_mm), -30, 30);
@@ -137,6 +150,7 @@ static void arteries_have_the_names_of_label_maps(void **)
 int main()
 {
     const CMUnitTest tests[] = {
+        cmocka_unit_test(balls_paint_only_over_what_is_below_a_value),
         cmocka_unit_test(arteries_have_the_names_of_label_maps),
         cmocka_unit_test(the_cut_of_a_cylinder_has_its_area_and_place),
         cmocka_unit_test(nothing_is_painted_beyond_the_ends_of_a_solid),

@@ -108,24 +108,12 @@ def row_of(seed, folder, options=()):
 
 
 def text_of(row):
-    return (
-        "| %d | %d of %d | %.0f %% | %.2f mm | %.1f %% | %.0f %% | %.2f mm | %.1f %% | %.0f s | %+.1f %%, %+.1f %%, %+.0f %% |"
-        % (
-            (
-                row["seed"],
-                row["wide_vessels"],
-                row["vessels"],
-                100 * row["wide"][0],
-                row["wide"][1],
-                100 * row["wide"][2],
-                100 * row["all"][0],
-                row["all"][1],
-                100 * row["all"][2],
-                row["cpu_s"],
-            )
-            + tuple(100 * f for f in row["force"])
-        )
-    )
+    """Returns the person's line of the table in docs/own_ct.md."""
+    columns = ["%d" % row["seed"], "%d of %d" % (row["wide_vessels"], row["vessels"])]
+    for found, apart_mm, radius in (row["wide"], row["all"]):
+        columns += ["%.0f %%" % (100 * found), "%.2f mm" % apart_mm, "%.1f %%" % (100 * radius)]
+    columns += ["%.0f s" % row["cpu_s"], "%+.1f %%, %+.1f %%, %+.0f %%" % tuple(100 * f for f in row["force"])]
+    return "| " + " | ".join(columns) + " |"
 
 
 if __name__ == "__main__":

@@ -188,6 +188,71 @@ static void noise_in_pale_blood_makes_no_vessel(void **)
     assert_true(double(count) < 0.02 * double(scan.count()));
 }
 
+// A thigh: an artery of 6 mm that divides, beside a bone, and no aorta.
+static const Volume &thigh()
+{
+    static const Volume scan = [] {
+        Volume of;
+        of.size = {110, 110, 90};
+        of.spacing_mm = {0.9, 0.9, 1.0};
+        of.origin_mm = {-49, -49, -45};
+        of.name = "thigh";
+        of.hu.resize(of.count());
+        std::uint32_t state = 1;
+        for (std::size_t at = 0; at < of.count(); ++at) {
+            const Vector3d p = place_at(of, at);
+            double value = -1000;
+            fill(value, std::hypot(p.x(), p.z()) - 45, tissue_around_HU);
+            fill(value, tube(p, {-15, -90, -10}, {-15, 90, -10}, 12), 1000);
+            fill(value, tube(p, {-15, -90, -10}, {-15, 90, -10}, 8), 200); // marrow
+            fill(value, tube(p, {10, 90, 5}, {10, 0, 5}, branch_mm), blood_HU);
+            fill(value, tube(p, {10, 0, 5}, {20, -90, 15}, 2.4), blood_HU);
+            fill(value, tube(p, {10, 0, 5}, {0, -90, 20}, 2.0), blood_HU);
+            state = state * 1664525u + 1013904223u;
+            of.hu[at] = static_cast<float>(value + ((state >> 8) / 16777216.0 - 0.5) * 40);
+        }
+        return of;
+    }();
+    return scan;
+}
+
+static void without_an_aorta_arteries_begin_at_a_click(void **)
+{
+    Findings findings;
+    const Mask body = body_of(thigh());
+    const FoundArteries of = find_arteries(thigh(), body, {click_of("artery:15,-40,10")}, findings, silent);
+    assert_false(of.has_aorta);
+    for (const Vector3d &inside : {Vector3d(10, 30, 5), Vector3d(14, -36, 9), Vector3d(6, -36, 11)})
+        assert_artery(of.labels, inside, true);
+    assert_artery(of.labels, {-15, 0, -10}, false); // the femur
+    // The blood enters in the wide part, above the division.
+    assert_true(of.root_mm.y() > 0 && std::hypot(of.root_mm.x() - 10, of.root_mm.z() - 5) < 1.5);
+    const Contrast contrast = contrast_in_arteries(thigh(), of.labels, findings);
+    std::printf("# %.0f HU, noise %.0f HU\n", contrast.mean_HU, contrast.noise_HU);
+    assert_true(std::fabs(contrast.mean_HU - blood_HU) < 10);
+}
+
+static void without_an_aorta_and_a_click_the_message_asks_for_one(void **)
+{
+    Findings findings;
+    Volume soft = thigh(); // without its bone, whose marrow is as round and even as an aorta
+    for (std::size_t at = 0; at < soft.count(); ++at)
+        if (tube(place_at(soft, at), {-15, -90, -10}, {-15, 90, -10}, 12) < 2) soft.hu[at] = tissue_around_HU;
+    const Mask body = body_of(soft);
+    const auto said = [&](const std::vector<Click> &clicks) -> std::string {
+        try {
+            find_arteries(soft, body, clicks, findings, silent);
+        } catch (const std::exception &error) {
+            return error.what();
+        }
+        return "";
+    };
+    for (const std::vector<Click> &clicks :
+         {std::vector<Click>{}, {click_of("artery:30,0,-20")}}) // in muscle
+        if (said(clicks).find("artery:x,y,z") == std::string::npos)
+            fail_msg("%zu clicks: %s", clicks.size(), said(clicks).c_str());
+}
+
 static void a_bridge_joins_the_two_ends_of_a_gap(void **)
 {
     const FoundArteries joined = found_with({click_of("bridge:-31,-20,-10")});
@@ -278,6 +343,8 @@ int main()
         cmocka_unit_test(arteries_end_at_bone_kidney_and_gap),
         cmocka_unit_test(a_bone_that_touches_an_artery_does_not_claim_it),
         cmocka_unit_test(noise_in_pale_blood_makes_no_vessel),
+        cmocka_unit_test(without_an_aorta_arteries_begin_at_a_click),
+        cmocka_unit_test(without_an_aorta_and_a_click_the_message_asks_for_one),
         cmocka_unit_test(a_bridge_joins_the_two_ends_of_a_gap),
         cmocka_unit_test(a_clicked_artery_is_joined_and_a_cut_takes_away),
         cmocka_unit_test(the_wall_is_where_the_truth_has_it),
