@@ -86,6 +86,23 @@ void an_index_beyond_the_vertices_is_named(void **)
     contains(reading(folder, "d.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 -4\n"), {"d.obj:4", "'-4'"});
 }
 
+// 0x0a and 0x0d are line ends, which end the header; one in 128 first coordinates begins with one of them.
+void binary_data_may_begin_with_a_line_end(void **)
+{
+    const Folder folder;
+    for (const std::uint32_t bits : {0x41a3e60au, 0x41a3e60du, 0x41a30a0au, 0x0a0d0a0du}) {
+        std::string bytes = binary_ply(3);
+        const std::size_t begin = bytes.find("end_header\n") + 11;
+        std::memcpy(&bytes[begin], &bits, sizeof bits);
+        const std::vector<MeshPiece> pieces = read_mesh_file(folder.write("a.ply", bytes), {});
+        float expected = 0;
+        std::memcpy(&expected, &bits, sizeof bits);
+        assert_int_equal(pieces.size(), 1);
+        assert_int_equal(pieces[0].triangles.size(), 4);
+        assert_true(pieces[0].vertices[0][0] == expected && pieces[0].vertices[0][1] == 0);
+    }
+}
+
 // The program checks the data from the library assimp; this check must find a bad vertex index, whatever data
 // assimp returns.
 void pieces_with_an_index_beyond_their_vertices_are_refused(void **)
@@ -299,6 +316,7 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(an_index_beyond_the_vertices_is_named),
+        cmocka_unit_test(binary_data_may_begin_with_a_line_end),
         cmocka_unit_test(pieces_with_an_index_beyond_their_vertices_are_refused),
         cmocka_unit_test(counts_are_held_against_the_size_of_the_file),
         cmocka_unit_test(an_accessor_that_leaves_its_view_is_named),

@@ -202,15 +202,20 @@ std::vector<MeshPiece> read_mesh_here(const std::filesystem::path &path,
 {
     const std::string file = path.string();
     Declared declared;
+    PlyStart start;
     {
         const Mapped mapped(file);
         declared = check_mesh_bytes(mapped.bytes(), file, ending_of(path), path.parent_path());
+        if (ending_of(path) == ".ply") start = ply_start(mapped.bytes(), file);
     }
     if (declared.faces > static_cast<std::int64_t>(mesh_triangles_max))
         throw Fault(file + ": " + std::to_string(declared.faces) + " triangles, over " +
                     std::to_string(mesh_triangles_max) + ": simplify the mesh");
     Assimp::Importer importer;
-    const aiScene *scene = importer.ReadFile(file, 0);
+    const std::string &changed = start.changed;
+    const aiScene *scene = changed.empty()
+                               ? importer.ReadFile(file, 0)
+                               : importer.ReadFileFromMemory(changed.data(), changed.size(), 0, "ply");
     if (!scene) throw Fault(file + ": cannot be read as STL, OBJ, PLY or glTF: " + importer.GetErrorString());
     check_faces(*scene, file);
     check_declared(*scene, declared, file);
@@ -228,6 +233,8 @@ std::vector<MeshPiece> read_mesh_here(const std::filesystem::path &path,
                     std::to_string(mesh_triangles_max) + ": simplify the mesh");
     std::vector<MeshPiece> pieces;
     for (const Part &part : parts) pieces.push_back(piece_of(part));
+    if (!changed.empty() && !pieces.empty() && !pieces[0].vertices.empty())
+        pieces[0].vertices[0][0] = static_cast<float>(start.x);
     return pieces;
 }
 

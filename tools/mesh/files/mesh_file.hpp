@@ -50,6 +50,14 @@ struct Declared {
 // counts fit the file's size, that indices name existing vertices, and that numbers can be parsed. Throws
 // Fault. `folder` is the folder with the other files to which a .gltf file refers.
 Declared check_ply(std::string_view bytes, const std::string &file);
+// The library assimp takes line ends behind the header of a PLY file for a part of it, though they are the
+// first bytes of binary data. In `changed`, the first byte is another one; `x` is the number that it belongs
+// to. `changed` is empty for other files.
+struct PlyStart {
+    std::string changed;
+    double x = 0;
+};
+PlyStart ply_start(std::string_view bytes, const std::string &file);
 Declared check_stl(std::string_view bytes, const std::string &file);
 Declared check_obj(std::string_view bytes, const std::string &file);
 Declared check_gltf(std::string_view bytes, const std::string &file, const std::filesystem::path &folder);

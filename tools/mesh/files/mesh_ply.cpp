@@ -282,6 +282,36 @@ class Body
 
 } // namespace
 
+namespace
+{
+
+// The number in the first bytes of the data.
+double first_number(std::string_view data, const Type &type, bool is_big_end_first)
+{
+    std::uint64_t word = 0;
+    for (std::size_t i = 0; i < type.bytes; ++i)
+        word |= std::uint64_t{static_cast<unsigned char>(data[is_big_end_first ? type.bytes - 1 - i : i])}
+                << (8 * i);
+    return type.bytes == 8 ? std::bit_cast<double>(word)
+                           : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(word)));
+}
+
+} // namespace
+
+PlyStart ply_start(std::string_view bytes, const std::string &file)
+{
+    const Header header(bytes, file);
+    const std::size_t begin = header.bytes();
+    const Element &first = header.elements.front();
+    const bool is_number = first.is_vertex() && first.count > 0 && !first.properties.front().count &&
+                           first.properties.front().type->is_float && first.properties.front().name == "x";
+    if (header.is_ascii || !is_number || (bytes[begin] != '\n' && bytes[begin] != '\r')) return {};
+    PlyStart start{std::string(bytes), first_number(bytes.substr(begin), *first.properties.front().type,
+                                                    header.is_big_end_first)};
+    ++start.changed[begin];
+    return start;
+}
+
 Declared check_ply(std::string_view bytes, const std::string &file)
 {
     const Header header(bytes, file);
