@@ -55,6 +55,7 @@ void BoardBench::open()
 // A wait that is only a little old may yet be answered.
 void BoardBench::check_report()
 {
+    check_trouble();
     for (int i = 0; i < 100 && rt_unanswered(chip_, 0) != nullptr; i++) rt_engine_run_us(engine_, 10);
     char *text = nullptr;
     std::size_t bytes = 0;
@@ -64,6 +65,12 @@ void BoardBench::check_report()
     const std::string report(text);
     std::free(text);
     if (count != 0) throw std::runtime_error("the chip's model reports:\n" + report);
+}
+
+void BoardBench::check_trouble() const
+{
+    const std::string trouble = rt_engine_trouble(engine_);
+    if (!trouble.empty()) throw std::runtime_error("the chip's model stops: " + trouble);
 }
 
 void BoardBench::run_microframe()
@@ -109,7 +116,13 @@ void BoardBench::check_life()
 void BoardBench::write(std::span<const std::uint8_t> bytes)
 {
     check_life();
-    while (!rt_stream_write(stream_, bytes.data(), static_cast<std::uint32_t>(bytes.size()))) advance(1);
+    for (int i = 0; !rt_stream_write(stream_, bytes.data(), static_cast<std::uint32_t>(bytes.size())); i++) {
+        check_trouble();
+        if (i == answer_max_ms)
+            throw crn::LinkError(std::to_string(bytes.size()) +
+                                 " bytes do not fit into the stream to the device");
+        advance(1);
+    }
 }
 
 // Returns 0 only when the device has taken all its input and has nothing more to do.
@@ -127,6 +140,7 @@ std::size_t BoardBench::read(std::span<std::uint8_t> bytes)
             advance(1);
         if (has_restarted_) check_life();
     }
+    check_trouble();
     return 0;
 }
 

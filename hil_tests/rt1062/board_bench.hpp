@@ -19,6 +19,8 @@ class BoardBench final : public Bench, private crn::Transport
     RigPins &pins() { return pins_; }
     // Throws with the model's report if a wait was never answered, or if there are findings.
     void check_report();
+    // Throws if the processor has locked up, with the model's words.
+    void check_trouble() const;
 
   protected:
     crn_port_outputs edge(const crn_port_inputs &inputs) override;

@@ -46,6 +46,7 @@ int boot(const Options &options)
                 "instructions run\n",
                 enumerated_s, static_cast<double>(chip->now) / (RT_INSTANTS_PER_us * 1e3),
                 static_cast<double>(rt_engine_instructions(&bench.engine())) * 1e-6);
+    bench.check_trouble();
     return rt_report(chip, stdout, rt_engine_place, &bench.engine()) == 0 ? 0 : 1;
 }
 
@@ -72,6 +73,7 @@ void print_counts(const hil::AortaRun &run, const std::vector<double> &misses)
 
 int run_aorta(const Options &options)
 {
+    std::printf("1..1\n");
     crn::SimTransport host;
     const hil::AortaRun expected = hil::run_aorta(host, options.files, options.ticks_max);
     const Clock::time_point begin = Clock::now();

@@ -1,4 +1,5 @@
 #include "tools/chip/figures.hpp"
+#include "tools/chip/instruction.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,6 +35,7 @@ double percentile(std::vector<double> values, double share)
 
 void print_figures(const std::vector<TickPrice> &ticks)
 {
+    if (ticks.empty()) throw PriceError("there is no tick to price; record a longer session");
     std::printf("ticks %zu\n", ticks.size());
     print("instructions", ticks, [](const TickPrice &t) { return t.instructions; });
     print("core_cycles", ticks, [](const TickPrice &t) { return t.core_cycles; });

@@ -46,6 +46,7 @@ void price_case(const Options &options)
     std::uint32_t is_right = 0;
     for (std::uint32_t tick = 0; tick < head.ticks; tick++)
         is_right = processor.call("chip_tick", tick, &pricer);
+    if (head.ticks < 2) throw PriceError("the case has no tick behind its first; build it anew");
     if (is_right == 0) throw PriceError("the state's hash is not the PC's; build the case anew");
     std::vector<TickPrice> ticks = pricer.take_ticks();
     ticks.erase(ticks.begin());
@@ -168,7 +169,9 @@ int main(int argc, char **argv)
     one_case->add_option("file", options.case_file, "Written by `budget_make make`")->required();
     CLI::App *session = app.add_subcommand("session", "Ticks of a recording, at equal distances");
     session->add_option("recording", options.recording, "Recording")->required();
-    session->add_option("--samples", options.samples, "Ticks to price")->capture_default_str();
+    session->add_option("--samples", options.samples, "Ticks to price")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
     CLI::App *looks = app.add_subcommand("search", "Looks for the dearest tick of many random drives");
     add_drive(looks, options);
     looks->add_option("--seeds", options.seeds, "Drives")->capture_default_str();

@@ -109,20 +109,34 @@ LabelMap labels_of(const Volume &scan, const Grown &grown, const Mask &aorta)
     return labels;
 }
 
-// Whether blood at a click is brighter than what was taken for the aorta, which is then none: the marrow of a
-// long bone is as round. A thin artery is darker than the aorta, by partial volume.
+// Whether even blood at a click is brighter than what was taken for the aorta, which is then none: the marrow
+// of a long bone is as round. A thin artery is darker than the aorta, by partial volume; a plaque is not
+// even.
 bool is_other_blood(const std::vector<Stack> &stacks, const Stack &clicked)
 {
-    constexpr double brighter = 1.2;
-    return stacks.empty() || contrast_of(clicked).mean_HU > brighter * contrast_of(stacks.front()).mean_HU;
+    constexpr double brighter = 1.2, even = 0.15;
+    if (stacks.empty()) return true;
+    const Disc &disc = clicked.front();
+    return disc.noise_HU < even * disc.mean_HU &&
+           disc.mean_HU > brighter * contrast_of(stacks.front()).mean_HU;
 }
 
-// Without an aorta, the blood enters where the arteries are widest.
+// Without an aorta, the blood enters where the arteries are widest at the scan's lower or upper border, or
+// where they are widest if none reaches a border.
 Eigen::Vector3d widest_place(const Volume &scan, const Bright &bright, const Mask &artery)
 {
-    std::size_t widest = 0;
-    for (std::size_t at = 1; at < artery.size(); ++at)
-        if (artery[at] && (!artery[widest] || bright.widths[at] > bright.widths[widest])) widest = at;
+    constexpr double border_mm = 3.0;
+    const int slices = static_cast<int>(std::ceil(border_mm / scan.spacing_mm[2]));
+    std::size_t widest = scan.count();
+    bool is_at_border = false;
+    for (std::size_t at = 0; at < artery.size(); ++at) {
+        if (!artery[at]) continue;
+        const int slice = slice_of(scan, at);
+        const bool is_near = slice < slices || slice >= scan.size[2] - slices;
+        if (widest == scan.count() || is_near > is_at_border ||
+            (is_near == is_at_border && bright.widths[at] > bright.widths[widest]))
+            widest = at, is_at_border = is_near;
+    }
     return place_at(scan, widest);
 }
 

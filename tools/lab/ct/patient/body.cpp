@@ -171,11 +171,11 @@ namespace
 
 // The values of blood with medium and wall in `structure`, in any order.
 Contrast contrast_of_values(std::vector<float> values, const LabelMap &labels, const std::string &structure,
-                            Findings &findings)
+                            const std::string &remedy, Findings &findings)
 {
     if (values.size() < 100)
         throw Fault(labels.volume.name + ": the " + structure + " has " + std::to_string(values.size()) +
-                    " voxels: the segmentation failed; segment again");
+                    " voxels: " + remedy);
     std::sort(values.begin(), values.end());
     const auto share = [&](double part) {
         return static_cast<double>(
@@ -203,7 +203,8 @@ Contrast contrast_in(const Volume &scan, const LabelMap &labels, Findings &findi
     std::vector<float> values;
     for (std::size_t at = 0; at < aorta.size(); ++at)
         if (aorta[at]) values.push_back(scan.hu[at]);
-    return contrast_of_values(std::move(values), labels, "aorta", findings);
+    return contrast_of_values(std::move(values), labels, "aorta", "the segmentation failed; segment again",
+                              findings);
 }
 
 Contrast contrast_in_arteries(const Volume &scan, const LabelMap &labels, Findings &findings)
@@ -216,7 +217,8 @@ Contrast contrast_in_arteries(const Volume &scan, const LabelMap &labels, Findin
             for_neighbours(scan, at, [&](std::size_t other) { is_inside = is_inside && arteries[other]; });
         if (is_inside) values.push_back(scan.hu[at]);
     }
-    return contrast_of_values(std::move(values), labels, "artery", findings);
+    return contrast_of_values(std::move(values), labels, "artery",
+                              "the click is in no artery; click into a wider one", findings);
 }
 
 CtVolume picture_volume(const Volume &scan, const Mask &body, const LabelMap &labels,

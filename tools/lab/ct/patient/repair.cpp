@@ -97,22 +97,24 @@ std::vector<Ball> cuts_of(const std::vector<Click> &clicks)
 
 Stack clicked_start(const Volume &scan, const std::vector<Click> &clicks)
 {
-    constexpr double radius_mm = 1.5, least_HU = 130.0;
+    constexpr double radius_mm = 1.5, least_HU = 130.0, most_HU = 900.0; // as of the aorta's discs
     const auto click = std::find_if(clicks.begin(), clicks.end(),
                                     [](const Click &one) { return one.kind == ClickKind::artery; });
     if (click == clicks.end()) return {};
-    std::size_t brightest = scan.count();
+    const auto is_blood = [&](std::size_t at) { return scan.hu[at] >= least_HU && scan.hu[at] <= most_HU; };
+    std::size_t nearest = scan.count();
+    double least_mm = INFINITY;
     for_ball(scan, {click->at_mm, click_mm}, [&](std::size_t at) {
-        if (brightest == scan.count() || scan.hu[at] > scan.hu[brightest]) brightest = at;
+        const double mm = (place_at(scan, at) - click->at_mm).norm();
+        if (is_blood(at) && mm < least_mm) nearest = at, least_mm = mm;
     });
+    if (nearest == scan.count()) return {};
     std::vector<double> values;
-    if (brightest < scan.count())
-        for_ball(scan, {place_at(scan, brightest), radius_mm},
-                 [&](std::size_t at) { values.push_back(static_cast<double>(scan.hu[at])); });
-    const double mean_HU = values.empty() ? -1000.0 : median(values);
-    if (mean_HU < least_HU) return {};
+    for_ball(scan, {place_at(scan, nearest), radius_mm},
+             [&](std::size_t at) { values.push_back(static_cast<double>(scan.hu[at])); });
+    const double mean_HU = median(values);
     for (double &value : values) value = std::fabs(value - mean_HU);
-    const Vector3d voxel = scan.voxel(place_at(scan, brightest));
+    const Vector3d voxel = scan.voxel(place_at(scan, nearest));
     Disc disc;
     disc.slice = static_cast<int>(std::lround(voxel.z()));
     disc.middle = voxel.head<2>();
@@ -120,6 +122,7 @@ Stack clicked_start(const Volume &scan, const std::vector<Click> &clicks)
     disc.mean_HU = mean_HU;
     disc.noise_HU = 1.48 * median(values); // of a normal distribution
     disc.share = 1.0;
+    if (mean_HU < least_HU) return {};
     return {disc};
 }
 

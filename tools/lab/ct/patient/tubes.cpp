@@ -14,8 +14,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double scales_mm[] = {1.0, 1.8}; // tubes of 1 to 4 mm in radius
-constexpr double bent_least = 0.05;        // of the medium's brightness, times the scale squared
-constexpr double round_least = 0.3;        // of the greater fall by the lesser: a sheet has 0
+constexpr double bent_least = 0.08;        // of the medium's brightness, times the scale squared
+constexpr double round_least = 0.45;        // of the greater fall by the lesser: a sheet has 0
 constexpr double along_most = 0.6;         // of the lesser fall, along the tube
 
 // The values of blood; what is brighter is dark by as much.
@@ -74,6 +74,7 @@ bool is_tube(const Matrix3d &bend, double least)
 Mask tubes_of(const Volume &scan, const Mask &inside, const Contrast &contrast)
 {
     Mask tubes(scan.count(), 0);
+    if (contrast.mean_HU <= surroundings_HU) return tubes; // no medium
     const Volume blood = like_blood(scan, contrast);
     for (const double scale_mm : scales_mm) {
         const Volume even = smoothed(blood, scale_mm);

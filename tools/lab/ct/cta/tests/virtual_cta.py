@@ -17,6 +17,7 @@ import tree  # noqa: E402
 BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
 LEAST_RADIUS_MM, WIDE_RADIUS_MM = 1.0, 2.0
 LIMIT_S = 1800
+BEGIN = "begin wire inserted %d mm"
 STARTS_MM = (5, 6, 7, 8, 9, 10, 11, 12)
 ENTRY = re.compile(r"position_mm = .*\ndirection = .*\n")
 
@@ -58,10 +59,12 @@ def forces(scene):
     time stays below in N, and of the greatest force in N."""
     with open(os.path.join(HERE, "tour.session"), encoding="utf-8") as file:
         tour = file.read()
+    if BEGIN % STARTS_MM[0] not in tour:
+        raise RuntimeError("tour.session has no line '%s'" % (BEGIN % STARTS_MM[0]))
     session, report, sums = scene + ".session", scene + ".json", [0.0, 0.0, 0.0]
     for start_mm in STARTS_MM:
         with open(session, "w", encoding="utf-8") as file:
-            file.write(tour.replace("begin wire inserted 5 mm", "begin wire inserted %d mm" % start_mm))
+            file.write(tour.replace(BEGIN % STARTS_MM[0], BEGIN % start_mm))
         options = ("--json", report, "--png", scene + ".png", "--quiet")
         run("cournand", "run", "--scene", scene, "--session", session, *options)
         with open(report, encoding="utf-8") as file:

@@ -5,6 +5,7 @@
 #include "tools/centreline/tree.hpp"
 #include "tools/lab/ct/patient/arteries.hpp"
 #include "tools/lab/ct/patient/bright.hpp"
+#include "tools/lab/ct/patient/tubes.hpp"
 #include "tools/lab/ct/patient/wall.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include <algorithm>
@@ -225,11 +226,34 @@ static void without_an_aorta_arteries_begin_at_a_click(void **)
     for (const Vector3d &inside : {Vector3d(10, 30, 5), Vector3d(14, -36, 9), Vector3d(6, -36, 11)})
         assert_artery(of.labels, inside, true);
     assert_artery(of.labels, {-15, 0, -10}, false); // the femur
-    // The blood enters in the wide part, above the division.
-    assert_true(of.root_mm.y() > 0 && std::hypot(of.root_mm.x() - 10, of.root_mm.z() - 5) < 1.5);
+    // The blood enters at the wide upper end.
+    assert_true(of.root_mm.y() > 38 && std::hypot(of.root_mm.x() - 10, of.root_mm.z() - 5) < 1.5);
     const Contrast contrast = contrast_in_arteries(thigh(), of.labels, findings);
     std::printf("# %.0f HU, noise %.0f HU\n", contrast.mean_HU, contrast.noise_HU);
     assert_true(std::fabs(contrast.mean_HU - blood_HU) < 10);
+}
+
+// The voxels beside the clicked branch are calcium of 700 HU.
+static void a_click_beside_calcium_does_not_replace_the_aorta(void **)
+{
+    Volume scan = trunk().scan;
+    for (std::size_t at = 0; at < scan.count(); ++at)
+        if ((place_at(scan, at) - Vector3d(30, 22.5, -10)).norm() < 1.6) scan.hu[at] = 700;
+    Findings findings;
+    const FoundArteries of =
+        find_arteries(scan, trunk().body, {click_of("artery:30,21.5,-10")}, findings, silent);
+    assert_true(of.has_aorta);
+    assert_artery(of.labels, {0, 60, -10}, true);
+}
+
+// A label map of a scan without medium is accepted; a click into it must not fail.
+static void without_medium_nothing_is_a_tube(void **)
+{
+    Contrast contrast;
+    contrast.mean_HU = 40;
+    contrast.noise_HU = 15;
+    const Mask tubes = tubes_of(thigh(), Mask(thigh().count(), 1), contrast);
+    assert_int_equal(std::count(tubes.begin(), tubes.end(), 1), 0);
 }
 
 static void without_an_aorta_and_a_click_the_message_asks_for_one(void **)
@@ -344,6 +368,8 @@ int main()
         cmocka_unit_test(a_bone_that_touches_an_artery_does_not_claim_it),
         cmocka_unit_test(noise_in_pale_blood_makes_no_vessel),
         cmocka_unit_test(without_an_aorta_arteries_begin_at_a_click),
+        cmocka_unit_test(a_click_beside_calcium_does_not_replace_the_aorta),
+        cmocka_unit_test(without_medium_nothing_is_a_tube),
         cmocka_unit_test(without_an_aorta_and_a_click_the_message_asks_for_one),
         cmocka_unit_test(a_bridge_joins_the_two_ends_of_a_gap),
         cmocka_unit_test(a_clicked_artery_is_joined_and_a_cut_takes_away),
