@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr double scales_mm[] = {1.0, 1.8}; // tubes of 1 to 4 mm in radius
 constexpr double bent_least = 0.08;        // of the medium's brightness, times the scale squared
-constexpr double round_least = 0.45;        // of the greater fall by the lesser: a sheet has 0
+constexpr double round_least = 0.45;       // of the greater fall by the lesser: a sheet has 0
 constexpr double along_most = 0.6;         // of the lesser fall, along the tube
 
 // The values of blood; what is brighter is dark by as much.
