@@ -14,9 +14,14 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double scales_mm[] = {1.0, 1.8}; // tubes of 1 to 4 mm in radius
-constexpr double bent_least = 0.08;        // of the medium's brightness, times the scale squared
-constexpr double round_least = 0.45;       // of the greater fall by the lesser: a sheet has 0
-constexpr double along_most = 0.6;         // of the lesser fall, along the tube
+// Where the slices are thicker than the thin scale resolves, noise looks like tubes more often.
+struct Least {
+    double bent;  // of the medium's brightness, times the scale squared
+    double round; // of the greater fall by the lesser: a sheet has 0
+};
+constexpr double thin_slice_mm = 1.5;
+constexpr Least thin{0.05, 0.3}, thick{0.08, 0.45};
+constexpr double along_most = 0.6; // of the lesser fall, along the tube
 
 // The values of blood; what is brighter is dark by as much.
 Volume like_blood(const Volume &scan, const Contrast &contrast)
@@ -60,13 +65,12 @@ class Hessian
     std::ptrdiff_t step_[3];
 };
 
-bool is_tube(const Matrix3d &bend, double least)
+bool is_tube(const Matrix3d &bend, double bent, double round)
 {
     Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
     solver.computeDirect(bend, Eigen::EigenvaluesOnly);
     const Vector3d bends = solver.eigenvalues(); // the steepest fall first
-    return bends[1] < -least && bends[1] < round_least * bends[0] &&
-           std::abs(bends[2]) < -along_most * bends[1];
+    return bends[1] < -bent && bends[1] < round * bends[0] && std::abs(bends[2]) < -along_most * bends[1];
 }
 
 } // namespace
@@ -75,16 +79,17 @@ Mask tubes_of(const Volume &scan, const Mask &inside, const Contrast &contrast)
 {
     Mask tubes(scan.count(), 0);
     if (contrast.mean_HU <= surroundings_HU) return tubes; // no medium
+    const Least &least = scan.spacing_mm.maxCoeff() > thin_slice_mm ? thick : thin;
     const Volume blood = like_blood(scan, contrast);
     for (const double scale_mm : scales_mm) {
         const Volume even = smoothed(blood, scale_mm);
         const Hessian hessian(even);
-        const double least = bent_least * (contrast.mean_HU - surroundings_HU) / (scale_mm * scale_mm);
+        const double bent = least.bent * (contrast.mean_HU - surroundings_HU) / (scale_mm * scale_mm);
         for (int k = 1; k + 1 < scan.size[2]; ++k)
             for (int j = 1; j + 1 < scan.size[1]; ++j)
                 for (int i = 1; i + 1 < scan.size[0]; ++i) {
                     const std::size_t at = scan.at(i, j, k);
-                    if (inside[at] && !tubes[at] && is_tube(hessian.at(at), least)) tubes[at] = 1;
+                    if (inside[at] && !tubes[at] && is_tube(hessian.at(at), bent, least.round)) tubes[at] = 1;
                 }
     }
     return tubes;
