@@ -36,9 +36,7 @@ def read_truth(path, least_radius_mm):
             other != name and wide > WIDER * radius and math.dist(place, middle) < wide for middle, wide, other in near
         )
 
-    kept = {
-        name: [p for p in points if p[1] >= least_radius_mm and is_own(name, *p)] for name, points in dense.items()
-    }
+    kept = {name: [p for p in points if p[1] >= least_radius_mm and is_own(name, *p)] for name, points in dense.items()}
     return {name: points for name, points in kept.items() if len(points) >= LEAST_MM}
 
 

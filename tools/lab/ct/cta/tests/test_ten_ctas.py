@@ -11,7 +11,8 @@ import virtual_cta  # noqa: E402
 
 SEEDS = range(1, 11)
 OPTIONS = ("--pixel-mm", "0.9", "--slice-mm", "1.25")
-WIDE_FOUND_MEAN, MADE = 0.8, 9
+MADE, WIDE_FOUND, FOUND = 9, 0.95, 0.9
+APART_MM, RADIUS, FORCE = 0.3, 0.08, 0.10
 
 
 def main():
@@ -25,8 +26,25 @@ def main():
     for finding in findings:
         print("# " + finding.replace("\n", " "))
     report.check("at least %d persons become scenes" % MADE, findings if len(rows) < MADE else [])
-    mean = sum(row["wide"][0] for row in rows) / max(1, len(rows))
-    report.check("wide vessels are found", ["only %.0f %%" % (100 * mean)] if mean < WIDE_FOUND_MEAN else [])
+
+    def mean(figure):
+        return sum(map(figure, rows)) / max(1, len(rows))
+
+    for name, key, least in (("of 4 mm", "wide", WIDE_FOUND), ("of 2 mm", "all", FOUND)):
+        found = mean(lambda row, key=key: row[key][0])
+        report.check("vessels %s are found" % name, ["only %.0f %%" % (100 * found)] if found < least else [])
+    far = [
+        "seed %d: %.2f mm, %.1f %%" % (row["seed"], row["all"][1], 100 * row["all"][2])
+        for row in rows
+        if row["all"][1] > APART_MM or row["all"][2] > RADIUS
+    ]
+    report.check("centrelines and radii are those of the truth", far)
+    off = [
+        "seed %d: %+.1f %%, %+.1f %%" % ((row["seed"],) + tuple(100 * f for f in row["force"][:2]))
+        for row in rows
+        if max(abs(f) for f in row["force"][:2]) > FORCE
+    ]
+    report.check("impulse and usual force on the wall are those of the true lumen", off)
     report.end()
 
 
