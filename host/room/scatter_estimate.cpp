@@ -9,7 +9,7 @@ namespace
 {
 
 constexpr int rounds = 8;
-constexpr float taken_share = 0.9f, primary_least = 0.1f; // of the estimate; of a cell's signal
+constexpr float taken_share = 0.9f, cell_least = 0.1f; // of the estimate; of a cell's signal
 
 // Returns the means of the exposed pixels in each cell; raw values behind the blades are 0.
 CoarseSums cells_of(std::span<const std::uint16_t> raw, int size)
@@ -46,7 +46,7 @@ std::vector<float> estimated_scatter(const RunFrame &frame, std::span<const std:
         for (std::size_t i = 0; i < signal.size(); ++i) {
             const float left = signal[i] - grid_scatter_to_primary * scattered[i] * exposed.count[i];
             // Half of the way each round, because a dark cell's scatter comes from its bright neighbours.
-            primary.sum[i] = 0.5f * (primary.sum[i] + std::max(left, primary_least * signal[i]));
+            primary.sum[i] = 0.5f * (primary.sum[i] + std::max(left, cell_least * signal[i]));
         }
     }
     for (float &value : scattered) value *= taken_share * grid_scatter_to_primary * open;
