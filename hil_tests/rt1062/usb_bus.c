@@ -12,19 +12,9 @@ static void set_attached(rt_bus *bus)
 
 void rt_bus_start(rt_bus *bus, rt_chip *chip, crn_mailbox *mailbox)
 {
-    crn_mailbox_device_half *half = &mailbox->device;
     *bus = (rt_bus){.chip = chip, .mailbox = mailbox};
     rt_usb_plug(chip, true);
-    crn_mailbox_write(&half->attached, 0);
-    crn_mailbox_write(&half->can_high_speed, 1);
-    crn_mailbox_write(&half->test_selector, 0);
-    crn_mailbox_write(&half->reply, CRN_MAILBOX_SILENCE);
-    crn_mailbox_write(&half->reply_bytes, 0);
-    crn_mailbox_write(&half->bus_done, crn_mailbox_read(&mailbox->host.bus));
-    crn_mailbox_write(&half->token_done, crn_mailbox_read(&mailbox->host.token));
-    crn_mailbox_write(&half->version, CRN_MAILBOX_VERSION);
-    crn_mailbox_write(&half->boot_count, crn_mailbox_read(&half->boot_count) + 1);
-    crn_mailbox_write(&half->magic, CRN_MAILBOX_MAGIC);
+    crn_mailbox_start_device(mailbox, 1);
 }
 
 /* --- changes of the bus --- */

@@ -129,7 +129,7 @@ class DistalFlow::Builder
         flow_.first_piece_[v] = static_cast<int>(flow_.volumes_.size());
         std::vector<double> through(pieces, 0.0), joining_ml_s(pieces, 0.0); // at the beginning of each piece
         for (std::size_t other : joining_[v])
-            joining_ml_s[piece_behind(other)] += tree_.small[other].flow_ml_s;
+            joining_ml_s[tree_.joined_piece(tree_.small[other])] += tree_.small[other].flow_ml_s;
         for (std::size_t piece = 0; piece < pieces; ++piece) {
             from =
                 static_cast<int>(add_volume(from, from_ml_s, through_ml_s, piece_volume_ml(vessel, piece)));
@@ -149,14 +149,6 @@ class DistalFlow::Builder
         add_bed(static_cast<int>(tree_.branches.size() + v), vessel.bed, from, from_ml_s, end_ml_s);
     }
 
-    // Returns the piece of the joined vessel that begins where this one joins it.
-    std::size_t piece_behind(std::size_t v) const
-    {
-        const VesselBranch &vessel = tree_.small[v];
-        return std::min(tree_.joined_point(vessel),
-                        tree_.numbered(static_cast<std::size_t>(vessel.joins)).points_m.size() - 2);
-    }
-
     void add_joints()
     {
         for (std::size_t v = 0; v < tree_.small.size(); ++v) {
@@ -168,8 +160,8 @@ class DistalFlow::Builder
             if (flow_.first_piece_[joined] < 0)
                 flow_.volumes_[from].is_last = true; // nothing flows there: the blood is gone
             else
-                flow_.joints_.push_back(
-                    {from, static_cast<std::size_t>(flow_.first_piece_[joined]) + piece_behind(v)});
+                flow_.joints_.push_back({from, static_cast<std::size_t>(flow_.first_piece_[joined]) +
+                                                   tree_.joined_piece(tree_.small[v])});
         }
     }
 

@@ -53,9 +53,7 @@ std::vector<double> small_vessel_flows_ml_s(const VesselTree &tree)
     std::vector<std::vector<Leaving>> places(tree.small.size()); // of vessels that others join
     for (const VesselBranch &vessel : tree.small) {
         if (vessel.joins < 0) continue;
-        const std::size_t joined = small_index(vessel.joins);
-        const std::size_t last_piece = tree.small[joined].points_m.size() - 2;
-        places[joined].push_back({std::min(tree.joined_point(vessel), last_piece), -vessel.flow_ml_s});
+        places[small_index(vessel.joins)].push_back({tree.joined_piece(vessel), -vessel.flow_ml_s});
     }
     for (std::size_t v = tree.small.size(); v-- > 0;) { // parents come before their branches
         const VesselBranch &vessel = tree.small[v];

@@ -77,7 +77,7 @@ VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_
     return foot;
 }
 
-std::size_t VesselTree::joined_point(const VesselBranch &small_artery) const
+std::size_t VesselTree::joined_piece(const VesselBranch &small_artery) const
 {
     const std::vector<Eigen::Vector3d> &points_m =
         numbered(static_cast<std::size_t>(small_artery.joins)).points_m;
@@ -87,7 +87,7 @@ std::size_t VesselTree::joined_point(const VesselBranch &small_artery) const
     const auto nearest =
         std::min_element(points_m.begin(), points_m.end(),
                          [&](const auto &a, const auto &b) { return square(a) < square(b); });
-    return static_cast<std::size_t>(nearest - points_m.begin());
+    return std::min(static_cast<std::size_t>(nearest - points_m.begin()), points_m.size() - 2);
 }
 
 double VesselLesion::length_m() const

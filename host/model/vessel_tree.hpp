@@ -56,8 +56,8 @@ struct VesselTree {
     {
         return index < branches.size() ? branches[index] : small[index - branches.size()];
     }
-    // Returns the point of the joined vessel at which the blood of this small artery enters it.
-    std::size_t joined_point(const VesselBranch &small_artery) const;
+    // Returns the piece of the joined vessel at whose beginning the blood of this small artery enters it.
+    std::size_t joined_piece(const VesselBranch &small_artery) const;
     // Returns the point of the branch at which the lesion has narrowed the lumen most, relative to the
     // healthy radius.
     std::size_t throat(const VesselLesion &lesion) const;

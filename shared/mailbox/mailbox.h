@@ -115,4 +115,20 @@ static inline void crn_mailbox_write(uint32_t *word, uint32_t value)
     __atomic_store_n(word, crn_mailbox_little(value), __ATOMIC_RELEASE);
 }
 
+/* Starts the device's half at power-up: not attached, and all that the host has asked for counts as seen. */
+static inline void crn_mailbox_start_device(crn_mailbox *mailbox, uint32_t can_high_speed)
+{
+    crn_mailbox_device_half *half = &mailbox->device;
+    crn_mailbox_write(&half->attached, 0);
+    crn_mailbox_write(&half->can_high_speed, can_high_speed);
+    crn_mailbox_write(&half->test_selector, 0);
+    crn_mailbox_write(&half->reply, CRN_MAILBOX_SILENCE);
+    crn_mailbox_write(&half->reply_bytes, 0);
+    crn_mailbox_write(&half->bus_done, crn_mailbox_read(&mailbox->host.bus));
+    crn_mailbox_write(&half->token_done, crn_mailbox_read(&mailbox->host.token));
+    crn_mailbox_write(&half->version, CRN_MAILBOX_VERSION);
+    crn_mailbox_write(&half->boot_count, crn_mailbox_read(&half->boot_count) + 1);
+    crn_mailbox_write(&half->magic, CRN_MAILBOX_MAGIC);
+}
+
 #endif

@@ -224,17 +224,7 @@ void crn_mailbox_udc_init(crn_mailbox_udc *controller, crn_mailbox *mailbox, boo
         .mailbox = mailbox,
     };
     reset(controller);
-    crn_mailbox_device_half *half = &mailbox->device;
-    crn_mailbox_write(&half->attached, 0);
-    crn_mailbox_write(&half->can_high_speed, can_high_speed);
-    crn_mailbox_write(&half->test_selector, 0);
-    crn_mailbox_write(&half->reply, CRN_MAILBOX_SILENCE);
-    crn_mailbox_write(&half->reply_bytes, 0);
-    crn_mailbox_write(&half->bus_done, crn_mailbox_read(&mailbox->host.bus));
-    crn_mailbox_write(&half->token_done, crn_mailbox_read(&mailbox->host.token));
-    crn_mailbox_write(&half->version, CRN_MAILBOX_VERSION);
-    crn_mailbox_write(&half->boot_count, crn_mailbox_read(&half->boot_count) + 1);
-    crn_mailbox_write(&half->magic, CRN_MAILBOX_MAGIC);
+    crn_mailbox_start_device(mailbox, can_high_speed);
 }
 
 crn_mailbox_demand crn_mailbox_udc_demand(const crn_mailbox_udc *controller)

@@ -25,18 +25,25 @@ Vec3 nearest_point(const Vessel &line, const Vec3 &to)
     return best;
 }
 
+/* Moves the first of the stations from `begin` on, and the next ones less: nothing moves `fades_mm` behind
+ * it. */
+template <class Place> void drag(Place begin, Place end, const Vec3 &moved_mm, double fades_mm)
+{
+    double arc_mm = 0.0;
+    Vec3 before = begin->position_mm;
+    for (; begin != end; ++begin) {
+        arc_mm += (begin->position_mm - before).norm();
+        before = begin->position_mm;
+        begin->position_mm += std::max(0.0, 1.0 - arc_mm / fades_mm) * moved_mm;
+    }
+}
+
 /* Moves the start of a vessel with its parent. Its far end, which lies in an organ or beside a bone, moves
- * less: nothing moves 80 mm behind the start. */
+ * less. */
 void follow(Vessel &vessel, const Vec3 &moved_mm)
 {
     constexpr double FADES_MM = 80.0;
-    double arc_mm = 0.0;
-    Vec3 before = vessel.stations.front().position_mm;
-    for (Station &station : vessel.stations) {
-        arc_mm += (station.position_mm - before).norm();
-        before = station.position_mm;
-        station.position_mm += std::max(0.0, 1.0 - arc_mm / FADES_MM) * moved_mm;
-    }
+    drag(vessel.stations.begin(), vessel.stations.end(), moved_mm, FADES_MM);
 }
 
 /* Adds the arteries of one shipped file, in the order in which they are given, beside the bones. */
@@ -58,20 +65,13 @@ void add_all(VesselTree &tree, const VesselTree &shipped, const std::vector<Vess
     }
 }
 
-/* Moves the end of an artery that joins another one onto it. Nothing moves 30 mm before the end. */
+/* Moves the end of an artery that joins another one onto it; the first station stays in its parent. */
 void reach_joined(Vessel &artery, const Vessel &joined)
 {
     constexpr double FADES_MM = 30.0;
-    const Vec3 moved_mm =
-        nearest_point(joined, artery.stations.back().position_mm) - artery.stations.back().position_mm;
-    double arc_mm = 0.0;
-    Vec3 behind = artery.stations.back().position_mm;
-    for (size_t i = artery.stations.size(); i-- > 1;) { // the first one stays in its parent
-        Vec3 &at = artery.stations[i].position_mm;
-        arc_mm += (at - behind).norm();
-        behind = at;
-        at += std::max(0.0, 1.0 - arc_mm / FADES_MM) * moved_mm;
-    }
+    const Vec3 end_mm = artery.stations.back().position_mm;
+    drag(artery.stations.rbegin(), artery.stations.rend() - 1, nearest_point(joined, end_mm) - end_mm,
+         FADES_MM);
 }
 
 } // namespace

@@ -46,6 +46,17 @@ const Type *type_of(std::string_view word, const Words &words)
     words.fail("no type of PLY is called " + shown(word) + ": export the mesh again");
 }
 
+// The whole number in these bytes, at most eight.
+std::uint64_t word_of(std::string_view bytes, bool is_big_end_first)
+{
+    std::uint64_t word = 0;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        const std::size_t at = is_big_end_first ? bytes.size() - 1 - i : i;
+        word |= std::uint64_t{static_cast<unsigned char>(bytes[at])} << (8 * i);
+    }
+    return word;
+}
+
 class Header
 {
   public:
@@ -244,11 +255,7 @@ class Body
         const std::size_t begin = at_;
         skip(type.bytes, element);
         if (type.is_float) return 0;
-        std::uint64_t word = 0;
-        for (std::size_t i = 0; i < type.bytes; ++i)
-            word |= std::uint64_t{static_cast<unsigned char>(
-                        bytes_[begin + (header_.is_big_end_first ? type.bytes - 1 - i : i)])}
-                    << (8 * i);
+        const std::uint64_t word = word_of(bytes_.substr(begin, type.bytes), header_.is_big_end_first);
         const unsigned unused = static_cast<unsigned>(64 - 8 * type.bytes);
         return type.is_signed ? static_cast<std::int64_t>(word << unused) >> unused
                               : static_cast<std::int64_t>(word);
@@ -288,10 +295,7 @@ namespace
 // The number in the first bytes of the data.
 double first_number(std::string_view data, const Type &type, bool is_big_end_first)
 {
-    std::uint64_t word = 0;
-    for (std::size_t i = 0; i < type.bytes; ++i)
-        word |= std::uint64_t{static_cast<unsigned char>(data[is_big_end_first ? type.bytes - 1 - i : i])}
-                << (8 * i);
+    const std::uint64_t word = word_of(data.substr(0, type.bytes), is_big_end_first);
     return type.bytes == 8 ? std::bit_cast<double>(word)
                            : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(word)));
 }

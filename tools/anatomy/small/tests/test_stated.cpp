@@ -103,8 +103,8 @@ void arteries_of_the_brain_grow_only_in_the_head(void **)
     }
 }
 
-// An artery in a bone shows as a bright tube in the marrow. 0.6 mm: where two bones lie close together, a
-// wall lies up to 0.4 mm in one of them. Vertebral arteries run in openings that their bones lack.
+// An artery in a bone shows as a bright tube in the marrow. 1 mm: where two bones lie close together, a
+// wall lies up to 0.7 mm in one of them. Vertebral arteries run in openings that their bones lack.
 void no_artery_runs_through_a_bone(void **)
 {
     for (const Arms arms : {Arms::raised, Arms::beside}) {

@@ -154,9 +154,9 @@ FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vec
     report("find the aorta", 0);
     const std::vector<Stack> stacks = round_stacks(scan, stack_least_mm);
     FoundArteries found;
-    found.descending = clicked_start(scan, clicks);
-    found.has_aorta = found.descending.empty() || !is_other_blood(stacks, found.descending);
-    if (found.has_aorta) found.descending = descending_aorta(stacks, scan.name);
+    const Stack clicked = clicked_start(scan, clicks);
+    found.has_aorta = clicked.empty() || !is_other_blood(stacks, clicked);
+    found.descending = found.has_aorta ? descending_aorta(stacks, scan.name) : clicked;
     const Contrast contrast = contrast_of(found.descending);
     report("find the aorta", 1);
     report("separate arteries", 0);

@@ -113,6 +113,7 @@ Stack clicked_start(const Volume &scan, const std::vector<Click> &clicks)
     for_ball(scan, {place_at(scan, nearest), radius_mm},
              [&](std::size_t at) { values.push_back(static_cast<double>(scan.hu[at])); });
     const double mean_HU = median(values);
+    if (mean_HU < least_HU) return {};
     for (double &value : values) value = std::fabs(value - mean_HU);
     const Vector3d voxel = scan.voxel(place_at(scan, nearest));
     Disc disc;
@@ -122,7 +123,6 @@ Stack clicked_start(const Volume &scan, const std::vector<Click> &clicks)
     disc.mean_HU = mean_HU;
     disc.noise_HU = 1.48 * median(values); // of a normal distribution
     disc.share = 1.0;
-    if (mean_HU < least_HU) return {};
     return {disc};
 }
 

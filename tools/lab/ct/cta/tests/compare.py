@@ -6,7 +6,7 @@ import itertools
 import math
 
 CELL_MM = 4.0
-LEAST_MM = 10  # less is a stub where the scan ends, or before it gets thinner
+LEAST_MM = 10  # shorter ones end at the scan's border, or become thinner at once
 WIDER = 1.05  # a vessel that goes on as another one has the same radius
 
 
