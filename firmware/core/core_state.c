@@ -117,15 +117,24 @@ static uint32_t word_at(const uint8_t *bytes, size_t i)
 
 /* --- checks of a restored state ------------------------------------------------------------------------- */
 
-static bool is_unit(const crn_vec3 *a)
+/* Checks the length of a tangent against the bounds that a tick keeps. For an edge whose |w|^2 is 1 + 2e, a
+ * tick computes the tangent w p(e), where p is the series of 1 / sqrt(1 + 2e) up to e^3 (rod_force.c). For
+ * |e|
+ * <= 1/8, the square of the tangent's length is (1 + 2e) p(e)^2, which is at most 1 and at least 1 - 2.39e-3
+ * (at e = -1/8). For |e| > 1/8, a root makes the tangent a unit vector to 1e-8. Inside the sheath, the
+ * tangent is the direction of insertion, the square of whose length may differ from 1 by 2^-19
+ * (core_check.c). A shorter tangent than these cannot break a bound of a tick, because each tick computes the
+ * tangents anew before it uses them in a product that must not overflow. */
+static bool is_tangent(const crn_vec3 *a)
 {
     for (int k = 0; k < 3; k++) {
         if (a->v[k] > CRN_ONE_Q30 + (1 << 20) || a->v[k] < -CRN_ONE_Q30 - (1 << 20)) {
             return false;
         }
     }
-    int64_t error = crn_vec3_dot64(*a, *a) - ((int64_t)1 << 60);
-    return error < ((int64_t)1 << 50) && error > -((int64_t)1 << 50);
+    const int64_t longer_q60 = (int64_t)1 << 42, shorter_q60 = (int64_t)5 << 49; /* 2^-18 and 2.44e-3 */
+    int64_t error_q60 = crn_vec3_dot64(*a, *a) - ((int64_t)1 << 60);
+    return error_q60 <= longer_q60 && error_q60 >= -shorter_q60;
 }
 
 static bool is_small(const crn_vec3 *a, int32_t most)
@@ -153,7 +162,7 @@ static bool node_is_valid(const crn_node_state *node)
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         turns = turns && within(node->spin_q30[k], TURN_MAX_Q30);
     }
-    return turns && is_unit(&node->tangent_q30) && is_small(&node->step_m_q33, STEP_MAX_M_Q33) &&
+    return turns && is_tangent(&node->tangent_q30) && is_small(&node->step_m_q33, STEP_MAX_M_Q33) &&
            is_small(&node->bristle_m_q33, BRISTLE_MAX_M_Q33) &&
            is_small(&node->position_m_q30, CRN_POSITION_MAX_M_Q30) && node->contact <= CRN_CONTACT_STICKS;
 }

@@ -1,6 +1,7 @@
 /* These tests check that no snapshot, however wrong, leads to undefined behaviour. The core must either
  * refuse the snapshot and change nothing, or compute ticks that stay within their number formats and are the
  * same on every run. Sanitizers detect undefined behaviour in this test. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -163,6 +164,62 @@ static void a_folded_line_with_wild_velocities_stays_defined(void **context)
     rig_free(r);
 }
 
+/* Returns |t|^2 - 1 of the tangent of the leading edge. */
+static double tangent_error(const crn_state *state)
+{
+    double square = 0;
+    for (int k = 0; k < 3; k++)
+        square += pow(state->words.nodes[0].tangent_q30.v[k] / (double)CRN_ONE_Q30, 2);
+    return square - 1;
+}
+
+/* An edge is pressed to just above sqrt(3/4) of its length, where a tick's series for 1 / |w| is worst. By
+ * the series, |t|^2 - 1 is then (1 + 2e) (1 - e + 3/2 e^2 - 5/2 e^3)^2 - 1 = -2.389e-3 with e = -1/8. The bar
+ * of 2e-6 is about three times the measured error, which comes from an edge that is 1e-5 of its length too
+ * long. */
+static void a_saved_state_with_a_pressed_edge_is_restored(void **context)
+{
+    (void)context;
+    rig *r = calloc(1, sizeof *r);
+    const crn_instrument wire = reference_wire(1e-3, 500000, 4000, 0.1);
+    crn_entry entry = reference_entry();
+    crn_build_place place;
+    assert_int_equal(crn_model_build(&r->model, &wire, 1, NULL, &entry, &place), CRN_BUILD_OK);
+    const uint32_t inserted_um[CRN_TOOL_MAX] = {100000, 0, 0};
+    crn_state_init(&r->model, &r->start, inserted_um);
+    crn_node_state *node = r->start.words.nodes;
+    for (int k = 0; k < 3; k++) {
+        const double way = node[1].position_m_q30.v[k] - node[0].position_m_q30.v[k];
+        node[0].position_m_q30.v[k] += (int32_t)(way * (1 - sqrt(0.75) - 1e-5));
+    }
+    crn_output output;
+    crn_step(&r->model, &r->start, &r->input, &output);
+    const double expected = 0.75 * pow(1 + 1.0 / 8 + 1.5 / 64 + 2.5 / 512, 2) - 1;
+    print_message("# |t|^2 - 1 = %.4e, expected %.4e\n", tangent_error(&r->start), expected);
+    assert_true(fabs(tangent_error(&r->start) - expected) < 2e-6);
+    crn_state_save(&r->start, r->bytes);
+    assert_true(crn_state_restore(&r->model, &r->state, r->bytes));
+    free(r);
+}
+
+/* No tick makes a tangent whose square is 0.3 % less or 1e-5 more than 1. */
+static void a_tangent_that_no_tick_makes_is_refused(void **context)
+{
+    (void)context;
+    rig *r = rig_make();
+    static const double squares[] = {0.997, 1.00001};
+    for (int trial = 0; trial < 2; trial++) {
+        memcpy(r->bytes, r->good, sizeof r->bytes);
+        const size_t at = (offsetof(crn_state_words, nodes) + offsetof(crn_node_state, tangent_q30)) / 4;
+        for (size_t k = 0; k < 3; k++) {
+            const int32_t part = r->start.words.nodes[0].tangent_q30.v[k];
+            set_word(r, at + k, (uint32_t)(int32_t)(part * sqrt(squares[trial])));
+        }
+        assert_false(check_altered(r));
+    }
+    rig_free(r);
+}
+
 /* If a tool begins near the border of the coordinate range, its straight shape stays inside this range. */
 static void a_start_beyond_the_border_of_space_is_cut_off_there(void **context)
 {
@@ -184,6 +241,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_one_word_of_a_snapshot_may_be_wrong),
         cmocka_unit_test(a_folded_line_with_wild_velocities_stays_defined),
+        cmocka_unit_test(a_saved_state_with_a_pressed_edge_is_restored),
+        cmocka_unit_test(a_tangent_that_no_tick_makes_is_refused),
         cmocka_unit_test(a_start_beyond_the_border_of_space_is_cut_off_there),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
