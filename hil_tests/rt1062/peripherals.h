@@ -163,6 +163,7 @@ typedef struct rt_pins {
     uint32_t data[RT_PORTS], direction[RT_PORTS];
     uint8_t rig[RT_PINS]; /* rt_level */
     double volts[RT_PINS];
+    uint32_t drive_edges; /* of the drive line, since the model was made */
 } rt_pins;
 void rt_pins_reset(struct rt_chip *chip);
 uint32_t rt_iomuxc_read(struct rt_chip *chip, uint32_t offset);

@@ -175,6 +175,7 @@ uint32_t rt_gpio_read(rt_chip *chip, uint32_t port, uint32_t offset)
 void rt_gpio_write(rt_chip *chip, uint32_t port, uint32_t offset, uint32_t value)
 {
     rt_pins *pins = &chip->pins;
+    bool was_driving = rt_pin_level(chip, RT_PIN_DRIVE);
     switch (offset) {
     case GPIO_DR:
         pins->data[port] = value;
@@ -191,6 +192,7 @@ void rt_gpio_write(rt_chip *chip, uint32_t port, uint32_t offset, uint32_t value
     default:
         rt_unmodelled(chip, "GPIO", offset, true);
     }
+    pins->drive_edges += rt_pin_level(chip, RT_PIN_DRIVE) != was_driving;
 }
 
 /* At reset every pin is a GPIO input with a keeper. What the rig drives stays. */

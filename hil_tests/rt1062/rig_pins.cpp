@@ -122,7 +122,9 @@ crn_port_outputs RigPins::outputs()
         else
             track.axial_mN = static_cast<std::int32_t>(std::lround(duty * axial_full_mN));
     }
-    outputs.drive = rt_pin_level(&chip_, RT_PIN_DRIVE);
+    if (chip_.pins.drive_edges != drive_edges_) has_flipped_ = !has_flipped_;
+    drive_edges_ = chip_.pins.drive_edges;
+    outputs.drive = has_flipped_;
     outputs.enable = rt_pin_level(&chip_, RT_PIN_ENABLE);
     return outputs;
 }

@@ -21,6 +21,9 @@ class RigPins
     // Drives the pins as the rig does at the end of a millisecond. The edges of the encoders lie in the
     // millisecond that has just passed.
     void put(const crn_port_inputs &inputs);
+    // The outputs at the end of a millisecond. The power stage is held by edges of the drive line, so `drive`
+    // differs from the previous call's if the line had an edge in between, even if an even number of edges
+    // restored its level.
     crn_port_outputs outputs();
     // The cable between the motor drivers' fault outputs and the board is broken.
     void cut_fault_line();
@@ -38,6 +41,8 @@ class RigPins
     rt_chip &chip_;
     std::array<Encoder, 7> encoders_{};
     bool is_fault_line_cut_ = false;
+    std::uint32_t drive_edges_ = 0;
+    bool has_flipped_ = false;
 };
 
 } // namespace hil

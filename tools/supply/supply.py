@@ -42,7 +42,8 @@ OPENED = {
     "records_postgres.so": "libpqxx-6.4",  # a library of this project, which is linked with libpqxx
 }
 # The sources of these folders become part of a program that is distributed; tests and benchmarks do not.
-SHIPPED = re.compile(r"^(host|tools|shared|firmware)/(?!.*(tests|bench)/)")
+# tools/chip and its emulator go into no program in bin/: it is a tool for the developers.
+SHIPPED = re.compile(r"^(?!tools/chip/)(host|tools|shared|firmware)/(?!.*(tests|bench)/)")
 INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>]+)>", re.M)
 INCLUDE_FOLDERS = ("/usr/include", "/usr/include/eigen3", "/usr/include/imgui")
 
