@@ -83,18 +83,23 @@ static inline int32_t deviation_of(int64_t sum, unsigned shift)
     return limit(crn_rshift_round64(sum, shift), SOLUTION_MAX_M_Q33);
 }
 
-/* Adds the stiffness k along the vector v, that is, the matrix k v v^T, to a block. Overflow: |k| < 2^29. */
-static inline void add_along(const crn_vec3 *v_q30, int32_t stiffness, crn_sym3 *d)
+/* Adds the stiffness k along the vector v, that is, the matrix k v v^T, to a block; the caller passes 4 k,
+ * which keeps the fraction that k v in Q(a) would lose. Overflow: |k| < 2^29. */
+static inline void add_along4(const crn_vec3 *v_q30, int32_t stiffness4, crn_sym3 *d)
 {
-    int32_t x = 4 * crn_mulh(4 * stiffness, v_q30->v[0]);
-    int32_t y = 4 * crn_mulh(4 * stiffness, v_q30->v[1]);
-    int32_t z = 4 * crn_mulh(4 * stiffness, v_q30->v[2]);
+    int32_t x = 4 * crn_mulh(stiffness4, v_q30->v[0]);
+    int32_t y = 4 * crn_mulh(stiffness4, v_q30->v[1]);
+    int32_t z = 4 * crn_mulh(stiffness4, v_q30->v[2]);
     d->m[XX] = crn_mulh_add(d->m[XX], x, v_q30->v[0]);
     d->m[XY] = crn_mulh_add(d->m[XY], x, v_q30->v[1]);
     d->m[XZ] = crn_mulh_add(d->m[XZ], x, v_q30->v[2]);
     d->m[YY] = crn_mulh_add(d->m[YY], y, v_q30->v[1]);
     d->m[YZ] = crn_mulh_add(d->m[YZ], y, v_q30->v[2]);
     d->m[ZZ] = crn_mulh_add(d->m[ZZ], z, v_q30->v[2]);
+}
+static inline void add_along(const crn_vec3 *v_q30, int32_t stiffness, crn_sym3 *d)
+{
+    add_along4(v_q30, 4 * stiffness, d);
 }
 
 /* Adds the stiffness S of the edge behind node i, in Q(a). Format: (4 k) t keeps the fraction that k t in
@@ -123,5 +128,53 @@ static inline int32_t diagonal_of(const crn_model *model, const crn_state *state
     return crn_line_inertia(model, &state->line.nodes[i]) + joint->before->r + here->p + 2 * here->q +
            here->r + joint->after->p + state->scratch.nodes[i].tied;
 }
+
+/* --- a row -----------------------------------------------------------------------------------------------
+ *
+ * The elimination of a row takes a quarter of a tick. On a Cortex-M7 it is written in assembly
+ * (rod_row_m7.c), because a compiler spends a quarter of it on moving numbers between registers and the
+ * stack. Every other processor runs the same steps in C (rod_solve.c). Both compute the same bits, which
+ * tools/check/core_hash.c checks on random rows. */
+#define CRN_ROW_BY_ASSEMBLY CRN_HIGH_WORDS_BY_DSP
+
+/* One prime marks values of the last eliminated row, and two primes those of the row before it. The blocks
+ * are those of rod_solve.c. Blocks of nine numbers are stored by columns, symmetric ones as crn_sym3. */
+typedef struct crn_row {
+    uint32_t saved[9];           /* registers of the caller, for the assembly */
+    crn_factor *factor;          /* out: V by rows, P */
+    const crn_factor *last;      /* V' by rows */
+    const crn_sym3 *p_before;    /* P'' */
+    const crn_vec3 *tangent_q30; /* of the edge behind the node */
+    int32_t spring4;             /* 4 (k_s - k_g) of that edge */
+    int32_t geometric;           /* its k_g */
+    int32_t minus_second8;       /* -8 kb' */
+    int32_t diagonal;            /* of the joints' part of Q, plus kb' */
+    int32_t second;              /* kb of this row */
+    int32_t second_before;       /* kb'' */
+    crn_sym3 rest;    /* in: this row's own R + R' + Q' + Q'^T; out: R + Q + Q^T for the next row */
+    int32_t t[9];     /* in: T'; out: T */
+    int32_t v_q29[9]; /* in: V'; out: V */
+    int32_t inverse[6];
+    uint32_t exponent;           /* out: D^-1 = inverse 2^-exponent */
+    const crn_vec3 *force_N_q22; /* of this node */
+    crn_vec3 *solution_m_q33;    /* out: D^-1 r */
+    int32_t r[3];                /* in: r'; out: r */
+    int32_t r_before[3];         /* in: r''; out: r' */
+    uint32_t force_exponent;     /* of D, plus 11: the shift of D^-1 r is `exponent` less this */
+} crn_row;
+
+/* Computes T, V, P, D^-1 of a row, and what the next row receives of its R and Q. Overflow is impossible: see
+ * rod_solve.c. */
+void crn_row_factor(crn_row *row);
+
+/* Computes the right side r of a row whose blocks crn_row_factor() has computed, and D^-1 r. Returns true if
+ * a force reached its limit of 256 N. */
+bool crn_row_force(crn_row *row);
+
+#if CRN_ROW_BY_ASSEMBLY
+/* As crn_row_force() for the usual case, in which no force is above 128 N, D^-1 r is below 62 mm, and its
+ * shift is 1 .. 31 or 33 .. 63. Returns false, and changes nothing, in every other case. */
+bool crn_row_usual_force(crn_row *row);
+#endif
 
 #endif

@@ -18,7 +18,6 @@
  * (bristle) of the node is that of its deeper contact, and friction uses the sum of the two normal forces. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
-#include "firmware/core/rod_friction.h"
 #include "firmware/core/strut.h"
 
 enum {

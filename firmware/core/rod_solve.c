@@ -21,56 +21,151 @@
  * Q(a) N/m below 2^29 for D, R, S, Q, T and kb, Q29 for V and P, Q22 N for r, and Q33 m for delta. */
 #include "firmware/core/rod_block.h"
 
-/* One entry of D^-1 T. */
-static inline int32_t row_times(int_fast32_t a, int_fast32_t b, int_fast32_t c, const int_fast32_t *t,
-                                unsigned shift)
-{
-    return crn_narrow64((int64_t)a * t[0] + (int64_t)b * t[3] + (int64_t)c * t[6], shift);
-}
+/* --- a row, in C
+ * -------------------------------------------------------------------------------------------- */
 
-/* Computes the block V = D^-1 T in Q29, column by column, from the inverse of the diagonal block D. Overflow
- * is impossible: a sum is at most 3 * 2^29 * 2^29, and |W| = |V - I| is at most 2 for meshes whose elements
- * grow towards the base. */
-static inline void times(const inverse3 *inverse, const int_fast32_t *t, int32_t *v_q29)
+/* Returns one component of the right side r + r' - V'^T r' - P'' r'', limited to 256 newtons. Overflow is
+ * impossible: forces are within 2^30, and the magnitudes of a row of V^T and of a row of P add up to less
+ * than 2^31 and 2^30, so sums stay below 2^62. */
+static inline int32_t gather_force(const crn_row *row, int k, int32_t p0, int32_t p1, int32_t p2)
 {
-    const int_fast32_t *n = inverse->m;
-    unsigned shift = inverse->exponent - 29; /* 1 .. 30 */
-    for (int c = 0; c < 3; c++) {
-        v_q29[c] = row_times(n[XX], n[XY], n[XZ], t + c, shift);
-        v_q29[3 + c] = row_times(n[XY], n[YY], n[YZ], t + c, shift);
-        v_q29[6 + c] = row_times(n[XZ], n[YZ], n[ZZ], t + c, shift);
-    }
+    const int32_t *v = row->last->w_q29 + k;
+    const int32_t *r = row->r, *before = row->r_before;
+    int64_t sum = (int64_t)v[0] * r[0] + (int64_t)v[3] * r[1] + (int64_t)v[6] * r[2] +
+                  (int64_t)p0 * before[0] + (int64_t)p1 * before[1] + (int64_t)p2 * before[2] + (1 << 28);
+    return limit((int64_t)row->force_N_q22->v[k] + r[k] - (sum >> 29), FORCE_MAX_N_Q22);
 }
 
 /* z = D^-1 r. Format: r Q22 N -> Q33 m: shift = exponent - a - 11. Overflow is impossible, because the sum is
  * at most 3 * 2^29 * 2^30. */
-static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigned exponent_a, crn_vec3 *z)
+static inline void apply(const crn_row *row, const int32_t *r)
 {
-    const int_fast32_t *n = inverse->m;
-    unsigned shift = inverse->exponent - exponent_a - 11;
-    z->v[0] = deviation_of((int64_t)n[XX] * r[0] + (int64_t)n[XY] * r[1] + (int64_t)n[XZ] * r[2], shift);
-    z->v[1] = deviation_of((int64_t)n[XY] * r[0] + (int64_t)n[YY] * r[1] + (int64_t)n[YZ] * r[2], shift);
-    z->v[2] = deviation_of((int64_t)n[XZ] * r[0] + (int64_t)n[YZ] * r[1] + (int64_t)n[ZZ] * r[2], shift);
+    const int32_t *n = row->inverse;
+    const unsigned shift = row->exponent - row->force_exponent;
+    int32_t *z = row->solution_m_q33->v;
+    z[0] = deviation_of((int64_t)n[XX] * r[0] + (int64_t)n[XY] * r[1] + (int64_t)n[XZ] * r[2], shift);
+    z[1] = deviation_of((int64_t)n[XY] * r[0] + (int64_t)n[YY] * r[1] + (int64_t)n[YZ] * r[2], shift);
+    z[2] = deviation_of((int64_t)n[XZ] * r[0] + (int64_t)n[YZ] * r[1] + (int64_t)n[ZZ] * r[2], shift);
+}
+
+bool crn_row_force(crn_row *row)
+{
+#if CRN_ROW_BY_ASSEMBLY
+    if (crn_row_usual_force(row)) {
+        return false;
+    }
+#endif
+    const int32_t *p = row->p_before->m;
+    const int32_t r[3] = {gather_force(row, 0, p[XX], p[XY], p[XZ]),
+                          gather_force(row, 1, p[XY], p[YY], p[YZ]),
+                          gather_force(row, 2, p[XZ], p[YZ], p[ZZ])};
+    apply(row, r);
+    bool limited = false;
+    for (int k = 0; k < 3; k++) {
+        limited |= r[k] >= FORCE_MAX_N_Q22 || r[k] <= -FORCE_MAX_N_Q22;
+        row->r_before[k] = row->r[k];
+        row->r[k] = r[k];
+    }
+    return limited;
+}
+
+#if !CRN_ROW_BY_ASSEMBLY
+
+/* Returns one entry of the matrix T'^T V' + kb'' P'', which the elimination subtracts from a diagonal block.
+ * Overflow is impossible, because the sum is at most 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
+static inline int32_t taken(const int32_t *t, const int32_t *v_q29, int32_t second, int32_t p_q29)
+{
+    int64_t sum = (int64_t)t[0] * v_q29[0] + (int64_t)t[1] * v_q29[1] + (int64_t)t[2] * v_q29[2] +
+                  (int64_t)second * p_q29 + (1 << 28);
+    return crn_narrow64(sum, 29);
+}
+
+/* R += R' + Q' + Q'^T - T'^T V' - kb'' P'' */
+static inline void gather_rest(crn_row *row, crn_sym3 *rest)
+{
+    static const uint8_t rows[6] = {0, 0, 0, 1, 1, 2}, columns[6] = {0, 1, 2, 1, 2, 2};
+    for (int k = 0; k < 6; k++) {
+        rest->m[k] = row->rest.m[k] - taken(row->t + 3 * rows[k], row->v_q29 + 3 * columns[k],
+                                            row->second_before, row->p_before->m[k]);
+    }
+}
+
+/* Computes the block Q = next I + kb' (I - V'^T) of a row, by columns. Overflow is impossible: kb is below
+ * 2^27, because a diagonal entry holds W (a + c)^2 >= 4 kb, so 8 kb fits. */
+static inline void gather_upper(const crn_row *row, int32_t *q)
+{
+    for (int k = 0; k < 9; k++) {
+        q[k] = crn_mulh_add(k % 4 == 0 ? row->diagonal : 0, row->minus_second8, row->last->w_q29[k]);
+    }
+}
+
+/* T = R + Q, and R + Q + Q^T for the next row. */
+static inline void give(crn_row *row, const crn_sym3 *rest, const int32_t *q)
+{
+    const int32_t *m = rest->m;
+    int32_t *t = row->t;
+    const int32_t whole[9] = {m[XX], m[XY], m[XZ], m[XY], m[YY], m[YZ], m[XZ], m[YZ], m[ZZ]};
+    for (int k = 0; k < 9; k++) {
+        t[k] = whole[k] + q[k];
+    }
+    const int32_t next[6] = {t[0] + q[0], t[1] + q[3], t[2] + q[6], t[4] + q[4], t[5] + q[7], t[8] + q[8]};
+    for (int k = 0; k < 6; k++) {
+        row->rest.m[k] = next[k];
+    }
+}
+
+/* Computes the block V = D^-1 T in Q29 from the inverse of the diagonal block D. Overflow is impossible: a
+ * sum is at most 3 * 2^29 * 2^29, and |W| = |V - I| is at most 2 for meshes whose elements grow towards the
+ * base. */
+static inline void times(crn_row *row)
+{
+    const int32_t *n = row->inverse;
+    const int32_t whole[9] = {n[XX], n[XY], n[XZ], n[XY], n[YY], n[YZ], n[XZ], n[YZ], n[ZZ]};
+    const unsigned shift = row->exponent - 29; /* 1 .. 30 */
+    for (int c = 0; c < 3; c++) {
+        const int32_t *t = row->t + 3 * c;
+        for (int i = 0; i < 3; i++) {
+            const int32_t *of = whole + 3 * i;
+            const int64_t sum = (int64_t)of[0] * t[0] + (int64_t)of[1] * t[1] + (int64_t)of[2] * t[2];
+            row->factor->w_q29[3 * i + c] = row->v_q29[3 * c + i] = crn_narrow64(sum, shift);
+        }
+    }
 }
 
 /* Computes the block P = kb D^-1 in Q29, from the inverse of the diagonal block D. Overflow is impossible: P
  * is at most 1, because kb is at most the smallest eigenvalue of D. */
-static inline void second_neighbour(const inverse3 *inverse, int32_t second, crn_sym3 *p_q29)
+static inline void second_neighbour(const crn_row *row)
 {
-    unsigned shift = inverse->exponent - 29;
     for (int k = 0; k < 6; k++) {
-        p_q29->m[k] = crn_narrow64((int64_t)inverse->m[k] * second, shift);
+        row->factor->p_q29.m[k] = crn_narrow64((int64_t)row->inverse[k] * row->second, row->exponent - 29);
     }
 }
 
-/* Holds what the two previous rows contribute to the next row of the matrix, besides the blocks V and P. The
- * last eliminated row contributes T, R + Q + Q^T, kb and r; the row before the last contributes kb and r. */
-typedef struct given {
-    int_fast32_t t[9];
-    crn_sym3 rest;
-    int_fast32_t second, second_before;
-    int_fast32_t r[3], r_before[3];
-} given;
+void crn_row_factor(crn_row *row)
+{
+    crn_sym3 d;
+    int32_t q[9];
+    gather_rest(row, &d);
+    gather_upper(row, q);
+    give(row, &d, q);
+    d.m[XX] += row->geometric;
+    d.m[YY] += row->geometric;
+    d.m[ZZ] += row->geometric;
+    add_along4(row->tangent_q30, row->spring4, &d);
+    inverse3 inverse;
+    invert(&d, &inverse);
+    for (int k = 0; k < 6; k++) {
+        row->inverse[k] = (int32_t)inverse.m[k];
+    }
+    row->exponent = inverse.exponent;
+    times(row);
+    second_neighbour(row);
+}
+
+#endif
+
+/* --- the matrix -------------------------------------------------------------------------------------------
+ */
 
 /* Adds the stiffness of a touching node, k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T), where n is
  * the wall's normal, t' is the tangent across n, k_n and k_f are the stiffnesses of contact and friction, and
@@ -95,123 +190,40 @@ static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_s
     add_along(n, work->wall_normal - across, d);
 }
 
-/* Assembles the block R of row i from joints, inertia, wall and balloon. */
-static inline crn_sym3 load_rest(const crn_model *model, const crn_state *state, uint32_t i,
-                                 const joints3 *joint)
+/* Adds the parts of the block R of row i: joints, inertia, wall and balloon. */
+static inline void add_own(const crn_model *model, const crn_state *state, uint32_t i, const joints3 *joint,
+                           crn_sym3 *rest)
 {
     const crn_work *work = &state->scratch.nodes[i];
     const int32_t diagonal = diagonal_of(model, state, i, joint);
-    crn_sym3 rest = {{diagonal, 0, 0, diagonal, 0, diagonal}};
+    rest->m[XX] += diagonal;
+    rest->m[YY] += diagonal;
+    rest->m[ZZ] += diagonal;
     if ((work->wall_normal | work->wall_friction) != 0) {
-        add_wall(work, &state->words.nodes[i].tangent_q30, &rest);
+        add_wall(work, &state->words.nodes[i].tangent_q30, rest);
         if (work->touching > 1) {
             const crn_second_contact *second = &state->scratch.second[work->touching - 2];
-            add_along(&second->normal_q30, second->stiffness, &rest);
-        }
-    }
-    return rest;
-}
-
-/* Returns one entry of the matrix T^T V + kb P, which the elimination subtracts from a diagonal block.
- * Overflow is impossible, because the sum is at most 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
-static inline int32_t taken(const int_fast32_t *t, const int32_t *v_q29, int_fast32_t second, int32_t p_q29)
-{
-    int64_t sum = (int64_t)t[0] * v_q29[0] + (int64_t)t[3] * v_q29[3] + (int64_t)t[6] * v_q29[6] +
-                  (int64_t)second * p_q29 + (1 << 28);
-    return crn_narrow64(sum, 29);
-}
-
-/* R += R' + Q' + Q'^T - T'^T V' - kb'' P'' */
-static inline void gather_rest(crn_sym3 *rest, const given *from, const int32_t *v_q29, const int32_t *p_q29)
-{
-    const int_fast32_t *t = from->t;
-    const int32_t *r = from->rest.m;
-    int_fast32_t second = from->second_before;
-    rest->m[XX] += r[XX] - taken(t, v_q29, second, p_q29[XX]);
-    rest->m[XY] += r[XY] - taken(t, v_q29 + 1, second, p_q29[XY]);
-    rest->m[XZ] += r[XZ] - taken(t, v_q29 + 2, second, p_q29[XZ]);
-    rest->m[YY] += r[YY] - taken(t + 1, v_q29 + 1, second, p_q29[YY]);
-    rest->m[YZ] += r[YZ] - taken(t + 1, v_q29 + 2, second, p_q29[YZ]);
-    rest->m[ZZ] += r[ZZ] - taken(t + 2, v_q29 + 2, second, p_q29[ZZ]);
-}
-
-/* Computes the block Q = next I + kb' (I - V'^T) of a row; V' and kb' belong to the last eliminated row.
- * Overflow is impossible: kb is below 2^27, because a diagonal entry holds W (a + c)^2 >= 4 kb, so 8 kb
- * fits. */
-static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const int32_t *v_q29)
-{
-    const int32_t minus_q3 = -8 * second;
-    const int32_t diagonal = next + second;
-    for (int r = 0; r < 3; r++) {
-        for (int c = 0; c < 3; c++) {
-            q[3 * r + c] = crn_mulh_add(r == c ? diagonal : 0, minus_q3, v_q29[3 * c + r]);
+            add_along(&second->normal_q30, second->stiffness, rest);
         }
     }
 }
 
-/* Returns one component of the right side r + r' - V'^T r' - P'' r'', limited to 256 newtons; one prime marks
- * the last eliminated row, and two primes the row before it. Overflow is impossible: forces are within 2^30,
- * and the magnitudes of a row of V^T and of a row of P add up to less than 2^31 and 2^30, so sums stay below
- * 2^62. */
-static inline int32_t gather_force(int64_t sum_N_q22, const int32_t *v_q29, const int_fast32_t *r, int32_t p0,
-                                   int32_t p1, int32_t p2, const int_fast32_t *r_before)
-{
-    int64_t sum = (int64_t)v_q29[0] * r[0] + (int64_t)v_q29[3] * r[1] + (int64_t)v_q29[6] * r[2] +
-                  (int64_t)p0 * r_before[0] + (int64_t)p1 * r_before[1] + (int64_t)p2 * r_before[2] +
-                  (1 << 28);
-    return limit(sum_N_q22 - (sum >> 29), FORCE_MAX_N_Q22);
-}
-
-/* Keeps the values of an eliminated row that the next two rows need. */
-static inline void give(given *from, const int32_t *q, const int32_t *t, const int32_t *r, int32_t second)
-{
-    from->rest = (crn_sym3){{t[0] + q[0], t[1] + q[3], t[2] + q[6], t[4] + q[4], t[5] + q[7], t[8] + q[8]}};
-    for (int k = 0; k < 9; k++) {
-        from->t[k] = t[k];
-    }
-    for (int k = 0; k < 3; k++) {
-        from->r_before[k] = from->r[k];
-        from->r[k] = r[k];
-    }
-    from->second_before = from->second;
-    from->second = second;
-}
-
-/* Eliminates row i of the matrix. V' belongs to the last eliminated row, and P'' belongs to the row before
- * the last. The assembled forces stay unchanged, so that a second solve can start from these forces. Returns
- * true if a force had to be limited. */
-static inline bool eliminate_row(const crn_model *model, crn_state *state, uint32_t i, const joints3 *joint,
-                                 const int32_t *v_q29, const int32_t *p_q29, given *from)
+/* Writes what the elimination of row i needs beside the rows before it. The assembled forces stay unchanged,
+ * so that a second solve can start from these forces. */
+static inline void load_row(const crn_model *model, crn_state *state, uint32_t i, const joints3 *joint,
+                            crn_row *row)
 {
     crn_work *work = &state->scratch.nodes[i];
-    const int32_t *f = work->force_N_q22.v;
-    const int32_t *p = p_q29;
-    const int_fast32_t *before = from->r;
-    const int32_t next = -(joint->here->q + joint->here->r + joint->after->p + joint->after->q);
-    const int32_t second = joint->after->q;
-    crn_sym3 rest = load_rest(model, state, i, joint);
-    gather_rest(&rest, from, v_q29, p_q29);
-    int32_t q[9];
-    gather_upper(q, next, from->second, v_q29);
-    const int32_t r[3] = {
-        gather_force((int64_t)f[0] + before[0], v_q29, before, p[XX], p[XY], p[XZ], from->r_before),
-        gather_force((int64_t)f[1] + before[1], v_q29 + 1, before, p[XY], p[YY], p[YZ], from->r_before),
-        gather_force((int64_t)f[2] + before[2], v_q29 + 2, before, p[XZ], p[YZ], p[ZZ], from->r_before)};
-    const int32_t *m = rest.m;
-    const int32_t t[9] = {m[XX] + q[0], m[XY] + q[1], m[XZ] + q[2], m[XY] + q[3], m[YY] + q[4],
-                          m[YZ] + q[5], m[XZ] + q[6], m[YZ] + q[7], m[ZZ] + q[8]};
-    give(from, q, t, r, second);
-    add_edge(state, i, &rest);
-    inverse3 inverse;
-    invert(&rest, &inverse);
-    times(&inverse, from->t, work->u.f.w_q29);
-    second_neighbour(&inverse, second, &work->u.f.p_q29);
-    apply(&inverse, from->r, model->stiffness_exponent, &work->solution_m_q33);
-    int32_t largest = 0;
-    for (int k = 0; k < 3; k++) {
-        largest |= (r[k] < 0 ? -r[k] : r[k]);
-    }
-    return largest >= FORCE_MAX_N_Q22;
+    row->factor = &work->u.f;
+    row->force_N_q22 = &work->force_N_q22;
+    row->solution_m_q33 = &work->solution_m_q33;
+    row->tangent_q30 = &state->words.nodes[i].tangent_q30;
+    row->geometric = work->geometric;
+    row->spring4 = 4 * (state->line.nodes[i].spring - work->geometric);
+    row->minus_second8 = -8 * row->second;
+    row->diagonal = row->second - (joint->here->q + joint->here->r + joint->after->p + joint->after->q);
+    row->second = joint->after->q;
+    add_own(model, state, i, joint, &row->rest);
 }
 
 /* Eliminates all rows of the matrix in one pass from tip to base. */
@@ -219,15 +231,18 @@ static void eliminate(const crn_model *model, crn_state *state)
 {
     static const crn_factor none = {{0}, {{0}}};
     static const crn_joint no_joint = {0};
-    const crn_factor *ahead = &none, *ahead2 = &none;
-    given from = {{0}, {{0}}, 0, 0, {0}, {0}};
+    crn_row row = {.last = &none, .p_before = &none.p_q29, .force_exponent = model->stiffness_exponent + 11u};
     joints3 joint = {NULL, &no_joint, crn_rod_joint(state, 0)};
     bool limited = false;
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         joint = (joints3){joint.here, joint.after, crn_rod_joint(state, i + 1)};
-        limited |= eliminate_row(model, state, i, &joint, ahead->w_q29, ahead2->p_q29.m, &from);
-        ahead2 = ahead;
-        ahead = &state->scratch.nodes[i].u.f;
+        const int32_t second_last = row.second;
+        load_row(model, state, i, &joint, &row);
+        crn_row_factor(&row);
+        limited |= crn_row_force(&row);
+        row.second_before = second_last;
+        row.p_before = &row.last->p_q29;
+        row.last = row.factor;
     }
     if (limited) {
         state->words.fault_bits |= CRN_FAULT_SATURATED;

@@ -6,6 +6,7 @@
  *
  * The program is freestanding and has static memory only, so it runs on a Cortex-M7 without an operating
  * system as well as on a PC. */
+#include "firmware/core/rod_block.h"
 #include "tools/check/console.h"
 #include "tools/check/core_scenes.h"
 
@@ -146,6 +147,91 @@ static void write_hash(const core_scene *scene, const crn_output *output)
     console_write("\n");
 }
 
+/* --- random rows of the matrix
+ * ------------------------------------------------------------------------------------- */
+
+enum { ROWS = 4000 };
+
+/* Returns a random number below 2^bits in magnitude, by the generator of Knuth's MMIX. */
+static int32_t random_below(uint64_t *random, uint32_t bits)
+{
+    *random = *random * 6364136223846793005u + 1442695040888963407u;
+    const int32_t size = (int32_t)(*random >> 33) % ((int32_t)1 << bits);
+    return *random >> 32 & 1 ? size : -size;
+}
+
+static void fill(uint64_t *random, uint32_t bits, int32_t *numbers, int count)
+{
+    for (int k = 0; k < count; k++) numbers[k] = random_below(random, bits);
+}
+
+/* Makes what a row receives. Its diagonal block is positive definite, with entries of 2^(27 - small). Every
+ * fourth row has forces up to their limit. */
+static void make_row(uint64_t *random, uint32_t small, crn_factor *last, crn_row *row)
+{
+    const uint32_t force_bits = *random >> 40 & 3 ? 26 : 30;
+    fill(random, 29, last->w_q29, 9);
+    fill(random, force_bits, row->r, 3);
+    fill(random, force_bits, row->r_before, 3);
+    fill(random, 23 - small, row->t, 9);
+    fill(random, 24 - small, row->rest.m, 6);
+    for (int k = 0; k < 9; k++) row->v_q29[k] = last->w_q29[3 * (k % 3) + k / 3];
+    for (int k = 0; k < 6; k += k == 0 ? 3 : 2) row->rest.m[k] += 1 << (27 - small);
+    row->second = random_below(random, 22 - small);
+    row->second_before = random_below(random, 22 - small);
+    row->diagonal = random_below(random, 22 - small);
+    row->minus_second8 = -8 * random_below(random, 20 - small);
+    row->geometric = 1 << (23 - small);
+    row->spring4 = 1 << (29 - small);
+    row->force_exponent = 11 + small % 14;
+}
+
+static uint32_t hash_words(uint32_t hash, const int32_t *words, int count)
+{
+    for (int k = 0; k < count; k++) hash = (hash ^ (uint32_t)words[k]) * 16777619u;
+    return hash;
+}
+
+/* Eliminates random rows, which differ from those of a wire, and writes a hash of all results. On a
+ * Cortex-M7, this compares the assembly of the elimination with its C code on the other machines. */
+static void write_rows(void)
+{
+    uint64_t random = 1;
+    uint32_t hash = 2166136261u;
+    int32_t limited = 0;
+    for (uint32_t i = 0; i < ROWS; i++) {
+        crn_factor last, factor;
+        crn_vec3 tangent, force, solution;
+        crn_row row = {.factor = &factor,
+                       .last = &last,
+                       .p_before = &last.p_q29,
+                       .tangent_q30 = &tangent,
+                       .force_N_q22 = &force,
+                       .solution_m_q33 = &solution};
+        fill(&random, 30, tangent.v, 3);
+        fill(&random, 27, force.v, 3);
+        fill(&random, 29, last.p_q29.m, 6);
+        make_row(&random, i % 20, &last, &row);
+        crn_row_factor(&row);
+        limited += crn_row_force(&row);
+        hash = hash_words(hash, row.rest.m, 6);
+        hash = hash_words(hash, row.t, 9);
+        hash = hash_words(hash, row.v_q29, 9);
+        hash = hash_words(hash, row.inverse, 6);
+        hash = hash_words(hash, (const int32_t *)&row.exponent, 1);
+        hash = hash_words(hash, row.r, 3);
+        hash = hash_words(hash, row.r_before, 3);
+        hash = hash_words(hash, solution.v, 3);
+        hash = hash_words(hash, factor.w_q29, 9);
+        hash = hash_words(hash, factor.p_q29.m, 6);
+    }
+    write_field("rows ", ROWS);
+    write_field(" limited ", limited);
+    console_write(" hash ");
+    write_hex(hash, 8);
+    console_write("\n");
+}
+
 /* --- the program
  * --------------------------------------------------------------------------------------------------- */
 
@@ -244,5 +330,6 @@ int main(int argc, char **argv)
         bool wanted = o.scene == NULL || same(o.scene, core_scenes[scene].name);
         if (wanted && !run(scene, &o)) return 1;
     }
+    if (o.scene == NULL && !o.trace && o.nodes_tick == NONE) write_rows();
     return 0;
 }

@@ -1,0 +1,197 @@
+/* This file eliminates a row of the matrix on a Cortex-M7. It computes what the C code of rod_solve.c
+ * computes, bit for bit and in the same order. r0 holds the address of the row all the time, and the other 13
+ * registers hold what is computed, so that nothing is moved to the stack and back. The row keeps the caller's
+ * registers. The numbers in the code are the offsets that the assertions state. */
+#include "firmware/core/rod_block.h"
+
+#if CRN_ROW_BY_ASSEMBLY
+
+_Static_assert(offsetof(crn_factor, p_q29) == 36 && offsetof(crn_row, factor) == 36 &&
+                   offsetof(crn_row, last) == 40 && offsetof(crn_row, p_before) == 44 &&
+                   offsetof(crn_row, tangent_q30) == 48 && offsetof(crn_row, spring4) == 52 &&
+                   offsetof(crn_row, minus_second8) == 60 && offsetof(crn_row, second) == 68 &&
+                   offsetof(crn_row, second_before) == 72 && offsetof(crn_row, rest) == 76,
+               "as the code has it");
+_Static_assert(offsetof(crn_row, t) == 100 && offsetof(crn_row, v_q29) == 136 &&
+                   offsetof(crn_row, inverse) == 172 && offsetof(crn_row, exponent) == 196 &&
+                   offsetof(crn_row, force_N_q22) == 200 && offsetof(crn_row, solution_m_q33) == 204 &&
+                   offsetof(crn_row, r) == 208 && offsetof(crn_row, r_before) == 220 &&
+                   offsetof(crn_row, force_exponent) == 232,
+               "as the code has it");
+
+/* clang-format off */
+
+/* hi:lo = a x + b y + c z, and what is added to such a sum. */
+#define ADD_PRODUCTS(lo, hi, a, b, c, x, y, z) \
+    "smlal " lo ", " hi ", " a ", " x "; smlal " lo ", " hi ", " b ", " y "; smlal " lo ", " hi ", " c ", " z "\n"
+#define PRODUCTS(lo, hi, a, b, c, x, y, z) \
+    "smull " lo ", " hi ", " a ", " x "; smlal " lo ", " hi ", " b ", " y "; smlal " lo ", " hi ", " c ", " z "\n"
+
+/* lo = (hi:lo + 2^28) >> 29. The carry is the last bit that is shifted out. */
+#define ROUND29(lo, hi) "lsrs " lo ", " lo ", #29; orr " lo ", " lo ", " hi ", lsl #3; adc " lo ", " lo ", #0\n"
+
+/* out = hi:lo >> right, where left = 32 - right: crn_narrow64(). Destroys hi. */
+#define NARROW(out, lo, hi, right, left) \
+    "lsr " lo ", " lo ", " right "; lsl " hi ", " hi ", " left "; orr " out ", " lo ", " hi "\n"
+
+/* --- the blocks ----------------------------------------------------------------------------------------- */
+
+/* One entry of R' + Q' + Q'^T + R - T'^T V' - kb'' P''. r3 to r5 hold a column of V', r2 walks over the columns
+ * of T', r11 points to P'', and r12 holds kb''. */
+#define REST_ENTRY(p, rest) \
+    "ldm r2!, {r6, r7, r8}; ldr r9, [r11, #" p "]; smull r9, r10, r9, r12\n" \
+    ADD_PRODUCTS("r9", "r10", "r6", "r7", "r8", "r3", "r4", "r5") \
+    "ldr lr, [r0, #" rest "]\n" ROUND29("r9", "r10") "sub lr, lr, r9; str lr, [r0, #" rest "]\n"
+#define NEXT_COLUMN "ldm r1!, {r3, r4, r5}; add r2, r0, #100\n"
+#define GATHER_REST \
+    "stm r0, {r4-r11, lr}\n" \
+    "add r1, r0, #136; ldr r11, [r0, #44]; ldr r12, [r0, #72]\n" \
+    NEXT_COLUMN REST_ENTRY("0", "76") \
+    NEXT_COLUMN REST_ENTRY("4", "80") REST_ENTRY("12", "88") \
+    NEXT_COLUMN REST_ENTRY("8", "84") REST_ENTRY("16", "92") REST_ENTRY("20", "96")
+
+/* Q by columns from the rows of V', T = R + Q, and R + Q + Q^T for the next row. r1 to r6 hold R. */
+#define GATHER_UPPER \
+    "add r12, r0, #76; ldm r12, {r1-r6}; ldr r12, [r0, #40]; ldrd r7, r8, [r0, #60]\n" \
+    "ldm r12!, {r9, r10, r11}; smmlar r9, r9, r7, r8; smmulr r10, r10, r7; smmulr r11, r11, r7\n" \
+    "add lr, r1, r9; str lr, [r0, #100]; add lr, lr, r9; str lr, [r0, #76]\n" \
+    "add r10, r10, r2; add r11, r11, r3; strd r10, r11, [r0, #104]\n" \
+    "ldm r12!, {r9, r10, r11}; smmulr r9, r9, r7; smmlar r10, r10, r7, r8; smmulr r11, r11, r7\n" \
+    "ldr lr, [r0, #104]; add lr, lr, r9; str lr, [r0, #80]; add r9, r9, r2\n" \
+    "add lr, r4, r10; add r10, r10, lr; str r10, [r0, #88]; strd r9, lr, [r0, #112]\n" \
+    "add r11, r11, r5; str r11, [r0, #120]\n" \
+    "ldm r12, {r9, r10, r12}; smmulr r9, r9, r7; smmulr r10, r10, r7; smmlar r12, r12, r7, r8\n" \
+    "ldr lr, [r0, #108]; add lr, lr, r9; str lr, [r0, #84]; add r11, r11, r10; str r11, [r0, #92]\n" \
+    "add r9, r9, r3; add r10, r10, r5; strd r9, r10, [r0, #124]\n" \
+    "add lr, r6, r12; str lr, [r0, #132]; add lr, lr, r12; str lr, [r0, #96]\n"
+
+/* D = R + S. r10, r11 hold 4 (k_s - k_g) and k_g, and r7 to r9 the tangent. */
+#define ADD_EDGE \
+    "ldr r12, [r0, #48]; ldrd r10, r11, [r0, #52]; ldm r12, {r7, r8, r9}\n" \
+    "add r1, r1, r11; add r4, r4, r11; add r6, r6, r11\n" \
+    "smmulr r12, r10, r7; smmulr lr, r10, r8; lsl r12, r12, #2; smmulr r10, r10, r9; lsl lr, lr, #2\n" \
+    "smmlar r1, r12, r7, r1; lsl r10, r10, #2; smmlar r2, r12, r8, r2; smmlar r3, r12, r9, r3\n" \
+    "smmlar r4, lr, r8, r4; smmlar r5, lr, r9, r5; smmlar r6, r10, r9, r6\n"
+
+/* The adjugate of D: its diagonal in r8, r10, r12 and its entries xy, xz, yz in r11, r6, r4. A minor is a sum of
+ * products in which one factor is negated, so r2, r3, r5 become -xy, -xz, -yz. r7 is the shift to 30 bits. */
+#define ADJUGATE \
+    "rsb r7, r5, #0; smull r8, r9, r4, r6; smlal r8, r9, r5, r7; mov r5, r7\n" \
+    "rsb r7, r3, #0; smull r10, r11, r1, r6; smlal r10, r11, r3, r7; mov r3, r7\n" \
+    "rsb r7, r2, #0; smull r12, lr, r1, r4; smlal r12, lr, r2, r7; mov r2, r7\n" \
+    "orr r7, r9, r11; orr r7, r7, lr; bic r7, r7, #0x80000000; clz r7, r7; cmp r7, #32; beq 1f\n" \
+    "2: sub r7, r7, #2; lsl r9, r9, r7; lsl r11, r11, r7; lsl lr, lr, r7; rsb r7, r7, #32\n" \
+    "lsr r8, r8, r7; lsr r10, r10, r7; lsr r12, r12, r7; orr r8, r8, r9; orr r10, r10, r11; orr r12, r12, lr\n" \
+    "rsb r9, r7, #32; smull r11, lr, r3, r5; smlal r11, lr, r2, r6\n" NARROW("r11", "r11", "lr", "r7", "r9") \
+    "smull r6, lr, r2, r5; smlal r6, lr, r3, r4\n" NARROW("r6", "r6", "lr", "r7", "r9") \
+    "smull r4, lr, r2, r3; smlal r4, lr, r1, r5\n" NARROW("r4", "r4", "lr", "r7", "r9")
+
+/* The determinant in r7:r5, its leading zeros in r9, its mantissa in r7, and the reciprocal of the mantissa in r1,
+ * as crn_reciprocal_q30() computes it. */
+#define RECIPROCAL \
+    "rsb r2, r2, #0; rsb r3, r3, #0\n" PRODUCTS("r5", "r7", "r1", "r2", "r3", "r8", "r11", "r6") \
+    "cmp r7, #0; ble 3f\n" \
+    "clz r9, r7; lsl r7, r7, r9; rsb lr, r9, #32; lsr r5, r5, lr; orr r7, r7, r5; lsr r7, r7, #1\n" \
+    "4: ubfx r1, r7, #23, #7; ldr r2, =crn_reciprocal_lines; ubfx r5, r7, #0, #23\n" \
+    "add r2, r2, r1, lsl #3; ldrd r1, r3, [r2]\n" \
+    "umull r3, r5, r3, r5; lsr r3, r3, #23; orr r3, r3, r5, lsl #9; sub r1, r1, r3\n" \
+    "umull r3, r5, r7, r1; rsbs r3, r3, #0; mov r2, #0x20000000; sbc r5, r2, r5\n" \
+    "lsr r3, r3, #14; orr r3, r3, r5, lsl #18\n" \
+    "smull r3, r5, r1, r3; add r5, r5, #0x4000; add r1, r1, r5, asr #15; sub r1, r1, r1, lsr #31\n"
+
+/* D^-1 in r2, r3, r5 to r8, and its exponent. r9 and r10 become the shifts of V and P to the right and left. */
+#define INVERSE \
+    "smmulr r2, r8, r1; smmulr r3, r11, r1; smmulr r5, r6, r1\n" \
+    "smmulr r6, r10, r1; smmulr r7, r4, r1; smmulr r8, r12, r1\n" \
+    "rsb r9, r9, #62; add r1, r0, #172; stm r1, {r2, r3, r5, r6, r7, r8, r9}\n" \
+    "sub r9, r9, #29; rsb r10, r9, #32\n"
+
+/* A column of V = D^-1 T, and an entry of P = kb D^-1. */
+#define V_ENTRY(a, b, c, at) \
+    PRODUCTS("r12", "lr", a, b, c, "r1", "r4", "r11") NARROW("r12", "r12", "lr", "r9", "r10") \
+    "str r12, [r0, #" at "]\n"
+#define V_COLUMN(t, t_third, first, second, third) \
+    "ldrd r1, r4, [r0, #" t "]; ldr r11, [r0, #" t_third "]\n" \
+    V_ENTRY("r2", "r3", "r5", first) V_ENTRY("r3", "r6", "r7", second) V_ENTRY("r5", "r7", "r8", third)
+#define P_ENTRY(n) "smull r12, lr, " n ", r1\n" NARROW(n, "r12", "lr", "r9", "r10")
+#define FACTOR \
+    V_COLUMN("100", "108", "136", "140", "144") V_COLUMN("112", "120", "148", "152", "156") \
+    V_COLUMN("124", "132", "160", "164", "168") \
+    "ldr r1, [r0, #68]\n" \
+    P_ENTRY("r2") P_ENTRY("r3") P_ENTRY("r5") P_ENTRY("r6") P_ENTRY("r7") P_ENTRY("r8")
+
+/* Stores P, and V by rows. */
+#define STORE \
+    "ldr r1, [r0, #36]; add r12, r0, #136; add r4, r1, #36; stm r4, {r2, r3, r5, r6, r7, r8}\n" \
+    "ldm r12!, {r2, r5, r8}; ldm r12!, {r3, r6, r9}; ldm r12, {r4, r7, r10}; stm r1, {r2-r10}\n" \
+    "ldm r0, {r4-r11, pc}\n"
+
+/* An adjugate whose diagonal is below 2^32. A determinant below 2^32 counts as 2^31 at least. */
+#define SMALL \
+    "1: orr r7, r8, r10; orr r7, r7, r12; lsr r7, r7, #31; rsb r7, r7, #33; b 2b\n" \
+    "3: it mi; movmi r5, #0; cmp r5, #0; it pl; movpl r5, #0x80000000; lsr r7, r5, #1; mov r9, #32; b 4b\n"
+
+__attribute__((naked)) void crn_row_factor(crn_row *row __attribute__((unused)))
+{
+    __asm__(".syntax unified\n" GATHER_REST GATHER_UPPER ADD_EDGE ADJUGATE RECIPROCAL INVERSE FACTOR STORE SMALL
+            ".ltorg\n");
+}
+
+/* --- the right side ------------------------------------------------------------------------------------- */
+
+/* V'^T r' in r3:r2, r5:r4, r7:r6, row by row of V'. */
+#define ROW_OF_V(multiply, r) \
+    "ldr r11, [r0, #" r "]; ldm r1!, {r8, r9, r10}\n" \
+    multiply " r2, r3, r8, r11; " multiply " r4, r5, r9, r11; " multiply " r6, r7, r10, r11\n"
+#define LAST_ROW "stm r0, {r4-r11, lr}; ldr r1, [r0, #40]\n" \
+    ROW_OF_V("smull", "208") ROW_OF_V("smlal", "212") ROW_OF_V("smlal", "216")
+
+/* + P'' r'' */
+#define ROW_BEFORE \
+    "ldr r1, [r0, #44]; ldr lr, [r0, #220]; ldm r1, {r1, r8, r9, r10, r11, r12}\n" \
+    "smlal r2, r3, r1, lr; smlal r4, r5, r8, lr; smlal r6, r7, r9, lr; ldrd r1, lr, [r0, #224]\n" \
+    "smlal r2, r3, r8, r1; smlal r4, r5, r10, r1; smlal r6, r7, r11, r1\n" \
+    "smlal r2, r3, r9, lr; smlal r4, r5, r11, lr; smlal r6, r7, r12, lr\n"
+
+/* r = f + r' less that, in r2, r4, r6. The sums and r must be below 128 N in magnitude. */
+#define FORCE \
+    "ldr r1, [r0, #200]\n" ROUND29("r2", "r3") ROUND29("r4", "r5") ROUND29("r6", "r7") \
+    "add r3, r3, #0x04000000; add r5, r5, #0x04000000; add r7, r7, #0x04000000; orr r3, r3, r5; orr r3, r3, r7\n" \
+    "ldm r1, {r8, r9, r10}; ldrd r11, r12, [r0, #208]; ldr lr, [r0, #216]\n" \
+    "qadd r8, r8, r11; qadd r9, r9, r12; qadd r10, r10, lr; qsub r2, r8, r2; qsub r4, r9, r4; qsub r6, r10, r6\n" \
+    "add r1, r2, #0x20000000; add r5, r4, #0x20000000; add r7, r6, #0x20000000; orr r1, r1, r5; orr r1, r1, r7\n" \
+    "lsr r3, r3, #27; orrs r3, r3, r1, lsr #30; bne 9f\n"
+
+/* D^-1 r in r1, r3, r5 by a shift of 1 to 31 (r10; lr = 32 - r10). A component must fit 32 bits. */
+#define PART(out, a, b, c) \
+    PRODUCTS("r11", "r12", a, b, c, "r2", "r4", "r6") \
+    "lsl " out ", r12, lr; lsrs r11, r11, r10; orr " out ", " out ", r11; asr r11, r12, r10\n" \
+    "eor r11, r11, " out ", asr #31; adc " out ", " out ", #0; cmp r11, #0; bne 9f\n"
+#define APPLY \
+    "add r12, r0, #172; ldr lr, [r0, #232]; ldm r12, {r1, r3, r5, r7, r8, r9, r10}; sub r10, r10, lr\n" \
+    "cmp r10, #32; bhs 1f; cmp r10, #0; beq 9f; rsb lr, r10, #32\n" \
+    PART("r1", "r1", "r3", "r5") PART("r3", "r3", "r7", "r8") PART("r5", "r5", "r8", "r9")
+
+/* Stores all, unless a component is above 62 mm. */
+#define STORE_FORCE \
+    "2: add r8, r1, #0x20000000; add r9, r3, #0x20000000; add r11, r5, #0x20000000\n" \
+    "orr r8, r8, r9; orr r8, r8, r11; lsrs r8, r8, #30; bne 9f\n" \
+    "ldr r12, [r0, #204]; ldrd r8, r9, [r0, #208]; ldr r11, [r0, #216]; stm r12, {r1, r3, r5}\n" \
+    "strd r8, r9, [r0, #220]; str r11, [r0, #228]; strd r2, r4, [r0, #208]; str r6, [r0, #216]\n" \
+    "ldm r0, {r4-r11, lr}; mov r0, #1; bx lr\n"
+
+/* By a shift above 32, the high words are enough. */
+#define PART_HIGH(out, a, b, c) \
+    PRODUCTS("r11", "r12", a, b, c, "r2", "r4", "r6") "asrs r12, r12, r10; adc " out ", r12, #0\n"
+#define APPLY_HIGH \
+    "1: subs r10, r10, #32; beq 9f\n" \
+    PART_HIGH("r1", "r1", "r3", "r5") PART_HIGH("r3", "r3", "r7", "r8") PART_HIGH("r5", "r5", "r8", "r9") "b 2b\n"
+
+__attribute__((naked)) bool crn_row_usual_force(crn_row *row __attribute__((unused)))
+{
+    __asm__(".syntax unified\n" LAST_ROW ROW_BEFORE FORCE APPLY STORE_FORCE APPLY_HIGH
+            "9: ldm r0, {r4-r11, lr}; mov r0, #0; bx lr\n");
+}
+/* clang-format on */
+
+#endif
