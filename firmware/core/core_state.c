@@ -327,19 +327,39 @@ static inline size_t add_blocks(const uint32_t *words, size_t count, uint32_t la
     return i;
 }
 
+#if CRN_HIGH_WORDS_BY_DSP
+/* Adds four words to the two polynomials. One instruction reads all of them. */
+static inline const uint32_t *add_four(const uint32_t *words, uint32_t prime, uint32_t *even, uint32_t *odd)
+{
+    __asm__("ldm %0!, {r4, r5, r6, r8}\n mla %1, %1, %3, r4\n mla %2, %2, %3, r5\n"
+            "mla %1, %1, %3, r6\n mla %2, %2, %3, r8"
+            : "+&r"(words), "+&r"(*even), "+&r"(*odd)
+            : "r"(prime)
+            : "r4", "r5", "r6", "r8", "memory");
+    return words;
+}
+#else
+static inline const uint32_t *add_four(const uint32_t *words, uint32_t prime, uint32_t *even, uint32_t *odd)
+{
+    *even = (*even * prime + words[0]) * prime + words[2];
+    *odd = (*odd * prime + words[1]) * prime + words[3];
+    return words + 4;
+}
+#endif
+
 static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t lane[2])
 {
     /* A Cortex-M7 has too few registers for so many sums. */
-    size_t i = sizeof(void *) > 4 ? add_blocks(words, count, lane) : 0;
+    const uint32_t prime = 16777619u;
+    const size_t begin = sizeof(void *) > 4 ? add_blocks(words, count, lane) : 0;
+    const uint32_t *at = words + begin, *end = words + count;
     uint32_t even = lane[0], odd = lane[1];
-    for (; i + 8 <= count; i += 8) {
-        for (size_t k = 0; k < 8; k += 2) {
-            even = even * 16777619u + words[i + k];
-            odd = odd * 16777619u + words[i + k + 1];
-        }
+    for (size_t left = (count - begin) / 8; left > 0; left--) {
+        at = add_four(at, prime, &even, &odd);
+        at = add_four(at, prime, &even, &odd);
     }
-    for (; i < count; i++) {
-        even = even * 16777619u + words[i];
+    while (at < end) {
+        even = even * prime + *at++;
     }
     lane[0] = even;
     lane[1] = odd;

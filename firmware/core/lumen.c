@@ -106,17 +106,6 @@ static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c
 {
     return crn_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);
 }
-static inline int_fast32_t slope(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
-{
-    return crn_high64((int64_t)(b - a) * w->fall + (int64_t)(c - b) * w->rise);
-}
-
-/* Holds the weighted sum of three coefficients (taps) along x, as a value in Q23 and a slope in Q22. The sum
- * is exact. Overflow is impossible: coefficients are within +-128, and the weights of a slope add up to two
- * in magnitude, so the result is at most 2^30. */
-typedef struct lumen_row {
-    int_fast32_t value, slope;
-} lumen_row;
 
 /* Holds the weights along x in the form in which row_of() multiplies them, and the position at which row_of()
  * begins to read. */
@@ -153,21 +142,6 @@ static inline lumen_row_weights row_weights_at(uint32_t x_q20)
 }
 
 #if CRN_HIGH_WORDS_BY_DSP
-static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
-{
-    const uint32_t upper_bytes = 0xff00ff00u; /* as signed halves: coefficients times 256 */
-    uint32_t word;
-    int32_t value, gradient;
-    __builtin_memcpy(&word, c - 1 + (w->shift >> 3), sizeof word);
-    word <<= w->shift;
-    uint32_t outer = word & upper_bytes, inner = word << 8 & upper_bytes;
-    __asm__("smuad %0, %1, %2" : "=r"(value) : "r"(outer), "r"(w->value));
-    __asm__("smlatb %0, %1, %2, %0" : "+r"(value) : "r"(inner), "r"(w->middle));
-    __asm__("smuad %0, %1, %2" : "=r"(gradient) : "r"(outer), "r"(w->slope));
-    __asm__("smlatt %0, %1, %2, %0" : "+r"(gradient) : "r"(inner), "r"(w->middle));
-    return (lumen_row){value, gradient};
-}
-
 static inline int_fast32_t value_of_row(const int8_t *c, const lumen_row_weights *w)
 {
     const uint32_t upper_bytes = 0xff00ff00u;
@@ -181,6 +155,13 @@ static inline int_fast32_t value_of_row(const int8_t *c, const lumen_row_weights
     return value;
 }
 #else
+/* Holds the weighted sum of three coefficients (taps) along x, as a value in Q23 and a slope in Q22. The sum
+ * is exact. Overflow is impossible: coefficients are within +-128, and the weights of a slope add up to two
+ * in magnitude, so the result is at most 2^30. */
+typedef struct lumen_row {
+    int_fast32_t value, slope;
+} lumen_row;
+
 static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
 {
     int64_t both = c[0] * w->low + c[1] * w->middle + c[2] * w->high;
@@ -200,6 +181,48 @@ typedef struct lumen_taps {
     int32_t slope_x, slope_y, slope_z;
 } lumen_taps;
 
+/* Returns the first of the 27 coefficients around a point. Of the three coefficients (taps) along an axis,
+ * the middle one has the number floor(x) + 1, so the code reads the coefficients floor(x) .. floor(x) + 2. */
+static inline const int8_t *first_tap(const lumen_place *p)
+{
+    return p->brick + ((p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20));
+}
+
+#if CRN_HIGH_WORDS_BY_DSP
+/* What the sum over 27 coefficients needs, in the order in which the assembly of core_m7.c reads it. */
+typedef struct lumen_sum {
+    uint32_t saved[9]; /* registers of the caller */
+    lumen_row_weights x;
+    const int8_t *first; /* where row_of() begins to read */
+    lumen_weights y, z;
+    int32_t planes[2][3]; /* value, slope along y and along x */
+    lumen_taps taps;
+} lumen_sum;
+_Static_assert(offsetof(lumen_sum, x) == 36 && offsetof(lumen_sum, first) == 52 &&
+                   offsetof(lumen_sum, y) == 56 && offsetof(lumen_sum, z) == 76 &&
+                   offsetof(lumen_sum, planes) == 96 && offsetof(lumen_sum, taps) == 120,
+               "as the code has it");
+
+/* Sums the 27 weighted coefficients (taps), first along x, then along y, then along z. Overflow is
+ * impossible: an interpolated value lies between the smallest and the largest of its coefficients, which are
+ * within +-2^7, and a slope is at most twice as large. Each weight has an error of 1 LSB of Q15. The errors
+ * of the weights cause an error of 15 nm in the distance, and of 3e-5 in a slope of one. */
+static inline lumen_taps spline_27(const lumen_place *p)
+{
+    lumen_sum sum;
+    sum.x = row_weights_at(p->x_q20);
+    sum.y = weights_at(p->y_q20);
+    sum.z = weights_at(p->z_q20);
+    sum.first = first_tap(p) - 1 + (sum.x.shift >> 3);
+    crn_lumen_sum_27(&sum);
+    return sum.taps;
+}
+#else
+static inline int_fast32_t slope(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
+{
+    return crn_high64((int64_t)(b - a) * w->fall + (int64_t)(c - b) * w->rise);
+}
+
 /* Holds the value (Q21) and the slopes (Q20) of three rows in a plane of constant z. */
 typedef struct lumen_plane {
     int_fast32_t value, slope_x, slope_y;
@@ -213,17 +236,6 @@ static inline lumen_plane plane_of(const int8_t *c, const lumen_row_weights *x, 
                          slope(first.value, second.value, third.value, y)};
 }
 
-/* Returns the first of the 27 coefficients around a point. Of the three coefficients (taps) along an axis,
- * the middle one has the number floor(x) + 1, so the code reads the coefficients floor(x) .. floor(x) + 2. */
-static inline const int8_t *first_tap(const lumen_place *p)
-{
-    return p->brick + ((p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20));
-}
-
-/* Sums the 27 weighted coefficients (taps), first along x, then along y, then along z. Overflow is
- * impossible: an interpolated value lies between the smallest and the largest of its coefficients, which are
- * within +-2^7, and a slope is at most twice as large. Each weight has an error of 1 LSB of Q15. The errors
- * of the weights cause an error of 15 nm in the distance, and of 3e-5 in a slope of one. */
 static inline lumen_taps spline_27(const lumen_place *p)
 {
     const lumen_row_weights x = row_weights_at(p->x_q20);
@@ -236,6 +248,7 @@ static inline lumen_taps spline_27(const lumen_place *p)
         (int32_t)spline(a.slope_y, b.slope_y, d.slope_y, &z), (int32_t)slope(a.value, b.value, d.value, &z)};
     return taps;
 }
+#endif
 
 /* Returns the inward unit normal, which is -g / |g|, or zero where the gradient is zero. Format: Q18 -> Q30.
  * Overflow is impossible: the gradient g is below 2^27, so the squares sum to less than 2^55, and the normal

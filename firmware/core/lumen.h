@@ -107,4 +107,9 @@ int32_t crn_lumen_distance_unless_far(const crn_lumen *lumen, const crn_vec3 *po
  * crn_lumen_distance. */
 crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
+#if CRN_HIGH_WORDS_BY_DSP
+/* Sums 27 weighted coefficients (core_m7.c); `sum` is the lumen_sum of lumen.c. */
+void crn_lumen_sum_27(void *sum);
+#endif
+
 #endif

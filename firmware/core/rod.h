@@ -283,6 +283,23 @@ void crn_state_hash_lanes(const crn_state *state, uint32_t lane[2]);
 /* --- the friction of a node on the vessel wall: its largest force and its stiffness (docs/rod.md, "Contact")
  * -- */
 
+/* Component along n. Format: Q33 . Q30 -> Q33. Overflow is impossible: displacements are below 2^30. */
+static inline int32_t along(const crn_vec3 *a, const crn_vec3 *n)
+{
+    return crn_vec3_dot_unit(a, n);
+}
+
+static inline crn_vec3 without(const crn_vec3 *a, const crn_vec3 *n, int32_t part)
+{
+    return crn_vec3_make(a->v[0] - crn_scale_q30(part, n->v[0]), a->v[1] - crn_scale_q30(part, n->v[1]),
+                         a->v[2] - crn_scale_q30(part, n->v[2]));
+}
+
+static inline crn_vec3 tangential(const crn_vec3 *a, const crn_vec3 *n)
+{
+    return without(a, n, along(a, n));
+}
+
 /* Returns an upper bound of a vector's length. The bound of a vector's length is half of this sum: the
  * largest component's magnitude plus the magnitudes of all three components. Overflow: saturates. */
 static inline int32_t length_at_most(const crn_vec3 *a)

@@ -132,7 +132,7 @@ static inline int32_t diagonal_of(const crn_model *model, const crn_state *state
 /* --- a row -----------------------------------------------------------------------------------------------
  *
  * The elimination of a row takes a quarter of a tick. On a Cortex-M7 it is written in assembly
- * (rod_row_m7.c), because a compiler spends a quarter of it on moving numbers between registers and the
+ * (core_m7.c), because a compiler spends a quarter of it on moving numbers between registers and the
  * stack. Every other processor runs the same steps in C (rod_solve.c). Both compute the same bits, which
  * tools/check/core_hash.c checks on random rows. */
 #define CRN_ROW_BY_ASSEMBLY CRN_HIGH_WORDS_BY_DSP
@@ -151,8 +151,8 @@ typedef struct crn_row {
     int32_t diagonal;            /* of the joints' part of Q, plus kb' */
     int32_t second;              /* kb of this row */
     int32_t second_before;       /* kb'' */
-    crn_sym3 rest;    /* in: this row's own R + R' + Q' + Q'^T; out: R + Q + Q^T for the next row */
-    int32_t t[9];     /* in: T'; out: T */
+    crn_sym3 rest; /* in: R' + Q' + Q'^T + this row's R without the wall; out: R + Q + Q^T for the next row */
+    int32_t t[9];  /* in: T'; out: T */
     int32_t v_q29[9]; /* in: V'; out: V */
     int32_t inverse[6];
     uint32_t exponent;           /* out: D^-1 = inverse 2^-exponent */
@@ -161,6 +161,7 @@ typedef struct crn_row {
     int32_t r[3];                /* in: r'; out: r */
     int32_t r_before[3];         /* in: r''; out: r' */
     uint32_t force_exponent;     /* of D, plus 11: the shift of D^-1 r is `exponent` less this */
+    const crn_work *wall;        /* of a touching node; NULL: nothing touches it */
 } crn_row;
 
 /* Computes T, V, P, D^-1 of a row, and what the next row receives of its R and Q. Overflow is impossible: see

@@ -26,21 +26,18 @@ enum {
     NORMAL_MAX_N_Q22 = 1 << 29, /* 128 N: bounds a bristle to 66 mm, below 2^30 in Q33 */
 };
 
-/* Component along n. Format: Q33 . Q30 -> Q33. Overflow is impossible: displacements are below 2^30. */
-static inline int32_t along(const crn_vec3 *a, const crn_vec3 *n)
+/* As normal_force(), for every depth. */
+CRN_RARE static int32_t deep_force(int32_t depth_m_q30)
 {
-    return crn_vec3_dot_unit(a, n);
-}
-
-static inline crn_vec3 without(const crn_vec3 *a, const crn_vec3 *n, int32_t part)
-{
-    return crn_vec3_make(a->v[0] - crn_scale_q30(part, n->v[0]), a->v[1] - crn_scale_q30(part, n->v[1]),
-                         a->v[2] - crn_scale_q30(part, n->v[2]));
-}
-
-static inline crn_vec3 tangential(const crn_vec3 *a, const crn_vec3 *n)
-{
-    return without(a, n, along(a, n));
+    int64_t force = (int64_t)depth_m_q30 * CRN_CONTACT_STIFFNESS_N_m;
+    if (depth_m_q30 > CRN_CONTACT_DEEP_M_Q30) {
+        force += (int64_t)(depth_m_q30 - CRN_CONTACT_DEEP_M_Q30) * CRN_CONTACT_STIFFNESS_DEEP_N_m;
+    }
+    force = crn_rshift_round64(force, 8);
+    if ((uint64_t)(force + NORMAL_MAX_N_Q22) <= (uint64_t)NORMAL_MAX_N_Q22 * 2) {
+        return (int32_t)force;
+    }
+    return force > 0 ? NORMAL_MAX_N_Q22 : -NORMAL_MAX_N_Q22;
 }
 
 /* Returns the normal force at a depth d: k_c d + k_deep max(0, d - 0.2 mm). Format: Q30 m -> Q22 N; negative
@@ -48,15 +45,12 @@ static inline crn_vec3 tangential(const crn_vec3 *a, const crn_vec3 *n)
  * depth of -1 m would give -5000 N, but a surface so far from the wall has no contact. */
 static inline int32_t normal_force(int32_t depth_m_q30)
 {
-    int64_t force = (int64_t)depth_m_q30 * CRN_CONTACT_STIFFNESS_N_m;
-    if (depth_m_q30 > CRN_CONTACT_DEEP_M_Q30) {
-        force += (int64_t)(depth_m_q30 - CRN_CONTACT_DEEP_M_Q30) * CRN_CONTACT_STIFFNESS_DEEP_N_m;
+    const uint32_t most = CRN_CONTACT_DEEP_M_Q30;
+    _Static_assert((int64_t)CRN_CONTACT_DEEP_M_Q30 * CRN_CONTACT_STIFFNESS_N_m < INT32_MAX - 128, "32 bits");
+    if ((uint32_t)depth_m_q30 + most <= 2 * most) { /* the usual case */
+        return crn_asr32(depth_m_q30 * CRN_CONTACT_STIFFNESS_N_m + 128, 8);
     }
-    force = crn_rshift_round64(force, 8);
-    if ((uint64_t)(force + NORMAL_MAX_N_Q22) <= (uint64_t)NORMAL_MAX_N_Q22 * 2) { /* the usual case */
-        return (int32_t)force;
-    }
-    return force > 0 ? NORMAL_MAX_N_Q22 : -NORMAL_MAX_N_Q22;
+    return deep_force(depth_m_q30);
 }
 
 /* Returns the outermost tool's slide along the centreline at node i, in Q33 m, positive towards the tip. */

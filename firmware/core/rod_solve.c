@@ -71,6 +71,29 @@ bool crn_row_force(crn_row *row)
 
 #if !CRN_ROW_BY_ASSEMBLY
 
+/* Adds the stiffness of a touching node, k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T), where n is
+ * the wall's normal, t' is the tangent across n, k_n and k_f are the stiffnesses of contact and friction, and
+ * k_r is that of the round wall. A step across the normal n and the tangent t' turns the direction of the
+ * normal force, because the wall is round. Without the stiffness k_r = N / r (normal force over an assumed
+ * radius of 1 mm), a step across the normal would oscillate for ever where there is no friction (docs/rod.md,
+ * "contact"). With b = n x t and c = n.t, for the wall's normal n and the tool's tangent t, the bracket I - n
+ * n^T - t' t'^T is b b^T + c^2 (I - n n^T). If a tip touches the wall head on, there is no tangent t' across
+ * n, and k_r then acts in all directions across n. */
+static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_sym3 *d)
+{
+    const crn_vec3 *n = &work->normal_q30;
+    int32_t across = work->wall_friction;
+    if (work->touching && work->wall_round != 0) {
+        int32_t inwards = crn_vec3_dot_unit(tangent, n);
+        add_along(&work->around_q30, work->wall_round, d);
+        across += crn_scale_q30(crn_scale_q30(work->wall_round, inwards), inwards);
+    }
+    d->m[XX] += across;
+    d->m[YY] += across;
+    d->m[ZZ] += across;
+    add_along(n, work->wall_normal - across, d);
+}
+
 /* Returns one entry of the matrix T'^T V' + kb'' P'', which the elimination subtracts from a diagonal block.
  * Overflow is impossible, because the sum is at most 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
 static inline int32_t taken(const int32_t *t, const int32_t *v_q29, int32_t second, int32_t p_q29)
@@ -145,6 +168,9 @@ void crn_row_factor(crn_row *row)
 {
     crn_sym3 d;
     int32_t q[9];
+    if (row->wall != NULL) {
+        add_wall(row->wall, row->tangent_q30, &row->rest);
+    }
     gather_rest(row, &d);
     gather_upper(row, q);
     give(row, &d, q);
@@ -167,47 +193,6 @@ void crn_row_factor(crn_row *row)
 /* --- the matrix -------------------------------------------------------------------------------------------
  */
 
-/* Adds the stiffness of a touching node, k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T), where n is
- * the wall's normal, t' is the tangent across n, k_n and k_f are the stiffnesses of contact and friction, and
- * k_r is that of the round wall. A step across the normal n and the tangent t' turns the direction of the
- * normal force, because the wall is round. Without the stiffness k_r = N / r (normal force over an assumed
- * radius of 1 mm), a step across the normal would oscillate for ever where there is no friction (docs/rod.md,
- * "contact"). With b = n x t and c = n.t, for the wall's normal n and the tool's tangent t, the bracket I - n
- * n^T - t' t'^T is b b^T + c^2 (I - n n^T). If a tip touches the wall head on, there is no tangent t' across
- * n, and k_r then acts in all directions across n. */
-static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_sym3 *d)
-{
-    const crn_vec3 *n = &work->normal_q30;
-    int32_t across = work->wall_friction;
-    if (work->touching && work->wall_round != 0) {
-        int32_t inwards = crn_vec3_dot_unit(tangent, n);
-        add_along(&work->around_q30, work->wall_round, d);
-        across += crn_scale_q30(crn_scale_q30(work->wall_round, inwards), inwards);
-    }
-    d->m[XX] += across;
-    d->m[YY] += across;
-    d->m[ZZ] += across;
-    add_along(n, work->wall_normal - across, d);
-}
-
-/* Adds the parts of the block R of row i: joints, inertia, wall and balloon. */
-static inline void add_own(const crn_model *model, const crn_state *state, uint32_t i, const joints3 *joint,
-                           crn_sym3 *rest)
-{
-    const crn_work *work = &state->scratch.nodes[i];
-    const int32_t diagonal = diagonal_of(model, state, i, joint);
-    rest->m[XX] += diagonal;
-    rest->m[YY] += diagonal;
-    rest->m[ZZ] += diagonal;
-    if ((work->wall_normal | work->wall_friction) != 0) {
-        add_wall(work, &state->words.nodes[i].tangent_q30, rest);
-        if (work->touching > 1) {
-            const crn_second_contact *second = &state->scratch.second[work->touching - 2];
-            add_along(&second->normal_q30, second->stiffness, rest);
-        }
-    }
-}
-
 /* Writes what the elimination of row i needs beside the rows before it. The assembled forces stay unchanged,
  * so that a second solve can start from these forces. */
 static inline void load_row(const crn_model *model, crn_state *state, uint32_t i, const joints3 *joint,
@@ -223,7 +208,15 @@ static inline void load_row(const crn_model *model, crn_state *state, uint32_t i
     row->minus_second8 = -8 * row->second;
     row->diagonal = row->second - (joint->here->q + joint->here->r + joint->after->p + joint->after->q);
     row->second = joint->after->q;
-    add_own(model, state, i, joint, &row->rest);
+    const int32_t own = diagonal_of(model, state, i, joint);
+    row->rest.m[XX] += own;
+    row->rest.m[YY] += own;
+    row->rest.m[ZZ] += own;
+    row->wall = (work->wall_normal | work->wall_friction) != 0 ? work : NULL;
+    if (work->touching > 1) {
+        const crn_second_contact *second = &state->scratch.second[work->touching - 2];
+        add_along(&second->normal_q30, second->stiffness, &row->rest);
+    }
 }
 
 /* Eliminates all rows of the matrix in one pass from tip to base. */

@@ -186,6 +186,17 @@ static void make_row(uint64_t *random, uint32_t small, crn_factor *last, crn_row
     row->force_exponent = 11 + small % 14;
 }
 
+/* Makes the wall of every second row; some walls are not round. */
+static void make_wall(uint64_t *random, uint32_t small, crn_work *wall)
+{
+    fill(random, 30, wall->normal_q30.v, 3);
+    fill(random, 30, wall->around_q30.v, 3);
+    wall->wall_normal = 1 << (23 - small);
+    wall->wall_friction = 1 << (22 - small);
+    wall->wall_round = (*random >> 40 & 3) != 0 ? 1 << (22 - small) : 0;
+    wall->touching = *random >> 42 & 1;
+}
+
 static uint32_t hash_words(uint32_t hash, const int32_t *words, int count)
 {
     for (int k = 0; k < count; k++) hash = (hash ^ (uint32_t)words[k]) * 16777619u;
@@ -212,6 +223,11 @@ static void write_rows(void)
         fill(&random, 27, force.v, 3);
         fill(&random, 29, last.p_q29.m, 6);
         make_row(&random, i % 20, &last, &row);
+        static crn_work wall;
+        if (i & 1) {
+            make_wall(&random, i % 20, &wall);
+            row.wall = &wall;
+        }
         crn_row_factor(&row);
         limited += crn_row_force(&row);
         hash = hash_words(hash, row.rest.m, 6);

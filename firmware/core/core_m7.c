@@ -16,7 +16,11 @@ _Static_assert(offsetof(crn_row, t) == 100 && offsetof(crn_row, v_q29) == 136 &&
                    offsetof(crn_row, inverse) == 172 && offsetof(crn_row, exponent) == 196 &&
                    offsetof(crn_row, force_N_q22) == 200 && offsetof(crn_row, solution_m_q33) == 204 &&
                    offsetof(crn_row, r) == 208 && offsetof(crn_row, r_before) == 220 &&
-                   offsetof(crn_row, force_exponent) == 232,
+                   offsetof(crn_row, force_exponent) == 232 && offsetof(crn_row, wall) == 236,
+               "as the code has it");
+_Static_assert(offsetof(crn_work, around_q30) == 24 && offsetof(crn_work, normal_q30) == 60 &&
+                   offsetof(crn_work, wall_round) == 80 && offsetof(crn_work, wall_normal) == 84 &&
+                   offsetof(crn_work, wall_friction) == 88 && offsetof(crn_work, touching) == 112,
                "as the code has it");
 
 /* clang-format off */
@@ -36,6 +40,30 @@ _Static_assert(offsetof(crn_row, t) == 100 && offsetof(crn_row, v_q29) == 136 &&
 
 /* --- the blocks ----------------------------------------------------------------------------------------- */
 
+/* Adds k v v^T to the block in r6, r7, r8, r10, r12, lr. r11 holds 4 k, and r3 to r5 hold v. */
+#define ADD_ALONG \
+    "smmulr r2, r11, r3; lsl r2, r2, #2; smmlar r6, r2, r3, r6; smmlar r7, r2, r4, r7; smmlar r8, r2, r5, r8\n" \
+    "smmulr r2, r11, r4; lsl r2, r2, #2; smmlar r10, r2, r4, r10; smmlar r12, r2, r5, r12\n" \
+    "smmulr r2, r11, r5; lsl r2, r2, #2; smmlar lr, r2, r5, lr\n"
+
+/* The wall of a touching node, as add_wall() adds it. r9 holds the stiffness across the normal. */
+#define ADD_WALL \
+    "stm r0, {r4-r11, lr}\n" \
+    "ldr r1, [r0, #236]; cmp r1, #0; beq 5f\n" \
+    "ldr r9, [r1, #88]; ldr r11, [r1, #80]; ldr r2, [r1, #112]; cmp r11, #0; it ne; cmpne r2, #0; beq 6f\n" \
+    "ldr r2, [r0, #48]; add r6, r1, #60; ldm r2, {r3, r4, r5}; ldm r6, {r6, r7, r8}\n" \
+    PRODUCTS("r10", "r12", "r3", "r4", "r5", "r6", "r7", "r8") \
+    "add r12, r12, r10, lsr #31; lsl r12, r12, #2\n" \
+    "smmulr r10, r11, r12; lsl r10, r10, #2; smmulr r10, r10, r12; add r9, r9, r10, lsl #2\n" \
+    "add r12, r0, #76; ldm r12, {r6, r7, r8, r10, r12, lr}\n" \
+    "add r3, r1, #24; ldm r3, {r3, r4, r5}; lsl r11, r11, #2\n" ADD_ALONG \
+    "b 7f\n" \
+    "6: add r12, r0, #76; ldm r12, {r6, r7, r8, r10, r12, lr}\n" \
+    "7: add r6, r6, r9; add r10, r10, r9; add lr, lr, r9\n" \
+    "add r3, r1, #60; ldm r3, {r3, r4, r5}; ldr r11, [r1, #84]; sub r11, r11, r9; lsl r11, r11, #2\n" ADD_ALONG \
+    "add r2, r0, #76; stm r2, {r6, r7, r8, r10, r12, lr}\n" \
+    "5:\n"
+
 /* One entry of R' + Q' + Q'^T + R - T'^T V' - kb'' P''. r3 to r5 hold a column of V', r2 walks over the columns
  * of T', r11 points to P'', and r12 holds kb''. */
 #define REST_ENTRY(p, rest) \
@@ -44,7 +72,6 @@ _Static_assert(offsetof(crn_row, t) == 100 && offsetof(crn_row, v_q29) == 136 &&
     "ldr lr, [r0, #" rest "]\n" ROUND29("r9", "r10") "sub lr, lr, r9; str lr, [r0, #" rest "]\n"
 #define NEXT_COLUMN "ldm r1!, {r3, r4, r5}; add r2, r0, #100\n"
 #define GATHER_REST \
-    "stm r0, {r4-r11, lr}\n" \
     "add r1, r0, #136; ldr r11, [r0, #44]; ldr r12, [r0, #72]\n" \
     NEXT_COLUMN REST_ENTRY("0", "76") \
     NEXT_COLUMN REST_ENTRY("4", "80") REST_ENTRY("12", "88") \
@@ -133,8 +160,8 @@ _Static_assert(offsetof(crn_row, t) == 100 && offsetof(crn_row, v_q29) == 136 &&
 
 __attribute__((naked)) void crn_row_factor(crn_row *row __attribute__((unused)))
 {
-    __asm__(".syntax unified\n" GATHER_REST GATHER_UPPER ADD_EDGE ADJUGATE RECIPROCAL INVERSE FACTOR STORE SMALL
-            ".ltorg\n");
+    __asm__(".syntax unified\n" ADD_WALL GATHER_REST GATHER_UPPER ADD_EDGE ADJUGATE RECIPROCAL INVERSE FACTOR STORE
+            SMALL ".ltorg\n");
 }
 
 /* --- the right side ------------------------------------------------------------------------------------- */
@@ -191,6 +218,38 @@ __attribute__((naked)) bool crn_row_usual_force(crn_row *row __attribute__((unus
 {
     __asm__(".syntax unified\n" LAST_ROW ROW_BEFORE FORCE APPLY STORE_FORCE APPLY_HIGH
             "9: ldm r0, {r4-r11, lr}; mov r0, #0; bx lr\n");
+}
+
+/* --- a sample of the lumen (lumen.c) ----------------------------------------------------------------------- */
+
+/* As row_of(): value and slope of a row. r2 to r5 hold the weights and the shift, and r6 the upper bytes. */
+#define SUM_ROW(at, value, slope) \
+    "ldr r7, [r1, #" at "]; lsl r7, r7, r5; and r8, r7, r6; and r7, r6, r7, lsl #8\n" \
+    "smuad " value ", r8, r2; smuad r8, r8, r3; smlatb " value ", r7, r4, " value "; smlatt " slope ", r7, r4, r8\n"
+/* As plane_of(): value in r8, slopes along y and x in r9 and r10. */
+#define SUM_PLANE(first, second, third) \
+    "add r7, r0, #36; ldm r7, {r2-r5}; mov r6, #0xff00ff00\n" \
+    SUM_ROW(first, "r9", "r10") SUM_ROW(second, "r11", "r12") SUM_ROW(third, "lr", "r8") \
+    "add r7, r0, #56; ldm r7, {r2-r6}\n" \
+    "smull r7, r10, r10, r2; smlal r7, r10, r12, r3; smlal r7, r10, r8, r4\n" \
+    "smull r7, r8, r9, r2; smlal r7, r8, r11, r3; smlal r7, r8, lr, r4\n" \
+    "sub lr, lr, r11; sub r11, r11, r9; smull r7, r9, r11, r5; smlal r7, r9, lr, r6\n"
+/* Along z. */
+#define SUM_PLANES \
+    "add r7, r0, #76; ldm r7, {r2-r6}; ldr r11, [r0, #104]; ldr r12, [r0, #116]\n" \
+    "smull r7, r11, r11, r2; smlal r7, r11, r12, r3; smlal r7, r11, r10, r4; str r11, [r0, #124]\n" \
+    "ldr r10, [r0, #100]; ldr r12, [r0, #112]\n" \
+    "smull r7, r10, r10, r2; smlal r7, r10, r12, r3; smlal r7, r10, r9, r4; str r10, [r0, #128]\n" \
+    "ldr r9, [r0, #96]; ldr r12, [r0, #108]\n" \
+    "smull r7, lr, r9, r2; smlal r7, lr, r12, r3; smlal r7, lr, r8, r4; str lr, [r0, #120]\n" \
+    "sub r8, r8, r12; sub r12, r12, r9; smull r7, r9, r12, r5; smlal r7, r9, r8, r6; str r9, [r0, #132]\n"
+
+__attribute__((naked)) void crn_lumen_sum_27(void *sum __attribute__((unused)))
+{
+    __asm__(".syntax unified\n" "stm r0, {r4-r11, lr}; ldr r1, [r0, #52]\n"
+            SUM_PLANE("0", "10", "20") "strd r8, r9, [r0, #96]; str r10, [r0, #104]\n"
+            SUM_PLANE("100", "110", "120") "strd r8, r9, [r0, #108]; str r10, [r0, #116]\n"
+            SUM_PLANE("200", "210", "220") SUM_PLANES "ldm r0, {r4-r11, pc}\n");
 }
 /* clang-format on */
 
