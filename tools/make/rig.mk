@@ -79,12 +79,13 @@ hil-guest: ## run level L3: the device behind a real Linux: Debian's kernel in Q
 hil-machines: packages-build+matrix ## run level L4: one hash on five machines, and the app with its wire there
 	@tools/check/matrix.py --short --jobs $(JOBS) && hil_tests/l4/wire_everywhere.sh
 
-hil-board: ## run the board's own image on its emulated chip: the cases, L3, the aorta session to the host's hash
+hil-board: ## run the board's own image on its emulated chip: the cases, L3, aorta and heart to the host's hash
 hil-board: $(HIL_PACKAGES)
 	$(call build,release,run$(comma)tools$(comma)tests,hil_rt1062 hil_programs)
 	$(call build,m7,run,cournand-imxrt1062)
-	$(again) $(SCENE)
-	@$(BUILD)/hil/hil_rt1062 && $(ON_USB) L3 board && $(BUILD)/hil/hil_rt1062 --aorta --scene $(SCENE)
+	$(again) $(SCENE) $(HEART)
+	@$(BUILD)/hil/hil_rt1062 && $(ON_USB) L3 board && $(BUILD)/hil/hil_rt1062 --aorta --scene $(SCENE) && \
+	    $(BUILD)/hil/hil_rt1062 --aorta --scene $(HEART) --aorta-ticks 12000
 
 hil-rig: ## run the cases that need no plant on a physical rig: make hil-rig SERIAL=...
 hil-rig: packages-build+tools+test+usb
