@@ -168,14 +168,24 @@ typedef struct crn_row {
  * rod_solve.c. */
 void crn_row_factor(crn_row *row);
 
-/* Computes the right side r of a row whose blocks crn_row_factor() has computed, and D^-1 r. Returns true if
- * a force reached its limit of 256 N. */
-bool crn_row_force(crn_row *row);
+/* Computes the right side r of a row whose blocks crn_row_factor() has computed, and D^-1 r. Returns true if a
+ * force reached its limit of 256 N. */
+bool crn_row_any_force(crn_row *row);
 
 #if CRN_ROW_BY_ASSEMBLY
-/* As crn_row_force() for the usual case, in which no force is above 128 N, D^-1 r is below 62 mm, and its
+/* As crn_row_any_force() for the usual case, in which no force is above 128 N, D^-1 r is below 62 mm, and its
  * shift is 1 .. 31 or 33 .. 63. Returns false, and changes nothing, in every other case. */
 bool crn_row_usual_force(crn_row *row);
 #endif
+
+static inline bool crn_row_force(crn_row *row)
+{
+#if CRN_ROW_BY_ASSEMBLY
+    if (crn_row_usual_force(row)) {
+        return false;
+    }
+#endif
+    return crn_row_any_force(row);
+}
 
 #endif

@@ -48,13 +48,8 @@ static inline void apply(const crn_row *row, const int32_t *r)
     z[2] = deviation_of((int64_t)n[XZ] * r[0] + (int64_t)n[YZ] * r[1] + (int64_t)n[ZZ] * r[2], shift);
 }
 
-bool crn_row_force(crn_row *row)
+bool crn_row_any_force(crn_row *row)
 {
-#if CRN_ROW_BY_ASSEMBLY
-    if (crn_row_usual_force(row)) {
-        return false;
-    }
-#endif
     const int32_t *p = row->p_before->m;
     const int32_t r[3] = {gather_force(row, 0, p[XX], p[XY], p[XZ]),
                           gather_force(row, 1, p[XY], p[YY], p[YZ]),
