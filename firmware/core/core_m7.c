@@ -35,7 +35,8 @@ _Static_assert(offsetof(crn_work, around_q30) == 24 && offsetof(crn_work, normal
 #define ROUND29(lo, hi) "lsrs " lo ", " lo ", #29; orr " lo ", " lo ", " hi ", lsl #3; adc " lo ", " lo ", #0\n"
 
 /* out = hi:lo >> n, where power = 2^(32 - n): crn_narrow64() by two products. Destroys `high`. */
-#define NARROW(out, lo, hi, power, high) "umull " lo ", " high ", " lo ", " power "; mla " out ", " hi ", " power ", " high "\n"
+#define NARROW(out, lo, hi, power, high) \
+    "umull " lo ", " high ", " lo ", " power "; mla " out ", " hi ", " power ", " high "\n"
 
 /* --- the blocks ----------------------------------------------------------------------------------------- */
 
@@ -152,7 +153,8 @@ _Static_assert(offsetof(crn_work, around_q30) == 24 && offsetof(crn_work, normal
     "ldrd r1, r4, [r0, #" t "]; ldr r11, [r0, #" t_third "]\n" V_ENTRY("r2", "r3", "r5", store) \
     V_ENTRY("r3", "r6", "r7", STORE_V(first)) V_ENTRY("r5", "r7", "r8", STORE_V(second))
 #define P_ENTRIES(n, next) \
-    "smull r12, lr, " n ", r1; smull r4, r11, " next ", r1; umull r12, r10, r12, r9; umull r4, r12, r4, r9\n" \
+    "smull r12, lr, " n ", r1; smull r4, r11, " next ", r1\n" \
+    "umull r12, r10, r12, r9; umull r4, r12, r4, r9\n" \
     "mla " n ", lr, r9, r10; mla " next ", r11, r9, r12\n"
 #define FACTOR \
     V_COLUMN("100", "108", "", "136", "140") V_COLUMN("112", "120", STORE_V("144"), "148", "152") \

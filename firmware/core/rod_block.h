@@ -168,8 +168,8 @@ typedef struct crn_row {
  * rod_solve.c. */
 void crn_row_factor(crn_row *row);
 
-/* Computes the right side r of a row whose blocks crn_row_factor() has computed, and D^-1 r. Returns true if a
- * force reached its limit of 256 N. */
+/* Computes the right side r of a row whose blocks crn_row_factor() has computed, and D^-1 r. Returns true if
+ * a force reached its limit of 256 N. */
 bool crn_row_any_force(crn_row *row);
 
 #if CRN_ROW_BY_ASSEMBLY
