@@ -167,7 +167,8 @@ _Static_assert(offsetof(crn_work, around_q30) == 24 && offsetof(crn_work, normal
     "ldm r12!, {r2, r5, r8}; ldm r12!, {r3, r6, r9}; ldm r12, {r4, r7, r10}; stm r1, {r2-r10}\n" \
     "ldm r0, {r4-r11, pc}\n"
 
-/* A wall that is not round. An adjugate whose diagonal is below 2^32. A determinant below 2^32 counts as 2^31 at least. */
+/* A wall that is not round. An adjugate whose diagonal is below 2^32. A determinant below 2^32 counts as at least
+ * 2^31. */
 #define RARE \
     "6: add r12, r0, #76; ldm r12, {r6, r7, r8, r10, r12, lr}; b 7b\n" \
     "1: orr r7, r8, r10; orr r7, r7, r12; lsr r7, r7, #31; rsb r7, r7, #33; b 2b\n" \
