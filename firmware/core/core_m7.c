@@ -18,6 +18,9 @@ _Static_assert(offsetof(crn_row, t) == 100 && offsetof(crn_row, v_q29) == 136 &&
                    offsetof(crn_row, r) == 208 && offsetof(crn_row, r_before) == 220 &&
                    offsetof(crn_row, force_exponent) == 232 && offsetof(crn_row, wall) == 236,
                "as the code has it");
+_Static_assert(sizeof(crn_work) == 196 && offsetof(crn_work, u) == 116 &&
+                   offsetof(crn_work, solution_m_q33) == 184,
+               "as the code has it");
 _Static_assert(offsetof(crn_work, around_q30) == 24 && offsetof(crn_work, normal_q30) == 60 &&
                    offsetof(crn_work, wall_round) == 80 && offsetof(crn_work, wall_normal) == 84 &&
                    offsetof(crn_work, wall_friction) == 88 && offsetof(crn_work, touching) == 112,
@@ -234,6 +237,39 @@ __attribute__((naked)) bool crn_row_usual_force(crn_row *row __attribute__((unus
 {
     __asm__(".syntax unified\n" LAST_ROW ROW_BEFORE FORCE APPLY STORE_FORCE APPLY_HIGH
             "9: ldm r0, {r4-r11, lr}; mov r0, #0; bx lr\n");
+}
+
+/* --- the back substitution --------------------------------------------------------------------------------- */
+
+/* A component of D^-1 r + delta[i+1] - V delta[i+1] - P delta[i+2]. r2 to r4 hold delta[i+1], r5 to r7 delta[i+2], and
+ * p, p_second, p_third are the offsets of a row of P. A sum of 2^59 or more goes to label `far`, and a component above
+ * 62 mm to label `over`. */
+#define DEVIATION(v, v_third, p, p_second, p_third, solution, next, over, back, far) \
+    "ldrd r10, r11, [r0, #" v "]; ldr lr, [r0, #" v_third "]; smull r8, r9, r10, r2; ldr r10, [r0, #" p "]\n" \
+    "smlal r8, r9, r11, r3; ldr r11, [r0, #" p_second "]; smlal r8, r9, lr, r4; ldr lr, [r0, #" p_third "]\n" \
+    "smlal r8, r9, r10, r5; ldr r10, [r0, #" solution "]; smlal r8, r9, r11, r6; add r10, r10, " next "\n" \
+    "smlal r8, r9, lr, r7; add r11, r9, #0x08000000; lsrs r11, r11, #28; bne " far "\n" \
+    ROUND29("r8", "r9") "qsub r10, r10, r8; ssat r11, #30, r10; cmp r11, r10; bne " over "\n" \
+    back ": str r10, [r0, #" solution "]\n"
+#define LIMIT(label, back) \
+    label ": cmp r10, #0; it ge; movge r10, #0x20000000; it lt; movlt r10, #0xe0000000; b " back "\n"
+#define RETURN(label, part) label ": lsl r0, r1, #2; add r0, r0, #" part "; ldm r12, {r4-r11, pc}\n"
+
+__attribute__((naked)) uint32_t crn_row_substitute(crn_work *last __attribute__((unused)),
+                                                   uint32_t count __attribute__((unused)),
+                                                   uint32_t *saved __attribute__((unused)))
+{
+    __asm__(".syntax unified\n" "stm r2, {r4-r11, lr}; mov r12, r2; add r7, r0, #380\n"
+            "ldrd r2, r3, [r0, #380]; ldr r4, [r0, #388]; ldr r5, [r7, #196]; ldr r6, [r7, #200]; ldr r7, [r7, #204]\n"
+            "10:\n"
+            DEVIATION("116", "124", "152", "156", "160", "184", "r2", "11f", "12", "21f")
+            DEVIATION("128", "136", "156", "164", "168", "188", "r3", "13f", "14", "22f")
+            DEVIATION("140", "148", "160", "168", "172", "192", "r4", "15f", "16", "23f")
+            "mov r5, r2; mov r6, r3; mov r7, r4; ldrd r2, r3, [r0, #184]; ldr r4, [r0, #192]\n"
+            "sub r0, r0, #196; subs r1, r1, #1; bne 10b\n"
+            "mov r0, #0; ldm r12, {r4-r11, pc}\n"
+            LIMIT("11", "12b") LIMIT("13", "14b") LIMIT("15", "16b")
+            RETURN("21", "0") RETURN("22", "1") RETURN("23", "2"));
 }
 
 /* --- a sample of the lumen (lumen.c) ----------------------------------------------------------------------- */

@@ -1,8 +1,10 @@
 #include "tools/chip/instruction.hpp"
 #include "tools/chip/mnemonic.hpp"
+#include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <string_view>
 #include <unordered_map>
@@ -266,8 +268,8 @@ std::map<std::uint32_t, Instruction> disassemble(const std::string &image)
         if (std::sscanf(line, " %x:\t%11[0-9a-f ]\t%31[^\t\n]\t%255[^\n@;<]", &address, code, mnemonic,
                         operands) < 3)
             continue;
-        if (mnemonic[0] == '.' || std::string_view(mnemonic).find(' ') != std::string_view::npos)
-            continue; // constants
+        // Constants: a word behind a '.', or a line of bytes, which has no second tab.
+        if (mnemonic[0] == '.' || std::count(line, line + std::strlen(line), '\t') < 2) continue;
         std::uint32_t digits = 0;
         for (const char *c = code; *c != '\0'; c++) digits += *c != ' ';
         std::string text = operands;
