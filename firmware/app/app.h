@@ -220,6 +220,9 @@ bool crn_app_order(crn_app *app, uint8_t action);
  * afterwards app->setup.tracks contains the accepted values. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
+/* Returns the size of the largest scene that the port's memory holds. */
+uint32_t crn_app_scene_bytes_max(const crn_port *port);
+
 /* A program that runs the device in its own process can give the device a scene without an upload. The
  * scene's bytes stay in the program's memory, where many devices may share them; they must neither change nor
  * be freed while a device uses the scene. `crc32` is the CRC-32 of the bytes; the address of the bytes must

@@ -79,7 +79,7 @@ void crn_app_send_hello_reply(crn_app *app, bool accepted)
         .capabilities = CRN_WIRE_CAPABILITY_LOCKSTEP | CRN_WIRE_CAPABILITY_FREE_RUN |
                         CRN_WIRE_CAPABILITY_SNAPSHOTS | app->port->capabilities,
         .tick_us = CRN_TICK_us,
-        .scene_bytes_max = app->port->scene_slot_bytes,
+        .scene_bytes_max = crn_app_scene_bytes_max(app->port),
         .snapshot_bytes = CRN_APP_SNAPSHOT_BYTES,
     };
     const char *serial = app->port->serial;

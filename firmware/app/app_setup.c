@@ -5,6 +5,25 @@
 
 /* --- scene --- */
 
+/* The largest scene that the port's memory holds. */
+uint32_t crn_app_scene_bytes_max(const crn_port *port)
+{
+    return port->scene_large_bytes > port->scene_slot_bytes ? port->scene_large_bytes
+                                                            : port->scene_slot_bytes;
+}
+
+/* A scene that is larger than a slot takes both, from the first one on. */
+static bool takes_both(const crn_app *app, uint32_t scene_bytes)
+{
+    return scene_bytes > app->port->scene_slot_bytes;
+}
+
+static uint8_t slot_for(const crn_app *app, uint32_t scene_bytes)
+{
+    const bool is_first = takes_both(app, scene_bytes) || takes_both(app, app->setup.scene_bytes);
+    return is_first ? 0 : (uint8_t)(1 - app->setup.scene_slot);
+}
+
 void crn_app_scene_begin(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_scene_begin;
@@ -12,12 +31,17 @@ void crn_app_scene_begin(crn_app *app, const uint8_t *payload, size_t length)
     CRN_REJECT_IF(app, type, !crn_wire_decode_scene_begin(payload, length, &begin), CRN_REJECT_MALFORMED,
                   length, CRN_WIRE_BYTES_scene_begin);
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
-    CRN_REJECT_IF(app, type, begin.scene_bytes > app->port->scene_slot_bytes, CRN_REJECT_SCENE_SIZE,
-                  begin.scene_bytes, app->port->scene_slot_bytes);
+    const uint32_t bytes_max = crn_app_scene_bytes_max(app->port);
+    CRN_REJECT_IF(app, type, begin.scene_bytes > bytes_max, CRN_REJECT_SCENE_SIZE, begin.scene_bytes,
+                  bytes_max);
     crn_upload *upload = &app->setup.scene_upload;
     bool is_same =
         upload->open && upload->expected_bytes == begin.scene_bytes && upload->crc32 == begin.crc32;
-    if (begin.scene_bytes == 0) app->setup.has_scene = false;
+    /* Of two scenes that need more than both slots, the old one goes first. */
+    if (begin.scene_bytes == 0 || takes_both(app, begin.scene_bytes) ||
+        takes_both(app, app->setup.scene_bytes)) {
+        app->setup.has_scene = false;
+    }
     if (!is_same) *upload = (crn_upload){begin.scene_bytes, 0, begin.crc32, begin.scene_bytes > 0};
     crn_app_send_status(app, type);
 }
@@ -37,8 +61,38 @@ void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
                   !upload->open || chunk->offset != upload->received_bytes ||
                       chunk->data_count > upload->expected_bytes - upload->received_bytes,
                   CRN_REJECT_SCENE_ORDER, upload->received_bytes, chunk->offset);
-    uint8_t *staged = app->port->scene_slots[1 - app->setup.scene_slot];
+    uint8_t *staged = app->port->scene_slots[slot_for(app, upload->expected_bytes)];
     for (uint16_t i = 0; i < chunk->data_count; i++) staged[upload->received_bytes++] = chunk->data[i];
+}
+
+/* A scene that was checked, before it takes the place of the present one. */
+typedef struct opened_scene {
+    crn_lumen lumen;
+    crn_motion motion;
+    crn_lesion lesions[CRN_LESION_MAX];
+} opened_scene;
+
+/* Without near memory, the core reads the scene in place. */
+static uint32_t near_bytes_needed(const crn_app *app, const opened_scene *scene)
+{
+    return app->port->near_bytes == 0 ? 0 : crn_lumen_near_bytes(&scene->lumen);
+}
+
+static void take_scene(crn_app *app, const opened_scene *scene, uint32_t scene_bytes, uint32_t crc32)
+{
+    crn_app_setup *setup = &app->setup;
+    setup->motion = scene->motion;
+    for (uint32_t i = 0; i < scene->lumen.lesion_count; i++) setup->lesions[i] = scene->lesions[i];
+    setup->lumen = scene->lumen;
+    setup->lumen.lesions = setup->lesions;
+    if (scene->lumen.motion != NULL) setup->lumen.motion = &setup->motion;
+    if (app->port->near_bytes != 0) {
+        crn_lumen_near_begin(&setup->lumen, &setup->motion, setup->lesions, app->port->near_memory,
+                             app->port->near_bytes);
+    }
+    setup->has_scene = true;
+    setup->scene_bytes = scene_bytes;
+    setup->scene_crc32 = crc32;
 }
 
 /* The app checks the uploaded scene as a whole before the scene replaces the present one. */
@@ -55,16 +109,19 @@ void crn_app_scene_end(crn_app *app, const uint8_t *payload, size_t length)
                   !upload.open || upload.received_bytes != upload.expected_bytes ||
                       end.scene_bytes != upload.expected_bytes,
                   CRN_REJECT_SCENE_ORDER, upload.received_bytes, upload.expected_bytes);
-    const uint8_t *staged = app->port->scene_slots[1 - app->setup.scene_slot];
+    const uint8_t slot = slot_for(app, upload.expected_bytes);
+    const uint8_t *staged = app->port->scene_slots[slot];
     uint32_t crc = crn_wire_crc32(0, staged, upload.received_bytes);
     CRN_REJECT_IF(app, type, crc != upload.crc32, CRN_REJECT_SCENE_CRC, crc, upload.crc32);
-    uint32_t status = crn_app_lumen_open(staged, upload.received_bytes, &app->setup.lumen, &app->setup.motion,
-                                         app->setup.lesions);
+    opened_scene scene;
+    uint32_t status =
+        crn_app_lumen_open(staged, upload.received_bytes, &scene.lumen, &scene.motion, scene.lesions);
     CRN_REJECT_IF(app, type, status != 0, CRN_REJECT_SCENE_INVALID, status, 0);
-    app->setup.scene_slot = (uint8_t)(1 - app->setup.scene_slot);
-    app->setup.has_scene = true;
-    app->setup.scene_bytes = upload.expected_bytes;
-    app->setup.scene_crc32 = crc;
+    const uint32_t near_bytes = near_bytes_needed(app, &scene);
+    CRN_REJECT_IF(app, type, near_bytes > app->port->near_bytes, CRN_REJECT_SCENE_NEAR, near_bytes,
+                  app->port->near_bytes);
+    app->setup.scene_slot = slot;
+    take_scene(app, &scene, upload.expected_bytes, crc);
     crn_app_send_status(app, type);
 }
 
@@ -72,14 +129,13 @@ bool crn_app_scene_share(crn_app *app, const uint8_t *bytes, uint32_t byte_count
 {
     if (app->state != CRN_WIRE_STATE_READY || byte_count == 0) return false;
     app->setup.scene_upload.open = false;
-    if (crn_app_lumen_open(bytes, byte_count, &app->setup.lumen, &app->setup.motion, app->setup.lesions) !=
-        0) {
+    opened_scene scene;
+    if (crn_app_lumen_open(bytes, byte_count, &scene.lumen, &scene.motion, scene.lesions) != 0 ||
+        near_bytes_needed(app, &scene) > app->port->near_bytes) {
         app->setup.has_scene = false;
         return false;
     }
-    app->setup.has_scene = true;
-    app->setup.scene_bytes = byte_count;
-    app->setup.scene_crc32 = crc32;
+    take_scene(app, &scene, byte_count, crc32);
     return true;
 }
 

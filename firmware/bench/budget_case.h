@@ -7,7 +7,11 @@
 
 #include "firmware/core/core_state.h"
 
-enum { BUDGET_MAGIC = 0x42444731, BUDGET_TICKS_MAX = 1000 };
+enum {
+    BUDGET_MAGIC = 0x42444731,
+    BUDGET_TICKS_MAX = 1000,
+    BUDGET_NEAR_BYTES = 400 << 10, /* near memory, as in the port for the i.MX RT1062 */
+};
 
 /* After its header, the file has the lumen's index, child rows and samples (each padded to words), then the
  * state, and then one crn_input per tick. */
@@ -55,6 +59,7 @@ static inline bool budget_build(const budget_case *c, crn_lumen *lumen, crn_mode
         .motion = NULL,
         .lesion_count = 0,
         .lesions = NULL,
+        .near = NULL,
     };
     crn_build_place place;
     return c->magic == BUDGET_MAGIC && c->state_bytes == crn_state_bytes() &&

@@ -3,12 +3,14 @@
  * mean, largest and smallest count, the number of second solves, and whether the state's hash equals the
  * PC's. usage (as semihosting arguments): budget_image CASE_FILE */
 #include "firmware/bench/budget_case.h"
+#include "firmware/core/motion.h"
 #include "firmware/core/rod.h"
 #include "firmware/port/console_digits.h"
 #include "firmware/port/mps2_an500/semihost.h"
 #include "firmware/port/mps2_an500/systick.h"
 
 static uint8_t file[12 << 20] __attribute__((section(".scenes"), aligned(8)));
+static uint8_t near_memory[BUDGET_NEAR_BYTES] __attribute__((aligned(32)));
 static crn_lumen lumen;
 static crn_model model;
 static crn_state state;
@@ -62,8 +64,11 @@ int main(int argc, char **argv)
     if (argc != 2 || semihost_read_file(argv[1], file, sizeof file) < sizeof *c) {
         return fail("budget_image: give a case file of at most 12 MB\n");
     }
-    if (!budget_build(c, &lumen, &model) || !crn_state_restore(&model, &state, budget_state(c)))
+    if (!budget_build(c, &lumen, &model) || crn_lumen_near_bytes(&lumen) > BUDGET_NEAR_BYTES)
         return fail("budget_image: the core refuses the case\n");
+    crn_lumen_near_begin(&lumen, NULL, NULL, near_memory, BUDGET_NEAR_BYTES);
+    if (!crn_state_restore(&model, &state, budget_state(c)))
+        return fail("budget_image: the core refuses the state\n");
     counts n = {0, 0, SYSTICK_MASK, 0, 0, 0};
     crn_output output = {0};
     systick_start();

@@ -1,6 +1,7 @@
 /* This file runs one tick, part by part; docs/tick.md explains the parts in the order of this code. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
+#include "firmware/core/near/near.h"
 #include "firmware/core/strut.h"
 
 /* Returns, in Q33 m, the largest component of any node's deviation. A node's deviation is measured from the
@@ -132,6 +133,9 @@ static void beat(const crn_model *model, crn_state *state, const crn_input *inpu
 
 void crn_step(const crn_model *model, crn_state *state, const crn_input *input, crn_output *output)
 {
+    if (model->lumen != NULL && model->lumen->near != NULL) {
+        model->lumen->near->tick++;
+    }
     beat(model, state, input);
     if (input->scaffold.open_q30 > 0) {
         (void)crn_state_scaffold(model, state, &input->scaffold);

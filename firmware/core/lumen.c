@@ -7,6 +7,7 @@
  * around the point. Every sample takes the same amount of work, whatever the data are: the code makes two
  * refinement steps and reads 27 coefficients (taps). */
 #include "firmware/core/lumen.h"
+#include "firmware/core/near/near.h"
 
 enum {
     FAR_M_Q30 = 1 << 24,
@@ -20,56 +21,140 @@ enum {
 /* Describes the position of a point in the lattice: its brick, its coordinates in the brick in voxels (Q20, 0
  * .. 8), and the brick's level of refinement. */
 typedef struct lumen_place {
-    const int8_t *brick; /* set once the brick was found */
+    uint32_t number;     /* of the brick in the scene */
+    const int8_t *brick; /* where its coefficients are read */
+    uint32_t at;         /* with near memory: the index entry that leads to it */
+    ptrdiff_t child;     /* the last child entry on the way to it */
     uint32_t x_q20, y_q20, z_q20;
     uint32_t level;
     int32_t far_m_q30;
 } lumen_place;
 
-/* Returns the index entry after one refinement; bit `bit_index` of each coordinate selects the octant. */
-static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint32_t x, uint32_t y, uint32_t z,
-                                   unsigned bit_index)
+/* Holds the coordinates of a point from the lattice's corner, and its coarse brick: the line of bricks along
+ * x, and the column in the line. */
+typedef struct lumen_corner {
+    uint32_t x, y, z, line, column;
+} lumen_corner;
+
+/* Returns where the child of a refined entry lies in a list of children, after one refinement; bit
+ * `bit_index` of each coordinate selects the octant. */
+static inline ptrdiff_t child_of(uint32_t entry, const lumen_corner *c, unsigned bit_index)
 {
     const uint32_t bit = 1u << bit_index;
-    uint32_t octant = ((x & bit) + (y & bit) * 2 + (z & bit) * 4) >> bit_index;
-    return lumen->children[(ptrdiff_t)entry * 8 + octant - (ptrdiff_t)CRN_LUMEN_ENTRY_REFINED * 8];
+    uint32_t octant = ((c->x & bit) + (c->y & bit) * 2 + (c->z & bit) * 4) >> bit_index;
+    return (ptrdiff_t)entry * 8 + octant - (ptrdiff_t)CRN_LUMEN_ENTRY_REFINED * 8;
 }
 
-/* Finds the brick. Returns false if the point lies in no brick; in this case `far_m_q30` is the distance to
- * the wall. Overflow: the lattice, which was checked before, lies within the Q30 range. For a point inside
- * the lattice, a coordinate difference modulo 2^32 is correct. For a point outside the lattice, the
- * difference exceeds the lattice's size, and the comparison with this size shows that the point is
- * outside. */
-static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
+/* Returns the entry that the refinements of a coarse entry lead to. `children` is their list, in the scene or
+ * in near memory, and place->child receives where the entry lies in this list. */
+static inline uint32_t refined(const uint16_t *children, uint32_t entry, const lumen_corner *c,
+                               lumen_place *place)
 {
-    place->level = 0;
-    place->far_m_q30 = FAR_M_Q30;
-    uint32_t x = (uint32_t)p->v[0] - (uint32_t)lumen->origin_m_q30[0];
-    uint32_t y = (uint32_t)p->v[1] - (uint32_t)lumen->origin_m_q30[1];
-    uint32_t z = (uint32_t)p->v[2] - (uint32_t)lumen->origin_m_q30[2];
-    uint32_t column = x >> BRICK_LOG2, row = y >> BRICK_LOG2, slice = z >> BRICK_LOG2;
-    if (column >= lumen->brick_count_xyz[0] || row >= lumen->brick_count_xyz[1] ||
-        slice >= lumen->brick_count_xyz[2]) {
-        return false;
-    }
-    uint32_t line = slice * lumen->brick_count_xyz[1] + row;
-    uint32_t entry = lumen->index[line * lumen->brick_count_xyz[0] + column];
     if (entry & CRN_LUMEN_ENTRY_REFINED) {
-        entry = child_entry(lumen, entry, x, y, z, BRICK_LOG2 - 1);
+        place->child = child_of(entry, c, BRICK_LOG2 - 1);
+        entry = children[place->child];
         place->level = 1;
         if (entry & CRN_LUMEN_ENTRY_REFINED) {
-            entry = child_entry(lumen, entry, x, y, z, BRICK_LOG2 - 2);
+            place->child = child_of(entry, c, BRICK_LOG2 - 2);
+            entry = children[place->child];
             place->level = 2;
         }
     }
+    return entry;
+}
+
+/* Returns false for a point outside the lattice. Overflow: the lattice, which was checked before, lies within
+ * the Q30 range. For a point inside the lattice, a coordinate difference modulo 2^32 is correct. For a point
+ * outside the lattice, the difference exceeds the lattice's size, and the comparison with this size shows
+ * that the point is outside. */
+static inline bool coarse_brick_at(const crn_lumen *lumen, const crn_vec3 *p, lumen_corner *c)
+{
+    c->x = (uint32_t)p->v[0] - (uint32_t)lumen->origin_m_q30[0];
+    c->y = (uint32_t)p->v[1] - (uint32_t)lumen->origin_m_q30[1];
+    c->z = (uint32_t)p->v[2] - (uint32_t)lumen->origin_m_q30[2];
+    const uint32_t row = c->y >> BRICK_LOG2, slice = c->z >> BRICK_LOG2;
+    c->column = c->x >> BRICK_LOG2;
+    if (c->column >= lumen->brick_count_xyz[0] || row >= lumen->brick_count_xyz[1] ||
+        slice >= lumen->brick_count_xyz[2]) {
+        return false;
+    }
+    c->line = slice * lumen->brick_count_xyz[1] + row;
+    return true;
+}
+
+/* Completes the place of a point whose brick's entry is known. */
+static inline bool place_in_brick(const lumen_corner *c, uint32_t entry, lumen_place *place)
+{
     if (entry < CRN_LUMEN_ENTRY_FIRST_BRICK) {
         place->far_m_q30 = entry == CRN_LUMEN_ENTRY_INSIDE ? -FAR_M_Q30 : FAR_M_Q30;
         return false;
     }
-    place->brick = lumen->samples + (size_t)(entry - CRN_LUMEN_ENTRY_FIRST_BRICK) * CRN_LUMEN_BRICK_SAMPLES;
-    place->x_q20 = (x << place->level) & IN_BRICK_MASK;
-    place->y_q20 = (y << place->level) & IN_BRICK_MASK;
-    place->z_q20 = (z << place->level) & IN_BRICK_MASK;
+    place->number = entry - CRN_LUMEN_ENTRY_FIRST_BRICK;
+    place->x_q20 = (c->x << place->level) & IN_BRICK_MASK;
+    place->y_q20 = (c->y << place->level) & IN_BRICK_MASK;
+    place->z_q20 = (c->z << place->level) & IN_BRICK_MASK;
+    return true;
+}
+
+/* Finds the brick by the scene's index. Returns false if the point lies in no brick; in this case `far_m_q30`
+ * is the distance to the wall. */
+static inline bool find_in_scene(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
+{
+    lumen_corner c;
+    place->level = place->at = 0;
+    place->brick = lumen->samples;
+    place->far_m_q30 = FAR_M_Q30;
+    if (!coarse_brick_at(lumen, p, &c)) {
+        return false;
+    }
+    const uint32_t entry =
+        refined(lumen->children, lumen->index[c.line * lumen->brick_count_xyz[0] + c.column], &c, place);
+    if (!place_in_brick(&c, entry, place)) {
+        return false;
+    }
+    place->brick += (size_t)place->number * CRN_LUMEN_BRICK_SAMPLES;
+    return true;
+}
+
+/* Finds the same brick by the index in near memory. In this index, a brick that is in near memory has the
+ * entry of its slot, which leads to its number in the scene. */
+static inline bool find_in_near(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
+{
+    const crn_near *near = lumen->near;
+    lumen_corner c;
+    place->level = place->at = 0;
+    place->brick = NULL; /* until it is needed */
+    place->far_m_q30 = FAR_M_Q30;
+    if (!coarse_brick_at(lumen, p, &c)) {
+        return false;
+    }
+    const crn_near_span *span = &near->spans[c.line];
+    const uint32_t in_span = c.column - span->column;
+    if (in_span >= (uint32_t)(span[1].begin - span->begin)) {
+        return false;
+    }
+    place->at = span->begin + in_span;
+    uint32_t entry = near->entries[place->at];
+    if (entry & CRN_LUMEN_ENTRY_REFINED) {
+        entry = refined(near->entries + near->child_begin, entry, &c, place);
+        place->at = near->child_begin + (uint32_t)place->child;
+    }
+    if (entry >= CRN_LUMEN_ENTRY_FIRST_BRICK) {
+        entry = crn_near_brick_number(near, entry) + (uint32_t)CRN_LUMEN_ENTRY_FIRST_BRICK;
+    }
+    return place_in_brick(&c, entry, place);
+}
+
+/* Finds the brick, and copies what a sample reads of it if near memory lacks it. */
+static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
+{
+    if (lumen->near == NULL) {
+        return find_in_scene(lumen, p, place);
+    }
+    if (!find_in_near(lumen, p, place)) {
+        return false;
+    }
+    place->brick = crn_near_brick(lumen->near, place->at, place->z_q20 >> 20);
     return true;
 }
 
@@ -181,11 +266,18 @@ typedef struct lumen_taps {
     int32_t slope_x, slope_y, slope_z;
 } lumen_taps;
 
-/* Returns the first of the 27 coefficients around a point. Of the three coefficients (taps) along an axis,
- * the middle one has the number floor(x) + 1, so the code reads the coefficients floor(x) .. floor(x) + 2. */
+/* Returns which coefficient of the brick is the first of the 27 around a point. Of the three coefficients
+ * (taps) along an axis, the middle one has the number floor(x) + 1, so the code reads the coefficients
+ * floor(x) .. floor(x) + 2. */
+static inline uint32_t first_tap_number(const lumen_place *p)
+{
+    return (p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20);
+}
+
+/* Returns the first of the 27 coefficients around a point. */
 static inline const int8_t *first_tap(const lumen_place *p)
 {
-    return p->brick + ((p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20));
+    return p->brick + first_tap_number(p);
 }
 
 #if CRN_HIGH_WORDS_BY_DSP
@@ -317,20 +409,31 @@ static int32_t least_depth_of_27(const int8_t *c)
     return greatest < 0 ? -greatest : 0;
 }
 
+/* Of the brick, only its number is needed while the point stays deep in the lumen in the same voxel. */
 int32_t crn_lumen_distance_unless_far(const crn_lumen *lumen, const crn_vec3 *position_m_q30,
                                       int32_t far_m_q30, crn_lumen_voxel *last)
 {
     lumen_place place;
-    if (!find(lumen, position_m_q30, &place)) {
+    const bool is_near = lumen->near != NULL;
+    if (is_near ? !find_in_near(lumen, position_m_q30, &place)
+                : !find_in_scene(lumen, position_m_q30, &place)) {
         return place.far_m_q30;
     }
-    const int8_t *c = first_tap(&place);
-    const uint32_t number = (uint32_t)(c - lumen->samples) + 1;
-    if (last->number_and_depth >> VOXEL_DEPTH_BITS != number) {
-        last->number_and_depth = number << VOXEL_DEPTH_BITS | (uint32_t)least_depth_of_27(c);
+    const uint32_t number = place.number * CRN_LUMEN_BRICK_SAMPLES + first_tap_number(&place) + 1;
+    const bool is_known = last->number_and_depth >> VOXEL_DEPTH_BITS == number;
+    int32_t depth = (int32_t)(last->number_and_depth & VOXEL_DEPTH_MOST);
+    int32_t most = metres_q30(-depth * (1 << 19), place.level);
+    if (is_known && depth != 0 && most < far_m_q30) {
+        return most;
     }
-    const int32_t depth = (int32_t)(last->number_and_depth & VOXEL_DEPTH_MOST);
-    const int32_t most = metres_q30(-depth * (1 << 19), place.level);
+    if (is_near) {
+        place.brick = crn_near_brick(lumen->near, place.at, place.z_q20 >> 20);
+    }
+    if (!is_known) {
+        depth = least_depth_of_27(first_tap(&place));
+        most = metres_q30(-depth * (1 << 19), place.level);
+        last->number_and_depth = number << VOXEL_DEPTH_BITS | (uint32_t)depth;
+    }
     return depth != 0 && most < far_m_q30 ? most : distance_at(&place);
 }
 

@@ -38,6 +38,7 @@ enum {
 };
 
 struct crn_motion;
+struct crn_near;
 
 /* A lesion that a balloon can open (lesion.h) is described by points along the healthy centreline, called
  * stations. Their spacing along the centreline is 2^spacing_log2_q30, in units of 2^-30 m. The lesion's
@@ -75,6 +76,8 @@ typedef struct crn_lumen {
                                         is NULL if the vessel does not move. The samplers below ignore it */
     uint32_t lesion_count; /* lesions that give way, at most CRN_LESION_MAX. The samplers ignore them too */
     const crn_lesion *lesions;
+    /* Copies of parts of the scene in faster memory (near.h), or NULL: the scene is read in place. */
+    struct crn_near *near;
 } crn_lumen;
 
 typedef struct crn_lumen_sample {

@@ -22,12 +22,66 @@ crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_p
                                crn_breath_depth_q15(breath_phase32)};
 }
 
-static void field_begin(const crn_lattice *lattice, uint32_t node_numbers, crn_motion_field *field)
+_Static_assert((int)CRN_NEAR_ROW == (int)CRN_MOTION_ROW &&
+                   (int)CRN_NEAR_BRICK_BYTES == (int)CRN_LUMEN_BRICK_SAMPLES &&
+                   (int)CRN_NEAR_ENTRY_OUTSIDE == (int)CRN_LUMEN_ENTRY_OUTSIDE &&
+                   (int)CRN_NEAR_ENTRY_FIRST_BRICK == (int)CRN_LUMEN_ENTRY_FIRST_BRICK &&
+                   (int)CRN_NEAR_WHOLE_MAX == (int)CRN_LESION_MAX + 1,
+               "core and near memory agree about a scene");
+
+/* The lattice of breath and the lesions' stations are copied as a whole, the lattice last. */
+static crn_near_scene near_scene_of(const crn_lumen *lumen)
+{
+    const crn_motion *motion = lumen->motion;
+    const uint32_t *n = lumen->brick_count_xyz;
+    crn_near_scene scene = {.index = lumen->index,
+                            .columns = n[0],
+                            .lines = n[1] * n[2],
+                            .children = lumen->children,
+                            .child_count = lumen->child_row_count * 8u,
+                            .samples = lumen->samples,
+                            .brick_count = lumen->brick_count,
+                            .rows = motion == NULL ? NULL : motion->rows,
+                            .whole_count = lumen->lesion_count};
+    for (uint32_t i = 0; i < lumen->lesion_count; i++) {
+        const crn_lesion *lesion = &lumen->lesions[i];
+        scene.whole[i] =
+            (crn_near_whole){lesion->stations, lesion->station_count * (uint32_t)sizeof *lesion->stations};
+    }
+    if (motion != NULL && motion->inhaled != NULL) {
+        const uint32_t *nodes = motion->breath.count_xyz;
+        scene.whole[scene.whole_count++] =
+            (crn_near_whole){motion->inhaled, nodes[0] * nodes[1] * nodes[2] * BREATH_NODE *
+                                                  (uint32_t)sizeof *motion->inhaled};
+    }
+    return scene;
+}
+
+uint32_t crn_lumen_near_bytes(const crn_lumen *lumen)
+{
+    const crn_near_scene scene = near_scene_of(lumen);
+    return crn_near_bytes_min(&scene);
+}
+
+void crn_lumen_near_begin(crn_lumen *lumen, crn_motion *motion, crn_lesion *lesions, void *memory,
+                          uint32_t bytes)
+{
+    const crn_near_scene scene = near_scene_of(lumen);
+    lumen->near = crn_near_begin(memory, bytes, &scene);
+    for (uint32_t i = 0; i < lumen->lesion_count; i++) {
+        lesions[i].stations = lumen->near->whole[i];
+    }
+    if (lumen->motion != NULL) {
+        motion->near = lumen->near;
+        motion->inhaled = motion->inhaled == NULL ? NULL : lumen->near->whole[lumen->lesion_count];
+    }
+}
+
+static void field_begin(const crn_lattice *lattice, crn_motion_field *field)
 {
     const uint32_t row = lattice->count_xyz[0], slice = row * lattice->count_xyz[1];
     for (uint32_t corner = 0; corner < 8; corner++) {
-        field->corner_rows[corner] =
-            node_numbers * ((corner & 1u) + (corner >> 1 & 1u) * row + (corner >> 2) * slice);
+        field->corner_nodes[corner] = (corner & 1u) + (corner >> 1 & 1u) * row + (corner >> 2) * slice;
     }
     field->ways.node = (uint32_t)NO_CELL;
     field->tetrahedron = NO_TETRAHEDRON;
@@ -58,8 +112,8 @@ static void box_about(const crn_motion *motion, crn_motion_pose *pose)
 void crn_motion_pose_begin(const crn_motion *motion, crn_motion_pose *pose, const crn_rhythm *before,
                            const crn_rhythm *now)
 {
-    field_begin(&motion->beat, NODE, &pose->beat);
-    field_begin(&motion->breath, BREATH_NODE, &pose->breath);
+    field_begin(&motion->beat, &pose->beat);
+    field_begin(&motion->breath, &pose->breath);
     pose->changes.node = (uint32_t)NO_CELL;
     box_about(motion, pose);
     pose->now = crn_motion_moment_at(now->heart_phase32, now->breath_phase32);
@@ -71,13 +125,13 @@ static void enter_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->beat.ways);
     const crn_motion_moment now = pose->now;
-    const int16_t *rows = motion->rows + (size_t)node * NODE + now.first;
     for (uint32_t i = 0; i < fresh.count; i++) {
         const uint32_t corner = fresh.corners[i];
-        const int16_t *taps = rows + pose->beat.corner_rows[corner];
+        const node_rows rows = rows_of(motion, node + pose->beat.corner_nodes[corner]);
+        const int16_t *taps = rows.numbers + now.first * rows.step;
         int32_t *way = pose->beat.ways.corners_m_q34[corner].v;
-        for (int k = 0; k < 3; k++, taps += CRN_MOTION_ROW) {
-            way[k] = blend(taps, &now);
+        for (int k = 0; k < 3; k++, taps += rows.apart) {
+            way[k] = blend(taps, rows.step, &now);
         }
     }
     make_terms(&pose->beat);

@@ -55,6 +55,8 @@ typedef struct crn_motion {
      * displacements of neighbouring nodes differ by at most 3/8 of the lattice spacing. The pointer `inhaled`
      * is NULL if breath does not move the vessel. */
     const int16_t *inhaled;
+    /* Copies of rows in faster memory (near.h), or NULL: rows are read in place. */
+    struct crn_near *near;
 } crn_motion;
 
 /* Describes heart and breath at one moment: which three coefficients of a row to blend, and with which
@@ -74,7 +76,7 @@ typedef struct crn_motion_cell {
 
 /* Keeps the values that were derived from one lattice for the point that was looked up last. */
 typedef struct crn_motion_field {
-    uint32_t corner_rows[8]; /* numbers from a cell's low node to its corners */
+    uint32_t corner_nodes[8]; /* nodes from a cell's low node to its corners */
     crn_motion_cell ways; /* displacements from the corners back to the reference pose; for breath: those of a
                              full breath */
     /* The same displacements as polynomials. For the heartbeat, the eight coefficients of a lattice cell's
@@ -111,6 +113,15 @@ crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_p
 /* Begins a tick, in which heart and breath go from the moment `before` to the moment `now`. */
 void crn_motion_pose_begin(const crn_motion *motion, crn_motion_pose *pose, const crn_rhythm *before,
                            const crn_rhythm *now);
+
+/* Returns how many bytes of near memory (near/near.h) a lumen with its motion and lesions needs at least;
+ * reads the whole index, so it is for set-up only. */
+uint32_t crn_lumen_near_bytes(const crn_lumen *lumen);
+
+/* Lets the core read a lumen, its motion and its lesions in near memory, from now on. `motion` and `lesions`
+ * are those to which the lumen leads, or NULL. For the memory, see crn_near_begin(). */
+void crn_lumen_near_begin(crn_lumen *lumen, crn_motion *motion, crn_lesion *lesions, void *memory,
+                          uint32_t bytes);
 
 /* Returns the position in the reference pose of the point that is now at `world_m_q30`. Format: Q30 m.
  * Overflow: saturates. Compared with the exact spline of the stored coefficients, the position has an error

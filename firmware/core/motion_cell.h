@@ -4,6 +4,7 @@
 #define CRN_MOTION_CELL_H
 
 #include "firmware/core/motion.h"
+#include "firmware/core/near/near.h"
 
 /* Code that only a few nodes need stays in a separate function, so that it takes no processor registers when
  * the other nodes are computed. */
@@ -74,10 +75,26 @@ static inline void make_terms(crn_motion_field *field)
 /* Returns the weighted sum of three coefficients of one displacement component. Format: Q15 x 2^-19 m -> Q34
  * m. Overflow is impossible: coefficients are at most 2^14 in magnitude (checked when a scene is loaded) and
  * the weights sum to 2^15, so the result is at most 2^29. */
-static inline int32_t blend(const int16_t *taps, const crn_motion_moment *weights)
+static inline int32_t blend(const int16_t *taps, uint32_t step, const crn_motion_moment *weights)
 {
-    return taps[0] * weights->weights_q15[0] + taps[1] * weights->weights_q15[1] +
-           taps[2] * weights->weights_q15[2];
+    return taps[0] * weights->weights_q15[0] + taps[step] * weights->weights_q15[1] +
+           taps[2 * step] * weights->weights_q15[2];
+}
+
+/* The coefficients of a lattice node: `step` from one keyframe to the next, `apart` from one component to the
+ * next. In the scene, a component has its keyframes together; in near memory, a keyframe has its components
+ * together, so that the nine numbers of a tick lie in one or two lines of the cache. */
+typedef struct node_rows {
+    const int16_t *numbers;
+    uint32_t step, apart;
+} node_rows;
+
+static inline node_rows rows_of(const crn_motion *motion, uint32_t node)
+{
+    if (motion->near != NULL) {
+        return (node_rows){crn_near_rows(motion->near, node), CRN_NEAR_COMPONENTS, 1};
+    }
+    return (node_rows){motion->rows + (size_t)node * NODE, 1, CRN_MOTION_ROW};
 }
 
 /* Format: coefficients of 2^-19 m -> Q34 m. Overflow: 2^14 (checked) x 2^15. */
@@ -87,7 +104,7 @@ static inline void enter_breathing_cell(const crn_motion *motion, crn_motion_fie
     const int16_t *low = motion->inhaled + (size_t)node * BREATH_NODE;
     for (uint32_t i = 0; i < fresh.count; i++) {
         const uint32_t corner = fresh.corners[i];
-        const int16_t *inhaled = low + field->corner_rows[corner];
+        const int16_t *inhaled = low + (size_t)field->corner_nodes[corner] * BREATH_NODE;
         for (int k = 0; k < 3; k++) {
             field->ways.corners_m_q34[corner].v[k] = inhaled[k] * (1 << FRACTION_BITS);
         }

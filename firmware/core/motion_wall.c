@@ -14,10 +14,10 @@ enum {
 
 /* Returns the change of a corner's displacement in a tick that began before a keyframe and ended after this
  * keyframe. */
-static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
+static int32_t change_across(const int16_t *row, uint32_t step, const crn_motion_pose *pose)
 {
-    const int32_t change =
-        crn_sub_sat(blend(row + pose->now.first, &pose->now), blend(row + pose->before.first, &pose->before));
+    const int32_t change = crn_sub_sat(blend(row + pose->now.first * step, step, &pose->now),
+                                       blend(row + pose->before.first * step, step, &pose->before));
     return crn_clamp(change, -MOST_M_Q34, MOST_M_Q34);
 }
 
@@ -33,15 +33,16 @@ static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose,
                   high = crn_clamp(now->weights_q15[2] - before->weights_q15[2], -FASTEST_Q15, FASTEST_Q15);
     const uint32_t first = now->first;
     const bool is_across = first != before->first;
-    const int16_t *rows = motion->rows + (size_t)node * NODE;
     for (uint32_t i = 0; i < fresh.count; i++) {
         const uint32_t corner = fresh.corners[i];
-        const int16_t *row = rows + pose->beat.corner_rows[corner];
+        const node_rows rows = rows_of(motion, node + pose->beat.corner_nodes[corner]);
+        const uint32_t step = rows.step;
+        const int16_t *row = rows.numbers;
         int32_t *change = pose->changes.corners_m_q34[corner].v;
-        for (int k = 0; k < 3; k++, row += CRN_MOTION_ROW) {
-            const int16_t *taps = row + first;
-            change[k] =
-                is_across ? change_across(row, pose) : (taps[0] - taps[1]) * low + (taps[2] - taps[1]) * high;
+        for (int k = 0; k < 3; k++, row += rows.apart) {
+            const int16_t *taps = row + first * step;
+            change[k] = is_across ? change_across(row, step, pose)
+                                  : (taps[0] - taps[step]) * low + (taps[2 * step] - taps[step]) * high;
         }
     }
 }

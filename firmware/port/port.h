@@ -4,10 +4,8 @@
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
  *   bytes came in    crn_app_receive(app, bytes, count)     from the main loop, never from an interrupt
  *   1 ms passed      crn_app_timer(app)                     from the main loop, per edge of the timer, late ones too
- *
- * In FREE_RUN the timer decides when a tick runs. In every mode and state, the app reads `inputs` and writes
- * `outputs` once per edge of the timer. A port needs no functions of the app except crn_app_init,
- * crn_app_receive and crn_app_timer. */
+ * A port needs no other functions of the app. In FREE_RUN the timer decides when a tick runs. In every mode
+ * and state, the app reads `inputs` and writes `outputs` once per edge of the timer. */
 #ifndef CRN_PORT_H
 #define CRN_PORT_H
 
@@ -43,7 +41,6 @@ typedef struct crn_port_track {
     bool over_current; /* a motor driver of this track limits its current or has tripped */
 } crn_port_track;
 
-/* Holds one set of readings of the whole rig. */
 typedef struct crn_port_inputs {
     crn_port_hand hands[CRN_PORT_TOOL_MAX];
     crn_port_track tracks[CRN_PORT_TOOL_MAX];
@@ -70,7 +67,7 @@ typedef enum crn_port_lamp {
     CRN_PORT_LAMP_FAULT, /* fast blinking */
 } crn_port_lamp;
 
-/* The app writes the outputs once per edge of the timer, and at once if a fault removes the motor power. */
+/* Written once per edge of the timer, and at once if a fault removes the motor power. */
 typedef struct crn_port_outputs {
     /* all 0 unless RUNNING in FREE_RUN; 0 for a track without a tool */
     crn_port_motor motors[CRN_PORT_TOOL_MAX];
@@ -88,9 +85,12 @@ typedef struct crn_port {
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */
-    const char *serial;          /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
-    uint8_t *scene_slots[2];     /* two buffers: the old scene stays valid until the new one is validated */
-    uint32_t scene_slot_bytes;   /* size of each, 4-byte aligned */
+    const char *serial;         /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
+    uint8_t *scene_slots[2];    /* two buffers: the old scene stays valid until the new one is validated */
+    uint32_t scene_slot_bytes;  /* size of each, 4-byte aligned */
+    uint32_t scene_large_bytes; /* size of both if they adjoin, for one larger scene in both; 0: none */
+    void *near_memory;   /* 32-byte aligned, for the parts of a scene that a tick reads (core/near/near.h) */
+    uint32_t near_bytes; /* size of it; 0: there is none, and scenes are read where they lie */
     uint32_t capabilities;       /* CRN_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
     uint32_t force_uN_per_count; /* of the force sensors, 0 for 1,000; hosts may change it by a quarter */
     crn_port_built built;        /* port_built.h */

@@ -37,7 +37,7 @@ enum { OPERATIONS_MAX = 48, SLOT_BYTES = 4096, ROOM_BYTES = 1 << 18, DEVICES = 7
 static crn_app app, devices[DEVICES], table_device;
 /* of coupled devices with one, two and three tools */
 static uint8_t snapshots[CRN_TOOL_MAX][CRN_APP_SNAPSHOT_BYTES];
-static uint8_t slots[2][SLOT_BYTES];
+static uint8_t slots[2][SLOT_BYTES], near_memory[1 << 18] __attribute__((aligned(32)));
 static struct rig {
     crn_port_inputs inputs;
     bool is_attached, last_drive;
@@ -135,6 +135,8 @@ static const crn_port port = {
     .serial = "fuzz",
     .scene_slots = {slots[0], slots[1]},
     .scene_slot_bytes = SLOT_BYTES,
+    .near_memory = near_memory,
+    .near_bytes = sizeof near_memory,
 };
 
 static void millisecond(void)

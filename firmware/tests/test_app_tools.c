@@ -11,8 +11,7 @@
 #include <cmocka.h>
 
 #include "firmware/tests/reference/client.h"
-#include "firmware/tests/reference/tube_lumen.h"
-#include "shared/scene/scene_write.h"
+#include "firmware/tests/reference/tube_scene.h"
 
 enum { WIRE, CATHETER, GUIDE, TOOLS };
 
@@ -276,27 +275,10 @@ static void read_contacts(crn_wire_contacts *contacts)
 /* Makes a scene with a tube of 2 mm radius around the x axis, and an entry at the tube's beginning. */
 static void send_tube(void)
 {
-    static uint8_t file[1 << 20], section[1 << 20];
+    static uint8_t file[1 << 20];
     const reference_piece straight = {0.3, 0, 0};
     reference_tube *tube = reference_tube_make(&straight, 1, 0.002, 0);
-    const crn_lumen *lumen = &tube->lumen;
-    const uint32_t *n = lumen->brick_count_xyz;
-    const size_t entries = (size_t)n[0] * n[1] * n[2],
-                 samples = (size_t)lumen->brick_count * CRN_LUMEN_BRICK_SAMPLES;
-    memset(section, 0, 32);
-    for (int k = 0; k < 3; k++) {
-        crn_scene_put_u32(section + 4 * k, (uint32_t)lumen->origin_m_q30[k]);
-        crn_scene_put_u16(section + 12 + 2 * k, (uint16_t)n[k]);
-    }
-    crn_scene_put_u32(section + 20, lumen->brick_count);
-    for (size_t i = 0; i < entries; i++) crn_scene_put_u16(section + 32 + 2 * i, lumen->index[i]);
-    memcpy(section + 32 + 2 * entries, lumen->samples, samples);
-    uint8_t meta[CRN_SCENE_META_BYTES] = "tube", entry[CRN_SCENE_ENTRY_BYTES] = {0};
-    crn_scene_put_u32(entry + 12, 1u << 30);
-    const crn_scene_part parts[3] = {{CRN_SCENE_META, meta, sizeof meta},
-                                     {CRN_SCENE_ENTRY, entry, sizeof entry},
-                                     {CRN_SCENE_LUMEN, section, 32 + 2 * entries + samples}};
-    size_t bytes = crn_scene_write(CRN_SCENE_KIND_SCENE, parts, 3, file, sizeof file);
+    const size_t bytes = reference_tube_scene(tube, file, sizeof file);
     assert_true(bytes > 0);
     reference_tube_free(tube);
     assert_true(client_load_scene(&host, file, (uint32_t)bytes));

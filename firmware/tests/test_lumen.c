@@ -30,6 +30,7 @@ static const crn_lumen lumen = {{-BRICK_Q30, 5 * VOXEL_Q30, -3},
                                 &samples[0][0][0][0],
                                 NULL,
                                 0,
+                                NULL,
                                 NULL};
 
 static double voxel_m(int level)

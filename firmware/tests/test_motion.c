@@ -235,7 +235,7 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
         if (i % NODE < 3) inhaled[3 * at + i % NODE] = edge ? 0 : up_to(&random, spacing * 3 / 16);
     }
     const crn_lattice lattice = {{64 * 1048576, -28 * 1048576, -20 * 1048576}, {STEEP, STEEP, STEEP}, 23};
-    const crn_motion steep = {lattice, rows, lattice, inhaled};
+    const crn_motion steep = {lattice, rows, lattice, inhaled, NULL};
     const crn_motion *motions[] = {&beating->motion, &steep};
     for (int m = 0; m < 2; m++) {
         crn_motion_steepness steepness;

@@ -34,6 +34,12 @@ static void pass(rt_cache *cache, rt_chip *chip, uint64_t instants)
     chip->core.cycles += instants / chip->clocks.instants_per_cycle;
 }
 
+static uint64_t line_instants(rt_chip *chip, uint32_t address)
+{
+    return address < RT_PSRAM_BEGIN ? RT_CACHE_NEAR_CYCLES * chip->clocks.instants_per_cycle
+                                    : rt_flexspi_line_instants(chip);
+}
+
 void rt_cache_access(rt_cache *cache, rt_chip *chip, uint32_t address, bool is_write)
 {
     uint32_t line = address / RT_CACHE_LINE_BYTES, set = line % RT_CACHE_SETS;
@@ -45,13 +51,16 @@ void rt_cache_access(rt_cache *cache, rt_chip *chip, uint32_t address, bool is_w
         return;
     }
     uint32_t way = oldest_of(cache, set);
-    uint64_t instants = rt_flexspi_line_instants(chip);
-    cache->misses++;
+    if (address < RT_PSRAM_BEGIN) {
+        cache->near_misses++;
+    } else {
+        cache->misses++;
+    }
     if (cache->are_changed[set][way]) {
         cache->writes++;
-        pass(cache, chip, instants);
+        pass(cache, chip, line_instants(chip, (cache->tags[set][way] - 1) * RT_CACHE_LINE_BYTES));
     }
-    pass(cache, chip, instants);
+    pass(cache, chip, line_instants(chip, address));
     cache->tags[set][way] = line + 1;
     cache->are_changed[set][way] = is_write;
     use(cache, set, way);

@@ -183,7 +183,10 @@ static int region_of(const rt_core *core, uint32_t address)
         if ((core->size[i] & RASR_ON) == 0) continue;
         uint32_t log2_bytes = (core->size[i] >> 1 & 31u) + 1u;
         uint32_t mask = log2_bytes >= 32 ? 0 : ~((1u << log2_bytes) - 1u);
-        if ((address & mask) == (core->begin[i] & mask)) return i;
+        if ((address & mask) != (core->begin[i] & mask)) continue;
+        /* each of the eight equal parts can be left out, unless they are smaller than 32 bytes */
+        uint32_t part = log2_bytes < 8 ? 0 : (address & ~mask) >> (log2_bytes - 3u);
+        if (log2_bytes < 8 || (core->size[i] >> (8 + part) & 1u) == 0) return i;
     }
     return -1;
 }

@@ -106,20 +106,24 @@ bool rt_engine_map_registers(rt_engine *engine)
 }
 
 /* --- the cache's time --- */
-static void on_psram(uc_engine *uc, uc_mem_type type, uint64_t address, int bytes, int64_t value,
-                     void *context)
+static void on_cached(uc_engine *uc, uc_mem_type type, uint64_t address, int bytes, int64_t value,
+                      void *context)
 {
     (void)uc, (void)bytes, (void)value;
     rt_engine *engine = context;
-    if (!rt_core_has_data_cache(engine->chip)) return;
+    if (!rt_core_has_data_cache(engine->chip) || !rt_mpu_is_cached(engine->chip, (uint32_t)address)) return;
     rt_cache_access(&engine->cache, engine->chip, (uint32_t)address, type == UC_MEM_WRITE);
 }
 
 bool rt_engine_count_lines(rt_engine *engine)
 {
     uc_hook hook;
-    return uc_hook_add(engine->uc, &hook, UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE, (void *)(uintptr_t)on_psram,
-                       engine, RT_PSRAM_BEGIN, RT_PSRAM_BEGIN + RT_PSRAM_BYTES - 1) == UC_ERR_OK;
+    const uint32_t kinds = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE;
+    void *call = (void *)(uintptr_t)on_cached;
+    return uc_hook_add(engine->uc, &hook, (int)kinds, call, engine, RT_PSRAM_BEGIN,
+                       RT_PSRAM_BEGIN + RT_PSRAM_BYTES - 1) == UC_ERR_OK &&
+           uc_hook_add(engine->uc, &hook, (int)kinds, call, engine, RT_OCRAM_BEGIN,
+                       RT_OCRAM_BEGIN + RT_OCRAM_BYTES - 1) == UC_ERR_OK;
 }
 
 /* --- memories --- */

@@ -71,15 +71,15 @@ def thousands(value):
 
 def chip_table(rows):
     lines = [
-        "| tick | instructions | cycles without misses | misses | lines, bricks | %s |\n"
+        "| tick | instructions | cycles without misses | misses: scene, near | lines, bricks | %s |\n"
         % " | ".join(name for _, name in BOARDS),
         "|---|---|---|---|---|%s\n" % ("---|" * len(BOARDS)),
     ]
     for key, values in chip_cases(rows):
         shares = " | ".join("%.0f %%" % (values[board] / 10) for board, _ in BOARDS)
         lines.append(
-            "| %s | %s | %s | {:,} | {:,}, {:,} | %s |\n".format(
-                values["chip.misses"], values["chip.lines"], values["chip.bricks"]
+            "| %s | %s | %s | {:,}, {:,} | {:,}, {:,} | %s |\n".format(
+                values["chip.misses"], values["chip.near_misses"], values["chip.lines"], values["chip.bricks"]
             )
             % (title_of(key), thousands(values["chip.instructions"]), thousands(values["chip.pipeline_cycles"]), shares)
         )

@@ -62,6 +62,7 @@ def rows_of(read, column, context):
     yield "chip.cycles", read["cycles_rt1062"][column], "cycles", context
     yield "chip.pipeline_cycles", read["core_cycles"][column], "cycles", context
     yield "chip.misses", read["misses"][column], "lines", context
+    yield "chip.near_misses", read["near_misses"][column], "lines", context
     yield "chip.lines", read["lines"][column], "lines", context
     yield "chip.bricks", read["bricks"][column], "bricks", context
     for board, cycles in BOARDS_CYCLES:

@@ -76,6 +76,7 @@ def report(image, objects, port):
         "  RAM without scenes  %7d bytes: %d static (app %d) + %d stack at most"
         % (static + stack, static, names["app"][1], stack)
     )
+    print("  near memory         %7d bytes" % size.get(".near", 0))
     print("  scene slots         %7d bytes" % size.get(".scenes", 0))
     print("  deepest calls       %s" % " > ".join(path))
     wrong = []

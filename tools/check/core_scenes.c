@@ -161,7 +161,7 @@ static const crn_motion *make_motion(void)
         .count_xyz = {NODES_X, NODES_Y, NODES_Z},
         .spacing_log2_q30 = 23,
     };
-    field.motion = (crn_motion){lattice, field.rows, lattice, field.inhaled};
+    field.motion = (crn_motion){lattice, field.rows, lattice, field.inhaled, NULL};
     return &field.motion;
 }
 

@@ -99,7 +99,7 @@ def compile_commands(variant, program):
     gcc, target, _ = MACHINES[variant.machine]
     bare = variant.machine == "Cortex-M7"
     machine_flags = M7_FLAGS if bare else []
-    checked = sorted(glob.glob("firmware/core/*.c", root_dir=ROOT)) + [
+    checked = sorted(glob.glob("firmware/core/**/*.c", root_dir=ROOT, recursive=True)) + [
         "tools/check/core_hash.c",
         "tools/check/core_scenes.c",
     ]

@@ -14,26 +14,40 @@ class Cache
 {
   public:
     static constexpr std::uint32_t ways = 4;
-    explicit Cache(std::uint32_t bytes) : sets_(bytes / line_bytes / ways), tags_(sets_ * ways, empty) {}
+    struct Access {
+        bool is_missing = false;
+        std::uint32_t written_back = 0; // address of the changed line that made room; 0: none did
+    };
+    explicit Cache(std::uint32_t bytes) : sets_(bytes / line_bytes / ways), lines_(sets_ * ways) {}
 
     // Returns whether the line was missing; it is in the cache afterwards, in place of the one of its set
     // that was used longest ago.
-    bool misses(std::uint32_t address)
+    Access access(std::uint32_t address, bool is_write)
     {
-        const std::uint32_t line = address / line_bytes;
-        std::uint32_t *set = &tags_[line % sets_ * ways];
+        const std::uint32_t number = address / line_bytes;
+        Line *set = &lines_[number % sets_ * ways];
         std::uint32_t way = 0;
-        while (way < ways - 1 && set[way] != line) way++;
-        const bool is_missing = set[way] != line;
+        while (way < ways - 1 && set[way].number != number) way++;
+        Line line = set[way];
+        Access result;
+        if (line.number != number) {
+            result.is_missing = true;
+            if (line.is_changed) result.written_back = line.number * line_bytes;
+            line = {number, false};
+        }
+        line.is_changed |= is_write;
         for (; way > 0; way--) set[way] = set[way - 1];
         set[0] = line;
-        return is_missing;
+        return result;
     }
 
   private:
-    static constexpr std::uint32_t empty = UINT32_MAX;
+    struct Line {
+        std::uint32_t number = UINT32_MAX;
+        bool is_changed = false;
+    };
     std::uint32_t sets_;
-    std::vector<std::uint32_t> tags_; // per set from the line used last to the one used longest ago
+    std::vector<Line> lines_; // per set from the line used last to the one used longest ago
 };
 
 // Counts different numbers below a bound, tick by tick, without clearing anything between ticks.

@@ -71,7 +71,8 @@ void ChipDevice::find_scene(std::span<const std::uint8_t> bytes)
 {
     const std::span<std::uint8_t> slots = processor_.memory_of("chip_slots");
     const std::span<std::uint8_t> second = slots.subspan(slots.size() / 2);
-    const bool is_second = std::equal(bytes.begin(), bytes.end(), second.begin());
+    const bool is_second =
+        bytes.size() <= second.size() && std::equal(bytes.begin(), bytes.end(), second.begin());
     const std::uint32_t base =
         processor_.address_of("chip_slots") + (is_second ? static_cast<std::uint32_t>(slots.size() / 2) : 0);
     crn_scene scene;
@@ -81,12 +82,15 @@ void ChipDevice::find_scene(std::span<const std::uint8_t> bytes)
     const auto place = [&](const void *part) {
         return base + static_cast<std::uint32_t>(static_cast<const std::uint8_t *>(part) - bytes.data());
     };
-    SceneLayout layout{place(scene.lumen.samples), scene.lumen.brick_count, 0, 0};
+    SceneLayout layout;
     if (scene.has_motion) {
         const auto &count = scene.motion.node_count_xyz;
         layout.motion = place(scene.motion.rows);
         layout.motion_bytes = count[0] * count[1] * count[2] * 3 * CRN_SCENE_MOTION_ROW * 2;
     }
+    const NearWords near = read_near(processor_);
+    layout.near_bricks = near.bricks;
+    layout.near_brick_count = near.slot_count;
     pricer_.set_scene(layout);
 }
 

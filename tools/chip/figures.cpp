@@ -44,6 +44,7 @@ void print_figures(const std::vector<TickPrice> &ticks)
     print("bricks", ticks, [](const TickPrice &t) { return t.bricks; });
     print("motion_rows", ticks, [](const TickPrice &t) { return t.motion_rows; });
     print("misses", ticks, [](const TickPrice &t) { return t.misses; });
+    print("near_misses", ticks, [](const TickPrice &t) { return t.near_misses; });
     for (const Board &board : boards)
         print("cycles_" + std::string(board.name), ticks,
               [&](const TickPrice &t) { return t.cycles(board); });
@@ -57,6 +58,7 @@ void print_functions(const Processor &processor, const std::vector<Spent> &spent
         Spent &sum = by_name[processor.function_at(block.address)];
         sum.cycles += block.cycles;
         sum.misses += block.misses;
+        sum.near_misses += block.near_misses;
     }
     std::vector<std::pair<double, std::string>> order;
     for (const auto &[name, sum] : by_name)
@@ -65,10 +67,11 @@ void print_functions(const Processor &processor, const std::vector<Spent> &spent
     std::sort(order.rbegin(), order.rend());
     for (const auto &[cycles, name] : order)
         if (cycles > 0.0)
-            std::printf("%-32s %9.0f cycles, %8.0f of them without misses, %6.1f misses\n", name.c_str(),
-                        cycles / static_cast<double>(ticks),
+            std::printf("%-32s %9.0f cycles, %8.0f of them without misses, %6.1f misses, %6.1f near\n",
+                        name.c_str(), cycles / static_cast<double>(ticks),
                         static_cast<double>(by_name[name].cycles) / static_cast<double>(ticks),
-                        static_cast<double>(by_name[name].misses) / static_cast<double>(ticks));
+                        static_cast<double>(by_name[name].misses) / static_cast<double>(ticks),
+                        static_cast<double>(by_name[name].near_misses) / static_cast<double>(ticks));
 }
 
 } // namespace chip

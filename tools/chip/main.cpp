@@ -38,11 +38,9 @@ void price_case(const Options &options)
     std::copy(bytes.begin(), bytes.end(), memory.begin());
     budget_case head;
     std::copy_n(bytes.begin(), sizeof head, reinterpret_cast<char *>(&head));
-    const std::uint32_t samples = processor.address_of("chip_case") +
-                                  static_cast<std::uint32_t>(sizeof head) + budget_padded(head.index_bytes) +
-                                  budget_padded(head.children_bytes);
-    pricer.set_scene({samples, head.lumen_bricks, 0, 0});
     if (processor.call("chip_start") == 0) throw PriceError("the core refuses the case; build it anew");
+    const NearWords near = read_near(processor);
+    pricer.set_scene({0, 0, near.bricks, near.slot_count});
     std::uint32_t is_right = 0;
     for (std::uint32_t tick = 0; tick < head.ticks; tick++)
         is_right = processor.call("chip_tick", tick, &pricer);
@@ -72,6 +70,8 @@ void price_recorded(const Options &options)
     for (const TickPrice &price : around) app.push_back(price.core_cycles);
     std::printf("app_cycles %.0f\n", percentile(app, 0.999));
     std::printf("scene_bytes %u\n", recording.header.scene_bytes);
+    const NearWords near = read_near(chip.processor());
+    std::printf("near_slots %u\nnear_nodes %u\n", near.slot_count, near.node_count);
     if (options.shows_functions) print_functions(chip.processor(), chip.pricer().spent(), prices.size());
 }
 

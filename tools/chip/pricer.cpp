@@ -20,6 +20,7 @@ double TickPrice::cycles(const Board &board) const
     const double per_ns = board.core_MHz * 1e-3;
     const bool is_state_cached = board.state_line_ns > 0.0;
     return core_cycles + (is_state_cached ? scene_misses : misses) * board.line_ns * per_ns +
+           (is_state_cached ? near_shared_misses : near_misses) * board.near_line_ns * per_ns +
            (is_state_cached ? state_misses * board.state_line_ns * per_ns : 0.0);
 }
 
@@ -27,7 +28,7 @@ Pricer::Pricer(const Processor &processor, const std::map<std::uint32_t, Instruc
                const std::string &step)
     : processor_(processor), code_(code), step_(processor.address_of(step)),
       block_by_address_(code_bytes / 2, none), lines_(Processor::scene_bytes / line_bytes),
-      bricks_(Processor::scene_bytes / brick_bytes + 1),
+      near_lines_(Processor::near_bytes / line_bytes), bricks_(Processor::near_bytes / brick_bytes + 1),
       motion_(Processor::scene_bytes / motion_row_bytes + 1)
 {
 }
@@ -86,6 +87,7 @@ void Pricer::begin_tick()
     return_address_ = processor_.return_address();
     tick_ = {};
     lines_.begin();
+    near_lines_.begin();
     bricks_.begin();
     motion_.begin();
 }
@@ -93,7 +95,7 @@ void Pricer::begin_tick()
 void Pricer::end_tick()
 {
     is_in_step_ = false;
-    tick_.lines = lines_.count();
+    tick_.lines = lines_.count() + near_lines_.count();
     tick_.bricks = bricks_.count();
     tick_.motion_rows = motion_.count();
     ticks_.push_back(tick_);
@@ -113,21 +115,36 @@ void Pricer::block(std::uint32_t address, std::uint32_t bytes)
     before_ = now;
 }
 
-void Pricer::access(std::uint32_t address, std::uint32_t, bool)
+void Pricer::access_near(std::uint32_t address, bool is_write)
+{
+    const auto cost = [](const Cache::Access &access) {
+        return (access.is_missing ? 1u : 0u) + (access.written_back != 0 ? 1u : 0u);
+    };
+    near_lines_.take((address - Processor::near_address) / line_bytes);
+    const std::uint32_t lines = cost(scene_cache_.access(address, is_write));
+    tick_.near_misses += lines;
+    if (is_spent_kept_) blocks_[before_].spent.near_misses += lines;
+    tick_.near_shared_misses += cost(shared_cache_.access(address, is_write));
+    if (address >= scene_.near_bricks && address - scene_.near_bricks < scene_.near_brick_count * brick_bytes)
+        bricks_.take((address - scene_.near_bricks) / brick_bytes);
+}
+
+void Pricer::access(std::uint32_t address, std::uint32_t, bool is_write)
 {
     if (!is_in_step_) return;
     const bool is_scene = address >= Processor::scene_address;
     const std::uint32_t state_end = Processor::state_address + Processor::state_bytes - stack_bytes;
     const bool is_state = address >= Processor::state_address && address < state_end;
-    if (is_state) tick_.state_misses += shared_cache_.misses(address);
+    if (is_state) tick_.state_misses += shared_cache_.access(address, false).is_missing;
+    if (address >= Processor::near_address && address - Processor::near_address < Processor::near_bytes)
+        return access_near(address, is_write);
     if (!is_scene) return;
     lines_.take((address - Processor::scene_address) / line_bytes);
-    const bool is_missing = scene_cache_.misses(address);
-    tick_.misses += is_missing;
-    if (is_spent_kept_) blocks_[before_].spent.misses += is_missing;
-    tick_.scene_misses += shared_cache_.misses(address);
-    if (address >= scene_.samples && address - scene_.samples < scene_.brick_count * brick_bytes)
-        bricks_.take((address - scene_.samples) / brick_bytes);
+    const Cache::Access access = scene_cache_.access(address, is_write);
+    tick_.misses += access.is_missing;
+    tick_.near_misses += access.written_back != 0;
+    if (is_spent_kept_) blocks_[before_].spent.misses += access.is_missing;
+    tick_.scene_misses += shared_cache_.access(address, is_write).is_missing;
     if (address >= scene_.motion && address - scene_.motion < scene_.motion_bytes)
         motion_.take((address - scene_.motion) / motion_row_bytes);
 }

@@ -14,27 +14,29 @@ namespace chip
 
 struct TickPrice {
     std::uint32_t instructions = 0;
-    std::uint32_t core_cycles = 0;       // of the pipeline, with branches, without misses
-    std::uint32_t branch_cycles = 0;     // ... those of wrong predictions
-    std::uint32_t lines = 0, bricks = 0; // different ones of the scene
-    std::uint32_t motion_rows = 0;       // different rows of the heart's lattice, 52 bytes each
-    std::uint32_t misses = 0;            // of the scene's lines
-    std::uint32_t state_misses = 0;      // of the state's lines where the state is cached with the scene
-    std::uint32_t scene_misses = 0;      // ... and of the scene's lines there
+    std::uint32_t core_cycles = 0;        // of the pipeline, with branches, without misses
+    std::uint32_t branch_cycles = 0;      // ... those of wrong predictions
+    std::uint32_t lines = 0, bricks = 0;  // different ones of the scene
+    std::uint32_t motion_rows = 0;        // different rows of the heart's lattice, 52 bytes each
+    std::uint32_t misses = 0;             // of the scene's lines
+    std::uint32_t near_misses = 0;        // of lines of near memory, and changed ones that are written back
+    std::uint32_t state_misses = 0;       // of the state's lines where the state is cached with the scene
+    std::uint32_t scene_misses = 0;       // ... and of the scene's lines there
+    std::uint32_t near_shared_misses = 0; // ... and of near memory
     double cycles(const Board &board) const;
     double share(const Board &board) const { return cycles(board) / board.tick_cycles(); }
 };
 
 // Where the parts of the lumen lie in the memory of the processor.
 struct SceneLayout {
-    std::uint32_t samples = 0, brick_count = 0;
-    std::uint32_t motion = 0, motion_bytes = 0; // 0: the vessel does not move
+    std::uint32_t motion = 0, motion_bytes = 0;          // 0: the vessel does not move
+    std::uint32_t near_bricks = 0, near_brick_count = 0; // copies in near memory
 };
 
 // What the priced ticks spent in the code of one block.
 struct Spent {
     std::uint32_t address = 0;
-    std::uint64_t cycles = 0, misses = 0; // cycles without misses
+    std::uint64_t cycles = 0, misses = 0, near_misses = 0; // cycles without misses
 };
 
 class Pricer final : public Observer
@@ -85,7 +87,9 @@ class Pricer final : public Observer
     std::uint32_t before_ = none; // the block that ran last
     BranchPredictor branches_;
     Cache scene_cache_{cache_bytes}, shared_cache_{cache_bytes};
-    Distinct lines_, bricks_, motion_;
+    void access_near(std::uint32_t address, bool is_write);
+
+    Distinct lines_, near_lines_, bricks_, motion_;
     bool is_in_step_ = false, is_spent_kept_ = true;
     TickPrice tick_, rest_;
     std::vector<TickPrice> ticks_;

@@ -39,7 +39,8 @@ Processor::Processor(const std::string &image)
     memories_ = {{0, std::vector<std::uint8_t>(192 << 10)},
                  {end_address, std::vector<std::uint8_t>(4 << 10)},
                  {state_address, std::vector<std::uint8_t>(state_bytes)},
-                 {0x20200000, std::vector<std::uint8_t>(512 << 10)},
+                 {near_address, std::vector<std::uint8_t>(near_bytes)},
+                 {host_address, std::vector<std::uint8_t>(512 << 10)},
                  {scene_address, std::vector<std::uint8_t>(scene_bytes)}};
     load(image);
     open();
@@ -125,6 +126,13 @@ std::uint32_t Processor::word_of(const std::string &symbol)
     std::uint32_t word;
     std::memcpy(&word, memory_of(symbol).data(), sizeof word);
     return word;
+}
+
+NearWords read_near(Processor &processor)
+{
+    NearWords words;
+    std::memcpy(&words, processor.memory_of("near_memory").data(), sizeof words);
+    return words;
 }
 
 std::uint32_t Processor::return_address() const

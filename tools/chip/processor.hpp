@@ -27,6 +27,9 @@ class Processor
 {
   public:
     static constexpr std::uint32_t scene_address = 0x70000000, scene_bytes = 16 << 20;
+    static constexpr std::uint32_t near_address = 0x2021c000,
+                                   near_bytes = 400 << 10;    // firmware/core/near/near.h
+    static constexpr std::uint32_t host_address = 0x30000000; // buffers between `chip` and the image
     static constexpr std::uint32_t state_address = 0x20000000, state_bytes = 320 << 10;
 
     // Throws PriceError when the image is missing or is no image for this board.
@@ -64,5 +67,12 @@ class Processor
     Observer *observer_ = nullptr;
     uc_struct *emulator_ = nullptr;
 };
+
+// The beginning of crn_near (firmware/core/near/near.h), as a processor with words of 32 bits has it.
+struct NearWords {
+    std::uint32_t tick, spans, entries, child_begin, slots, slot_count, slot_next, brick_count, bricks, lists,
+        nodes, node_count, node_next, numbers, slices_copied, nodes_copied;
+};
+NearWords read_near(Processor &processor);
 
 } // namespace chip

@@ -43,6 +43,7 @@ crn_install_archives("${CRN_HOST_ROOMS}" host)
 macro(crn_install_programs)
     install(${ARGN} COMPONENT programs)
 endmacro()
+install(FILES firmware/core/near/near.h DESTINATION ${include_folder}/firmware/core/near COMPONENT core)
 install(FILES shared/version.h DESTINATION ${include_folder}/shared COMPONENT core)
 install(FILES firmware/port/port.h firmware/port/port_built.h firmware/port/udc.h
     DESTINATION ${include_folder}/firmware/port COMPONENT core)

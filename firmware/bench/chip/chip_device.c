@@ -5,12 +5,18 @@
 
 #include <string.h>
 
-enum { CHIP_IN_BYTES = 1 << 17, CHIP_OUT_BYTES = 1 << 18, CHIP_SLOT_BYTES = 8 << 20 };
+enum {
+    CHIP_IN_BYTES = 1 << 17,
+    CHIP_OUT_BYTES = 1 << 18,
+    CHIP_SLOT_BYTES = 4 << 20,
+    CHIP_NEAR_BYTES = 400 << 10
+};
 
 static crn_app app __attribute__((section(".hot"), aligned(8)));
 uint8_t chip_slots[2][CHIP_SLOT_BYTES] __attribute__((section(".scenes"), aligned(32)));
-uint8_t chip_in[CHIP_IN_BYTES] __attribute__((section(".dma"), aligned(8)));
-uint8_t chip_out[CHIP_OUT_BYTES] __attribute__((section(".dma"), aligned(8)));
+static uint8_t near_memory[CHIP_NEAR_BYTES] __attribute__((section(".near"), aligned(32)));
+uint8_t chip_in[CHIP_IN_BYTES] __attribute__((section(".host"), aligned(8)));
+uint8_t chip_out[CHIP_OUT_BYTES] __attribute__((section(".host"), aligned(8)));
 uint32_t chip_out_count;
 static uint32_t time_us;
 
@@ -60,6 +66,9 @@ static const crn_port port = {
     .serial = "chip",
     .scene_slots = {chip_slots[0], chip_slots[1]},
     .scene_slot_bytes = CHIP_SLOT_BYTES,
+    .scene_large_bytes = 2 * CHIP_SLOT_BYTES,
+    .near_memory = near_memory,
+    .near_bytes = CHIP_NEAR_BYTES,
 };
 
 void chip_start(void)

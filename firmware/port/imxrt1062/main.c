@@ -13,6 +13,7 @@
 static crn_app app __attribute__((section(".hot"), aligned(8)));
 static crn_rig_usb usb __attribute__((section(".dma"), aligned(32)));
 static uint8_t slots[2][BOARD_SLOT_BYTES] __attribute__((section(".scenes"), aligned(32)));
+static uint8_t near_memory[BOARD_NEAR_BYTES] __attribute__((section(".near"), aligned(32)));
 static char serial[BOARD_SERIAL_BYTES + 1];
 _Static_assert((int)BOARD_SERIAL_BYTES == (int)CRN_PORT_SERIAL_BYTES, "the serial fits");
 
@@ -29,6 +30,8 @@ static crn_port port = {
     .now_us = clocks_now_us,
     .serial = serial,
     .scene_slots = {slots[0], slots[1]},
+    .near_memory = near_memory,
+    .near_bytes = BOARD_NEAR_BYTES,
     .capabilities = CRN_WIRE_CAPABILITY_ENCODERS | CRN_WIRE_CAPABILITY_MOTORS,
     .force_uN_per_count = BOARD_FORCE_uN_per_count,
     .built = {.translation_pm_per_count = BOARD_TRANSLATION_pm_per_count,
@@ -91,6 +94,7 @@ int main(void)
     bool has_scenes = scene_ram_start();
     memory_map_start();
     port.scene_slot_bytes = has_scenes ? BOARD_SLOT_BYTES : 0;
+    port.scene_large_bytes = 2 * port.scene_slot_bytes;
     clocks_serial(serial);
     encoders_start();
     sensors_start();

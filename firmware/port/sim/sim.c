@@ -89,13 +89,10 @@ static void pass_millisecond(crn_sim *sim)
 crn_sim *crn_sim_create(uint32_t scene_slot_bytes)
 {
     crn_sim *sim = calloc(1, sizeof *sim);
-    /* Each scene slot gets one byte more than requested, because a slot of 0 bytes must also be a valid
-     * allocation.
-     */
-    uint8_t *slots[2] = {malloc((size_t)scene_slot_bytes + 1), malloc((size_t)scene_slot_bytes + 1)};
-    if (sim == NULL || slots[0] == NULL || slots[1] == NULL) {
-        free(slots[0]);
-        free(slots[1]);
+    /* One byte more than requested, because slots of 0 bytes must also be a valid allocation. */
+    uint8_t *slots = malloc(2 * (size_t)scene_slot_bytes + 1);
+    if (sim == NULL || slots == NULL) {
+        free(slots);
         free(sim);
         return NULL;
     }
@@ -108,7 +105,7 @@ crn_sim *crn_sim_create(uint32_t scene_slot_bytes)
         .outputs = sim_outputs,
         .now_us = sim_now_us,
         .serial = "sim",
-        .scene_slots = {slots[0], slots[1]},
+        .scene_slots = {slots, slots + scene_slot_bytes},
         .scene_slot_bytes = scene_slot_bytes,
         .capabilities = 0,
         .built = {.damping_mN_s_per_m = CRN_SIM_DAMPING_mN_s_per_m,
@@ -122,8 +119,14 @@ void crn_sim_destroy(crn_sim *sim)
 {
     if (sim == NULL) return;
     free(sim->port.scene_slots[0]);
-    free(sim->port.scene_slots[1]);
     free(sim);
+}
+
+void crn_sim_set_memory(crn_sim *sim, bool joins_slots, void *near_memory, uint32_t near_bytes)
+{
+    sim->port.scene_large_bytes = joins_slots ? 2 * sim->port.scene_slot_bytes : 0;
+    sim->port.near_memory = near_memory;
+    sim->port.near_bytes = near_bytes;
 }
 
 void crn_sim_write(crn_sim *sim, const uint8_t *bytes, size_t count)

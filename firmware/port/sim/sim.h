@@ -20,6 +20,10 @@ typedef struct crn_sim crn_sim;
 crn_sim *crn_sim_create(uint32_t scene_slot_bytes);
 void crn_sim_destroy(crn_sim *sim);
 
+/* Gives the device the memories of a board, before its first scene: a scene larger than a slot may take both,
+ * and parts of a scene are kept in `near_memory`, which the caller owns (crn_port). */
+void crn_sim_set_memory(crn_sim *sim, bool joins_slots, void *near_memory, uint32_t near_bytes);
+
 /* Lets the device use a scene in the caller's memory, without an upload (crn_app_scene_share()). */
 bool crn_sim_share_scene(crn_sim *sim, const uint8_t *bytes, uint32_t byte_count, uint32_t crc32);
 

@@ -90,7 +90,7 @@ static void capabilities(void *context, crn_hid_capabilities *report)
     report->capabilities = CRN_WIRE_CAPABILITY_LOCKSTEP | CRN_WIRE_CAPABILITY_FREE_RUN |
                            CRN_WIRE_CAPABILITY_SNAPSHOTS | port->capabilities;
     report->tick_us = CRN_TICK_us;
-    report->scene_bytes_max = port->scene_slot_bytes;
+    report->scene_bytes_max = crn_app_scene_bytes_max(port);
     report->track_count = port->capabilities & CRN_WIRE_CAPABILITY_ENCODERS ? CRN_PORT_TOOL_MAX : 0;
 }
 

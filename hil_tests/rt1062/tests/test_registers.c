@@ -257,6 +257,32 @@ static void cache_takes_the_time_of_its_lines(void **state)
     assert_int_equal(cache.hits, 2);
     double us = (double)(chip->now - begin) / RT_INSTANTS_PER_us;
     assert_true(fabs(us - 6 * line_us) < 0.01);
+    begin = chip->now; /* of the OCRAM, a line takes 44 cycles, and so does a changed one that leaves */
+    const uint32_t near_address = RT_OCRAM_BEGIN + 0x20000;
+    for (uint32_t way = 0; way < 5; way++)
+        rt_cache_access(&cache, chip, near_address + 64 + way * way_bytes, true);
+    assert_int_equal(cache.near_misses, 5);
+    assert_int_equal(cache.misses, 5);
+    assert_int_equal(chip->now - begin, 6 * 44 * chip->clocks.instants_per_cycle);
+}
+
+/* A region of 512 kB of which the first two eighths are left out, as the port has it over the OCRAM. */
+static void memory_protection_leaves_out_parts_of_a_region(void **state)
+{
+    rt_chip *chip = *state;
+    const uint32_t ram = 0x20200000u, rbar = 0xe000ed9cu, rasr = 0xe000eda0u, size_512_kB = 18 << 1 | 1,
+                   all = 3 << 24, uncached = 1 << 19, write_back = 1 << 19 | 3 << 16;
+    rt_core_write(chip, rbar, ram | 1 << 4 | 3);
+    rt_core_write(chip, rasr, uncached | all | size_512_kB);
+    rt_core_write(chip, rbar, ram | 1 << 4 | 4);
+    rt_core_write(chip, rasr, write_back | all | 3 << 8 | size_512_kB);
+    rt_core_write(chip, 0xe000ed94u, 1);
+    assert_false(rt_mpu_is_cached(chip, ram));
+    assert_false(rt_mpu_is_cached(chip, ram + 0x1ffff));
+    assert_true(rt_mpu_is_cached(chip, ram + 0x20000));
+    assert_true(rt_mpu_is_cached(chip, ram + 0x7ffff));
+    assert_true(rt_mpu_allows(chip, ram, RT_ACCESS_WRITE));
+    assert_false(rt_mpu_allows(chip, ram + 0x80000, RT_ACCESS_READ));
 }
 
 /* --- timers and watchdogs --- */
@@ -469,6 +495,7 @@ int main(void)
         ON(command_without_a_data_pin_never_ends),
         ON(locked_look_up_table_keeps_its_words),
         ON(cache_takes_the_time_of_its_lines),
+        ON(memory_protection_leaves_out_parts_of_a_region),
         ON(pit_makes_an_edge_every_millisecond),
         ON(gpt_counts_microseconds),
         ON(watchdog_bites_two_seconds_after_the_last_service),

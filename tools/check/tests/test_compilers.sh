@@ -22,7 +22,8 @@ report() { # report STATUS NAME [FILE]
 build() { # build NAME COMPILER FLAGS...
     local name="$1"
     shift
-    "$@" -std=c11 -I. firmware/core/*.c tools/check/core_{hash,scenes}.c tools/check/console_stdio.c \
+    "$@" -std=c11 -I. firmware/core/*.c firmware/core/near/*.c tools/check/core_{hash,scenes}.c \
+        tools/check/console_stdio.c \
         -o "$folder/$name" \
         >"$folder/log" 2>&1
 }
@@ -53,7 +54,7 @@ report $? "the hash program builds with gcc -O2" "$folder/log"
 report $? "the hash program runs" "$folder/expected"
 
 # A golden hash changes only in a commit whose message says why the physics changed; then write it anew with
-# gcc -std=c11 -O2 -I. firmware/core/*.c tools/check/core_{hash,scenes}.c tools/check/console_stdio.c -o hash
+# gcc -std=c11 -O2 -I. firmware/core/{,near/}*.c tools/check/core_{hash,scenes}.c tools/check/console_stdio.c -o hash
 # ./hash > tools/check/core_hash.golden
 diff tools/check/core_hash.golden "$folder/expected" >"$folder/log" 2>&1
 report $? "the hashes are those of tools/check/core_hash.golden" "$folder/log"

@@ -331,7 +331,9 @@ ALLOWED = {
     "tools/lab/ct/program": COMMAND_LINE
     + ["tools/lab/ct", "host/cases/programs.hpp", "host/base/text.hpp", "tools/lab/reference_rod/truth_options.hpp"],
     # The window of a patient's CT draws with the suite's parts, and runs the command `ct patient`.
-    "tools/lab/ct/review": ["tools/lab/ct/patient", "tools/centreline", "tools/bake", "host"],
+    "tools/lab/ct/review": ["tools/lab/ct/patient", "tools/lab/ct/arteries", "tools/centreline", "tools/bake", "host"],
+    "tools/lab/ct/arteries": ["tools/lab/ct", "tools/centreline", "tools/mesh", "host", "shared/wire/wire_frame.h"],
+    "tools/lab/ct/arteries/tests": ["tools/lab/ct", "tools/mesh", "host/base/tests/folder.hpp"],
     "tools/lab/ct/patient": [
         "tools/lab/ct",
         "tools/centreline",
@@ -341,7 +343,6 @@ ALLOWED = {
         "host/base",
         "host/xray",
         "host/picture/picture.hpp",
-        "shared/wire/wire_frame.h",
     ],
     "tools/lab/ct/patient/tests": [
         "tools/lab/ct",

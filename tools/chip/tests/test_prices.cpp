@@ -20,7 +20,7 @@ constexpr std::uint32_t set_stride = 256 * chip::line_bytes; // 32 kB with four 
 int misses(chip::Cache &cache, std::initializer_list<std::uint32_t> addresses)
 {
     int count = 0;
-    for (const std::uint32_t address : addresses) count += cache.misses(address);
+    for (const std::uint32_t address : addresses) count += cache.access(address, false).is_missing;
     return count;
 }
 
@@ -47,8 +47,19 @@ void a_scene_larger_than_the_cache_is_missed_whole(void **)
     int count = 0;
     for (int round = 0; round < 2; round++)
         for (std::uint32_t address = 0; address < 2 * chip::cache_bytes; address += chip::line_bytes)
-            count += cache.misses(address);
+            count += cache.access(address, false).is_missing;
     assert_int_equal(count, 2 * 2 * 1024);
+}
+
+void a_changed_line_is_written_back_when_it_leaves(void **)
+{
+    chip::Cache cache(chip::cache_bytes);
+    const std::uint32_t changed = 3 * set_stride + 8;
+    cache.access(changed, true);
+    for (std::uint32_t line = 4; line < 7; line++)
+        assert_int_equal(cache.access(line * set_stride, false).written_back, 0);
+    assert_int_equal(cache.access(7 * set_stride, false).written_back, 3 * set_stride);
+    assert_int_equal(cache.access(8 * set_stride, false).written_back, 0);
 }
 
 void numbers_are_counted_once_a_tick(void **)
@@ -94,7 +105,8 @@ void a_miss_takes_84_clocks_of_the_psram(void **)
     chip::TickPrice price;
     price.core_cycles = 1000;
     price.misses = 10;
-    assert_float_equal(price.cycles(chip::boards[0]), 1000 + 10 * 84 * 600 / 79.2, 1e-6);
+    price.near_misses = 5; // 11 clocks of 150 MHz each
+    assert_float_equal(price.cycles(chip::boards[0]), 1000 + 10 * 84 * 600 / 79.2 + 5 * 44, 1e-6);
 }
 
 void percentiles_are_nearest_ranks(void **)
@@ -125,6 +137,7 @@ int main()
         cmocka_unit_test(a_line_is_missed_once),
         cmocka_unit_test(a_set_keeps_the_four_lines_used_last),
         cmocka_unit_test(a_scene_larger_than_the_cache_is_missed_whole),
+        cmocka_unit_test(a_changed_line_is_written_back_when_it_leaves),
         cmocka_unit_test(numbers_are_counted_once_a_tick),
         cmocka_unit_test(a_loop_surprises_at_its_end),
         cmocka_unit_test(flags_that_are_known_early_make_a_surprise_cheaper),

@@ -6,9 +6,9 @@
 #include "host/picture/picture.hpp"
 #include "tools/bake/bake.hpp"
 #include "tools/centreline/formats.hpp"
+#include "tools/lab/ct/arteries/scan_copy.hpp"
 #include "tools/lab/ct/commands.hpp"
 #include "tools/lab/ct/patient/naming.hpp"
-#include "tools/lab/ct/patient/scan_copy.hpp"
 #include "tools/lab/ct/patient/unlabelled.hpp"
 #include "tools/lab/ct/patient/vessels.hpp"
 #include "tools/lab/ct/patient/xray_pictures.hpp"
@@ -36,7 +36,7 @@ std::string names_checksum(const NamesTable &names)
     return checksum(text.data(), text.size());
 }
 
-constexpr const char *steps_version = "12"; // another number: every step is made again
+constexpr const char *steps_version = "13"; // another number: every step is made again
 
 struct Patient {
     Volume scan;

@@ -1,9 +1,9 @@
 // The step of `ct patient` that finds the arteries without a label map. It keeps its result in the patient's
 // folder.
 #pragma once
+#include "tools/lab/ct/arteries/arteries.hpp"
+#include "tools/lab/ct/arteries/steps.hpp"
 #include "tools/lab/ct/page.hpp"
-#include "tools/lab/ct/patient/arteries.hpp"
-#include "tools/lab/ct/patient/steps.hpp"
 
 namespace crn::ct
 {

@@ -3,8 +3,8 @@
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"
-#include "tools/lab/ct/patient/body.hpp"
-#include "tools/lab/ct/patient/clicks.hpp"
+#include "tools/lab/ct/arteries/body.hpp"
+#include "tools/lab/ct/arteries/clicks.hpp"
 #include "tools/lab/ct/segment.hpp"
 
 namespace crn::ct

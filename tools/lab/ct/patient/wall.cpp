@@ -1,6 +1,6 @@
 #include "tools/lab/ct/patient/wall.hpp"
-#include "tools/lab/ct/patient/blocks.hpp"
-#include "tools/lab/ct/patient/bright.hpp"
+#include "tools/lab/ct/arteries/blocks.hpp"
+#include "tools/lab/ct/arteries/bright.hpp"
 #include "tools/lab/ct/snake.hpp"
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@ namespace
 
 using Eigen::Vector3d;
 
+constexpr float in_artery = 1, in_bridge = 2, in_thread = 3; // what the mask says
 constexpr double cube_min_mm = 0.7, cube_max_mm = 1.0, margin_mm = 8.0;
 
 // The brightest blood within 2 mm: partial volume makes thin arteries darker. It is at most the mean of the
@@ -76,9 +77,11 @@ Volume near_wide(const Volume &depth)
 
 Cut cut_arteries(const Volume &scan, const LabelMap &labels)
 {
-    const std::vector<int> wanted = labels.numbers(is_artery),
-                           bridges =
-                               labels.numbers([](const std::string &name) { return name == bridge_name; });
+    const std::vector<int> wanted = labels.numbers(is_artery);
+    const auto kind_of = [&](int label) {
+        const std::string &name = labels.names.at(label);
+        return name == bridge_name ? in_bridge : name == thread_name ? in_thread : in_artery;
+    };
     std::array<int, 3> low = scan.size, high = {0, 0, 0};
     Volume mask = scan.like(0);
     for (int k = 0; k < scan.size[2]; ++k)
@@ -86,7 +89,7 @@ Cut cut_arteries(const Volume &scan, const LabelMap &labels)
             for (int i = 0; i < scan.size[0]; ++i) {
                 const std::size_t at = scan.at(i, j, k);
                 if (std::find(wanted.begin(), wanted.end(), labels.label(at)) == wanted.end()) continue;
-                mask.hu[at] = std::count(bridges.begin(), bridges.end(), labels.label(at)) > 0 ? 2.0f : 1.0f;
+                mask.hu[at] = kind_of(labels.label(at));
                 const int here[3] = {i, j, k};
                 for (std::size_t axis = 0; axis < 3; ++axis) {
                     low[axis] = std::min(low[axis], here[axis]);
@@ -130,6 +133,7 @@ double cube_of(const Volume &scan)
 Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &contrast, const Report &report)
 {
     constexpr float edge_mm = 1.6f, half_mm = 0.8f; // width of the edge, from a scanner's blur
+    constexpr float thread_mm = -0.2f;              // the same where a click says that an artery is
     constexpr float near_mm = 3.0f;                 // of the labelled voxels' border
     constexpr float inside_mm = 2.0f;               // deeper, dark voxels are noise or streaks
     constexpr float air_HU = -200, fat_HU = -50;    // of what is beside: lungs tell nothing about the wall
@@ -158,8 +162,9 @@ Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &co
                 // Calcium is no lumen: above the blood's range, brighter is farther outside.
                 const float hu = std::min(cut.scan.hu[at], 2 * range.high_HU - cut.scan.hu[at]);
                 const float edge = edge_mm * (0.5f * (blood + other) - hu) / (blood - other);
-                const bool is_shown = cut.mask.hu[at] < 2;
-                if (is_shown) value = std::clamp(edge, value - outside_mm, value + inside_mm);
+                const float deepest = cut.mask.hu[at] == in_thread ? thread_mm : inside_mm;
+                if (cut.mask.hu[at] != in_bridge)
+                    value = std::clamp(edge, value - outside_mm, value + deepest);
                 value = std::clamp(value, -half_mm, half_mm); // alike on both sides, for the smoothing
             }
     report("find the wall", 0.6);

@@ -1,6 +1,6 @@
 // Finds the wall of arteries at half the height between their blood and what is beside them.
 #pragma once
-#include "tools/lab/ct/patient/body.hpp"
+#include "tools/lab/ct/arteries/body.hpp"
 #include "tools/lab/ct/segment.hpp"
 
 namespace crn::ct

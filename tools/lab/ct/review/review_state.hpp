@@ -3,7 +3,7 @@
 #pragma once
 #include "host/cases/programs.hpp"
 #include "host/live/background_task.hpp"
-#include "tools/lab/ct/patient/clicks.hpp"
+#include "tools/lab/ct/arteries/clicks.hpp"
 #include "tools/lab/ct/review/patient_folder.hpp"
 #include "tools/lab/ct/review/section.hpp"
 #include <chrono>

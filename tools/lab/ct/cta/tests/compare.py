@@ -7,6 +7,7 @@ import math
 
 CELL_MM = 4.0
 LEAST_MM = 10  # shorter ones end at the scan's border, or become thinner at once
+FOUND_SHARE = 0.5  # of a vessel's length
 WIDER = 1.05  # a vessel that goes on as another one has the same radius
 
 
@@ -85,13 +86,35 @@ class Near:
         return best
 
 
+def missed(truth, found, count):
+    """Returns the places where a person who looks at the scan would click: the middle of the longest missed stretch of
+    each vessel that counts as missed, for the longest ones. An entry is (mm missed, name, place)."""
+    near, places = Near(found), []
+    for (name, _), points in truth.items():
+        hits = [near.nearest(place, reach_mm(radius)) is not None for place, radius in points]
+        if sum(hits) >= FOUND_SHARE * len(points):
+            continue
+        stretches = [
+            [place for _, (place, _) in group]
+            for is_hit, group in itertools.groupby(zip(hits, points), key=lambda pair: pair[0])
+            if not is_hit
+        ]
+        longest = max(stretches, key=len)
+        places.append((hits.count(False), name, longest[len(longest) // 2]))
+    return sorted(places, reverse=True)[:count]
+
+
+def reach_mm(radius):
+    return max(1.5, 0.5 * radius)
+
+
 def compare(truth, found):
     """A point of a vessel counts as found if a centreline passes within half the radius, at least 1.5 mm; a vessel, if
     half of its length does. Returns per vessel: name, length in mm, share found, mean distance in mm, mean error of the
     radius as a share, true mean radius in mm."""
     near, rows = Near(found), []
     for (name, _), points in truth.items():
-        hits = [(near.nearest(place, max(1.5, 0.5 * radius)), radius) for place, radius in points]
+        hits = [(near.nearest(place, reach_mm(radius)), radius) for place, radius in points]
         good = [(hit, radius) for hit, radius in hits if hit]
         rows.append(
             (
@@ -108,7 +131,7 @@ def compare(truth, found):
 
 def summary(rows):
     """Vessels found, mean distance and mean error of the radius, weighted by the length found."""
-    found = [row for row in rows if row[2] >= 0.5]
+    found = [row for row in rows if row[2] >= FOUND_SHARE]
     length = sum(row[1] * row[2] for row in found) or 1
     return (
         len(found) / max(1, len(rows)),

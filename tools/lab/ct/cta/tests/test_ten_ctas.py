@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Ten generated persons: virtual CT angiograms become scenes without a click. Prints a row per person, as in
-docs/own_ct.md, and TAP.
+"""Ten generated persons: virtual CT angiograms become scenes with at most five clicks, into the longest arteries that
+were missed. Prints a row per person, as in docs/own_ct.md, and TAP.
 """
 
 import os
@@ -11,7 +11,8 @@ import virtual_cta  # noqa: E402
 
 SEEDS = range(1, 11)
 OPTIONS = ("--pixel-mm", "0.9", "--slice-mm", "1.25")
-MADE, WIDE_FOUND, FOUND = 9, 0.95, 0.9
+CLICKS_MAX = virtual_cta.CLICKS_MAX
+MADE, WIDE_FOUND, FOUND, UNAIDED = 9, 0.95, 0.95, 0.9
 APART_MM, RADIUS, FORCE = 0.3, 0.08, 0.10
 
 
@@ -19,7 +20,9 @@ def main():
     report, rows, findings = virtual_cta.tree.Report(), [], []
     for seed in SEEDS:
         try:
-            rows.append(virtual_cta.row_of(seed, os.path.join(virtual_cta.BUILD, "virtual_cta", str(seed)), OPTIONS))
+            rows.append(
+                virtual_cta.row_of(seed, os.path.join(virtual_cta.BUILD, "virtual_cta", str(seed)), OPTIONS, CLICKS_MAX)
+            )
             print("# " + virtual_cta.text_of(rows[-1]), flush=True)
         except RuntimeError as error:
             findings.append(str(error))
@@ -30,9 +33,13 @@ def main():
     def mean(figure):
         return sum(map(figure, rows)) / max(1, len(rows))
 
-    for name, key, least in (("of 4 mm", "wide", WIDE_FOUND), ("of 2 mm", "all", FOUND)):
+    for name, key, least in (
+        ("of 4 mm are found", "wide", WIDE_FOUND),
+        ("of 2 mm are found with at most %d clicks" % CLICKS_MAX, "all", FOUND),
+        ("of 2 mm are found without a click", "unaided", UNAIDED),
+    ):
         found = mean(lambda row, key=key: row[key][0])
-        report.check("vessels %s are found" % name, ["only %.0f %%" % (100 * found)] if found < least else [])
+        report.check("vessels %s" % name, ["only %.0f %%" % (100 * found)] if found < least else [])
     far = [
         "seed %d: %.2f mm, %.1f %%" % (row["seed"], row["all"][1], 100 * row["all"][2])
         for row in rows

@@ -17,6 +17,7 @@ import tree  # noqa: E402
 BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
 LEAST_RADIUS_MM, WIDE_RADIUS_MM = 1.0, 2.0
 LIMIT_S = 1800
+CLICKS_MAX = 5
 BEGIN = "begin wire inserted %d mm"
 STARTS_MM = (5, 6, 7, 8, 9, 10, 11, 12)
 ENTRY = re.compile(r"position_mm = .*\ndirection = .*\n")
@@ -75,8 +76,9 @@ def forces(scene):
     return [a / len(STARTS_MM) for a in sums]
 
 
-def row_of(seed, folder, options=()):
-    """Returns the figures of one person."""
+def row_of(seed, folder, options=(), clicks_max=0):
+    """Returns the figures of one person. With clicks, arteries that were missed are clicked on, the longest first, each
+    in the middle of what is missed: as a person does who compares the scan with the arteries that were found."""
     person, found = os.path.join(folder, "person"), os.path.join(folder, "found")
     scan, truth = os.path.join(folder, "cta.nii.gz"), os.path.join(folder, "truth.csv")
     os.makedirs(folder, exist_ok=True)
@@ -84,10 +86,21 @@ def row_of(seed, folder, options=()):
     made_s = run("ct", "cta", person, "-o", scan, "--truth", truth, "--seed", str(seed), *options)
     begin = time.monotonic()
     cpu_s = run("ct", "patient", scan, "-o", found)
+    true, tree_file = compare.read_truth(truth, LEAST_RADIUS_MM), os.path.join(found, "tree.csv")
+    unaided = compare.summary(compare.compare(true, compare.read_tree(tree_file)))
+    clicks = compare.missed(true, compare.read_tree(tree_file), clicks_max)
+    if clicks:
+        options = [word for _, _, place in clicks for word in ("--click", "artery:%.1f,%.1f,%.1f" % place)]
+        cpu_s += run("ct", "patient", scan, "-o", found, *options)
     wall_s = time.monotonic() - begin
-    rows = compare.compare(
-        compare.read_truth(truth, LEAST_RADIUS_MM), compare.read_tree(os.path.join(found, "tree.csv"))
-    )
+    rows = compare.compare(true, compare.read_tree(tree_file))
+    for length_mm, name, place in clicks:
+        share = next((row[2] for row in rows if row[0] == name), 0.0)
+        print(
+            "# seed %d: click on %s at %.1f,%.1f,%.1f: %d mm missed, then %.0f %% found"
+            % ((seed, name) + place + (length_mm, 100 * share)),
+            flush=True,
+        )
     wide = [row for row in rows if row[5] >= WIDE_RADIUS_MM]
     scenes = [os.path.join(folder, name) for name in ("true.scene", "found.scene")]
     tour_scene(person, person, scenes[0])
@@ -104,7 +117,8 @@ def row_of(seed, folder, options=()):
         "cta_s": made_s,
         "cpu_s": cpu_s,
         "wall_s": wall_s,
-        "clicks": 0,
+        "clicks": len(clicks),
+        "unaided": unaided,
         "force": [f / t - 1 for f, t in zip(found_force, true_force)],
         "true_force": true_force,
     }
@@ -115,7 +129,11 @@ def text_of(row):
     columns = ["%d" % row["seed"], "%d of %d" % (row["wide_vessels"], row["vessels"])]
     for found, apart_mm, radius in (row["wide"], row["all"]):
         columns += ["%.0f %%" % (100 * found), "%.2f mm" % apart_mm, "%.1f %%" % (100 * radius)]
-    columns += ["%.0f s" % row["cpu_s"], "%+.1f %%, %+.1f %%, %+.0f %%" % tuple(100 * f for f in row["force"])]
+    columns += [
+        "%.0f %%, %d" % (100 * row["unaided"][0], row["clicks"]),
+        "%.0f s" % row["cpu_s"],
+        "%+.1f %%, %+.1f %%, %+.0f %%" % tuple(100 * f for f in row["force"]),
+    ]
     return "| " + " | ".join(columns) + " |"
 
 
@@ -128,6 +146,7 @@ if __name__ == "__main__":
                         int(number),
                         os.path.join(BUILD, "virtual_cta", number),
                         ("--pixel-mm", "0.9", "--slice-mm", "1.25"),
+                        CLICKS_MAX,
                     )
                 ),
                 flush=True,

@@ -3,9 +3,9 @@
 // an occlusion, one that touches a bone without a compact shell, and one of 2.4 mm that divides. One of its
 // ends runs along a bone and touches it.
 #include "tools/centreline/tree.hpp"
-#include "tools/lab/ct/patient/arteries.hpp"
-#include "tools/lab/ct/patient/bright.hpp"
-#include "tools/lab/ct/patient/tubes.hpp"
+#include "tools/lab/ct/arteries/arteries.hpp"
+#include "tools/lab/ct/arteries/bright.hpp"
+#include "tools/lab/ct/arteries/tubes.hpp"
 #include "tools/lab/ct/patient/wall.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include <algorithm>
@@ -295,6 +295,34 @@ static void a_clicked_artery_is_joined_and_a_cut_takes_away(void **)
     for (const double x : {30.0, 40.0}) assert_artery(labels, {x, 20, -10}, false);
 }
 
+// An artery of 2 mm that is dark over 4 and over 3 mm, as by noise: too dark for the growth, and for the
+// wall.
+static void one_click_traces_a_thin_artery_both_ways_through_dark_places(void **)
+{
+    const double y = -58, z = -10;
+    Volume scan = trunk().scan;
+    for (std::size_t at = 0; at < scan.count(); ++at) {
+        const Vector3d p = place_at(scan, at);
+        const bool is_dark = (p.x() > -26 && p.x() < -22) || (p.x() > -50 && p.x() < -47);
+        double value = static_cast<double>(scan.hu[at]);
+        fill(value, tube(p, {-8, y, z}, {-66, y, z}, 1.0), is_dark ? 150 : blood_HU);
+        scan.hu[at] = static_cast<float>(value);
+    }
+    Findings findings;
+    const auto with = [&](const std::vector<Click> &clicks) {
+        return find_arteries(scan, trunk().body, clicks, findings, silent);
+    };
+    const LabelMap without = with({}).labels;
+    assert_artery(without, {-15, y, z}, true);
+    for (const double x : {-40.0, -60.0}) assert_artery(without, {x, y, z}, false);
+    const FoundArteries clicked = with({click_of("artery:-40,-58,-10")});
+    const Volume level = wall_level(scan, clicked.labels, contrast_of(clicked.descending), silent);
+    for (double x = -15; x >= -64; x -= 1)
+        if (level.value(level.voxel({x, y, z})) >= 0) fail_msg("closed at x = %.0f", x);
+    for (const double x : {-24.0, -40.0, -60.0}) assert_true(level.value(level.voxel({x, y + 2.2, z})) > 0);
+    assert_artery(clicked.labels, {0, 10, -37}, false); // a vertebra
+}
+
 static void the_wall_is_where_the_truth_has_it(void **)
 {
     const Volume level = wall_level(trunk().scan, found().labels, contrast_of(found().descending), silent);
@@ -373,6 +401,7 @@ int main()
         cmocka_unit_test(without_an_aorta_and_a_click_the_message_asks_for_one),
         cmocka_unit_test(a_bridge_joins_the_two_ends_of_a_gap),
         cmocka_unit_test(a_clicked_artery_is_joined_and_a_cut_takes_away),
+        cmocka_unit_test(one_click_traces_a_thin_artery_both_ways_through_dark_places),
         cmocka_unit_test(the_wall_is_where_the_truth_has_it),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

@@ -1,8 +1,8 @@
 // Checks a patient's scan, separates the body from the table, and makes the CT of a scene.
 #pragma once
 #include "host/model/ct_volume.hpp"
-#include "tools/lab/ct/patient/labels.hpp"
-#include "tools/lab/ct/patient/mask.hpp"
+#include "tools/lab/ct/arteries/labels.hpp"
+#include "tools/lab/ct/arteries/mask.hpp"
 
 namespace crn::ct
 {

@@ -1,7 +1,7 @@
 // Finds the aorta in a CT with contrast medium, without a click and without a label map: as the longest stack
 // of bright, round, even discs in axial slices.
 #pragma once
-#include "tools/lab/ct/patient/body.hpp"
+#include "tools/lab/ct/arteries/body.hpp"
 
 namespace crn::ct
 {

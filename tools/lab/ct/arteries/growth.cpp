@@ -1,4 +1,4 @@
-#include "tools/lab/ct/patient/growth.hpp"
+#include "tools/lab/ct/arteries/growth.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
-#include "tools/lab/ct/patient/tubes.hpp"
-#include "tools/lab/ct/patient/bright.hpp"
+#include "tools/lab/ct/arteries/tubes.hpp"
+#include "tools/lab/ct/arteries/bright.hpp"
 #include "tools/lab/ct/snake.hpp"
 #include <Eigen/Eigenvalues>
 #include <algorithm>

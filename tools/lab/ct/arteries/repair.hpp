@@ -1,7 +1,7 @@
 // Mends arteries by clicks: cuts, bridges, and pieces that a click says are arteries.
 #pragma once
-#include "tools/lab/ct/patient/bright.hpp"
-#include "tools/lab/ct/patient/clicks.hpp"
+#include "tools/lab/ct/arteries/bright.hpp"
+#include "tools/lab/ct/arteries/clicks.hpp"
 #include <optional>
 
 namespace crn::ct

@@ -1,4 +1,4 @@
-#include "tools/lab/ct/patient/steps.hpp"
+#include "tools/lab/ct/arteries/steps.hpp"
 #include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"

@@ -1,7 +1,8 @@
-#include "tools/lab/ct/patient/arteries.hpp"
-#include "tools/lab/ct/patient/ascending.hpp"
-#include "tools/lab/ct/patient/bright.hpp"
-#include "tools/lab/ct/patient/repair.hpp"
+#include "tools/lab/ct/arteries/arteries.hpp"
+#include "tools/lab/ct/arteries/ascending.hpp"
+#include "tools/lab/ct/arteries/bright.hpp"
+#include "tools/lab/ct/arteries/repair.hpp"
+#include "tools/lab/ct/arteries/trace.hpp"
 #include <algorithm>
 
 namespace crn::ct
@@ -98,9 +99,10 @@ LabelMap labels_of(const Volume &scan, const Grown &grown, const Mask &aorta)
     LabelMap labels{scan.like(0), artery_names()};
     labels.volume.name = "arteries";
     for (std::size_t at = 0; at < scan.count(); ++at) {
-        const int label = grown.artery[at]  ? (aorta[at]         ? label_aorta
-                                               : grown.tubes[at] ? label_bridge
-                                                                 : label_artery)
+        const int label = grown.artery[at]  ? (aorta[at]                        ? label_aorta
+                                               : grown.tubes[at] == thread_mark ? label_thread
+                                               : grown.tubes[at]                ? label_bridge
+                                                                                : label_artery)
                           : grown.leaks[at] ? (grown.leaks[at] == heart_mark ? label_heart : label_organ)
                           : grown.bone[at]  ? label_bone
                                             : 0;
@@ -145,7 +147,8 @@ Eigen::Vector3d widest_place(const Volume &scan, const Bright &bright, const Mas
 NamesTable artery_names()
 {
     return {{label_aorta, "aorta"}, {label_artery, "artery"},    {label_heart, "heart"},
-            {label_bone, "bone"},   {label_bridge, bridge_name}, {label_organ, "organ"}};
+            {label_bone, "bone"},   {label_bridge, bridge_name}, {label_thread, thread_name},
+            {label_organ, "organ"}};
 }
 
 FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vector<Click> &clicks,
@@ -175,6 +178,7 @@ FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vec
     for (const Source &source : sources_of(scan, bright, clicks)) sources.push_back(source);
     Grown grown =
         grow_arteries(scan, bright, {}, std::move(sources), gate_below(scan, found.ascending), clicks);
+    trace_clicked(scan, bright, contrast, clicks, start, grown.artery, grown.tubes, findings);
     join_clicked(scan, bright, clicks, start, grown.artery, grown.tubes, findings);
     keep_connected(scan, start, grown.artery);
     found.root_mm = found.has_aorta ? place_of(scan, found.ascending.empty() ? found.descending.back()
@@ -201,15 +205,17 @@ void mend_arteries(const Volume &scan, const Mask &body, const Contrast &contras
     for (const Ball &ball : cuts) for_ball(scan, ball, [&](std::size_t at) { artery[at] = aorta[at] = 0; });
     keep_largest(scan, aorta);
     Grown grown = grow_arteries(scan, bright, artery, sources_of(scan, bright, clicks), {}, clicks);
+    trace_clicked(scan, bright, contrast, clicks, aorta, grown.artery, grown.tubes, findings);
     join_clicked(scan, bright, clicks, aorta, grown.artery, grown.tubes, findings);
     keep_connected(scan, aorta, grown.artery);
     const int added = labels.names.rbegin()->first + 1;
     labels.names[added] = "artery";
     labels.names[added + 1] = bridge_name;
+    labels.names[added + 2] = thread_name;
     for (std::size_t at = 0; at < before.size(); ++at) {
         if (before[at] && !grown.artery[at]) labels.volume.hu[at] = 0;
         if (!before[at] && grown.artery[at])
-            labels.volume.hu[at] = static_cast<float>(grown.tubes[at] ? added + 1 : added);
+            labels.volume.hu[at] = static_cast<float>(added + grown.tubes[at]);
     }
 }
 

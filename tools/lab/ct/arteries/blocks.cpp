@@ -1,4 +1,4 @@
-#include "tools/lab/ct/patient/blocks.hpp"
+#include "tools/lab/ct/arteries/blocks.hpp"
 #include <algorithm>
 
 namespace crn::ct

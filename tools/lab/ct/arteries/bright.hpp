@@ -1,7 +1,7 @@
 // The bright voxels of a CT: those of vessels with contrast medium, bones, and undiluted medium.
 #pragma once
-#include "tools/lab/ct/patient/body.hpp"
-#include "tools/lab/ct/patient/growth.hpp"
+#include "tools/lab/ct/arteries/body.hpp"
+#include "tools/lab/ct/arteries/growth.hpp"
 
 namespace crn::ct
 {

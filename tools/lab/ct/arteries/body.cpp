@@ -1,6 +1,6 @@
-#include "tools/lab/ct/patient/body.hpp"
+#include "tools/lab/ct/arteries/body.hpp"
 #include "host/base/format.hpp"
-#include "tools/lab/ct/patient/scan_copy.hpp"
+#include "tools/lab/ct/arteries/scan_copy.hpp"
 #include "tools/mesh/fault.hpp"
 #include <algorithm>
 #include <cmath>

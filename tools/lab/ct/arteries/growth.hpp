@@ -5,7 +5,7 @@
 //     ======\    \==== wide  narrowest voxel, its neck. Each voxel belongs to the source from which the widest
 //     neck   \===            path comes. Where it is much wider behind a neck, the path has left the artery.
 #pragma once
-#include "tools/lab/ct/patient/mask.hpp"
+#include "tools/lab/ct/arteries/mask.hpp"
 #include <cstdint>
 
 namespace crn::ct

@@ -2,8 +2,8 @@
 // copy the patient can be mended and made again without the files of the hospital (docs/own_ct.md).
 #pragma once
 #include "host/model/ct_volume.hpp"
-#include "tools/lab/ct/patient/labels.hpp"
-#include "tools/lab/ct/patient/steps.hpp"
+#include "tools/lab/ct/arteries/labels.hpp"
+#include "tools/lab/ct/arteries/steps.hpp"
 #include <optional>
 
 namespace crn::ct

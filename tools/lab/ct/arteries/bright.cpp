@@ -1,6 +1,6 @@
-#include "tools/lab/ct/patient/bright.hpp"
-#include "tools/lab/ct/patient/blocks.hpp"
-#include "tools/lab/ct/patient/tubes.hpp"
+#include "tools/lab/ct/arteries/bright.hpp"
+#include "tools/lab/ct/arteries/blocks.hpp"
+#include "tools/lab/ct/arteries/tubes.hpp"
 #include "tools/lab/ct/snake.hpp"
 #include <algorithm>
 #include <cmath>

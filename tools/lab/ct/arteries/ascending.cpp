@@ -1,6 +1,6 @@
-#include "tools/lab/ct/patient/ascending.hpp"
+#include "tools/lab/ct/arteries/ascending.hpp"
+#include "tools/lab/ct/arteries/bright.hpp"
 #include "tools/lab/ct/measures.hpp"
-#include "tools/lab/ct/patient/bright.hpp"
 #include <algorithm>
 #include <cmath>
 

@@ -1,8 +1,8 @@
 // Finds the arteries of a CT with contrast medium without a label map, and mends those of a label map by
 // clicks (docs/own_ct.md, "Arteries without a label map").
 #pragma once
-#include "tools/lab/ct/patient/aorta.hpp"
-#include "tools/lab/ct/patient/clicks.hpp"
+#include "tools/lab/ct/arteries/aorta.hpp"
+#include "tools/lab/ct/arteries/clicks.hpp"
 #include "tools/lab/ct/segment.hpp"
 
 namespace crn::ct
@@ -14,6 +14,7 @@ enum : int {
     label_heart = 3,
     label_bone = 4,
     label_bridge = 5,
+    label_thread = 7, // the middle of an artery that was traced from a click
     label_organ = 6
 };
 

@@ -32,7 +32,7 @@ struct LabelMap {
 };
 
 // The structure of what a click says is an artery, although the scan does not show it.
-inline constexpr const char *bridge_name = "artery_bridge";
+inline constexpr const char *bridge_name = "artery_bridge", *thread_name = "artery_thread";
 
 // Arteries belong to the lumen of a scene. Other vessels and chambers may hold contrast medium, too.
 bool is_artery(const std::string &name);

@@ -1,4 +1,4 @@
-#include "tools/lab/ct/patient/mask.hpp"
+#include "tools/lab/ct/arteries/mask.hpp"
 #include <Eigen/Core>
 #include <utility>
 

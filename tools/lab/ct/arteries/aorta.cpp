@@ -1,4 +1,4 @@
-#include "tools/lab/ct/patient/aorta.hpp"
+#include "tools/lab/ct/arteries/aorta.hpp"
 #include "host/base/format.hpp"
 #include "tools/lab/ct/measures.hpp"
 #include "tools/mesh/fault.hpp"

@@ -1,4 +1,4 @@
-#include "tools/lab/ct/patient/clicks.hpp"
+#include "tools/lab/ct/arteries/clicks.hpp"
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"

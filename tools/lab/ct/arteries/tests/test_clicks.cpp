@@ -1,6 +1,6 @@
 // Tests the file of clicks and the option --click of `ct patient`.
 #include "host/base/tests/folder.hpp"
-#include "tools/lab/ct/patient/clicks.hpp"
+#include "tools/lab/ct/arteries/clicks.hpp"
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

@@ -1,8 +1,8 @@
 // Finds what looks like a tube of blood with medium among the bright voxels of a CT (docs/own_ct.md,
 // "Arteries without a label map").
 #pragma once
-#include "tools/lab/ct/patient/aorta.hpp"
-#include "tools/lab/ct/patient/mask.hpp"
+#include "tools/lab/ct/arteries/aorta.hpp"
+#include "tools/lab/ct/arteries/mask.hpp"
 
 namespace crn::ct
 {

@@ -1,7 +1,7 @@
-#include "tools/lab/ct/patient/labels.hpp"
+#include "tools/lab/ct/arteries/labels.hpp"
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
-#include "tools/lab/ct/patient/body.hpp"
+#include "tools/lab/ct/arteries/body.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
 #include <charconv>

@@ -1,7 +1,7 @@
 // Finds the ascending aorta among the round stacks, and the plane below its root.
 #pragma once
-#include "tools/lab/ct/patient/aorta.hpp"
-#include "tools/lab/ct/patient/growth.hpp"
+#include "tools/lab/ct/arteries/aorta.hpp"
+#include "tools/lab/ct/arteries/growth.hpp"
 
 namespace crn::ct
 {

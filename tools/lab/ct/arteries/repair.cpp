@@ -1,4 +1,4 @@
-#include "tools/lab/ct/patient/repair.hpp"
+#include "tools/lab/ct/arteries/repair.hpp"
 #include "host/base/format.hpp"
 #include "tools/centreline/tree.hpp"
 #include "tools/mesh/fault.hpp"

@@ -1,4 +1,4 @@
-#include "tools/lab/ct/patient/scan_copy.hpp"
+#include "tools/lab/ct/arteries/scan_copy.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
