@@ -170,12 +170,30 @@ void crn_row_factor(crn_row *row);
 
 /* Computes the right side r of a row whose blocks crn_row_factor() has computed, and D^-1 r. Returns true if
  * a force reached its limit of 256 N. */
-bool crn_row_force(crn_row *row);
+bool crn_row_any_force(crn_row *row);
 
 #if CRN_ROW_BY_ASSEMBLY
-/* As crn_row_force() for the usual case, in which no force is above 128 N, D^-1 r is below 62 mm, and its
+/* As crn_row_any_force() for the usual case, in which no force is above 128 N, D^-1 r is below 62 mm, and its
  * shift is 1 .. 31 or 33 .. 63. Returns false, and changes nothing, in every other case. */
 bool crn_row_usual_force(crn_row *row);
+
+/* Substitutes back from the node `last`, which is the node number `count` from the tip, to the tip. Returns
+ * 0; or, at a component whose sum is too large for the assembly, 4 times the node's number plus the
+ * component. `saved` is memory for nine registers of the caller. */
+uint32_t crn_row_substitute(crn_work *last, uint32_t count, uint32_t *saved);
 #endif
+
+static inline bool crn_row_force(crn_row *row)
+{
+#if CRN_ROW_BY_ASSEMBLY
+    if (crn_row_usual_force(row)) {
+        return false;
+    }
+#endif
+    return crn_row_any_force(row);
+}
+
+/* Substitutes back for all free nodes, from the base to the tip. */
+void crn_rod_substitute(crn_state *state);
 
 #endif

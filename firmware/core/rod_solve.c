@@ -48,13 +48,8 @@ static inline void apply(const crn_row *row, const int32_t *r)
     z[2] = deviation_of((int64_t)n[XZ] * r[0] + (int64_t)n[YZ] * r[1] + (int64_t)n[ZZ] * r[2], shift);
 }
 
-bool crn_row_force(crn_row *row)
+bool crn_row_any_force(crn_row *row)
 {
-#if CRN_ROW_BY_ASSEMBLY
-    if (crn_row_usual_force(row)) {
-        return false;
-    }
-#endif
     const int32_t *p = row->p_before->m;
     const int32_t r[3] = {gather_force(row, 0, p[XX], p[XY], p[XZ]),
                           gather_force(row, 1, p[XY], p[YY], p[YZ]),
@@ -242,28 +237,41 @@ static void eliminate(const crn_model *model, crn_state *state)
     }
 }
 
-/* Back substitution. Format: Q29 x Q33 -> Q33. Overflow is impossible: displacements are limited to 62 mm, so
- * the sums stay below 2^62. */
-static void substitute(crn_state *state)
+/* Back substitution for the components `first` .. 2 of a node. Format: Q29 x Q33 -> Q33. Overflow is
+ * impossible: displacements are limited to 62 mm, so the sums stay below 2^62. */
+static inline void substitute_node(crn_work *here, int first)
+{
+    const int32_t *w = here->u.f.w_q29;
+    const int32_t *p = here->u.f.p_q29.m;
+    const int32_t *b = here[1].solution_m_q33.v;
+    const int32_t *c = here[2].solution_m_q33.v;
+    const int32_t pr[9] = {p[XX], p[XY], p[XZ], p[XY], p[YY], p[YZ], p[XZ], p[YZ], p[ZZ]};
+    for (int k = first; k < 3; k++) {
+        int64_t sum = (int64_t)w[3 * k] * b[0] + (int64_t)w[3 * k + 1] * b[1] + (int64_t)w[3 * k + 2] * b[2];
+        sum += (int64_t)pr[3 * k] * c[0] + (int64_t)pr[3 * k + 1] * c[1] + (int64_t)pr[3 * k + 2] * c[2];
+        int64_t value = (int64_t)here->solution_m_q33.v[k] + b[k] - crn_rshift_round64(sum, 29);
+        here->solution_m_q33.v[k] = limit(value, SOLUTION_MAX_M_Q33);
+    }
+}
+
+void crn_rod_substitute(crn_state *state)
 {
     uint32_t na = state->words.free_count;
     crn_work *work = state->scratch.nodes;
     work[na].solution_m_q33 = (crn_vec3){{0, 0, 0}};
     work[na + 1].solution_m_q33 = (crn_vec3){{0, 0, 0}};
     for (uint32_t n = na; n > 0; n--) {
-        crn_work *here = &work[n - 1];
-        const int32_t *w = here->u.f.w_q29;
-        const int32_t *p = here->u.f.p_q29.m;
-        const int32_t *b = here[1].solution_m_q33.v;
-        const int32_t *c = here[2].solution_m_q33.v;
-        const int32_t pr[9] = {p[XX], p[XY], p[XZ], p[XY], p[YY], p[YZ], p[XZ], p[YZ], p[ZZ]};
-        for (int k = 0; k < 3; k++) {
-            int64_t sum =
-                (int64_t)w[3 * k] * b[0] + (int64_t)w[3 * k + 1] * b[1] + (int64_t)w[3 * k + 2] * b[2];
-            sum += (int64_t)pr[3 * k] * c[0] + (int64_t)pr[3 * k + 1] * c[1] + (int64_t)pr[3 * k + 2] * c[2];
-            int64_t value = (int64_t)here->solution_m_q33.v[k] + b[k] - crn_rshift_round64(sum, 29);
-            here->solution_m_q33.v[k] = limit(value, SOLUTION_MAX_M_Q33);
+        int first = 0;
+#if CRN_ROW_BY_ASSEMBLY
+        uint32_t saved[9];
+        const uint32_t left = crn_row_substitute(&work[n - 1], n, saved);
+        if (left == 0) {
+            return;
         }
+        n = left / 4;
+        first = (int)(left % 4);
+#endif
+        substitute_node(&work[n - 1], first);
     }
 }
 
@@ -274,12 +282,12 @@ void crn_rod_solve(const crn_model *model, crn_state *state)
         if (crn_rod_eliminate_lanes(model, state)) {
             state->words.fault_bits |= CRN_FAULT_SATURATED;
         }
-        substitute(state);
+        crn_rod_substitute(state);
         return;
     }
 #endif
     eliminate(model, state);
-    substitute(state);
+    crn_rod_substitute(state);
 }
 
 /* Returns the axial force of the tools on the two nodes that the introducer sheath holds, computed from f - A
