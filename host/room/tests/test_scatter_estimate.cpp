@@ -92,7 +92,7 @@ void a_picture_less_itself_is_empty(void **)
     assert_true(estimated_scatter(mask, mask.raw, belly_pixels).empty());
 }
 
-// In a belly of 8 nepers the estimate may take most of the signal, but never all of it.
+// In a belly of 6 nepers, 9 at the spine, the estimate may take most of the signal, but never all of it.
 void the_estimate_never_takes_all_of_a_dark_place(void **)
 {
     const RunFrame dark = belly_of(6.0, 3.0, 0.0);

@@ -15,15 +15,20 @@ using Eigen::Vector3d;
 
 constexpr double join_most_mm = 30, click_mm = 2.5;
 
-// The widest bright voxel near a place.
+// The widest bright voxel near a place. If the nearest one is in a tube, it is that one: the widest may be in
+// a bone beside the tube.
 std::optional<Source> source_near(const Volume &scan, const Bright &bright, const Vector3d &place_mm)
 {
-    std::optional<Source> best;
+    std::optional<Source> widest, nearest;
+    double least_mm = click_mm;
     for_ball(scan, {place_mm, click_mm}, [&](std::size_t at) {
-        if (bright.inside[at] && (!best || bright.widths[at] > best->width))
-            best = Source{at, bright.widths[at]};
+        if (!bright.inside[at]) return;
+        const Source here{at, bright.widths[at]};
+        if (!widest || here.width > widest->width) widest = here;
+        const double mm = (place_at(scan, at) - place_mm).norm();
+        if (mm <= least_mm) nearest = here, least_mm = mm;
     });
-    return best;
+    return nearest && bright.tubes[nearest->at] ? nearest : widest;
 }
 
 double radius_at(const Bright &bright, std::size_t at)

@@ -14,7 +14,8 @@ std::vector<Ball> cuts_of(const std::vector<Click> &clicks);
 // blood. Empty without such a click, and where nothing there is as bright as blood with medium.
 Stack clicked_start(const Volume &scan, const std::vector<Click> &clicks);
 
-// The widest bright voxel near each click into an artery. Throws Fault where nothing there is bright.
+// The widest bright voxel near each click into an artery, or the nearest one if it is in a tube. Throws Fault
+// where nothing there is bright.
 std::vector<Source> sources_of(const Volume &scan, const Bright &bright, const std::vector<Click> &clicks);
 
 // A tube between two vessels, as wide as they are.

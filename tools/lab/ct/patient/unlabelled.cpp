@@ -126,7 +126,8 @@ Unlabelled unlabelled_arteries(const Volume &scan, const Mask &body, const std::
     for (int axis = 0; axis < 3; ++axis)
         result.root_mm[axis] = text.at("root_mm").at(static_cast<std::size_t>(axis)).get<double>();
     result.has_aorta = text.at("has_aorta").get<bool>();
-    for (const Shot &shot : shots) page.add(shot.name, shot.what);
+    for (const Shot &shot : shots)
+        if (result.has_aorta || std::string(shot.name).find("aorta") != 0) page.add(shot.name, shot.what);
     return result;
 }
 
