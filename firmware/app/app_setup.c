@@ -37,7 +37,7 @@ void crn_app_scene_begin(crn_app *app, const uint8_t *payload, size_t length)
     crn_upload *upload = &app->setup.scene_upload;
     bool is_same =
         upload->open && upload->expected_bytes == begin.scene_bytes && upload->crc32 == begin.crc32;
-    /* Of two scenes that need more than both slots, the old one goes first. */
+    /* If either scene takes both slots, the old one goes first. */
     if (begin.scene_bytes == 0 || takes_both(app, begin.scene_bytes) ||
         takes_both(app, app->setup.scene_bytes)) {
         app->setup.has_scene = false;
