@@ -86,7 +86,7 @@ typedef struct crn_port {
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */
     const char *serial;         /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
-    uint8_t *scene_slots[2];    /* two: the old scene stays until the new one is checked, if neither takes both */
+    uint8_t *scene_slots[2];    /* two buffers: the old scene stays until the new one is checked (near.md) */
     uint32_t scene_slot_bytes;  /* size of each, 4-byte aligned */
     uint32_t scene_large_bytes; /* size of both if they adjoin, for one larger scene in both; 0: none */
     void *near_memory;   /* 32-byte aligned, for the parts of a scene that a tick reads (core/near/near.h) */
