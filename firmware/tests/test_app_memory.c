@@ -129,6 +129,37 @@ static void a_scene_larger_than_a_slot_takes_both(void **state)
     assert_true(hash_of_session() == small_hash);
 }
 
+/* Loads a scene whose first byte is wrong: it is refused after its last byte. */
+static void load_damaged(scene_file *scene)
+{
+    scene->bytes[0] ^= 0xff;
+    assert_false(client_load_scene(&host, scene->bytes, scene->count));
+    assert_true(crn_wire_decode_reject(host.decoder.payload, host.decoder.payload_bytes, &reject));
+    scene->bytes[0] ^= 0xff;
+}
+
+/* The upload has written over the old scene, if either takes both slots. So free space is left, and no part
+ * of a scene. */
+static void a_damaged_scene_in_both_slots_leaves_free_space(void **state)
+{
+    (void)state;
+    const uint64_t small_hash = hash_of(&small);
+    crn_sim_set_memory(host.sim, true, NULL, 0);
+    greet();
+    const uint64_t free_hash = hash_of_session();
+    assert_true(free_hash != small_hash);
+    assert_true(client_load_scene(&host, small.bytes, small.count));
+    load_damaged(&small); /* neither takes both slots: the old one stays */
+    assert_true(hash_of_session() == small_hash);
+    load_damaged(&large);
+    assert_true(hash_of_session() == free_hash);
+    assert_true(client_load_scene(&host, large.bytes, large.count));
+    load_damaged(&small);
+    assert_true(hash_of_session() == free_hash);
+    assert_true(client_load_scene(&host, small.bytes, small.count));
+    assert_true(hash_of_session() == small_hash);
+}
+
 /* Where the slots do not lie side by side, a scene larger than one is refused, and the old one stays. */
 static void a_scene_larger_than_a_slot_is_refused_elsewhere(void **state)
 {
@@ -161,6 +192,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_scene_larger_than_a_slot_takes_both, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_damaged_scene_in_both_slots_leaves_free_space, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_scene_larger_than_a_slot_is_refused_elsewhere, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_scene_that_near_memory_cannot_hold_is_refused, set_up, tear_down),
     };
