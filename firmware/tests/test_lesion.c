@@ -16,6 +16,7 @@
 #include <cmocka.h>
 
 #include "firmware/core/lesion.h"
+#include "firmware/core/near/near.h"
 #include "firmware/tests/reference/damage.h"
 #include "firmware/tests/reference/long_run.h"
 #include "firmware/tests/reference/moving_tube.h"
@@ -99,7 +100,7 @@ static const reference_tube *tube(void)
     return made;
 }
 
-static rig *rig_make(double yield_kPa, double recoil)
+static rig *rig_in(double yield_kPa, double recoil, void *near_memory, uint32_t near_bytes)
 {
     rig *r = calloc(1, sizeof *r);
     const crn_instrument tool = balloon_catheter();
@@ -110,9 +111,19 @@ static rig *rig_make(double yield_kPa, double recoil)
     r->lumen = tube()->lumen;
     r->lumen.lesion_count = 1;
     r->lumen.lesions = &r->lesion;
+    if (near_memory != NULL) {
+        assert_true(crn_lumen_near_bytes(&r->lumen) <= near_bytes);
+        crn_lumen_near_begin(&r->lumen, NULL, &r->lesion, near_memory, near_bytes);
+        memset(r->stations, 0x55, sizeof r->stations); /* nobody reads the scene's own any more */
+    }
     assert_int_equal(crn_model_build(&r->model, &tool, 1, &r->lumen, &entry, &place), CRN_BUILD_OK);
     crn_state_init(&r->model, &r->state, &inserted_um);
     return r;
+}
+
+static rig *rig_make(double yield_kPa, double recoil)
+{
+    return rig_in(yield_kPa, recoil, NULL, 0);
 }
 
 static void inflate(rig *r, double kPa, int ticks)
@@ -399,9 +410,27 @@ static void a_damaged_opening_is_not_restored(void **state)
     free(r);
 }
 
+/* Near memory (near.h) holds a copy of the stations, and changes no number. */
+static void a_lesion_in_near_memory_opens_as_in_place(void **state)
+{
+    (void)state;
+    static uint8_t memory[1 << 18] __attribute__((aligned(CRN_NEAR_ALIGNMENT)));
+    rig *in_place = rig_make(200, 0.1), *copied = rig_in(200, 0.1, memory, sizeof memory);
+    for (int i = 0; i < 100; i++) {
+        inflate(in_place, 400, 10);
+        inflate(copied, 400, 10);
+        assert_memory_equal(in_place->output.hash_lane, copied->output.hash_lane,
+                            sizeof copied->output.hash_lane);
+    }
+    assert_true(open_at(in_place, MIDDLE) > 0.5);
+    free(in_place);
+    free(copied);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_lesion_in_near_memory_opens_as_in_place),
         cmocka_unit_test(open_by_a_share_its_radius_is_between_channel_and_vessel),
         cmocka_unit_test(normals_are_those_of_the_distance),
         cmocka_unit_test(an_open_lesion_goes_with_a_beating_vessel),
