@@ -133,7 +133,8 @@ def stale(script):
 def main():
     report = tree.Report()
     self_test(report)
-    sources = [path for path in tree.files(".c") if os.path.dirname(path) == "firmware/core"]
+    folders = ("firmware/core", "firmware/core/near")
+    sources = [path for path in tree.files(".c") if os.path.dirname(path) in folders]
     report.check("there is a core to check", [] if sources else ["no .c file in firmware/core"])
     for name, command in TARGETS.items():
         with tempfile.TemporaryDirectory() as folder:
