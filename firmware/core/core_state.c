@@ -119,10 +119,9 @@ static uint32_t word_at(const uint8_t *bytes, size_t i)
 
 /* Checks the length of a tangent against the bounds that a tick keeps. For an edge whose |w|^2 is 1 + 2e, a
  * tick computes the tangent w p(e), where p is the series of 1 / sqrt(1 + 2e) up to e^3 (rod_force.c). For
- * |e|
- * <= 1/8, the square of the tangent's length is (1 + 2e) p(e)^2, which is at most 1 and at least 1 - 2.39e-3
- * (at e = -1/8). For |e| > 1/8, a root makes the tangent a unit vector to 1e-8. Inside the sheath, the
- * tangent is the direction of insertion, the square of whose length may differ from 1 by 2^-19
+ * |e| <= 1/8, the square of the tangent's length is (1 + 2e) p(e)^2, which is at most 1 and at least 1
+ * - 2.39e-3 (at e = -1/8). For |e| > 1/8, a root makes the tangent a unit vector to 1e-8. Inside the sheath,
+ * the tangent is the direction of insertion, the square of whose length may differ from 1 by 2^-19
  * (core_check.c). A shorter tangent than these cannot break a bound of a tick, because each tick computes the
  * tangents anew before it uses them in a product that must not overflow. */
 static bool is_tangent(const crn_vec3 *a)

@@ -21,8 +21,7 @@
  * Q(a) N/m below 2^29 for D, R, S, Q, T and kb, Q29 for V and P, Q22 N for r, and Q33 m for delta. */
 #include "firmware/core/rod_block.h"
 
-/* --- a row, in C
- * -------------------------------------------------------------------------------------------- */
+/* --- a row, in C --- */
 
 /* Returns one component of the right side r + r' - V'^T r' - P'' r'', limited to 256 newtons. Overflow is
  * impossible: forces are within 2^30, and the magnitudes of a row of V^T and of a row of P add up to less

@@ -147,8 +147,7 @@ static void write_hash(const core_scene *scene, const crn_output *output)
     console_write("\n");
 }
 
-/* --- random rows of the matrix
- * ------------------------------------------------------------------------------------- */
+/* --- random rows of the matrix --- */
 
 enum { ROWS = 4000 };
 

@@ -58,7 +58,7 @@ class Tracer
                 if (!met) met = at;
                 continue;
             }
-            go_on(at, Reached(here), queue);
+            go_on(at, here, queue);
         }
         return met;
     }
@@ -71,8 +71,7 @@ class Tracer
         return way;
     }
 
-    // The end of the longest way through tubes that leaves the given way near the click and ends outside the
-    // artery.
+    // The end of the longest way through tubes that leaves the given way near the click.
     std::optional<std::size_t> far_end(const std::vector<std::size_t> &way) const
     {
         constexpr double shared_most_mm = 6.0, off_share = 0.15, least_mm = 5.0;
@@ -149,9 +148,9 @@ void mark_way(const Volume &scan, const Bright &bright, const std::vector<std::s
         const auto mark = [&](std::size_t at) { artery[at] = 1, tubes[at] = thread_mark; };
         for_ball(scan, {place_at(scan, middle), radius_mm},
                  [&](std::size_t at) { artery[at] = artery[at] || bright.inside[at]; });
+        // With the neighbours, the thread is connected over faces where the way goes diagonally, too.
         mark(middle);
-        for_neighbours(scan, middle,
-                       mark); // so the thread is connected over faces, also where the way goes diagonally
+        for_neighbours(scan, middle, mark);
     }
 }
 
