@@ -15,6 +15,8 @@ struct BakedBody {
     int parent = -1;
     Mesh mesh;
     bool moves = false; // with the lumen
+    std::vector<Eigen::Vector3d> inhaled_mm =
+        {}; // the vertices after a full breath; empty: breath does not move it
 };
 
 // The functions below check the bytes that they return with the scene reader of shared/scene, and throw Fault

@@ -107,6 +107,7 @@ struct BodyText {
     bool moves = false;     // moves with the lumen
     bool is_marrow = false; // made from the body it lies inside, form.shell_mm deep
     MeshText mesh;
+    std::filesystem::path inhaled; // the same mesh after a full breath; empty: breath does not move it
     FormText form;
 };
 

@@ -6,6 +6,7 @@
 #include "host/base/progress_line.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
+#include "tools/anatomy/breath.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
@@ -161,6 +162,20 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
         "%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines, %zu small vessels\n",
         (options.folder / "scene.toml").string().c_str(), lumen, made.size(), total, tree.vessels.size(),
         small.size());
+}
+
+void make_breathing_scene(const Options &options, const VesselTree &tree, std::vector<Body> bodies,
+                          const Person &person)
+{
+    const Breath breath(tree, person);
+    for (Body &body : bodies) body.is_breathing = breathes(body.name);
+    make_scene(options, tree, bodies, [&](const std::string &name, const Mesh &mesh) {
+        if (!breathes(name)) return;
+        Mesh inhaled{breath.inhaled(mesh.vertices_mm), mesh.triangles};
+        enlarge(inhaled.vertices_mm, options.scale);
+        write_ply(options.folder / (file_stem(name) + "_inhaled.ply"), inhaled,
+                  "Cournand anatomy, " + name + " after a full breath, millimetres");
+    });
 }
 
 std::vector<Body> no_bodies(const VesselTree &, const Fineness &)
